@@ -1,0 +1,32 @@
+# Language level, warnings, sanitizers, ccache and output folders for the whole tree.
+option(VISMEM_WERROR "Treat warnings as errors" OFF)
+set(VISMEM_SANITIZE "" CACHE STRING "Value of -fsanitize=, empty for none")
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+
+# Release binaries keep assertions out and run on any CPU of the architecture: no -march flags here.
+set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+
+find_program(VISMEM_CCACHE ccache)
+if(VISMEM_CCACHE)
+  # Relative paths let checkouts in different folders share one cache.
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+      ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${VISMEM_CCACHE})
+  set(CMAKE_C_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
+endif()
+
+if(VISMEM_SANITIZE)
+  add_compile_options(-fsanitize=${VISMEM_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${VISMEM_SANITIZE})
+endif()
+
+add_library(project_warnings INTERFACE)
+target_compile_options(project_warnings INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor
+                                                  -Woverloaded-virtual)
+if(VISMEM_WERROR)
+  target_compile_options(project_warnings INTERFACE -Werror)
+endif()

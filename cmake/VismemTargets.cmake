@@ -1,0 +1,43 @@
+# How every library, program and test of the project is declared, so that they all agree.
+find_package(Threads REQUIRED)
+find_package(GTest REQUIRED)
+
+# vismem_library(NAME SOURCES file... [PUBLIC lib...] [PRIVATE lib...])
+# Headers are included from the folder components/: "common/geometry/pose2.h".
+function(vismem_library name)
+  cmake_parse_arguments(A "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(${name} STATIC ${A_SOURCES})
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR}/components)
+  target_link_libraries(${name} PUBLIC ${A_PUBLIC} PRIVATE ${A_PRIVATE} project_warnings)
+endfunction()
+
+# vismem_program(NAME SOURCES file... LIBRARIES lib...)
+function(vismem_program name)
+  cmake_parse_arguments(A "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${A_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/components)
+  target_link_libraries(${name} PRIVATE ${A_LIBRARIES} project_warnings)
+endfunction()
+
+# vismem_test(NAME LABEL unit|property|golden|contract|component|system SOURCES file... LIBRARIES lib...
+#             [TIMEOUT seconds] [PROGRAMS target...])
+# One CTest entry per test program. PROGRAMS are built first: tests that start real processes name them.
+# VISMEM_SOURCE_DIR and VISMEM_BIN_DIR are defined for tests that need test/data, cfg/ or the programs.
+function(vismem_test name)
+  cmake_parse_arguments(A "" "LABEL;TIMEOUT" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
+  add_executable(${name} ${A_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/components ${PROJECT_SOURCE_DIR}/test)
+  target_compile_definitions(${name} PRIVATE VISMEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                             VISMEM_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  target_link_libraries(${name} PRIVATE ${A_LIBRARIES} GTest::gmock GTest::gtest GTest::gtest_main project_warnings)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test)
+  if(A_PROGRAMS)
+    add_dependencies(${name} ${A_PROGRAMS})
+  endif()
+  if(NOT A_TIMEOUT)
+    set(A_TIMEOUT 60)
+  endif()
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES LABELS "${A_LABEL}" TIMEOUT ${A_TIMEOUT}
+                       ENVIRONMENT "TSAN_OPTIONS=ignore_noninstrumented_modules=1;UBSAN_OPTIONS=print_stacktrace=1")
+endfunction()

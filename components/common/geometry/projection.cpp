@@ -1,0 +1,54 @@
+#include "common/geometry/projection.h"
+
+#include <cmath>
+
+namespace vismem {
+
+std::optional<Segment2> projectSegmentUnbounded(const CameraIntrinsics& intrinsics,
+                                                const Pose3& T_world_camera, const Segment3& segment_world) {
+  const Pose3 T_camera_world = T_world_camera.inverse(Eigen::Isometry);
+  Eigen::Vector3d a = T_camera_world * segment_world.a;
+  Eigen::Vector3d b = T_camera_world * segment_world.b;
+  if (a.z() < kNearPlane_m && b.z() < kNearPlane_m) return std::nullopt;
+  // Cut the end that lies before the near plane.
+  if (a.z() < kNearPlane_m) {
+    a += (kNearPlane_m - a.z()) / (b.z() - a.z()) * (b - a);
+  } else if (b.z() < kNearPlane_m) {
+    b += (kNearPlane_m - b.z()) / (a.z() - b.z()) * (a - b);
+  }
+  return Segment2{*projectToIdeal(intrinsics, a), *projectToIdeal(intrinsics, b)};
+}
+
+std::optional<Segment2> projectSegment(const CameraIntrinsics& intrinsics, const Pose3& T_world_camera,
+                                       const Segment3& segment_world) {
+  const auto whole = projectSegmentUnbounded(intrinsics, T_world_camera, segment_world);
+  if (!whole) return std::nullopt;
+  return clipToBox(*whole, {-0.5, -0.5}, {intrinsics.width - 0.5, intrinsics.height - 0.5});
+}
+
+std::optional<Eigen::Vector3d> backProjectToGround(const CameraIntrinsics& intrinsics,
+                                                   const Pose3& T_world_camera,
+                                                   const Eigen::Vector2d& px_ideal, double max_range_m) {
+  const Eigen::Vector3d d_world = T_world_camera.linear() * idealPixelRay(intrinsics, px_ideal);
+  const Eigen::Vector3d& centre = T_world_camera.translation();
+  if (centre.z() <= 0.0 || d_world.z() >= 0.0) return std::nullopt;
+  const double scale = -centre.z() / d_world.z();
+  const Eigen::Vector3d p{centre.x() + scale * d_world.x(), centre.y() + scale * d_world.y(), 0.0};
+  const double range = (p - centre).head<2>().norm();
+  if (!(range <= max_range_m)) return std::nullopt;
+  return p;
+}
+
+HorizonLine horizonLine(const CameraIntrinsics& k, const Pose3& T_world_camera) {
+  // A pixel's ray goes down when its world z is negative: r . ((u-cx)/fx, (v-cy)/fy, 1) < 0, r the third row.
+  const Eigen::Vector3d r = T_world_camera.linear().row(2);
+  HorizonLine line;
+  line.normal = {-r.x() / k.fx, -r.y() / k.fy};
+  line.offset = r.x() * k.cx / k.fx + r.y() * k.cy / k.fy - r.z();
+  const double norm = line.normal.norm();
+  constexpr double kVertical = 1e-12;
+  if (norm < kVertical) return {Eigen::Vector2d::Zero(), r.z() < 0.0 ? 1.0 : -1.0};
+  return {line.normal / norm, line.offset / norm};
+}
+
+}  // namespace vismem

@@ -1,0 +1,67 @@
+/// @file A frame with the robot's state at its own stamp, and how it is put together. Pure. SPEC G3.
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "common/robot/history.h"
+#include "common/robot/samples.h"
+
+namespace vismem {
+
+/// Everything the algorithms know of one instant.
+struct RobotObservation {
+  Frame frame;
+  Pose2 T_odom_robot;
+  Pose3 T_robot_camera = Pose3::Identity();
+  /// Joint angles at the stamp; empty where the source has no pan-tilt unit.
+  std::optional<PanTilt> pan_tilt;
+  /// Counts up whenever the source's time or odometry jumped: what was remembered before no longer fits.
+  std::uint32_t epoch = 0;
+};
+
+/// Joins frames, pan-tilt and odometry by their stamps. *Single-threaded* (owner: the perception loop).
+/// Invariant: an observation is given only when both histories cover the frame's stamp; frames older than
+/// the histories are dropped and counted.
+class ObservationAssembler {
+ public:
+  struct Params {
+    CameraMount mount;              ///< used for frames that do not carry T_robot_camera
+    bool has_pan_tilt = true;       ///< false: frames must carry T_robot_camera, no joint history is awaited
+    StampUs max_gap_us = 500'000;   ///< samples further apart than this are not interpolated between
+    double max_jump_m = 0.5;        ///< odometry that moves further than this between two samples is a jump
+    double max_jump_rad = 1.0;
+  };
+
+  explicit ObservationAssembler(const Params& params);
+
+  void add(Frame frame);
+  void add(const PanTiltSample& sample);
+  void add(const OdometrySample& sample);
+
+  /// The newest frame that both histories cover, if any is left; older frames are passed over ("latest
+  /// wins") unless `every_frame`, which gives them one by one (logs, lock-step).
+  std::optional<RobotObservation> take(bool every_frame = false);
+
+  /// Robot pose at a stamp, if known.
+  std::optional<Pose2> odometryAt(StampUs stamp_us) const { return odometry_.at(stamp_us); }
+  std::optional<OdometrySample> latestOdometry() const { return odometry_.latest(); }
+  std::optional<PanTiltSample> latestPanTilt() const { return pan_tilt_.latest(); }
+  std::uint64_t droppedFrames() const { return dropped_frames_; }
+  std::uint32_t epoch() const { return epoch_; }
+
+ private:
+  void beginEpoch();
+  std::optional<RobotObservation> observe(const Frame& frame) const;
+
+  Params params_;
+  std::deque<Frame> frames_;
+  SampleHistory<PanTiltSample> pan_tilt_;
+  SampleHistory<OdometrySample> odometry_;
+  StampUs newest_frame_us_ = 0;
+  std::uint64_t dropped_frames_ = 0;
+  std::uint32_t epoch_ = 0;
+};
+
+}  // namespace vismem

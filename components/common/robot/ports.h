@@ -1,0 +1,144 @@
+/// @file The three ports of a robot. Drivers, the simulator, the replay of a log and the Ice clients of
+/// remote servers all implement them; everything above is written against them alone (DESIGN 2).
+///
+/// Life of a port: capabilities() at any time; configure() before start(); next()/samples/commands between
+/// start() and stop(). Failures at run time are returned, never thrown: a source that is gone may come back.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "common/robot/samples.h"
+
+namespace vismem {
+
+/// How a source answered a request: taken as asked, changed (to what `message` says), or refused (why).
+struct PortReply {
+  enum class Kind { kAccepted, kAdjusted, kRejected };
+  Kind kind = Kind::kAccepted;
+  std::string message;
+
+  bool ok() const { return kind != Kind::kRejected; }
+  static PortReply accepted() { return {}; }
+  static PortReply adjusted(std::string what) { return {Kind::kAdjusted, std::move(what)}; }
+  static PortReply rejected(std::string why) { return {Kind::kRejected, std::move(why)}; }
+};
+
+enum class SourceState {
+  kRunning,   ///< delivers
+  kWaiting,   ///< nothing yet, or the peer or device is away; `message` says for what; ask again
+  kFinished,  ///< the end of a log: nothing more comes unless it is rewound
+};
+
+/// --- camera ---------------------------------------------------------------------------------------
+
+struct FrameRequest {
+  int width = 0;           ///< 0: the source's own choice
+  int height = 0;          ///< 0: the source's own choice
+  double rate_hz = 0.0;    ///< 0: the source's own choice
+};
+
+struct FrameCapabilities {
+  std::string name;  ///< what the source is, for people: "simulated camera", "/dev/video0 (vivid)"
+  int width = 0;
+  int height = 0;
+  double rate_hz = 0.0;       ///< nominal
+  bool knows_camera_pose = false;  ///< its frames carry T_robot_camera
+};
+
+struct FrameResult {
+  SourceState state = SourceState::kWaiting;
+  std::optional<Frame> frame;  ///< present only with kRunning
+  std::string message;
+};
+
+/// A camera. One consumer; *not* thread-safe unless an implementation says so.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  virtual FrameCapabilities capabilities() const = 0;
+  virtual PortReply configure(const FrameRequest& request) = 0;
+  virtual PortReply start() = 0;
+  /// The next frame not yet delivered, the newest if several are waiting (latest wins). Waits at most
+  /// `timeout`; kWaiting when none came.
+  virtual FrameResult next(std::chrono::milliseconds timeout) = 0;
+  virtual void stop() = 0;
+};
+
+/// --- pan-tilt unit --------------------------------------------------------------------------------
+
+struct PanTiltLimits {
+  double min_pan_rad = 0.0;
+  double max_pan_rad = 0.0;
+  double min_tilt_rad = 0.0;
+  double max_tilt_rad = 0.0;
+  double max_pan_rate_radps = 0.0;
+  double max_tilt_rate_radps = 0.0;
+};
+
+/// A command: either a position to reach (rates bound the way there; 0 = the unit's maximum) or a velocity
+/// to hold until the next command.
+struct PanTiltCommand {
+  enum class Kind { kPosition, kVelocity };
+  Kind kind = Kind::kVelocity;
+  double pan_rad = 0.0;  ///< kPosition
+  double tilt_rad = 0.0;
+  double pan_rate_radps = 0.0;  ///< kVelocity: signed; kPosition: >= 0, upper bound
+  double tilt_rate_radps = 0.0;
+};
+
+template <typename Sample>
+struct SampleBatch {
+  SourceState state = SourceState::kWaiting;
+  std::vector<Sample> samples;  ///< oldest first, all newer than asked for
+  std::string message;
+};
+
+class PanTiltUnit {
+ public:
+  virtual ~PanTiltUnit() = default;
+  virtual PanTiltLimits limits() const = 0;
+  virtual PortReply start() = 0;
+  /// Angles outside the limits are adjusted to them; values that are not finite are rejected.
+  virtual PortReply command(const PanTiltCommand& command) = 0;
+  /// Samples with stamp_us > after_us that the unit still holds (at least its last second); waits at most
+  /// `timeout` for one.
+  virtual SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) = 0;
+  virtual void stop() = 0;
+};
+
+/// --- mobile base ----------------------------------------------------------------------------------
+
+struct BaseLimits {
+  double max_speed_mps = 0.0;
+  double max_turn_rate_radps = 0.0;
+  double watchdog_s = 0.0;  ///< the base stops by itself when no command came for this long
+};
+
+class MobileBase {
+ public:
+  virtual ~MobileBase() = default;
+  virtual BaseLimits limits() const = 0;
+  virtual PortReply start() = 0;
+  /// Speeds above the limits are adjusted to them; values that are not finite are rejected.
+  virtual PortReply setVelocity(double v_mps, double w_radps) = 0;
+  /// As PanTiltUnit::samplesSince.
+  virtual SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) = 0;
+  virtual void stop() = 0;
+};
+
+/// A whole robot whose time moves only when told to: the simulator or a recorded log in lock-step, in one
+/// process. `camera().next(0ms)` then gives the frame just reached.
+class SteppedRobot {
+ public:
+  virtual ~SteppedRobot() = default;
+  /// Moves time to the next frame of the camera, and on until pan-tilt and odometry cover its stamp.
+  /// @return false at the end of a log.
+  virtual bool advanceToNextFrame() = 0;
+  virtual FrameSource& camera() = 0;
+  virtual PanTiltUnit& panTilt() = 0;
+  virtual MobileBase& base() = 0;
+};
+
+}  // namespace vismem

@@ -1,0 +1,50 @@
+/// @file What a robot's sensors deliver: values with a capture stamp. Pure.
+/// Stamps are microseconds of the source's clock (DESIGN 14): never compare them with the wall clock.
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
+#include "common/geometry/camera.h"
+#include "common/geometry/pose.h"
+
+namespace vismem {
+
+using StampUs = std::int64_t;
+
+constexpr StampUs kSecondUs = 1'000'000;
+constexpr double toSeconds(StampUs stamp_us) { return static_cast<double>(stamp_us) * 1e-6; }
+constexpr StampUs toStampUs(double seconds) {
+  return static_cast<StampUs>(seconds * 1e6 + (seconds < 0 ? -0.5 : 0.5));
+}
+
+/// One image. The pixels are shared and must not be written after the frame was handed on.
+struct Frame {
+  StampUs stamp_us = 0;   ///< of the exposure's middle
+  std::uint64_t seq = 0;  ///< counts up by one per captured frame; gaps are frames that were dropped
+  cv::Mat image;          ///< CV_8UC3 in the order R, G, B, or CV_8UC1; raw pixels (with distortion)
+  CameraIntrinsics intrinsics;
+  /// Full pose of the camera on the robot, when the source knows it (humanoid kinematics, a log's tf).
+  /// Where present it wins over mount and pan-tilt.
+  std::optional<Pose3> T_robot_camera;
+};
+
+/// Joint angles of the pan-tilt unit. pan > 0 looks left, tilt > 0 looks up.
+struct PanTiltSample {
+  StampUs stamp_us = 0;
+  std::uint64_t seq = 0;
+  double pan_rad = 0.0;
+  double tilt_rad = 0.0;
+};
+
+/// Dead-reckoned pose of the robot. The origin of odom is the base's own affair.
+struct OdometrySample {
+  StampUs stamp_us = 0;
+  std::uint64_t seq = 0;
+  Pose2 T_odom_robot;
+  double v_mps = 0.0;    ///< forward speed
+  double w_radps = 0.0;  ///< turn rate, counter-clockwise
+};
+
+}  // namespace vismem
