@@ -19,6 +19,12 @@ function(vismem_program name)
   target_link_libraries(${name} PRIVATE ${A_LIBRARIES} project_warnings)
 endfunction()
 
+# Building tests_LABEL builds the tests of one label and nothing that they do not need.
+set(VISMEM_TEST_LABELS unit property golden contract component system)
+foreach(label IN LISTS VISMEM_TEST_LABELS)
+  add_custom_target(tests_${label})
+endforeach()
+
 # vismem_test(NAME LABEL unit|property|golden|contract|component|system SOURCES file... LIBRARIES lib...
 #             [TIMEOUT seconds] [PROGRAMS target...])
 # One CTest entry per test program. PROGRAMS are built first: tests that start real processes name them.
@@ -34,6 +40,10 @@ function(vismem_test name)
   if(A_PROGRAMS)
     add_dependencies(${name} ${A_PROGRAMS})
   endif()
+  if(NOT A_LABEL IN_LIST VISMEM_TEST_LABELS)
+    message(FATAL_ERROR "${name}: LABEL ${A_LABEL} (must be one of ${VISMEM_TEST_LABELS})")
+  endif()
+  add_dependencies(tests_${A_LABEL} ${name})
   if(NOT A_TIMEOUT)
     set(A_TIMEOUT 60)
   endif()
