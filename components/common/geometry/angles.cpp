@@ -9,7 +9,9 @@ double wrapAngle(double angle_rad) {
   return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
 }
 
-double angleDifference(double to_rad, double from_rad) { return wrapAngle(to_rad - from_rad); }
+double angleDifference(double to_rad, double from_rad) {
+  return wrapAngle(to_rad - from_rad);
+}
 
 double lineAngleDifference(double a_rad, double b_rad) {
   return std::abs(std::remainder(a_rad - b_rad, std::numbers::pi));

@@ -84,8 +84,7 @@ Pose3 cameraPose(const CameraMount& mount, double pan_rad, double tilt_rad) {
   using Eigen::AngleAxisd;
   using Eigen::Vector3d;
   // Camera axes on the head: its z looks along the head's x, its x along -y, its y along -z.
-  static const Eigen::Matrix3d R_body_camera =
-      (Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished();
+  static const Eigen::Matrix3d R_body_camera = (Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished();
   Pose3 T_pantilt_head = Pose3::Identity();
   T_pantilt_head.linear() =
       (AngleAxisd(pan_rad, Vector3d::UnitZ()) * AngleAxisd(-tilt_rad, Vector3d::UnitY())).toRotationMatrix();

@@ -48,7 +48,9 @@ Pose3 poseFromXyzRpy(double x, double y, double z, double roll, double pitch, do
   return pose;
 }
 
-Pose3 toPose3(const Pose2& pose) { return poseFromXyzRpy(pose.x, pose.y, 0.0, 0.0, 0.0, pose.theta); }
+Pose3 toPose3(const Pose2& pose) {
+  return poseFromXyzRpy(pose.x, pose.y, 0.0, 0.0, 0.0, pose.theta);
+}
 
 Pose2 toPose2(const Pose3& pose) {
   const Eigen::Vector3d x_axis = pose.linear().col(0);

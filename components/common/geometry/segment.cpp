@@ -17,7 +17,9 @@ double nearestFraction(const Vector& p, const Vector& a, const Vector& b) {
 
 }  // namespace
 
-double Segment2::direction() const { return std::atan2(b.y() - a.y(), b.x() - a.x()); }
+double Segment2::direction() const {
+  return std::atan2(b.y() - a.y(), b.x() - a.x());
+}
 
 Segment2 transform(const Pose2& T_a_b, const Segment2& segment_b) {
   return {transform(T_a_b, segment_b.a), transform(T_a_b, segment_b.b)};

@@ -11,7 +11,9 @@ constexpr StampUs kHistorySpan_us = 5 * kSecondUs;
 constexpr StampUs kBackwards_us = kSecondUs;
 constexpr std::size_t kMaxWaitingFrames = 64;
 
-bool wentBack(StampUs stamp_us, StampUs newest_us) { return stamp_us + kBackwards_us < newest_us; }
+bool wentBack(StampUs stamp_us, StampUs newest_us) {
+  return stamp_us + kBackwards_us < newest_us;
+}
 
 }  // namespace
 

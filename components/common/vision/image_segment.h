@@ -20,9 +20,9 @@ inline const Label kAnyLabel = "any";
 /// picture, at `middle + (d.y, -d.x)` for d = b - a: the direction carries the polarity of the edge. Seen
 /// from above the floor, left stays left, so a back-projected segment keeps it.
 struct ImageSegment {
-  Segment2 px;                  ///< ideal (undistorted) pixels
+  Segment2 px;  ///< ideal (undistorted) pixels
   Label label = kUnknownLabel;
-  double strength = 0.0;        ///< mean difference of brightness across the segment [grey levels, 0..255]
+  double strength = 0.0;  ///< mean difference of brightness across the segment [grey levels, 0..255]
 };
 
 }  // namespace vismem

@@ -1,0 +1,244 @@
+#include "common/segment_map/segment_map.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include "common/config/config_error.h"
+
+namespace vismem {
+namespace {
+
+constexpr std::string_view kHeader = "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label";
+constexpr std::string_view kHeaderWithWidth = "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label,width_m";
+constexpr std::array<std::string_view, 8> kColumns{"x1_m", "y1_m", "z1_m",  "x2_m",
+                                                   "y2_m", "z2_m", "label", "width_m"};
+constexpr std::size_t kLabelColumn = 6;
+constexpr std::size_t kWidthColumn = 7;
+
+struct Cell {
+  std::string_view text;
+  std::size_t column = 1;  // of its first character, from 1
+};
+
+Cell trimmed(Cell cell) {
+  constexpr std::string_view kBlank = " \t\r";
+  const auto first = cell.text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {{}, cell.column};
+  const auto last = cell.text.find_last_not_of(kBlank);
+  return {cell.text.substr(first, last - first + 1), cell.column + first};
+}
+
+std::vector<Cell> split(std::string_view line) {
+  std::vector<Cell> cells;
+  std::size_t begin = 0;
+  while (true) {
+    const auto comma = std::min(line.find(',', begin), line.size());
+    cells.push_back(trimmed({line.substr(begin, comma - begin), begin + 1}));
+    if (comma == line.size()) return cells;
+    begin = comma + 1;
+  }
+}
+
+std::optional<double> number(std::string_view text) {
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);  // from_chars does not take it
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+bool isLabel(std::string_view text) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return !text.empty() && letter(text.front()) && std::all_of(text.begin(), text.end(), [&](char c) {
+    return letter(c) || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+class Reader {
+ public:
+  explicit Reader(const std::string& file_name) : file_name_(file_name) {}
+
+  SegmentMap read(std::string_view text) {
+    while (!text.empty()) {
+      ++line_;
+      const auto end = std::min(text.find('\n'), text.size());
+      readLine(text.substr(0, end));
+      text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    if (columns_ == 0) {
+      problems_.push_back(file_name_ + ": no header line, expected \"" + std::string(kHeader) +
+                          "[,width_m]\"");
+    } else if (map_.segments.empty() && problems_.empty()) {
+      problems_.push_back(file_name_ + ": no segments");
+    }
+    if (!problems_.empty()) throw ConfigError(problems_);
+    return std::move(map_);
+  }
+
+ private:
+  void problem(std::size_t column, const std::string& what) {
+    std::ostringstream out;
+    out << file_name_ << ':' << line_ << ':' << column << ": " << what;
+    problems_.push_back(out.str());
+  }
+
+  void readLine(std::string_view text) {
+    text = text.substr(0, text.find('#'));
+    const Cell whole = trimmed({text, 1});
+    if (whole.text.empty()) return;
+    if (columns_ == 0) {
+      readHeader(whole);
+    } else {
+      readRow(split(text));
+    }
+  }
+
+  void readHeader(const Cell& header) {
+    columns_ = header.text == kHeader ? kLabelColumn + 1 : kColumns.size();
+    if (header.text == kHeader || header.text == kHeaderWithWidth) return;
+    problem(header.column, "header = \"" + std::string(header.text) + "\" (must be \"" +
+                               std::string(kHeader) + "[,width_m]\")");
+  }
+
+  void readRow(const std::vector<Cell>& cells) {
+    // The width may be left out row by row.
+    if (cells.size() < kLabelColumn + 1 || cells.size() > columns_) {
+      const std::string expected = columns_ == kColumns.size() ? "7 or 8" : "7";
+      problem(1, std::to_string(cells.size()) + " columns (must be " + expected + ")");
+      return;
+    }
+    const std::size_t problems_before = problems_.size();
+    std::array<double, kColumns.size()> values{};
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (i == kLabelColumn || (i == kWidthColumn && cells[i].text.empty())) continue;
+      if (const auto value = number(cells[i].text)) {
+        values[i] = *value;
+      } else {
+        problem(cells[i].column, describe(i, cells[i]) + " (must be a finite number)");
+      }
+    }
+    const Cell& label = cells[kLabelColumn];
+    if (!isLabel(label.text)) {
+      problem(label.column,
+              describe(kLabelColumn, label) + " (must be letters, digits and _, beginning with a letter)");
+    } else if (label.text == kUnknownLabel) {
+      problem(label.column,
+              describe(kLabelColumn, label) + " (is reserved; a line of every label is \"any\")");
+    }
+    if (values[kWidthColumn] < 0.0) {
+      problem(cells[kWidthColumn].column,
+              describe(kWidthColumn, cells[kWidthColumn]) + " (must be 0 or more)");
+    }
+    if (problems_.size() != problems_before) return;
+    MapSegment segment;
+    segment.world.a = {values[0], values[1], values[2]};
+    segment.world.b = {values[3], values[4], values[5]};
+    segment.label = label.text;
+    segment.width_m = values[kWidthColumn];
+    if (segment.world.length() <= 0.0) {
+      problem(cells[0].column, "both ends are the same point (a segment needs a length)");
+      return;
+    }
+    if (segment.width_m > 0.0 && segment.world.floor().length() <= 0.0) {
+      problem(cells[kWidthColumn].column, describe(kWidthColumn, cells[kWidthColumn]) +
+                                              " (an upright segment has no width in plan view)");
+      return;
+    }
+    map_.segments.push_back(std::move(segment));
+  }
+
+  static std::string describe(std::size_t column, const Cell& cell) {
+    return std::string(kColumns[column]) + " = \"" + std::string(cell.text) + '"';
+  }
+
+  std::string file_name_;
+  std::size_t line_ = 0;
+  std::size_t columns_ = 0;  // 0: header not seen yet
+  SegmentMap map_;
+  std::vector<std::string> problems_;
+};
+
+/// Shortest text that reads back as the same number.
+std::string text(double value) {
+  std::array<char, 32> buffer{};
+  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value == 0.0 ? 0.0 : value);
+  return {buffer.data(), result.ptr};
+}
+
+}  // namespace
+
+Eigen::Vector2d SegmentMap::low() const {
+  Eigen::Vector2d low = segments.front().world.a.head<2>();
+  for (const auto& segment : segments) {
+    low = low.cwiseMin(segment.world.a.head<2>()).cwiseMin(segment.world.b.head<2>());
+  }
+  return low;
+}
+
+Eigen::Vector2d SegmentMap::high() const {
+  Eigen::Vector2d high = segments.front().world.a.head<2>();
+  for (const auto& segment : segments) {
+    high = high.cwiseMax(segment.world.a.head<2>()).cwiseMax(segment.world.b.head<2>());
+  }
+  return high;
+}
+
+SegmentMap parseSegmentMap(std::string_view text, const std::string& file_name) {
+  return Reader(file_name).read(text);
+}
+
+SegmentMap loadSegmentMap(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  // A directory can be opened, but not read.
+  if (!in || std::filesystem::is_directory(file)) throw ConfigError({file.string() + ": cannot be read"});
+  const std::string content{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  return parseSegmentMap(content, file.string());
+}
+
+void saveSegmentMap(const SegmentMap& map, const std::filesystem::path& file) {
+  const bool with_width = std::any_of(map.segments.begin(), map.segments.end(),
+                                      [](const auto& segment) { return segment.width_m > 0.0; });
+  std::ofstream out(file);
+  out << (with_width ? kHeaderWithWidth : kHeader) << '\n';
+  for (const auto& segment : map.segments) {
+    for (const auto* end : {&segment.world.a, &segment.world.b}) {
+      out << text(end->x()) << ',' << text(end->y()) << ',' << text(end->z()) << ',';
+    }
+    out << segment.label;
+    if (segment.width_m > 0.0) out << ',' << text(segment.width_m);
+    out << '\n';
+  }
+  out.flush();
+  if (!out) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+SegmentMap expandStripes(const SegmentMap& map, const std::map<Label, Label>& stripe_edges) {
+  SegmentMap edges;
+  edges.segments.reserve(map.segments.size() * 2);
+  for (const auto& segment : map.segments) {
+    if (segment.width_m <= 0.0) {
+      edges.segments.push_back(segment);
+      continue;
+    }
+    const Eigen::Vector2d d = (segment.world.floor().b - segment.world.floor().a).normalized();
+    const Eigen::Vector3d aside = 0.5 * segment.width_m * Eigen::Vector3d(-d.y(), d.x(), 0.0);
+    const auto found = stripe_edges.find(segment.label);
+    const Label& label = found == stripe_edges.end() ? segment.label : found->second;
+    edges.segments.push_back({{segment.world.a + aside, segment.world.b + aside}, label, 0.0});
+    edges.segments.push_back({{segment.world.a - aside, segment.world.b - aside}, label, 0.0});
+  }
+  return edges;
+}
+
+bool labelFitsMap(const Label& observed, const Label& map_label) {
+  return observed != kUnknownLabel && (observed == map_label || map_label == kAnyLabel);
+}
+
+}  // namespace vismem

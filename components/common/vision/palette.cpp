@@ -1,0 +1,317 @@
+#include "common/vision/palette.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <sstream>
+
+#include "common/config/config_error.h"
+
+namespace vismem {
+namespace {
+
+constexpr int kLevels = 64;  // per channel of the table
+constexpr std::size_t kMaxClasses = 64;
+
+std::string_view trim(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  const auto first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+std::vector<std::string_view> words(std::string_view text) {
+  std::vector<std::string_view> out;
+  for (text = trim(text); !text.empty(); text = trim(text)) {
+    const auto end = std::min(text.find_first_of(" \t"), text.size());
+    out.push_back(text.substr(0, end));
+    text.remove_prefix(end);
+  }
+  return out;
+}
+
+bool isName(std::string_view text) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return !text.empty() && letter(text.front()) && std::all_of(text.begin(), text.end(), [&](char c) {
+    return letter(c) || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+std::optional<double> number(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+/// "LO..HI"; the dots are found first, because "340." would be a number too.
+std::optional<ColorRange> range(std::string_view text) {
+  const auto dots = text.find("..");
+  if (dots == std::string_view::npos) return std::nullopt;
+  const auto low = number(text.substr(0, dots));
+  const auto high = number(text.substr(dots + 2));
+  if (!low || !high) return std::nullopt;
+  return ColorRange{*low, *high};
+}
+
+struct Hsv {
+  double hue_deg = 0.0;
+  double saturation_percent = 0.0;
+  double value_percent = 0.0;
+  bool has_hue = false;
+};
+
+Hsv toHsv(double r, double g, double b) {
+  const double high = std::max({r, g, b});
+  const double chroma = high - std::min({r, g, b});
+  Hsv hsv;
+  hsv.value_percent = 100.0 * high / 255.0;
+  if (chroma <= 0.0) return hsv;
+  hsv.has_hue = true;
+  hsv.saturation_percent = 100.0 * chroma / high;
+  if (high == r) {
+    hsv.hue_deg = 60.0 * (g - b) / chroma;
+  } else if (high == g) {
+    hsv.hue_deg = 60.0 * (b - r) / chroma + 120.0;
+  } else {
+    hsv.hue_deg = 60.0 * (r - g) / chroma + 240.0;
+  }
+  if (hsv.hue_deg < 0.0) hsv.hue_deg += 360.0;
+  return hsv;
+}
+
+bool inside(double value, const ColorRange& range) {
+  return value >= range.low && value <= range.high;
+}
+
+bool matches(const ColorClassDefinition& definition, const Hsv& hsv) {
+  if (!inside(hsv.saturation_percent, definition.saturation_percent)) return false;
+  if (!inside(hsv.value_percent, definition.value_percent)) return false;
+  const ColorRange& hue = definition.hue_deg;
+  // A pure grey has no hue: it belongs only where hue does not matter.
+  if (!hsv.has_hue) return hue.low <= 0.0 && hue.high >= 360.0;
+  if (hue.low <= hue.high) return inside(hsv.hue_deg, hue);
+  return hsv.hue_deg >= hue.low || hsv.hue_deg <= hue.high;
+}
+
+/// Collects the lines of a file and their problems before anything is built.
+class Reader {
+ public:
+  explicit Reader(const std::string& file_name) : file_name_(file_name) {}
+
+  struct Pair {
+    int line;
+    std::string key, label, a, b;
+  };
+  struct Stripe {
+    int line;
+    std::string key, name, edge;
+  };
+
+  void read(std::string_view text) {
+    int line_number = 0;
+    while (!text.empty()) {
+      ++line_number;
+      const auto end = std::min(text.find('\n'), text.size());
+      readLine(line_number, text.substr(0, end));
+      text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    if (classes.empty())
+      problems.push_back(file_name_ + ": no class (at least one \"class.NAME\" is needed)");
+  }
+
+  void problem(int line, std::string_view key, std::string_view value, std::string_view rule) {
+    std::ostringstream out;
+    out << file_name_ << ':' << line << ": " << key << " = " << value << " (" << rule << ')';
+    problems.push_back(out.str());
+  }
+
+  std::vector<ColorClassDefinition> classes;
+  std::vector<Pair> pairs;
+  std::vector<Stripe> stripes;
+  std::vector<std::string> problems;
+
+ private:
+  void readLine(int line, std::string_view text) {
+    text = trim(text.substr(0, text.find('#')));
+    if (text.empty()) return;
+    const auto equals = text.find('=');
+    if (equals == std::string_view::npos) {
+      problems.push_back(file_name_ + ':' + std::to_string(line) + ": \"" + std::string(text) +
+                         "\" (must be KEY = VALUE)");
+      return;
+    }
+    const std::string_view key = trim(text.substr(0, equals));
+    const std::string_view value = trim(text.substr(equals + 1));
+    const auto [first, is_new] = seen_.try_emplace(std::string(key), line);
+    if (!is_new) {
+      problem(line, key, value, "already given in line " + std::to_string(first->second));
+      return;
+    }
+    const auto dot = key.find('.');
+    const std::string_view kind = key.substr(0, dot);
+    if (dot == std::string_view::npos || (kind != "class" && kind != "pair" && kind != "stripe")) {
+      problem(line, key, value, "unknown key, must be class.NAME, pair.LABEL or stripe.NAME");
+      return;
+    }
+    const std::string_view name = key.substr(dot + 1);
+    if (!isName(name)) {
+      problem(line, key, value, "a name is letters, digits and _, and begins with a letter");
+    } else if (kind == "class") {
+      readClass(line, key, name, value);
+    } else if (kind == "pair") {
+      readPair(line, key, name, value);
+    } else {
+      const auto parts = words(value);
+      if (parts.size() != 1) {
+        problem(line, key, value, "must be one label");
+      } else {
+        stripes.push_back({line, std::string(key), std::string(name), std::string(parts[0])});
+      }
+    }
+  }
+
+  void readClass(int line, std::string_view key, std::string_view name, std::string_view value) {
+    ColorClassDefinition definition;
+    definition.name = name;
+    const auto parts = words(value);
+    if (parts.empty() || parts.size() % 2 != 0) {
+      problem(line, key, value, "must be: hue LO..HI saturation LO..HI value LO..HI");
+      return;
+    }
+    std::set<std::string_view> given;
+    for (std::size_t i = 0; i < parts.size(); i += 2) {
+      ColorRange* target = parts[i] == "hue"          ? &definition.hue_deg
+                           : parts[i] == "saturation" ? &definition.saturation_percent
+                           : parts[i] == "value"      ? &definition.value_percent
+                                                      : nullptr;
+      const std::string part = std::string(parts[i]) + ' ' + std::string(parts[i + 1]);
+      if (target == nullptr) {
+        problem(line, key, part, "must be hue, saturation or value");
+        continue;
+      }
+      if (!given.insert(parts[i]).second) problem(line, key, part, "given twice");
+      const bool is_hue = target == &definition.hue_deg;
+      const double limit = is_hue ? 360.0 : 100.0;
+      const auto parsed = range(parts[i + 1]);
+      if (!parsed) {
+        problem(line, key, part, "must be LO..HI");
+      } else if (parsed->low < 0.0 || parsed->low > limit || parsed->high < 0.0 || parsed->high > limit) {
+        problem(line, key, part, is_hue ? "must be within 0..360 degrees" : "must be within 0..100 per cent");
+      } else if (!is_hue && parsed->low > parsed->high) {
+        problem(line, key, part, "LO must not be above HI");
+      } else {
+        *target = *parsed;
+      }
+    }
+    if (classes.size() == kMaxClasses) {
+      problem(line, key, value, "at most 64 classes");
+      return;
+    }
+    classes.push_back(definition);  // also a faulty one, so that pairs are not blamed for it
+  }
+
+  void readPair(int line, std::string_view key, std::string_view name, std::string_view value) {
+    if (name == kUnknownLabel || name == kAnyLabel) {
+      problem(line, key, value, "\"" + std::string(name) + "\" is reserved");
+      return;
+    }
+    const auto parts = words(value);
+    if (parts.size() != 2) {
+      problem(line, key, value, "must be two classes");
+      return;
+    }
+    pairs.push_back(
+        {line, std::string(key), std::string(name), std::string(parts[0]), std::string(parts[1])});
+  }
+
+  std::string file_name_;
+  std::map<std::string, int> seen_;
+};
+
+}  // namespace
+
+Palette Palette::parse(std::string_view text, const std::string& file_name) {
+  Reader reader(file_name);
+  reader.read(text);
+
+  Palette palette;
+  palette.classes_ = reader.classes;
+  const std::size_t side = palette.classes_.size() + 1;
+  palette.labels_.assign(side * side, kUnknownLabel);
+  std::set<Label> edge_labels;
+  for (const auto& pair : reader.pairs) {
+    edge_labels.insert(pair.label);
+    const std::string value = pair.a + ' ' + pair.b;
+    const ColorClass a = palette.classNamed(pair.a);
+    const ColorClass b = palette.classNamed(pair.b);
+    if (a == kNoColorClass) reader.problem(pair.line, pair.key, value, "no class \"" + pair.a + '"');
+    if (b == kNoColorClass) reader.problem(pair.line, pair.key, value, "no class \"" + pair.b + '"');
+    if (a == kNoColorClass || b == kNoColorClass) continue;
+    if (palette.labels_[a * side + b] != kUnknownLabel) {
+      reader.problem(pair.line, pair.key, value,
+                     "these classes already are \"" + palette.labels_[a * side + b] + '"');
+      continue;
+    }
+    palette.labels_[a * side + b] = pair.label;
+    palette.labels_[b * side + a] = pair.label;
+  }
+  for (const auto& stripe : reader.stripes) {
+    if (!edge_labels.contains(stripe.edge)) {
+      reader.problem(stripe.line, stripe.key, stripe.edge, "no pair has that label");
+    }
+    palette.stripes_[stripe.name] = stripe.edge;
+  }
+  if (!reader.problems.empty()) throw ConfigError(reader.problems);
+  palette.buildTable();
+  return palette;
+}
+
+void Palette::buildTable() {
+  table_.assign(static_cast<std::size_t>(kLevels) * kLevels * kLevels, kNoColorClass);
+  // Each cell stands for its middle; the first and last cells for pure black and full brightness, so that
+  // grey stays grey and 100 per cent is reached.
+  const auto level = [](int cell) { return cell * 255.0 / (kLevels - 1); };
+  std::size_t index = 0;
+  for (int r = 0; r < kLevels; ++r) {
+    for (int g = 0; g < kLevels; ++g) {
+      for (int b = 0; b < kLevels; ++b, ++index) {
+        const Hsv hsv = toHsv(level(r), level(g), level(b));
+        const auto found = std::find_if(classes_.begin(), classes_.end(),
+                                        [&](const auto& definition) { return matches(definition, hsv); });
+        if (found != classes_.end()) table_[index] = static_cast<ColorClass>(found - classes_.begin() + 1);
+      }
+    }
+  }
+}
+
+const std::string& Palette::className(ColorClass color_class) const {
+  static const std::string kNone = "none";
+  return color_class == kNoColorClass ? kNone : classes_.at(color_class - 1U).name;
+}
+
+ColorClass Palette::classNamed(std::string_view name) const {
+  const auto found =
+      std::find_if(classes_.begin(), classes_.end(), [&](const auto& item) { return item.name == name; });
+  return found == classes_.end() ? kNoColorClass : static_cast<ColorClass>(found - classes_.begin() + 1);
+}
+
+std::vector<Label> Palette::labels() const {
+  std::set<Label> unique(labels_.begin(), labels_.end());
+  unique.erase(kUnknownLabel);
+  return {unique.begin(), unique.end()};
+}
+
+Palette loadPalette(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  // A directory can be opened, but not read.
+  if (!in || std::filesystem::is_directory(file)) throw ConfigError({file.string() + ": cannot be read"});
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  return Palette::parse(text, file.string());
+}
+
+}  // namespace vismem

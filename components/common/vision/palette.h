@@ -1,0 +1,86 @@
+/// @file Colour classes and the names of their pairs. SPEC V3; DESIGN 14. Pure but for loadPalette.
+///
+/// A palette is a text file, `#` begins a comment, one `key = value` a line:
+///
+///     class.grass = hue 70..170 saturation 25..100 value 8..100
+///     class.line  = saturation 0..25 value 45..100
+///     pair.stripe_edge = grass line
+///     stripe.line = stripe_edge
+///
+/// `class.NAME`: a region of colours; hue in degrees 0..360 (340..20 wraps over red), saturation and value in
+/// per cent; a part left out is the whole range; a colour belongs to the first class of the file that has it.
+/// `pair.LABEL`: the label of an edge between two classes, in either order.
+/// `stripe.NAME`: rows of a map called NAME that have a width are stripes; both their edges carry that label.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/vision/image_segment.h"
+
+namespace vismem {
+
+/// Index of a colour class in the order of the file, from 1 on; 0 is no class.
+using ColorClass = std::uint8_t;
+constexpr ColorClass kNoColorClass = 0;
+
+/// Interval of a colour space. `low > high` is allowed for hue only: the interval wraps.
+struct ColorRange {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+struct ColorClassDefinition {
+  std::string name;
+  ColorRange hue_deg{0.0, 360.0};
+  ColorRange saturation_percent{0.0, 100.0};
+  ColorRange value_percent{0.0, 100.0};
+};
+
+/// Immutable after construction: *thread-safe*. Holds a table of 256 kB.
+class Palette {
+ public:
+  /// @param text the file's content. @param file_name is used in messages only.
+  /// @throws ConfigError with every problem: file, line, key, value, rule.
+  static Palette parse(std::string_view text, const std::string& file_name);
+
+  /// Class of a colour by table: exact to steps of four of the 256 levels of each channel.
+  ColorClass classOf(std::uint8_t red, std::uint8_t green, std::uint8_t blue) const {
+    return table_[(red >> 2) << 12 | (green >> 2) << 6 | blue >> 2];
+  }
+  /// Classes are numbered 1..classCount().
+  int classCount() const { return static_cast<int>(classes_.size()); }
+  const ColorClassDefinition& definition(ColorClass color_class) const {
+    return classes_.at(color_class - 1U);
+  }
+  /// "none" for no class.
+  const std::string& className(ColorClass color_class) const;
+  /// @return the class of that name, or kNoColorClass.
+  ColorClass classNamed(std::string_view name) const;
+
+  /// Label of an edge between two classes (either order); kUnknownLabel where no pair names it.
+  const Label& label(ColorClass a, ColorClass b) const { return labels_[a * (classes_.size() + 1) + b]; }
+  /// Every label that an edge can get (without kUnknownLabel), sorted.
+  std::vector<Label> labels() const;
+  /// Name of a stripe in maps -> label of its edges.
+  const std::map<Label, Label>& stripes() const { return stripes_; }
+
+ private:
+  Palette() = default;
+  void buildTable();
+
+  std::vector<ColorClassDefinition> classes_;
+  std::vector<Label> labels_;  // square, (classes + 1)^2
+  std::map<Label, Label> stripes_;
+  std::vector<ColorClass> table_;
+};
+
+/// Reads a palette. @throws ConfigError as Palette::parse, also when the file cannot be read.
+Palette loadPalette(const std::filesystem::path& file);
+
+}  // namespace vismem

@@ -1,0 +1,77 @@
+/// @file Straight segments of one image. SPEC V1, V2; DESIGN 7. Pure: the same image gives the same segments,
+/// whatever came before.
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/geometry/segment.h"
+
+namespace vismem {
+
+/// A segment as detected. Invariant: finite ends inside the image, length > 0; the brighter side lies to the
+/// left of a -> b (see ImageSegment).
+struct RawSegment {
+  Segment2 px_raw;        ///< raw (distorted) pixels, sub-pixel, centres on integers
+  double strength = 0.0;  ///< mean difference of brightness across the segment [grey levels, 0..255]
+};
+
+/// *Single-threaded*: an object may keep work space, but no memory of earlier images.
+class SegmentDetector {
+ public:
+  virtual ~SegmentDetector() = default;
+  /// @param image CV_8UC1, or CV_8UC3 in the order R, G, B; any size from 16x16 on (smaller: no segments).
+  /// @param out   replaced by the segments found, in an order that depends on the image only.
+  /// @throws std::invalid_argument for another pixel type.
+  virtual void detect(const cv::Mat& image, std::vector<RawSegment>& out) = 0;
+};
+
+/// Ours: edge points where the gradient is largest across the edge, chained along the edge; runs of equal
+/// direction (one class of change allowed) become lines by sub-pixel total least squares.
+struct SolisParams {
+  double minimum_length_px = 8.0;
+  /// Edge points need this many times the image's own noise in gradient, and at least `minimum_contrast`.
+  double noise_factor = 5.0;
+  double minimum_contrast = 4.0;   ///< [grey levels] across an ideal step
+  double line_tolerance_px = 1.0;  ///< an edge point further than this from its line ends the line
+  int gap_px = 5;                  ///< longest interruption of an edge that is bridged
+  double merge_angle_rad = 0.06;   ///< collinear pieces: direction
+  double merge_offset_px = 1.0;    ///< collinear pieces: normal distance of the shorter one's ends
+  double merge_gap_px = 5.0;       ///< collinear pieces: distance of the near ends along the line
+};
+
+/// The published Solis flow (mode `chapter`): normalise, smooth 3x3, Laplace, threshold, contours, chords
+/// classified by direction, runs of equal direction.
+struct ChapterSolisParams {
+  int laplace_kernel = 3;
+  double threshold = 30.0;          ///< on the absolute Laplacian [grey levels]
+  int minimum_contour_px = 30;      ///< shorter contours are left out
+  int chord_px = 6;                 ///< contour pixels per chord
+  int minimum_fragments = 3;        ///< chords of one direction that make a segment
+  int merge_index_gap = 3;          ///< consecutive segments of one contour: missing chords between them
+  double merge_distance_px = 18.0;  ///< and the distance between their ends
+};
+
+/// Canny and probabilistic Hough transform (V2).
+struct HoughParams {
+  double canny_low = 50.0;
+  double canny_high = 150.0;
+  int votes = 30;
+  double minimum_length_px = 20.0;
+  double maximum_gap_px = 3.0;
+};
+
+std::unique_ptr<SegmentDetector> makeSolisDetector(const SolisParams& params = {});
+std::unique_ptr<SegmentDetector> makeChapterDetector(const ChapterSolisParams& params = {});
+std::unique_ptr<SegmentDetector> makeHoughDetector(const HoughParams& params = {});
+
+/// "solis", "chapter", "hough".
+const std::vector<std::string>& segmentDetectorNames();
+/// A detector with its default parameters.
+/// @throws ConfigError for an unknown name, with the known ones.
+std::unique_ptr<SegmentDetector> makeSegmentDetector(std::string_view name);
+
+}  // namespace vismem

@@ -1,0 +1,48 @@
+/// @file From an image to its labelled segments. Pure. SPEC V1-V4.
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "common/geometry/camera.h"
+#include "common/vision/image_segment.h"
+#include "common/vision/palette.h"
+#include "common/vision/segment_detector.h"
+#include "common/vision/segment_labeller.h"
+#include "common/vision/segment_merge.h"
+
+namespace vismem {
+
+struct ExtractorParams {
+  std::string detector = "solis";   ///< see makeSegmentDetector
+  MergeParams merge;                ///< V4
+  double minimum_length_px = 10.0;  ///< shorter segments are dropped after merging (V4)
+  LabellerParams labeller;
+};
+
+/// *Single-threaded*; no memory of earlier images.
+class SegmentExtractor {
+ public:
+  /// @param palette may be null: every label is kUnknownLabel then.
+  /// @throws ConfigError for an unknown detector.
+  SegmentExtractor(ExtractorParams params, std::shared_ptr<const Palette> palette);
+  ~SegmentExtractor();
+  SegmentExtractor(SegmentExtractor&&) noexcept;
+  SegmentExtractor& operator=(SegmentExtractor&&) noexcept;
+
+  /// Detects, labels, merges, drops short ones and undistorts the ends.
+  /// @param image      CV_8UC3 (R, G, B) or CV_8UC1, raw pixels.
+  /// @param intrinsics of that image; its distortion is taken out of the ends.
+  /// @throws std::invalid_argument when the image's size is not the intrinsics' or its type is another.
+  std::vector<ImageSegment> extract(const cv::Mat& image, const CameraIntrinsics& intrinsics);
+
+ private:
+  ExtractorParams params_;
+  std::shared_ptr<const Palette> palette_;
+  std::unique_ptr<SegmentDetector> detector_;
+  std::vector<RawSegment> raw_;
+};
+
+}  // namespace vismem

@@ -1,0 +1,21 @@
+/// @file Joins collinear segments of one label whose ends are close. Pure. SPEC V4.
+#pragma once
+
+#include <vector>
+
+#include "common/vision/image_segment.h"
+
+namespace vismem {
+
+struct MergeParams {
+  double angle_rad = 0.07;  ///< between the directions, polarity included
+  double offset_px = 1.5;   ///< of the shorter one's ends from the longer one's line
+  double gap_px = 8.0;      ///< between the near ends along the line; overlapping pieces have none
+};
+
+/// Joins until nothing more can be joined, closest pairs first, so the result does not depend on the order of
+/// the input. A joined segment is the length-weighted line of its parts over the extent of both.
+/// @return sorted by position (first end, then second).
+std::vector<ImageSegment> mergeSegments(std::vector<ImageSegment> segments, const MergeParams& params);
+
+}  // namespace vismem

@@ -1,0 +1,116 @@
+// Colour classes and the labels of their pairs (SPEC V3; DESIGN 14).
+#include "common/vision/palette.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "common/config/config_error.h"
+
+namespace vismem {
+namespace {
+
+using testing::ElementsAre;
+using testing::Pair;
+
+constexpr const char* kField = R"(# a field
+class.grass = hue 70..170 saturation 25..100 value 8..100
+class.line  = saturation 0..25 value 45..100   # any hue
+class.red   = hue 340..20 saturation 50..100 value 20..100
+pair.stripe_edge = grass line
+stripe.line = stripe_edge
+)";
+
+std::vector<std::string> problemsOf(const std::string& text) {
+  try {
+    Palette::parse(text, "p.palette");
+  } catch (const ConfigError& error) {
+    return error.problems();
+  }
+  return {};
+}
+
+TEST(Palette, FindsTheClassOfAColour) {
+  const Palette palette = Palette::parse(kField, "field.palette");
+  EXPECT_EQ(palette.className(palette.classOf(40, 160, 60)), "grass");
+  EXPECT_EQ(palette.className(palette.classOf(230, 235, 225)), "line");
+  EXPECT_EQ(palette.className(palette.classOf(128, 128, 128)), "line");  // a pure grey has no hue
+  EXPECT_EQ(palette.className(palette.classOf(20, 20, 20)), "none");     // too dark for anything
+}
+
+TEST(Palette, HueWrapsOverRed) {
+  const Palette palette = Palette::parse(kField, "field.palette");
+  EXPECT_EQ(palette.className(palette.classOf(200, 30, 10)), "red");    // hue 6
+  EXPECT_EQ(palette.className(palette.classOf(200, 10, 40)), "red");    // hue 351
+  EXPECT_EQ(palette.className(palette.classOf(200, 160, 10)), "none");  // hue 47
+}
+
+TEST(Palette, TheFirstClassThatMatchesWins) {
+  const Palette palette =
+      Palette::parse("class.dark = value 0..50\nclass.everything = value 0..100\n", "two.palette");
+  EXPECT_EQ(palette.className(palette.classOf(100, 0, 0)), "dark");
+  EXPECT_EQ(palette.className(palette.classOf(200, 0, 0)), "everything");
+  EXPECT_EQ(palette.className(palette.classOf(255, 255, 255)), "everything");
+  EXPECT_EQ(palette.className(palette.classOf(0, 0, 0)), "dark");
+}
+
+TEST(Palette, LabelsAPairInEitherOrderAndNothingElse) {
+  const Palette palette = Palette::parse(kField, "field.palette");
+  const ColorClass grass = palette.classNamed("grass");
+  const ColorClass line = palette.classNamed("line");
+  EXPECT_EQ(palette.label(grass, line), "stripe_edge");
+  EXPECT_EQ(palette.label(line, grass), "stripe_edge");
+  EXPECT_EQ(palette.label(grass, grass), kUnknownLabel);
+  EXPECT_EQ(palette.label(kNoColorClass, line), kUnknownLabel);
+  EXPECT_EQ(palette.classNamed("sky"), kNoColorClass);
+  EXPECT_THAT(palette.labels(), ElementsAre("stripe_edge"));
+  EXPECT_THAT(palette.stripes(), ElementsAre(Pair("line", "stripe_edge")));
+}
+
+TEST(Palette, ReportsEveryProblemAtOnceWithItsLine) {
+  EXPECT_THAT(
+      problemsOf("class.a = hue 10..400\n"
+                 "class.b = saturation 60..20\n"
+                 "class.c = brightness 0..10\n"
+                 "class.d = value 10\n"
+                 "class.a = value 0..1\n"
+                 "what is this\n"
+                 "colour.x = value 0..1\n"
+                 "pair.e = a sky\n"
+                 "pair.any = a b\n"
+                 "pair.f = a b\n"
+                 "pair.g = b a\n"
+                 "stripe.line = edge\n"
+                 "class.9 = value 0..1\n"),
+      ElementsAre(
+          "p.palette:1: class.a = hue 10..400 (must be within 0..360 degrees)",
+          "p.palette:2: class.b = saturation 60..20 (LO must not be above HI)",
+          "p.palette:3: class.c = brightness 0..10 (must be hue, saturation or value)",
+          "p.palette:4: class.d = value 10 (must be LO..HI)",
+          "p.palette:5: class.a = value 0..1 (already given in line 1)",
+          "p.palette:6: \"what is this\" (must be KEY = VALUE)",
+          "p.palette:7: colour.x = value 0..1 (unknown key, must be class.NAME, pair.LABEL or stripe.NAME)",
+          "p.palette:9: pair.any = a b (\"any\" is reserved)",
+          "p.palette:13: class.9 = value 0..1 (a name is letters, digits and _, and begins with a letter)",
+          "p.palette:8: pair.e = a sky (no class \"sky\")",
+          "p.palette:11: pair.g = b a (these classes already are \"f\")",
+          "p.palette:12: stripe.line = edge (no pair has that label)"));
+}
+
+TEST(Palette, WithoutAClassIsAnError) {
+  EXPECT_THAT(problemsOf("# nothing\n"),
+              ElementsAre("p.palette: no class (at least one \"class.NAME\" is needed)"));
+}
+
+TEST(Palette, AFileThatCannotBeReadIsNamed) {
+  try {
+    loadPalette("/nowhere/at/all.palette");
+    FAIL() << "no error";
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(), "/nowhere/at/all.palette: cannot be read");
+  }
+}
+
+}  // namespace
+}  // namespace vismem
