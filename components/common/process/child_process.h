@@ -1,0 +1,103 @@
+/// @file A program started by this one: its output line by line, its exit code, and its sure end. No Ice.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace vismem {
+
+/// Owns one child process. The child never outlives its owner: the destructor kills it, and should this
+/// process itself be killed, the kernel kills the child (PR_SET_PDEATHSIG). The kernel watches the thread
+/// that made the object, so that thread must live as long as the child shall.
+/// The child stands in its own process group (a Ctrl-C on the terminal reaches only the owner, which then
+/// stops its children in its own order), reads /dev/null, and starts with an empty signal mask.
+/// Thread-safe, except construction and destruction.
+class ChildProcess {
+ public:
+  enum class Stream { kOut, kError };
+  struct Line {
+    Stream stream = Stream::kOut;
+    std::string text;
+  };
+  struct Options {
+    /// Added to the environment of this process.
+    std::vector<std::pair<std::string, std::string>> environment;
+    /// Empty: that of this process.
+    std::filesystem::path working_directory;
+    /// Called from the reading thread with every line, in order per stream. Must not block for long
+    /// (the child would stall on a full pipe) and must not use the ChildProcess.
+    std::function<void(const Line&)> on_line;
+    /// Only the last lines are kept for waitForLine and text.
+    std::size_t kept_lines = 20'000;
+  };
+
+  /// Starts the program. @param command program (looked up in PATH if it has no '/') and its arguments.
+  /// @throw std::runtime_error "cannot start PROGRAM: REASON".
+  explicit ChildProcess(std::vector<std::string> command) : ChildProcess(std::move(command), Options{}) {}
+  ChildProcess(std::vector<std::string> command, Options options);
+  /// Kills and reaps a child that still runs.
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  pid_t pid() const { return pid_; }
+  bool running() const { return !exitCode(); }
+  /// @return the exit code, 128 + signal if a signal ended it, empty while it runs. Once it is set, all that
+  ///         the child wrote has been read.
+  std::optional<int> exitCode() const;
+
+  /// Waits for a line of either stream that contains `text`; lines read before the call count.
+  /// @param from  index of the first line to look at, as lineCount() gave it: waits for news.
+  /// @return the whole line; empty at the deadline, or at once when the child has ended without it.
+  std::optional<std::string> waitForLine(const std::string& text, std::chrono::milliseconds timeout,
+                                         std::size_t from = 0) const;
+  /// @return lines read since the start, both streams together.
+  std::size_t lineCount() const;
+  /// @return what the child wrote to a stream, as far as it is kept.
+  std::string text(Stream stream) const;
+  std::string out() const { return text(Stream::kOut); }
+  std::string error() const { return text(Stream::kError); }
+
+  /// Sends a signal (SIGTERM, SIGKILL, SIGSTOP ...). @return false if the child has ended already.
+  bool signal(int number);
+  /// @return the exit code, empty at the deadline.
+  std::optional<int> waitForExit(std::chrono::milliseconds timeout) const;
+  /// Asks with SIGTERM, kills after the grace time. @return the exit code (137 when it had to be killed).
+  int stop(std::chrono::milliseconds grace);
+
+ private:
+  void start(const std::vector<std::string>& command);
+  void readUntilExit();
+  /// @return false at the end of the stream.
+  bool readAvailable(int fd, Stream stream, std::string& partial);
+  void addLine(Stream stream, std::string text);
+
+  const Options options_;
+  pid_t pid_ = -1;
+  int pid_fd_ = -1;
+  int out_fd_ = -1;
+  int error_fd_ = -1;
+
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  std::deque<Line> lines_;
+  std::size_t dropped_lines_ = 0;
+  std::optional<int> exit_code_;
+  /// True from the moment the pid may be given to a stranger.
+  bool reaped_ = false;
+  std::jthread reader_;
+};
+
+}  // namespace vismem
