@@ -1,0 +1,312 @@
+#include "common/config/config_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <map>
+
+#include "common/config/config_error.h"
+#include "common/config/nearest_name.h"
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+/// The whole text as a number; empty for trailing junk, NaN and infinities.
+template <typename T>
+std::optional<T> parseNumber(std::string_view text) {
+  T value{};
+  if (text.starts_with('+') && text.size() > 1 && text[1] != '-') text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  if constexpr (std::is_floating_point_v<T>) {
+    if (!std::isfinite(value)) return std::nullopt;
+  }
+  return value;
+}
+
+template <typename T>
+std::string numberText(T value) {
+  std::array<char, 64> buffer;
+  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return {buffer.data(), result.ptr};
+}
+
+/// "1..64", "at least 0", "at most 5"; empty without bounds.
+std::string rangeText(double minimum, double maximum) {
+  if (std::isinf(minimum) && std::isinf(maximum)) return "";
+  if (std::isinf(maximum)) return "at least " + numberText(minimum);
+  if (std::isinf(minimum)) return "at most " + numberText(maximum);
+  return numberText(minimum) + ".." + numberText(maximum);
+}
+
+std::string typeRule(const std::string& type, const std::string& range) {
+  return "must be " + type + (range.empty() ? "" : ", " + range);
+}
+
+std::string joined(const std::vector<std::string>& texts, const std::string& separator) {
+  std::string all;
+  for (const auto& text : texts) all += (all.empty() ? "" : separator) + text;
+  return all;
+}
+
+std::vector<std::string> wordsOf(const std::string& text) {
+  static constexpr const char* kSeparators = ", \t";
+  std::vector<std::string> words;
+  for (auto begin = text.find_first_not_of(kSeparators); begin != std::string::npos;) {
+    const auto end = text.find_first_of(kSeparators, begin);
+    words.push_back(text.substr(begin, end - begin));
+    begin = text.find_first_not_of(kSeparators, end);
+  }
+  return words;
+}
+
+}  // namespace
+
+struct ConfigReader::State {
+  const Properties& properties;
+  /// Keys that were asked for, with their defaults as text.
+  std::map<std::string, std::string> defaults;
+  /// Beginnings of keys that somebody else reads.
+  std::vector<std::string> foreign;
+  std::vector<Problem> problems;
+
+  bool isKnown(const std::string& key) const {
+    return defaults.contains(key) ||
+           std::any_of(foreign.begin(), foreign.end(),
+                       [&](const std::string& beginning) { return key.starts_with(beginning); });
+  }
+};
+
+ConfigReader::ConfigReader(const Properties& properties, std::string prefix)
+    : state_(std::make_shared<State>(State{properties, {}, {}, {}})), prefix_(std::move(prefix)) {}
+
+ConfigReader::ConfigReader(std::shared_ptr<State> state, std::string prefix)
+    : state_(std::move(state)), prefix_(std::move(prefix)) {}
+
+ConfigReader ConfigReader::group(std::string_view name) const {
+  return ConfigReader(state_, key(name));
+}
+
+std::string ConfigReader::key(std::string_view name) const {
+  return prefix_.empty() ? std::string(name) : prefix_ + "." + std::string(name);
+}
+
+bool ConfigReader::isSet(std::string_view name) const {
+  return state_->properties.find(key(name)) != nullptr;
+}
+
+std::vector<std::string> ConfigReader::children(std::string_view name) const {
+  const std::string beginning = key(name) + ".";
+  std::set<std::string> names;
+  for (const auto& [whole, entry] : state_->properties.entries()) {
+    if (!whole.starts_with(beginning)) continue;
+    const auto rest = whole.substr(beginning.size());
+    names.insert(rest.substr(0, rest.find('.')));
+  }
+  return {names.begin(), names.end()};
+}
+
+const Properties::Entry* ConfigReader::entry(std::string_view name, const std::string& fallback) {
+  state_->defaults.try_emplace(key(name), fallback);
+  return state_->properties.find(key(name));
+}
+
+void ConfigReader::reject(std::string_view name, const Properties::Entry& entry, std::string_view rule) {
+  const auto value = entry.value.empty() ? std::string("(empty)") : entry.value;
+  state_->problems.push_back({entry.origin, key(name) + " = " + value + " (" + std::string(rule) + ")"});
+}
+
+void ConfigReader::missing(std::string_view name, std::string_view expected) {
+  state_->problems.push_back({{state_->properties.source(), 0},
+                              "missing key \"" + key(name) + "\" (must be " + std::string(expected) + ")"});
+}
+
+std::optional<double> ConfigReader::number(std::string_view name, const std::string& fallback, double minimum,
+                                           double maximum) {
+  const auto* set = entry(name, fallback);
+  if (set == nullptr) return std::nullopt;
+  const auto range = rangeText(minimum, maximum);
+  const auto value = parseNumber<double>(set->value);
+  if (!value) {
+    reject(name, *set, typeRule("a number", range));
+  } else if (*value < minimum || *value > maximum) {
+    reject(name, *set, "must be " + range);
+  } else {
+    return value;
+  }
+  return std::nullopt;
+}
+
+double ConfigReader::real(std::string_view name, double fallback, double minimum, double maximum) {
+  assert(minimum <= fallback && fallback <= maximum);
+  return number(name, numberText(fallback), minimum, maximum).value_or(fallback);
+}
+
+std::optional<double> ConfigReader::optionalReal(std::string_view name, double minimum, double maximum) {
+  return number(name, "", minimum, maximum);
+}
+
+double ConfigReader::angleDeg(std::string_view name, double fallback_deg, double minimum_deg,
+                              double maximum_deg) {
+  assert(name.ends_with("_deg"));
+  return degToRad(real(name, fallback_deg, minimum_deg, maximum_deg));
+}
+
+std::vector<double> ConfigReader::reals(std::string_view name, std::vector<double> fallback, double minimum,
+                                        double maximum) {
+  std::vector<std::string> fallback_texts;
+  for (const double value : fallback) fallback_texts.push_back(numberText(value));
+  const auto* set = entry(name, joined(fallback_texts, " "));
+  if (set == nullptr) return fallback;
+  const auto rule = typeRule(std::to_string(fallback.size()) + " numbers", rangeText(minimum, maximum));
+  std::vector<double> values;
+  for (const auto& word : wordsOf(set->value)) {
+    const auto value = parseNumber<double>(word);
+    if (!value || *value < minimum || *value > maximum) {
+      reject(name, *set, rule);
+      return fallback;
+    }
+    values.push_back(*value);
+  }
+  if (values.size() == fallback.size()) return values;
+  reject(name, *set, rule);
+  return fallback;
+}
+
+long ConfigReader::integer(std::string_view name, long fallback, long minimum, long maximum) {
+  assert(minimum <= fallback && fallback <= maximum);
+  const auto* set = entry(name, numberText(fallback));
+  if (set == nullptr) return fallback;
+  const auto range = numberText(minimum) + ".." + numberText(maximum);
+  const auto value = parseNumber<long>(set->value);
+  if (value && *value >= minimum && *value <= maximum) return *value;
+  reject(name, *set, value ? "must be " + range : typeRule("a whole number", range));
+  return fallback;
+}
+
+bool ConfigReader::boolean(std::string_view name, bool fallback) {
+  const auto* set = entry(name, fallback ? "true" : "false");
+  if (set == nullptr) return fallback;
+  for (const char* word : {"true", "yes", "on", "1"}) {
+    if (set->value == word) return true;
+  }
+  for (const char* word : {"false", "no", "off", "0"}) {
+    if (set->value == word) return false;
+  }
+  reject(name, *set, "must be true or false");
+  return fallback;
+}
+
+std::string ConfigReader::text(std::string_view name, std::string fallback) {
+  const auto* set = entry(name, fallback);
+  return set == nullptr ? fallback : set->value;
+}
+
+std::string ConfigReader::requiredText(std::string_view name, std::string_view expected) {
+  const auto* set = entry(name, "");
+  if (set == nullptr) {
+    missing(name, expected);
+    return "";
+  }
+  if (set->value.empty()) reject(name, *set, "must be " + std::string(expected));
+  return set->value;
+}
+
+std::optional<std::size_t> ConfigReader::choiceIndex(std::string_view name, const std::string& fallback,
+                                                     const std::vector<std::string>& words) {
+  const auto* set = entry(name, fallback);
+  if (set == nullptr) return std::nullopt;
+  const auto word = std::find(words.begin(), words.end(), set->value);
+  if (word != words.end()) return static_cast<std::size_t>(word - words.begin());
+  reject(name, *set, "must be one of: " + joined(words, ", "));
+  return std::nullopt;
+}
+
+std::filesystem::path ConfigReader::resolve(const std::string& value) const {
+  const std::filesystem::path path = value;
+  std::error_code ignored;
+  if (path.empty() || path.is_absolute() || std::filesystem::exists(path, ignored)) return path;
+  const auto beside = state_->properties.folder() / path;
+  return std::filesystem::exists(beside, ignored) ? beside : path;
+}
+
+std::filesystem::path ConfigReader::path(std::string_view name, const std::filesystem::path& fallback) {
+  return resolve(text(name, fallback.string()));
+}
+
+std::filesystem::path ConfigReader::existingPath(std::string_view name,
+                                                 const std::filesystem::path& fallback) {
+  const auto found = path(name, fallback);
+  std::error_code ignored;
+  if (found.empty() || std::filesystem::exists(found, ignored)) return found;
+  std::string places = std::filesystem::current_path(ignored).string();
+  if (found.is_relative() && !state_->properties.folder().empty()) {
+    places += " or " + state_->properties.folder().string();
+  }
+  const std::string rule =
+      found.is_relative() ? "no such file or folder in " + places : "no such file or folder";
+  problem(name, rule);
+  return found;
+}
+
+std::filesystem::path ConfigReader::requirePath(std::string_view name, std::string_view expected) {
+  if (requiredText(name, expected).empty()) return {};
+  return existingPath(name);
+}
+
+void ConfigReader::problem(std::string_view name, std::string_view rule) {
+  if (const auto* set = state_->properties.find(key(name))) {
+    reject(name, *set, rule);
+    return;
+  }
+  const auto fallback = state_->defaults.find(key(name));
+  const auto value = fallback == state_->defaults.end() ? std::string() : fallback->second;
+  reject(name, {value, {state_->properties.source(), 0}}, "the default; " + std::string(rule));
+}
+
+bool ConfigReader::good() const {
+  return state_->problems.empty() && state_->properties.problems().empty();
+}
+
+void ConfigReader::known(std::string_view name) {
+  const auto whole = key(name);
+  if (whole.ends_with(".*")) {
+    state_->foreign.push_back(whole.substr(0, whole.size() - 1));
+  } else {
+    state_->defaults.try_emplace(whole, "");
+  }
+}
+
+std::vector<Problem> ConfigReader::allProblems() const {
+  auto problems = state_->properties.problems();
+  problems.insert(problems.end(), state_->problems.begin(), state_->problems.end());
+  std::set<std::string> known;
+  for (const auto& [name, fallback] : state_->defaults) known.insert(name);
+  for (const auto& [name, entry] : state_->properties.entries()) {
+    const bool checked = prefix_.empty() ? !belongsToIce(name) : name.starts_with(prefix_ + ".");
+    if (checked && !state_->isKnown(name)) {
+      problems.push_back({entry.origin, "unknown key \"" + name + "\"" + suggestion(name, known)});
+    }
+  }
+  return problems;
+}
+
+void ConfigReader::finish() const {
+  auto problems = allProblems();
+  if (!problems.empty()) throw ConfigError(problemLines(std::move(problems)));
+}
+
+std::vector<Setting> ConfigReader::effective() const {
+  std::vector<Setting> settings;
+  for (const auto& [name, fallback] : state_->defaults) {
+    const auto* set = state_->properties.find(name);
+    settings.push_back(set == nullptr ? Setting{name, fallback, ""}
+                                      : Setting{name, set->value, set->origin.text()});
+  }
+  return settings;
+}
+
+}  // namespace vismem

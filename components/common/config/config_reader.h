@@ -1,0 +1,133 @@
+/// @file Typed reading of a component's configuration. Pure, but for the paths that are looked up on disk.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "common/config/properties.h"
+
+namespace vismem {
+
+/// One key of the effective configuration.
+struct Setting {
+  std::string key;
+  std::string value;
+  /// Where it was set; empty for a default.
+  std::string origin;
+};
+
+/// Reads typed values and collects what is wrong instead of stopping at the first (STYLE 7). A bad value is
+/// reported and the default returned, so that reading goes on; finish() then throws, so it is never used.
+/// Every key that is asked for is a known key; finish() reports all others. Readers of groups share one
+/// collection with the reader they come from. Single-threaded. Lives no longer than the Properties.
+///
+///   Properties properties = Properties::load("cfg/sim/localization.cfg");
+///   ConfigReader config(properties);
+///   const auto races = config.group("Localization").integer("Races.Maximum", 10, 1, 64);
+///   config.finish();
+class ConfigReader {
+ public:
+  /// @param prefix  of all names, without the last dot: "Localization". Empty: names are whole keys.
+  explicit ConfigReader(const Properties& properties, std::string prefix = "");
+
+  /// A reader of the names under PREFIX.NAME with the same collection of problems and known keys.
+  ConfigReader group(std::string_view name) const;
+  /// The whole key of a name.
+  std::string key(std::string_view name) const;
+  bool isSet(std::string_view name) const;
+  /// Distinct next parts of the keys under NAME, sorted: for A.1.X, A.1.Y and A.2.X, children("A") is 1, 2.
+  std::vector<std::string> children(std::string_view name) const;
+
+  /// A finite number in [minimum, maximum]; an infinite bound is none.
+  double real(std::string_view name, double fallback, double minimum, double maximum);
+  std::optional<double> optionalReal(std::string_view name, double minimum, double maximum);
+  /// An angle written in degrees, with a name that ends in _deg; all parameters in degrees.
+  /// @return radians.
+  double angleDeg(std::string_view name, double fallback_deg, double minimum_deg, double maximum_deg);
+  /// As many numbers as `fallback` has, separated by blanks or commas, each in [minimum, maximum].
+  std::vector<double> reals(std::string_view name, std::vector<double> fallback, double minimum,
+                            double maximum);
+  long integer(std::string_view name, long fallback, long minimum, long maximum);
+  /// true, yes, on, 1 or false, no, off, 0.
+  bool boolean(std::string_view name, bool fallback);
+  std::string text(std::string_view name, std::string fallback);
+  /// @param expected  what it must be, for the message: "the proxy of a camera, such as cameraA:tcp -p 9999".
+  std::string requiredText(std::string_view name, std::string_view expected);
+
+  /// One of several words: choice("Mode", Mode::kDefault, {{"default", Mode::kDefault}, {"chapter", ...}}).
+  template <typename T>
+  T choice(std::string_view name, T fallback,
+           const std::vector<std::pair<std::string, std::type_identity_t<T>>>& choices) {
+    std::vector<std::string> words;
+    std::string fallback_word;
+    for (const auto& [word, value] : choices) {
+      if (fallback_word.empty() && value == fallback) fallback_word = word;
+      words.push_back(word);
+    }
+    const auto index = choiceIndex(name, fallback_word, words);
+    return index ? choices[*index].second : fallback;
+  }
+
+  /// A path, which need not exist (an output). A relative one counts from the working directory, because
+  /// configurations name files from the project's root; if nothing is there but something stands at the same
+  /// place relative to the configuration's own folder, that is meant. Empty if not set and no fallback.
+  std::filesystem::path path(std::string_view name, const std::filesystem::path& fallback = {});
+  /// Empty if not set and no fallback; what is named must exist.
+  std::filesystem::path existingPath(std::string_view name, const std::filesystem::path& fallback = {});
+  /// Must be set and exist. @param expected  what it must be, for the message: "a world file".
+  std::filesystem::path requirePath(std::string_view name, std::string_view expected);
+
+  /// Adds a problem of a name's value: "KEY = VALUE (RULE)". For rules between keys, and what a file holds.
+  /// @param rule  "must be more than Localization.Noise.Minimum_m".
+  void problem(std::string_view name, std::string_view rule);
+  bool good() const;
+
+  /// Marks keys as known that somebody else reads: a name, or all under it with ".*" at its end.
+  void known(std::string_view name);
+
+  /// @throw ConfigError with all problems, those of the Properties and unknown keys included: under the
+  /// prefix
+  ///        if this reader has one, else all but those of Ice and its services (see checkPrefixes).
+  void finish() const;
+  /// The same, as data.
+  std::vector<Problem> allProblems() const;
+
+  /// Every key read so far, sorted, defaults included.
+  std::vector<Setting> effective() const;
+
+ private:
+  struct State;
+  ConfigReader(std::shared_ptr<State> state, std::string prefix);
+
+  /// Registers the key as known with its default. @return nullptr if it is not set.
+  const Properties::Entry* entry(std::string_view name, const std::string& fallback);
+  void reject(std::string_view name, const Properties::Entry& entry, std::string_view rule);
+  void missing(std::string_view name, std::string_view expected);
+  std::optional<std::size_t> choiceIndex(std::string_view name, const std::string& fallback,
+                                         const std::vector<std::string>& words);
+  std::optional<double> number(std::string_view name, const std::string& fallback, double minimum,
+                               double maximum);
+  std::filesystem::path resolve(const std::string& value) const;
+
+  std::shared_ptr<State> state_;
+  std::string prefix_;
+};
+
+/// Problems of keys that begin with no known prefix ("Ice" and those of its services need not be named), and
+/// of keys Ice.* that Ice does not have.
+std::vector<Problem> checkPrefixes(const Properties& properties, const std::set<std::string>& prefixes);
+
+/// @return whether Ice 3.7 has this property (KEY begins with "Ice.").
+bool isIceProperty(std::string_view key);
+/// @return whether the key belongs to Ice or a service of it, which read it themselves: Ice., IceSSL.,
+/// IceGrid. ...
+bool belongsToIce(std::string_view key);
+
+}  // namespace vismem

@@ -1,0 +1,150 @@
+#include "common/config/properties.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <tuple>
+#include <utility>
+
+#include "common/config/config_error.h"
+
+namespace vismem {
+namespace {
+
+constexpr const char* kCommandLine = "command line";
+
+/// A character of a line with its backslash already applied.
+struct Character {
+  char value = 0;
+  bool escaped = false;
+
+  bool is(char plain) const { return !escaped && value == plain; }
+  bool isBlank() const { return is(' ') || is('\t') || is('\r'); }
+};
+using Characters = std::vector<Character>;
+
+/// Applies the escapes and drops the comment.
+Characters charactersOf(std::string_view line) {
+  static constexpr std::string_view kEscapable = "\\#= ";
+  Characters characters;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '#') break;
+    const bool escape =
+        line[i] == '\\' && i + 1 < line.size() && kEscapable.find(line[i + 1]) != std::string_view::npos;
+    if (escape) ++i;
+    characters.push_back({line[i], escape});
+  }
+  return characters;
+}
+
+/// The text between the outermost characters that are not plain blanks.
+std::string trimmed(Characters::const_iterator begin, Characters::const_iterator end) {
+  while (begin != end && begin->isBlank()) ++begin;
+  while (begin != end && std::prev(end)->isBlank()) --end;
+  std::string text;
+  for (; begin != end; ++begin) text += begin->value;
+  return text;
+}
+
+}  // namespace
+
+std::string Origin::text() const {
+  return line > 0 ? file + ":" + std::to_string(line) : file;
+}
+
+std::string Problem::text() const {
+  return origin.text() + ": " + message;
+}
+
+Properties Properties::parse(std::string_view text, const std::string& file) {
+  static constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  Properties properties;
+  properties.source_ = file;
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  for (int number = 1; !text.empty(); ++number) {
+    const auto end = std::min(text.find('\n'), text.size());
+    properties.parseLine(text.substr(0, end), {file, number});
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return properties;
+}
+
+Properties Properties::load(const std::filesystem::path& file) {
+  const auto unreadable = [&](const std::string& reason) {
+    Properties none;
+    none.source_ = file.string();
+    none.addProblem({{file.string(), 0}, "cannot read the configuration (" + reason + ")"});
+    return none;
+  };
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) return unreadable("is a folder");
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return unreadable(std::strerror(errno));
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (stream.bad()) return unreadable(std::strerror(errno));
+  return parse(text.str(), file.string());
+}
+
+void Properties::parseLine(std::string_view line, const Origin& origin) {
+  const auto characters = charactersOf(line);
+  const auto equals =
+      std::find_if(characters.begin(), characters.end(), [](const Character& c) { return c.is('='); });
+  const auto key = trimmed(characters.begin(), equals);
+  if (equals == characters.end()) {
+    if (!key.empty()) addProblem({origin, "\"" + key + "\" is not KEY = VALUE"});
+    return;
+  }
+  const auto value = trimmed(std::next(equals), characters.end());
+  if (key.empty()) {
+    addProblem({origin, "\"= " + value + "\" has no key (must be KEY = VALUE)"});
+    return;
+  }
+  const auto [entry, added] = entries_.try_emplace(key, Entry{value, origin});
+  if (!added) {
+    addProblem({origin, "key \"" + key + "\" is set twice (first in line " +
+                            std::to_string(entry->second.origin.line) + ")"});
+  }
+}
+
+void Properties::addArgument(const std::string& argument) {
+  const auto equals = argument.find('=');
+  if (!argument.starts_with("--") || equals == std::string::npos || equals == 2) {
+    addProblem({{kCommandLine, 0}, "\"" + argument + "\" is not --Key=Value"});
+    return;
+  }
+  set(argument.substr(2, equals - 2), argument.substr(equals + 1));
+}
+
+void Properties::set(const std::string& key, const std::string& value) {
+  entries_[key] = Entry{value, {kCommandLine, 0}};
+}
+
+const Properties::Entry* Properties::find(const std::string& key) const {
+  const auto entry = entries_.find(key);
+  return entry == entries_.end() ? nullptr : &entry->second;
+}
+
+std::filesystem::path Properties::folder() const {
+  return source_ == kCommandLine ? std::filesystem::path() : std::filesystem::path(source_).parent_path();
+}
+
+void Properties::throwIfBad() const {
+  if (!problems_.empty()) throw ConfigError(problemLines(problems_));
+}
+
+std::vector<std::string> problemLines(std::vector<Problem> problems) {
+  const auto place = [](const Problem& problem) {
+    return std::tuple(problem.origin.file == kCommandLine, problem.origin.file, problem.origin.line);
+  };
+  std::stable_sort(problems.begin(), problems.end(),
+                   [&](const Problem& a, const Problem& b) { return place(a) < place(b); });
+  std::vector<std::string> lines;
+  for (const auto& problem : problems) lines.push_back(problem.text());
+  return lines;
+}
+
+}  // namespace vismem
