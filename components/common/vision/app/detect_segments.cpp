@@ -1,0 +1,168 @@
+// detect_segments: straight segments of images as CSV and pictures (DESIGN 11).
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+#include "common/vision/app/drawing.h"
+#include "common/vision/segment_detector.h"
+
+namespace {
+
+using vismem::RawSegment;
+
+struct Options {
+  std::string detector = "solis";
+  std::string size;
+  double minimum_length_px = 0.0;
+  std::string csv;
+  std::string overlay;
+  std::vector<std::string> images;
+};
+
+/// "WxH" with both > 0.
+std::optional<cv::Size> parseSize(const std::string& text) {
+  int width = 0;
+  int height = 0;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest) != 2 || width < 1 || height < 1)
+    return std::nullopt;
+  return cv::Size(width, height);
+}
+
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + '"';
+}
+
+class Run {
+ public:
+  Run(const Options& options, std::optional<cv::Size> size)
+      : options_(options), size_(size), detector_(vismem::makeSegmentDetector(options.detector)) {}
+
+  int operator()() {
+    std::ofstream file;
+    if (!options_.csv.empty()) {
+      file.open(options_.csv);
+      if (!file) return fail(options_.csv + ": cannot be written");
+    }
+    std::ostream* csv = !options_.csv.empty() ? &file : options_.overlay.empty() ? &std::cout : nullptr;
+    if (!options_.overlay.empty()) {
+      std::error_code error;
+      std::filesystem::create_directories(options_.overlay, error);
+      if (error) return fail(options_.overlay + ": " + error.message());
+    }
+    if (csv != nullptr) *csv << "image,x1_px,y1_px,x2_px,y2_px,label,strength\n";
+    for (const std::string& name : options_.images) process(name, csv);
+    if (csv != nullptr) csv->flush();
+    if (csv != nullptr && !*csv) return fail(options_.csv + ": cannot be written");
+    // The CSV on standard output stays a CSV: the summary goes beside it.
+    (csv == &std::cout ? std::cerr : std::cout)
+        << "{\"images\": " << images_ << ", \"unreadable\": " << unreadable_
+        << ", \"segments\": " << segments_ << ", \"detector\": \"" << options_.detector
+        << "\", \"ms_per_image\": " << (images_ > 0 ? 1e3 * seconds_ / images_ : 0.0) << "}\n";
+    return unreadable_ == 0 && !failed_ ? 0 : 1;
+  }
+
+ private:
+  static int fail(const std::string& what) {
+    std::cerr << "detect_segments: " << what << '\n';
+    return 1;
+  }
+
+  void process(const std::string& name, std::ostream* csv) {
+    cv::Mat image = cv::imread(name, cv::IMREAD_COLOR);
+    if (image.empty()) {
+      std::cerr << "detect_segments: " << name << ": not an image that can be read\n";
+      ++unreadable_;
+      return;
+    }
+    cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
+    if (size_ && image.size() != *size_) cv::resize(image, image, *size_, 0, 0, cv::INTER_AREA);
+    std::vector<RawSegment> segments;
+    const auto start = std::chrono::steady_clock::now();
+    detector_->detect(image, segments);
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    std::erase_if(segments, [this](const RawSegment& segment) {
+      return segment.px_raw.length() < options_.minimum_length_px;
+    });
+    ++images_;
+    segments_ += segments.size();
+    if (csv != nullptr) write(*csv, name, segments);
+    if (!options_.overlay.empty()) draw(name, image, segments);
+  }
+
+  static void write(std::ostream& csv, const std::string& name, const std::vector<RawSegment>& segments) {
+    char numbers[160];
+    for (const RawSegment& segment : segments) {
+      std::snprintf(numbers, sizeof numbers, ",%.3f,%.3f,%.3f,%.3f,unknown,%.2f\n", segment.px_raw.a.x(),
+                    segment.px_raw.a.y(), segment.px_raw.b.x(), segment.px_raw.b.y(), segment.strength);
+      csv << quoted(name) << numbers;
+    }
+  }
+
+  void draw(const std::string& name, const cv::Mat& image, const std::vector<RawSegment>& segments) {
+    cv::Mat canvas = vismem::magnifiedForDrawing(image);
+    for (const RawSegment& segment : segments)
+      vismem::drawSegment(canvas, image, segment.px_raw, {0, 0, 255});
+    const auto file =
+        std::filesystem::path(options_.overlay) / (std::filesystem::path(name).stem().string() + ".png");
+    bool written = false;
+    try {
+      written = cv::imwrite(file.string(), canvas);
+    } catch (const cv::Exception&) {
+      written = false;
+    }
+    if (written) return;
+    std::cerr << "detect_segments: " << file.string() << ": cannot be written\n";
+    failed_ = true;
+  }
+
+  Options options_;
+  std::optional<cv::Size> size_;
+  std::unique_ptr<vismem::SegmentDetector> detector_;
+  std::size_t segments_ = 0;
+  int images_ = 0;
+  int unreadable_ = 0;
+  double seconds_ = 0.0;
+  bool failed_ = false;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{
+      "Detects straight segments in images. Coordinates are pixels of the evaluated size, centres on "
+      "integers; the brighter side is on the left of (x1, y1) -> (x2, y2)."};
+  app.add_option("--detector", options.detector, "solis (ours), chapter (published Solis) or hough")
+      ->check(CLI::IsMember(vismem::segmentDetectorNames()));
+  app.add_option("--size", options.size, "WxH: images are brought to this size by area averaging");
+  app.add_option("--min-length", options.minimum_length_px, "shorter segments are left out [px]")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--csv", options.csv, "file to write (without it and without --overlay: standard output)");
+  app.add_option("--overlay", options.overlay, "folder for pictures with the segments drawn");
+  app.add_option("IMAGE", options.images, "images to read")->required();
+  CLI11_PARSE(app, argc, argv);
+  const auto size = parseSize(options.size);
+  if (!options.size.empty() && !size) {
+    std::cerr << "detect_segments: --size " << options.size << " (must be WxH, for example 320x240)\n";
+    return 1;
+  }
+  try {
+    cv::setNumThreads(1);
+    return Run(options, size)();
+  } catch (const std::exception& error) {
+    std::cerr << "detect_segments: " << error.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,42 @@
+#include "common/vision/segment_extractor.h"
+
+#include <stdexcept>
+#include <utility>
+
+namespace vismem {
+
+SegmentExtractor::SegmentExtractor(ExtractorParams params, std::shared_ptr<const Palette> palette)
+    : params_(std::move(params)),
+      palette_(std::move(palette)),
+      detector_(makeSegmentDetector(params_.detector)) {}
+SegmentExtractor::~SegmentExtractor() = default;
+SegmentExtractor::SegmentExtractor(SegmentExtractor&&) noexcept = default;
+SegmentExtractor& SegmentExtractor::operator=(SegmentExtractor&&) noexcept = default;
+
+std::vector<ImageSegment> SegmentExtractor::extract(const cv::Mat& image,
+                                                    const CameraIntrinsics& intrinsics) {
+  if (image.cols != intrinsics.width || image.rows != intrinsics.height) {
+    throw std::invalid_argument("image of " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                                " px (its intrinsics are for " + std::to_string(intrinsics.width) + "x" +
+                                std::to_string(intrinsics.height) + ")");
+  }
+  detector_->detect(image, raw_);
+  std::vector<ImageSegment> segments;
+  segments.reserve(raw_.size());
+  for (const RawSegment& raw : raw_) {
+    ImageSegment segment{raw.px_raw, kUnknownLabel, raw.strength};
+    if (palette_) segment.label = labelSegment(image, raw.px_raw, *palette_, params_.labeller).label;
+    if (intrinsics.hasDistortion()) {
+      segment.px = {undistortPixel(intrinsics, raw.px_raw.a), undistortPixel(intrinsics, raw.px_raw.b)};
+    }
+    segments.push_back(std::move(segment));
+  }
+  // Collinear is a matter of ideal pixels: a straight edge is bent by the lens.
+  segments = mergeSegments(std::move(segments), params_.merge);
+  std::erase_if(segments, [this](const ImageSegment& segment) {
+    return segment.px.length() < params_.minimum_length_px;
+  });
+  return segments;
+}
+
+}  // namespace vismem
