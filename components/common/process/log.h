@@ -1,0 +1,42 @@
+/// @file Lines for people, on stderr. No Ice.
+#pragma once
+
+#include <functional>
+#include <iosfwd>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+namespace vismem {
+
+enum class LogLevel { kDebug, kInfo, kWarning, kError };
+
+/// Writes one line per message: "2026-11-21 12:41:02.123 localization WARNING waiting for Camera at ...". A
+/// message of several lines is indented, so that every line that begins with a date is a message.
+/// Say a thing once per change of state, not once per frame (STYLE 6). Thread-safe.
+class Logger {
+ public:
+  using Stamp = std::function<std::string()>;
+
+  /// @param component  name in every line.
+  /// @param lowest     messages below it are dropped.
+  explicit Logger(std::string component, LogLevel lowest = LogLevel::kInfo);
+  /// For tests: another stream, which must outlive the logger, and another clock.
+  Logger(std::string component, LogLevel lowest, std::ostream& out, Stamp stamp);
+
+  void setLowest(LogLevel lowest);
+  void write(LogLevel level, std::string_view message);
+  void debug(std::string_view message) { write(LogLevel::kDebug, message); }
+  void info(std::string_view message) { write(LogLevel::kInfo, message); }
+  void warning(std::string_view message) { write(LogLevel::kWarning, message); }
+  void error(std::string_view message) { write(LogLevel::kError, message); }
+
+ private:
+  const std::string component_;
+  const Stamp stamp_;
+  std::mutex mutex_;
+  LogLevel lowest_;
+  std::ostream& out_;
+};
+
+}  // namespace vismem

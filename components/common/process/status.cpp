@@ -1,0 +1,148 @@
+#include "common/process/status.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/process/log.h"
+
+namespace vismem {
+namespace {
+
+constexpr std::size_t kKeptErrors = 20;
+
+void append(std::string& reason, const std::string& part) {
+  if (!reason.empty()) reason += "; ";
+  reason += part;
+}
+
+std::int64_t realTimeUs() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+}
+
+}  // namespace
+
+StatusBoard::StatusBoard(std::string name, std::string version, Logger& log, Clock clock)
+    : name_(std::move(name)),
+      version_(std::move(version)),
+      log_(log),
+      clock_(std::move(clock)),
+      begin_(clock_()) {}
+
+void StatusBoard::serving() {
+  const std::scoped_lock lock(mutex_);
+  serving_ = true;
+}
+
+void StatusBoard::stopping() {
+  const std::scoped_lock lock(mutex_);
+  stopping_ = true;
+}
+
+void StatusBoard::count(const std::string& what) {
+  const auto now = clock_();
+  const std::scoped_lock lock(mutex_);
+  rates_[what].count(now);
+}
+
+void StatusBoard::latency(const std::string& what, double duration_s) {
+  const auto now = clock_();
+  const std::scoped_lock lock(mutex_);
+  latencies_[what].add(now, duration_s);
+}
+
+void StatusBoard::fault(const std::string& what, const std::string& why) {
+  {
+    const std::scoped_lock lock(mutex_);
+    auto& known = faults_[what];
+    if (known == why) return;
+    known = why;
+    keepError(what + ": " + why);
+  }
+  log_.warning(what + ": " + why);
+}
+
+void StatusBoard::healthy(const std::string& what) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (faults_.erase(what) == 0) return;
+  }
+  log_.info(what + " works again");
+}
+
+void StatusBoard::error(const std::string& text) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!errors_.empty() && errors_.back().text == text) return;
+    keepError(text);
+  }
+  log_.error(text);
+}
+
+void StatusBoard::keepError(const std::string& text) {
+  errors_.push_back({realTimeUs(), text});
+  if (errors_.size() > kKeptErrors) errors_.pop_front();
+}
+
+void StatusBoard::setPeer(const PeerReport& peer) {
+  const std::scoped_lock lock(mutex_);
+  const auto known = std::find_if(peers_.begin(), peers_.end(),
+                                  [&](const PeerReport& other) { return other.name == peer.name; });
+  if (known == peers_.end()) {
+    peers_.push_back(peer);
+  } else {
+    *known = peer;
+  }
+}
+
+void StatusBoard::setConfiguration(std::vector<Setting> settings) {
+  const std::scoped_lock lock(mutex_);
+  settings_ = std::move(settings);
+}
+
+void StatusBoard::decideState(StatusReport& report) const {
+  std::string absent;
+  std::string lost;
+  for (const auto& peer : peers_) {
+    if (peer.link == PeerState::Link::kAbsent)
+      append(absent, "waiting for " + peer.name + " at " + peer.proxy);
+    if (peer.link == PeerState::Link::kLost) append(lost, peer.name + " is lost (" + peer.reason + ")");
+  }
+  for (const auto& [what, why] : faults_) append(lost, what + ": " + why);
+  if (stopping_) {
+    report.state = RunState::kStopping;
+  } else if (!serving_) {
+    report.state = RunState::kStarting;
+  } else if (!absent.empty()) {
+    report.state = RunState::kWaiting;
+    report.reason = absent;
+    if (!lost.empty()) append(report.reason, lost);
+  } else if (!lost.empty()) {
+    report.state = RunState::kDegraded;
+    report.reason = lost;
+  } else {
+    report.state = RunState::kRunning;
+  }
+}
+
+StatusReport StatusBoard::report() const {
+  const auto now = clock_();
+  const std::scoped_lock lock(mutex_);
+  StatusReport report;
+  report.name = name_;
+  report.version = version_;
+  report.uptime_s = std::chrono::duration<double>(now - begin_).count();
+  report.peers = peers_;
+  for (const auto& [name, rate] : rates_) report.rates.push_back({name, rate.hz(now), rate.total()});
+  for (const auto& [name, latency] : latencies_) report.latencies.push_back({name, latency.figures(now)});
+  report.errors.assign(errors_.begin(), errors_.end());
+  decideState(report);
+  return report;
+}
+
+std::vector<Setting> StatusBoard::configuration() const {
+  const std::scoped_lock lock(mutex_);
+  return settings_;
+}
+
+}  // namespace vismem

@@ -1,0 +1,115 @@
+/// @file What a component tells about itself (DESIGN 10): state, peers, rates, latencies, last errors. No
+/// Ice.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/config/config_reader.h"
+#include "common/process/metrics.h"
+#include "common/process/peer_state.h"
+
+namespace vismem {
+
+class Logger;
+
+enum class RunState { kStarting, kWaiting, kRunning, kDegraded, kStopping };
+
+struct PeerReport {
+  /// As in the configuration: "Camera".
+  std::string name;
+  std::string proxy;
+  PeerState::Link link = PeerState::Link::kAbsent;
+  /// Why it is away; empty while connected.
+  std::string reason;
+  int reconnections = 0;
+};
+
+struct StatusReport {
+  struct Rate {
+    std::string name;
+    double hz = 0;
+    std::int64_t total = 0;
+  };
+  struct Latency {
+    std::string name;
+    LatencyHistogram::Figures figures;
+  };
+  struct Error {
+    /// Host's real time [us].
+    std::int64_t stamp_us = 0;
+    std::string text;
+  };
+  std::string name;
+  std::string version;
+  RunState state = RunState::kStarting;
+  /// Why it is not running; empty otherwise.
+  std::string reason;
+  double uptime_s = 0;
+  std::vector<PeerReport> peers;
+  std::vector<Rate> rates;
+  std::vector<Latency> latencies;
+  /// The last ones, oldest first.
+  std::vector<Error> errors;
+};
+
+/// Collects the status of one component. The state follows from what is told: starting until serving(), then
+/// waiting while a peer has not been there yet, degraded while a peer is lost or anything is faulty, else
+/// running; stopping for good after stopping(). Thread-safe.
+class StatusBoard {
+ public:
+  using Clock = std::function<SteadyTime()>;
+
+  StatusBoard(std::string name, std::string version, Logger& log,
+              Clock clock = std::chrono::steady_clock::now);
+
+  void serving();
+  void stopping();
+
+  /// One more of something: "frames", "iterations".
+  void count(const std::string& what);
+  /// One duration [s]: "detect", "frame age".
+  void latency(const std::string& what, double duration_s);
+
+  /// Something of the component's own does not work: "odometry", "no sample for 2.0 s". Logged when it begins
+  /// and when its reason changes; it counts as an error then.
+  void fault(const std::string& what, const std::string& why);
+  /// It works (again). Logged if it had not; cheap otherwise, so call it freely.
+  void healthy(const std::string& what);
+  /// A failure that leaves no lasting fault. The same text again in a row is neither kept nor logged.
+  void error(const std::string& text);
+
+  /// Adds a peer or replaces the one of that name. Logs nothing.
+  void setPeer(const PeerReport& peer);
+  void setConfiguration(std::vector<Setting> settings);
+
+  StatusReport report() const;
+  std::vector<Setting> configuration() const;
+
+ private:
+  void keepError(const std::string& text);
+  void decideState(StatusReport& report) const;
+
+  const std::string name_;
+  const std::string version_;
+  Logger& log_;
+  const Clock clock_;
+  const SteadyTime begin_;
+
+  mutable std::mutex mutex_;
+  bool serving_ = false;
+  bool stopping_ = false;
+  std::vector<PeerReport> peers_;
+  std::map<std::string, RateCounter> rates_;
+  std::map<std::string, LatencyHistogram> latencies_;
+  std::map<std::string, std::string> faults_;
+  std::deque<StatusReport::Error> errors_;
+  std::vector<Setting> settings_;
+};
+
+}  // namespace vismem
