@@ -25,7 +25,7 @@ struct RaceReport {
 
 struct PoseEstimate {
   StampUs stamp_us = 0;        ///< of the image used
-  std::uint64_t revision = 0;  ///< counts up by one per iteration
+  std::uint64_t revision = 0;  ///< counts up by one per update that was used
   /// The winner's pose; empty while there is no race at all.
   std::optional<Pose2> T_world_robot;
   Pose2 T_odom_robot;          ///< at stamp_us: carries the pose forward as odometry moves on

@@ -1,0 +1,156 @@
+// The chapter's localization as published. SPEC L3-L9.
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/angles.h"
+#include "localization/core/evolution.h"
+#include "localization/core/explorers.h"
+#include "localization/core/health.h"
+#include "localization/core/race_strategy.h"
+
+namespace vismem {
+namespace {
+
+/// The authors' own reliability rule (DESIGN 9): health over 0.8 raises it, under 0.7 lowers it, by at most
+/// 0.15 per iteration, by 0.03 when there is little to see.
+constexpr double kRaisingHealth = 0.8;
+constexpr double kLoweringHealth = 0.7;
+constexpr double kRate = 0.15;
+constexpr double kWeakRate = 0.03;
+constexpr double kFullObservation = 12.0;  // segments or points that make an observation complete
+constexpr double kGoodObservation = 0.6;
+constexpr double kUsableObservation = 0.3;
+/// A rival needs this much more health before a very reliable winner is left.
+constexpr double kVeryReliable = 0.8;
+constexpr double kLargestLead = 0.1;
+
+/// Beyond a map of 20 m the fields pay for themselves only where something is near: searching goes on by
+/// brute force outside, so the truncation changes speed alone.
+constexpr double kTruncation_m = 2.0;
+
+MapIndex::Params indexParams(const LocalizerParams& params) {
+  MapIndex::Params index;
+  index.field.cell_m = params.cell_m;
+  index.field.truncation_m = kTruncation_m;
+  index.build_fields = params.health.use_field;
+  return index;
+}
+
+class ChapterStrategy : public RaceStrategy {
+ public:
+  ChapterStrategy(const SegmentMap& map_edges, const LocalizerParams& params)
+      : params_(params), map_(map_edges, indexParams(params)), observation_(map_, params.health) {}
+
+  bool observe(const MemoryUpdate& update) override {
+    observation_.set(update);
+    return !observation_.isEmpty();
+  }
+
+  void move(Race& race, const Pose2& T_before_now) const override {
+    race.T_world_robot = race.T_world_robot * T_before_now;
+    for (Individual& one : race.individuals) one.T_world_robot = one.T_world_robot * T_before_now;
+  }
+
+  void rate(Race& race) const override {
+    rateRace(race, params_.evolution, [this](const Pose2& pose) { return observation_.health(pose); });
+    race.P = eliteCovariance(race);
+  }
+
+  std::vector<Race> search(int explorers, const RaceTable& table, double,
+                           RandomEngine& engine) const override {
+    std::vector<Individual> population;
+    population.reserve(static_cast<std::size_t>(explorers));
+    for (int i = 0; i < explorers; ++i) {
+      const Pose2 pose = uniformExplorer(map_, params_.explorers.margin_m, engine);
+      population.push_back({pose, observation_.health(pose)});
+    }
+    std::vector<Race> races;
+    for (const Individual& place : bestPlaces(population, params_.explorers.candidates,
+                                              params_.explorers.list_health, table.params())) {
+      races.push_back(foundRace(place, params_.evolution, engine));
+    }
+    return races;
+  }
+
+  Race foundAt(const Pose2& T_world_robot, RandomEngine& engine) const override {
+    Race race = foundRace({T_world_robot, 0.0}, params_.evolution, engine);
+    if (!observation_.isEmpty()) rate(race);
+    race.T_world_robot = T_world_robot;
+    return race;
+  }
+
+  bool isHopeless(const Race&, const RaceTable&) const override { return false; }
+
+  void evolve(Race& race, RandomEngine& engine) const override {
+    evolveRace(race, params_.evolution, engine);
+    rate(race);
+  }
+
+  void choose(RaceTable& table, double reliability) const override {
+    chooseByVictories(table, reliability > kVeryReliable ? kLargestLead : 0.01 + 0.09 * reliability);
+  }
+
+  std::vector<double> weights(const RaceTable& table) const override {
+    // Victories are the chapter's belief; health decides while nobody has any.
+    double victories = 0.0;
+    double healths = 0.0;
+    for (const Race& race : table.races()) {
+      victories += race.victories;
+      healths += race.health;
+    }
+    std::vector<double> shares;
+    for (const Race& race : table.races()) {
+      const double even = 1.0 / static_cast<double>(table.races().size());
+      shares.push_back(victories > 0.0 ? race.victories / victories
+                       : healths > 0.0 ? race.health / healths
+                                       : even);
+    }
+    return shares;
+  }
+
+  double nextReliability(double last, const RaceTable& table) const override {
+    const Race* winner = table.winner();
+    if (!winner) return 0.0;
+    const double quality = std::min(1.0, static_cast<double>(observation_.size()) / kFullObservation);
+    const double weak_rate = quality > kUsableObservation ? kWeakRate : 0.0;
+    double change = 0.0;
+    if (winner->health > kRaisingHealth) {
+      change = (quality > kGoodObservation ? kRate : weak_rate) * (winner->health - kRaisingHealth) /
+               (1.0 - kRaisingHealth);
+    } else if (winner->health < kLoweringHealth) {
+      change = -(quality > kUsableObservation ? kRate : kWeakRate) * (kLoweringHealth - winner->health) /
+               kLoweringHealth;
+    }
+    return std::clamp(last + change, 0.0, 1.0);
+  }
+
+  void forgetEvidence(RaceTable& table) const override {
+    for (Race& race : table.races()) race.victories = std::min(race.victories, 1);
+  }
+
+ private:
+  Eigen::Matrix3d eliteCovariance(const Race& race) const {
+    Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
+    const int elite = std::min(eliteCount(params_.evolution), static_cast<int>(race.individuals.size()));
+    for (int i = 0; i < elite; ++i) {
+      const Pose2& one = race.individuals[static_cast<std::size_t>(i)].T_world_robot;
+      const Eigen::Vector3d off(one.x - race.T_world_robot.x, one.y - race.T_world_robot.y,
+                                angleDifference(one.theta, race.T_world_robot.theta));
+      P += off * off.transpose() / elite;
+    }
+    return P;
+  }
+
+  LocalizerParams params_;
+  MapIndex map_;
+  HealthObservation observation_;
+};
+
+}  // namespace
+
+std::unique_ptr<RaceStrategy> makeChapterStrategy(const SegmentMap& map_edges,
+                                                  const LocalizerParams& params) {
+  return std::make_unique<ChapterStrategy>(map_edges, params);
+}
+
+}  // namespace vismem

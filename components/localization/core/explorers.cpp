@@ -1,0 +1,77 @@
+#include "localization/core/explorers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+
+Pose2 uniformExplorer(const MapIndex& map, double margin_m, RandomEngine& engine) {
+  const double x = uniform(engine, map.low().x() - margin_m, map.high().x() + margin_m);
+  const double y = uniform(engine, map.low().y() - margin_m, map.high().y() + margin_m);
+  return {x, y, wrapAngle(uniform(engine, -std::numbers::pi, std::numbers::pi))};
+}
+
+ConstructedExplorers::ConstructedExplorers(const MapIndex& map) : map_(map) {
+  for (int label = 0; label < map.labelCount(); ++label) {
+    std::vector<double> sums;
+    double sum = 0.0;
+    for (const Segment2& segment : map.floor(label)) sums.push_back(sum += segment.length());
+    sums_.push_back(std::move(sums));
+  }
+}
+
+std::optional<Pose2> ConstructedExplorers::propose(const RobustObservation& observation,
+                                                   RandomEngine& engine) const {
+  if (observation.segments.empty() || !(observation.amount > 0.0)) return std::nullopt;
+  double left = uniform(engine, 0.0, observation.amount);
+  std::size_t chosen = 0;
+  while (chosen + 1 < observation.segments.size() && left > observation.segments[chosen].weight) {
+    left -= observation.segments[chosen++].weight;
+  }
+  const EvidenceSegment& seen = observation.segments[chosen];
+  const auto label = static_cast<std::size_t>(seen.label);
+  const std::vector<double>& sums = sums_[label];
+  if (sums.empty() || !(sums.back() > 0.0)) return std::nullopt;
+  const double at = uniform(engine, 0.0, sums.back());
+  const auto number = static_cast<std::size_t>(std::upper_bound(sums.begin(), sums.end(), at) - sums.begin());
+  Segment2 line = map_.floor(seen.label)[std::min(number, sums.size() - 1)];
+  const bool turned = uniform(engine, 0.0, 1.0) < 0.5;
+  const bool by_end = uniform(engine, 0.0, 1.0) < 0.5;
+  if (turned) std::swap(line.a, line.b);
+  const double heading = wrapAngle(line.direction() - seen.robot.direction());
+  // Which point of the seen segment lies at which fraction of the map's.
+  double fraction_seen = uniform(engine, 0.0, 1.0);
+  double fraction_map = uniform(engine, 0.0, 1.0);
+  if (by_end) fraction_seen = fraction_map = fraction_map < 0.5 ? 0.0 : 1.0;
+  const Eigen::Vector2d p_robot = seen.robot.a + fraction_seen * (seen.robot.b - seen.robot.a);
+  const Eigen::Vector2d p_world = line.a + fraction_map * (line.b - line.a);
+  const Eigen::Vector2d arm = transform(Pose2{0.0, 0.0, heading}, p_robot);
+  return Pose2{p_world.x() - arm.x(), p_world.y() - arm.y(), heading};
+}
+
+int explorerCount(const ExplorerParams& params, double reliability, std::uint64_t iteration) {
+  const bool is_reliable = reliability >= params.reliable_above;
+  const auto period = static_cast<std::uint64_t>(std::max(1, params.period_reliable));
+  if (is_reliable && iteration % period != 0) return 0;
+  return is_reliable ? params.count_reliable : params.count_lost;
+}
+
+std::vector<Individual> bestPlaces(std::vector<Individual>& explorers, int count, double list_health,
+                                   const RaceParams& races) {
+  std::stable_sort(explorers.begin(), explorers.end(),
+                   [](const Individual& a, const Individual& b) { return a.health > b.health; });
+  std::vector<Individual> best;
+  for (const Individual& explorer : explorers) {
+    if (static_cast<int>(best.size()) >= count || explorer.health < list_health) break;
+    const bool is_known = std::any_of(best.begin(), best.end(), [&](const Individual& other) {
+      return samePlace(explorer.T_world_robot, other.T_world_robot, races);
+    });
+    if (!is_known) best.push_back(explorer);
+  }
+  return best;
+}
+
+}  // namespace vismem

@@ -1,0 +1,41 @@
+/// @file Where to look for the robot when no race knows: uniform and constructed explorers. Pure. SPEC L6;
+/// DESIGN 9 part 6.
+#pragma once
+
+#include <vector>
+
+#include "localization/core/map_index.h"
+#include "localization/core/params.h"
+#include "localization/core/race.h"
+#include "localization/core/random_engine.h"
+#include "localization/core/robust_likelihood.h"
+
+namespace vismem {
+
+/// A place uniform over the map's bounding box (grown by the margin) and all headings.
+Pose2 uniformExplorer(const MapIndex& map, double margin_m, RandomEngine& engine);
+
+/// Places at which one remembered segment lies on one map segment of its label: the segment by weight, the
+/// map segment by length, turned either way, an end on an end half of the time and anywhere along otherwise.
+/// *Pure* after construction (sums of lengths, once per map).
+class ConstructedExplorers {
+ public:
+  explicit ConstructedExplorers(const MapIndex& map);
+
+  /// Empty if the observation has no segments.
+  std::optional<Pose2> propose(const RobustObservation& observation, RandomEngine& engine) const;
+
+ private:
+  const MapIndex& map_;
+  std::vector<std::vector<double>> sums_;  // cumulated lengths per label
+};
+
+/// L6: how many explorers this iteration sends out. @param iteration counts up by one.
+int explorerCount(const ExplorerParams& params, double reliability, std::uint64_t iteration);
+
+/// The best `count` of the explorers that lie at different places, best first; healths under `list_health`
+/// are left out. Reorders the argument.
+std::vector<Individual> bestPlaces(std::vector<Individual>& explorers, int count, double list_health,
+                                   const RaceParams& races);
+
+}  // namespace vismem

@@ -1,0 +1,78 @@
+/// @file The chapter's two health functions and the sampling of image segments. Pure. SPEC L3, L4, L5.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "common/geometry/camera.h"
+#include "common/visual_memory/memory_snapshot.h"
+#include "localization/core/map_index.h"
+#include "localization/core/params.h"
+
+namespace vismem {
+
+/// A point of an observed image segment (L3).
+struct ImagePoint {
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();  ///< ideal pixel
+  int label = 0;                                 ///< number in the map index
+};
+
+/// The sampling grid of L3: rows whose height grows from the top of the image to its bottom, each cut into
+/// cells as wide as it is high. Sizes are those of a 320x240 image and scale with the image.
+class SamplingGrid {
+ public:
+  SamplingGrid(int width, int height, double top_px, double bottom_px);
+
+  /// Where the segment crosses lines of the grid, from a to b.
+  std::vector<Eigen::Vector2d> crossings(const Segment2& px) const;
+  /// Upper borders of the rows and the image's lower border [px].
+  const std::vector<double>& rowBorders() const { return row_borders_; }
+
+ private:
+  double width_;
+  std::vector<double> row_borders_;
+};
+
+/// L4: `H = 1 - mean(d_i) / M`, clamped to 0..1.
+/// d_i: distance in the image to the nearest map line of the label of which any part is in view; lines are
+/// clipped at the near plane, not at the border; a label without a line in view counts the image's diagonal.
+/// @param scale_px M for this image. @param points must not be empty.
+double imageHealth(const std::vector<ImagePoint>& points, const CameraIntrinsics& intrinsics,
+                   const Pose3& T_world_camera, const MapIndex& map, double scale_px);
+
+/// A remembered segment in the robot's frame (L5).
+struct RememberedLine {
+  Segment2 robot;  ///< plan view [m]
+  int label = 0;
+};
+
+/// L5: `H = 1 - mean((d_js + d_je) / 2) / M`, clamped to 0..1, distances in plan view (the memory lies on
+/// the floor). @param lines must not be empty.
+double memoryHealth(const std::vector<RememberedLine>& lines, const Pose2& T_world_robot, const MapIndex& map,
+                    double scale_m);
+
+/// One observation, ready to rate places with: the memory's lines, the image's points, or both. Segments
+/// labelled unknown or with a label that the map does not have say nothing about the place and are left out.
+/// *Single-threaded* (owner: the strategy).
+class HealthObservation {
+ public:
+  HealthObservation(const MapIndex& map, const HealthParams& params) : map_(map), params_(params) {}
+
+  void set(const MemoryUpdate& update);
+  /// False: nothing to rate with; healths stay as they are (L4).
+  bool isEmpty() const { return lines_.empty() && points_.empty(); }
+  /// Lines and points count alike: what the reliability rule calls the amount of evidence.
+  std::size_t size() const { return lines_.size() + points_.size(); }
+  /// The mean of the health functions that have something to rate with.
+  double health(const Pose2& T_world_robot) const;
+
+ private:
+  const MapIndex& map_;
+  HealthParams params_;
+  std::vector<RememberedLine> lines_;
+  std::vector<ImagePoint> points_;
+  CameraIntrinsics intrinsics_;
+  Pose3 T_robot_camera_ = Pose3::Identity();
+};
+
+}  // namespace vismem

@@ -1,0 +1,144 @@
+#include "localization/core/localizer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/angles.h"
+#include "localization/core/explorers.h"
+
+namespace vismem {
+namespace {
+
+/// What is left of reliability when the memory was set aside or the source jumped.
+constexpr double kReliabilityAfterEpoch = 0.1;
+/// A source's stamps that go back further than this began anew (DESIGN 14); less is a late update.
+constexpr StampUs kRestart_us = kSecondUs;
+/// Odometry that moves faster than this did not move the robot (DESIGN 14).
+constexpr double kJump_m = 0.5;
+constexpr double kJump_rad = 1.0;
+constexpr StampUs kJumpWithin_us = kSecondUs / 2;
+/// A winner that jumps this far is a different belief altogether.
+constexpr double kFullJump_m = 2.0;
+/// How well a person or a program that sets the pose knows it.
+constexpr double kGivenStd_m = 0.1;
+constexpr double kGivenStd_rad = 0.1;
+
+std::unique_ptr<RaceStrategy> makeStrategy(const LocalizerParams& params, const SegmentMap& map_edges) {
+  return params.mode == LocalizationMode::kChapter ? makeChapterStrategy(map_edges, params)
+                                                   : makeRobustStrategy(map_edges, params);
+}
+
+}  // namespace
+
+Localizer::Localizer(const LocalizerParams& params, const SegmentMap& map_edges, std::uint64_t seed)
+    : params_(params), strategy_(makeStrategy(params, map_edges)), table_(params.races), engine_(seed) {}
+
+Localizer::~Localizer() = default;
+Localizer::Localizer(Localizer&&) noexcept = default;
+Localizer& Localizer::operator=(Localizer&&) noexcept = default;
+
+PoseEstimate Localizer::step(const MemoryUpdate& update) {
+  const MemorySnapshot& snapshot = *update.snapshot;
+  if (has_last_) {
+    const bool restarted = snapshot.stamp_us + kRestart_us < last_stamp_us_;
+    if (!restarted && snapshot.stamp_us <= last_stamp_us_) return estimate_;
+    const Pose2 T_before_now = inverse(last_T_odom_robot_) * snapshot.T_odom_robot;
+    const bool jumped =
+        snapshot.stamp_us - last_stamp_us_ < kJumpWithin_us &&
+        (T_before_now.position().norm() > kJump_m || std::abs(T_before_now.theta) > kJump_rad);
+    if (restarted || jumped) {
+      beginEpoch();
+    } else {
+      // A memory that was set aside keeps its odometry: the races move on with the robot.
+      for (Race& race : table_.races()) strategy_->move(race, T_before_now);
+      if (snapshot.epoch != epoch_) beginEpoch();
+    }
+  }
+  has_last_ = true;
+  epoch_ = snapshot.epoch;
+  last_stamp_us_ = snapshot.stamp_us;
+  last_T_odom_robot_ = snapshot.T_odom_robot;
+  const auto tick_us = static_cast<StampUs>(params_.tick_s * kSecondUs);
+  if (!last_tick_us_ || snapshot.stamp_us >= *last_tick_us_ + tick_us) {
+    // The grid of ticks is kept while images come often enough, so that 30 Hz still makes 5 ticks a second.
+    const bool is_late = !last_tick_us_ || snapshot.stamp_us >= *last_tick_us_ + 2 * tick_us;
+    last_tick_us_ = is_late ? snapshot.stamp_us : *last_tick_us_ + tick_us;
+    iterate(update);
+  }
+  report(snapshot);
+  return estimate_;
+}
+
+void Localizer::iterate(const MemoryUpdate& update) {
+  ++iteration_;
+  if (!strategy_->observe(update)) return;
+  const Race* before = table_.winner();
+  const std::uint64_t winner_before = before ? before->id : 0;
+  const Pose2 pose_before = before ? before->T_world_robot : Pose2{};
+  table_.age();
+  for (Race& race : table_.races()) strategy_->rate(race);
+  const int explorers = explorerCount(params_.explorers, reliability_, iteration_);
+  if (explorers > 0) {
+    for (Race& candidate : strategy_->search(explorers, table_, reliability_, engine_)) {
+      table_.admit(std::move(candidate));
+    }
+  }
+  // Decided before anything is deleted: hopelessness compares with the best.
+  std::vector<std::uint64_t> hopeless;
+  for (const Race& race : table_.races()) {
+    if (strategy_->isHopeless(race, table_)) hopeless.push_back(race.id);
+  }
+  table_.removeWeak([&](const Race& race) {
+    return std::find(hopeless.begin(), hopeless.end(), race.id) != hopeless.end();
+  });
+  table_.mergeSamePlaces();
+  for (Race& race : table_.races()) strategy_->evolve(race, engine_);
+  strategy_->choose(table_, reliability_);
+  reliability_ = strategy_->nextReliability(reliability_, table_);
+  const Race* winner = table_.winner();
+  if (winner && winner_before != 0 && winner->id != winner_before) {
+    const double jump = (winner->T_world_robot.position() - pose_before.position()).norm();
+    reliability_ *= std::max(0.0, 1.0 - jump / kFullJump_m);
+  }
+}
+
+void Localizer::beginEpoch() {
+  reliability_ = std::min(reliability_, kReliabilityAfterEpoch);
+  strategy_->forgetEvidence(table_);
+  last_tick_us_.reset();
+}
+
+void Localizer::setPose(const Pose2& T_world_robot) {
+  Race race = strategy_->foundAt(T_world_robot, engine_);
+  race.P =
+      Eigen::Vector3d(kGivenStd_m * kGivenStd_m, kGivenStd_m * kGivenStd_m, kGivenStd_rad * kGivenStd_rad)
+          .asDiagonal();
+  table_.replaceAll(std::move(race));
+  table_.award(table_.winner()->id);
+  table_.noteBest(table_.winner()->id);
+  reliability_ = 1.0;
+}
+
+void Localizer::relocalize() {
+  table_.clear();
+  reliability_ = 0.0;
+}
+
+void Localizer::report(const MemorySnapshot& snapshot) {
+  estimate_.stamp_us = snapshot.stamp_us;
+  ++estimate_.revision;
+  estimate_.T_odom_robot = snapshot.T_odom_robot;
+  estimate_.reliability = reliability_;
+  estimate_.races.clear();
+  const std::vector<double> weights = strategy_->weights(table_);
+  const Race* winner = table_.winner();
+  for (std::size_t i = 0; i < table_.races().size(); ++i) {
+    const Race& race = table_.races()[i];
+    estimate_.races.push_back({race.id, race.T_world_robot, race.health, weights[i], race.victories, race.age,
+                               winner && race.id == winner->id});
+  }
+  estimate_.T_world_robot = winner ? std::optional<Pose2>(winner->T_world_robot) : std::nullopt;
+  estimate_.P = winner ? winner->P : Eigen::Matrix3d::Zero();
+}
+
+}  // namespace vismem

@@ -1,0 +1,124 @@
+#include "localization/core/map_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+constexpr int kDirectionBins = 12;
+constexpr double kOnFloor_m = 0.02;  // maps are drawn by hand: this high is still the floor
+
+/// The part of a map segment that a segment remembered on the floor can be.
+std::optional<Segment2> touchingFloor(const Segment3& world) {
+  const bool a = std::abs(world.a.z()) <= kOnFloor_m;
+  const bool b = std::abs(world.b.z()) <= kOnFloor_m;
+  if (a && b) return world.floor();
+  if (a) return Segment2{world.a.head<2>(), world.a.head<2>()};
+  if (b) return Segment2{world.b.head<2>(), world.b.head<2>()};
+  return std::nullopt;
+}
+
+FieldSample sampleOf(const Eigen::Vector2d& p, const Segment2& segment) {
+  const double fraction = std::clamp(projectionFraction(p, segment), 0.0, 1.0);
+  const Eigen::Vector2d away = p - (segment.a + fraction * (segment.b - segment.a));
+  FieldSample sample;
+  sample.distance_m = away.norm();
+  if (sample.distance_m > 1e-9) sample.gradient = away / sample.distance_m;
+  return sample;
+}
+
+}  // namespace
+
+MapIndex::MapIndex(const SegmentMap& map, const Params& params) : has_fields_(params.build_fields) {
+  if (params.direction_gate_rad) bins_ = kDirectionBins;
+  bool has_any = false;
+  for (const MapSegment& segment : map.segments) {
+    has_any = has_any || segment.label == kAnyLabel;
+    if (segment.label != kAnyLabel) ids_.try_emplace(segment.label, static_cast<int>(ids_.size()));
+  }
+  int labels = static_cast<int>(ids_.size());
+  if (has_any) any_ = labels++;
+  by_label_.resize(static_cast<std::size_t>(labels));
+  floor_.resize(static_cast<std::size_t>(labels));
+  binned_.resize(static_cast<std::size_t>(labels * bins_));
+  low_ = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  high_ = -low_;
+  const double bin_width = std::numbers::pi / bins_;
+  for (const MapSegment& segment : map.segments) {
+    const Segment2 plan = segment.world.floor();
+    low_ = low_.cwiseMin(plan.a).cwiseMin(plan.b);
+    high_ = high_.cwiseMax(plan.a).cwiseMax(plan.b);
+    const auto floor = touchingFloor(segment.world);
+    for (int label = 0; label < labels; ++label) {
+      if (segment.label != kAnyLabel && ids_.at(segment.label) != label) continue;
+      by_label_[static_cast<std::size_t>(label)].push_back(segment.world);
+      if (!floor || floor->length() < params.minimum_plan_length_m) continue;
+      floor_[static_cast<std::size_t>(label)].push_back(*floor);
+      for (int bin = 0; bin < bins_; ++bin) {
+        const double off = lineAngleDifference(floor->direction(), (bin + 0.5) * bin_width);
+        if (bins_ > 1 && off > *params.direction_gate_rad + 0.5 * bin_width) continue;
+        binned_[static_cast<std::size_t>(label * bins_ + bin)].push_back(*floor);
+      }
+    }
+  }
+  if (!has_fields_) return;
+  fields_.reserve(binned_.size());
+  for (const auto& segments : binned_) fields_.emplace_back(segments, params.field);
+}
+
+std::optional<int> MapIndex::labelId(const Label& label) const {
+  if (label == kUnknownLabel) return std::nullopt;
+  const auto found = ids_.find(label);
+  if (found != ids_.end()) return found->second;
+  return any_;
+}
+
+std::optional<int> MapIndex::floorLabelId(const Label& label) const {
+  const auto id = labelId(label);
+  if (!id || floor(*id).empty()) return std::nullopt;
+  return id;
+}
+
+std::size_t MapIndex::fieldNumber(int label, double direction_rad) const {
+  int bin = 0;
+  if (bins_ > 1) {
+    double turn = std::fmod(direction_rad, std::numbers::pi);
+    if (turn < 0.0) turn += std::numbers::pi;
+    bin = std::min(bins_ - 1, static_cast<int>(turn / std::numbers::pi * bins_));
+  }
+  return static_cast<std::size_t>(label * bins_ + bin);
+}
+
+std::optional<FieldSample> MapIndex::nearest(int label, const Eigen::Vector2d& p,
+                                             double direction_rad) const {
+  const DistanceField& field = fields_[fieldNumber(label, direction_rad)];
+  const FieldSample sample = field.at(p);
+  if (sample.distance_m >= field.params().truncation_m) return std::nullopt;
+  return sample;
+}
+
+std::optional<FieldSample> MapIndex::nearestBruteForce(int label, const Eigen::Vector2d& p,
+                                                       double direction_rad) const {
+  std::optional<FieldSample> best;
+  for (const Segment2& segment : binned_[fieldNumber(label, direction_rad)]) {
+    const FieldSample sample = sampleOf(p, segment);
+    if (!best || sample.distance_m < best->distance_m) best = sample;
+  }
+  return best;
+}
+
+double MapIndex::distance(int label, const Eigen::Vector2d& p) const {
+  if (has_fields_) {
+    if (const auto sample = nearest(label, p, 0.0)) return sample->distance_m;
+  }
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const Segment2& segment : floor(label)) nearest_m = std::min(nearest_m, distanceToSegment(p, segment));
+  return nearest_m;
+}
+
+}  // namespace vismem

@@ -1,0 +1,76 @@
+/// @file The map as localization asks for it: "how far is the nearest segment of this label (and direction)".
+/// Pure. SPEC L4, L5; DESIGN 9.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "common/geometry/segment.h"
+#include "common/segment_map/distance_field.h"
+#include "common/segment_map/segment_map.h"
+
+namespace vismem {
+
+/// Distance to the nearest of a set, and its derivative by the position.
+using FieldSample = DistanceField::Value;
+
+/// The map's segments by label, with fields over what of them touches the floor. Segments labelled `any`
+/// belong to every label. *Pure* after construction.
+class MapIndex {
+ public:
+  struct Params {
+    DistanceFieldParams field;
+    /// Segments within this angle of a direction count for it; empty: all directions alike, one field a
+    /// label.
+    std::optional<double> direction_gate_rad;
+    /// Segments shorter than this in plan view are left out of the floor: vertical edges have no direction
+    /// there.
+    double minimum_plan_length_m = 0.0;
+    bool build_fields = true;
+  };
+
+  /// @param map expanded to edges (no widths).
+  MapIndex(const SegmentMap& map, const Params& params);
+
+  /// Number of a label; empty for `unknown` and for labels the map has no segment of.
+  std::optional<int> labelId(const Label& label) const;
+  /// The same for the floor: empty too for labels without a segment that touches it.
+  std::optional<int> floorLabelId(const Label& label) const;
+  int labelCount() const { return static_cast<int>(by_label_.size()); }
+  /// All segments of space that count for the label.
+  const std::vector<Segment3>& segments(int label) const {
+    return by_label_[static_cast<std::size_t>(label)];
+  }
+  /// What of them touches the floor: lines, and the feet of upright edges as segments without length.
+  const std::vector<Segment2>& floor(int label) const { return floor_[static_cast<std::size_t>(label)]; }
+  Eigen::Vector2d low() const { return low_; }
+  Eigen::Vector2d high() const { return high_; }
+
+  /// Distance on the floor, by the field; empty beyond the truncation. @param direction_rad of the observed
+  /// line; ignored without a direction gate.
+  std::optional<FieldSample> nearest(int label, const Eigen::Vector2d& p, double direction_rad) const;
+  /// The reference: over all segments, whatever the distance. Same gate (by the same bins), same gradient.
+  std::optional<FieldSample> nearestBruteForce(int label, const Eigen::Vector2d& p,
+                                               double direction_rad) const;
+  /// Distance without truncation: by the field where it reaches, else over all segments.
+  /// @param label one that floorLabelId gave.
+  double distance(int label, const Eigen::Vector2d& p) const;
+
+ private:
+  std::size_t fieldNumber(int label, double direction_rad) const;
+
+  int bins_ = 1;
+  bool has_fields_ = true;
+  std::map<Label, int> ids_;
+  std::optional<int> any_;  // of labels that have no segments of their own, if the map has `any`
+  std::vector<std::vector<Segment3>> by_label_;
+  std::vector<std::vector<Segment2>> floor_;
+  std::vector<std::vector<Segment2>> binned_;  // [label * bins_ + bin]
+  std::vector<DistanceField> fields_;          // likewise
+  Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d high_ = Eigen::Vector2d::Zero();
+};
+
+}  // namespace vismem

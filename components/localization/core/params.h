@@ -1,0 +1,106 @@
+/// @file Tuning of the localization core, and its two presets. Pure. SPEC L1-L9, L12; DESIGN 9.
+#pragma once
+
+#include <numbers>
+
+namespace vismem {
+
+/// What the chapter's health looks at: the analysed image (L4), the memory (L5), or the mean of both.
+enum class HealthSource { kMemory, kImage, kBoth };
+
+/// L7, L8: the table of races. Shared by both modes; the thresholds differ.
+struct RaceParams {
+  int maximum = 10;
+  double same_place_m = 0.20;  ///< in x and in y each
+  double same_place_rad = 30.0 * std::numbers::pi / 180.0;
+  double create_health = 0.6;    ///< a candidate below this makes no race
+  double delete_health = 0.6;    ///< a race with no victories below this goes
+  int protected_age = 3;         ///< iterations after birth without deletion or replacement
+  int protected_after_best = 9;  ///< iterations after having been the best without them
+  int maximum_victories = 20;
+};
+
+/// L6.
+struct ExplorerParams {
+  int count_lost = 1000;
+  int count_reliable = 200;
+  int period_reliable = 4;      ///< iterations between searches when reliable; every one when not
+  double reliable_above = 0.6;  ///< reliability from which the robot counts as located
+  int candidates = 6;           ///< M
+  double list_health = 0.3;     ///< explorers below this are no candidates
+  double margin_m = 0.0;        ///< the search goes this far beyond the map's bounding box
+};
+
+/// L9, chapter mode.
+struct EvolutionParams {
+  int individuals = 30;
+  double elitism = 0.2;
+  double crossover = 0.2;  ///< the rest is mutation
+  double noise_m = 0.10;   ///< thermal noise, uniform +-
+  double noise_rad = 15.0 * std::numbers::pi / 180.0;
+};
+
+/// L3-L5, chapter mode.
+struct HealthParams {
+  HealthSource source = HealthSource::kMemory;
+  bool use_field = true;         ///< false: brute force over the map, the reference
+  double memory_scale_m = 0.5;   ///< M of L5
+  double image_scale_px = 50.0;  ///< M of L4 at 320 columns; scaled with the image's width
+  double memory_range_m = 4.0;   ///< segments further away than this are not used (M5)
+  double grid_top_px = 10.0;     ///< cells of the sampling grid at the top of a 240-row image
+  double grid_bottom_px = 40.0;  ///< and at its bottom
+};
+
+/// Default mode: every part can be switched off alone.
+struct RobustParams {
+  double point_step_m = 0.10;       ///< spacing of sampling points along remembered segments
+  int maximum_points = 160;         ///< per observation; the spacing grows where there would be more
+  double range_m = 5.0;             ///< remembered points further away than this are not used
+  double half_life_s = 4.0;         ///< weight of what was not seen for this long is halved; 0: never
+  double unconfirmed_weight = 0.4;  ///< of elements not yet seen from a second viewpoint (M1)
+  double effective_points = 30.0;   ///< the points of one observation are worth at most this many
+  double points_per_metre = 5.0;    ///< what a metre of fresh, confirmed segment is worth
+  double sigma_m = 0.06;            ///< least standard deviation of a point across its line
+  double maximum_sigma_m = 0.25;
+  double drift_sigma_mps = 0.01;  ///< growth of it with time unseen (odometry drift)
+  double outlier_share = 0.05;    ///< eps of the bounded likelihood
+  bool direction_gate = true;     ///< points are compared with map segments of similar direction only
+  double direction_gate_rad = 20.0 * std::numbers::pi / 180.0;
+  bool use_field = true;              ///< false: brute force, the reference
+  int refinement_steps = 3;           ///< Gauss-Newton steps per race and iteration; 0: none
+  bool kalman = true;                 ///< false: refinement without the motion prior
+  double odometry_share = 0.10;       ///< standard deviation per metre travelled
+  double odometry_turn_share = 0.10;  ///< per radian turned
+  double odometry_turn_per_m = 0.10;  ///< heading, per metre travelled
+  double walk_m = 0.01;  ///< of the pose per square root of an iteration: what odometry does not know
+  double walk_rad = 0.01;
+  double information_share = 0.06;  ///< of one observation that is new since the last iteration
+  double forgetting = 0.95;         ///< of evidence per iteration; 0: the last observation alone
+  double lead = 1.5;                ///< evidence [nats] by which a rival must lead to become the winner
+  double birth_penalty = 1.0;       ///< evidence [nats] a new race starts behind a reliable winner
+  double delete_behind = 12.0;      ///< evidence [nats] behind the best that ends a race
+  double constructed_share = 0.5;   ///< of explorers placed by matching remembered to map segments
+  int refined_explorers = 24;       ///< the best explorers are refined before candidates are chosen
+  double reliability_time_s = 2.0;  ///< filter of the explained fraction
+  double enough_points = 12.0;      ///< observations worth less cannot make the pose reliable
+  double explained_low = 0.35;      ///< explained fraction that counts nothing
+  double explained_high = 0.75;     ///< and that counts fully
+};
+
+enum class LocalizationMode { kDefault, kChapter };
+
+struct LocalizerParams {
+  LocalizationMode mode = LocalizationMode::kDefault;
+  double tick_s = 0.2;   ///< of stamps between iterations; odometry moves the races with every update
+  double cell_m = 0.05;  ///< of the distance fields
+  RaceParams races;
+  ExplorerParams explorers;
+  EvolutionParams evolution;
+  HealthParams health;
+  RobustParams robust;
+};
+
+/// The presets: `chapter` as published (with DESIGN 9 where it is silent), `default` ours.
+LocalizerParams localizerPreset(LocalizationMode mode);
+
+}  // namespace vismem

@@ -1,0 +1,165 @@
+#include "localization/core/robust_likelihood.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kMinimumLength_m = 0.05;  // a shorter remembered segment has no usable direction
+
+/// Damping where the observation says nothing about a direction: one metre, one radian.
+const Eigen::Matrix3d kDamping = Eigen::Matrix3d::Identity();
+
+/// A step further than this leaves the part of the field that the gradient describes.
+constexpr double kLongestStep_m = 0.5;
+constexpr double kLongestTurn_rad = 0.4;
+
+/// Variance across the segment at one of its ends.
+double variancesAcross(const Eigen::Matrix3d& P, const Eigen::Vector2d& along_odom) {
+  const Eigen::Vector2d across(-along_odom.y(), along_odom.x());
+  return across.dot(P.topLeftCorner<2, 2>() * across);
+}
+
+}  // namespace
+
+RobustObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& map,
+                                const RobustParams& params) {
+  RobustObservation observation;
+  const Pose2 T_robot_odom = inverse(snapshot.T_odom_robot);
+  struct Piece {
+    Segment2 robot;
+    int label;
+    double weight_per_m;
+    double variance_a;
+    double variance_b;
+  };
+  std::vector<Piece> pieces;
+  double length = 0.0;
+  for (const MemorySegment& segment : snapshot.segments) {
+    const auto label = map.floorLabelId(segment.label);
+    if (!label) continue;
+    const Segment2 odom = segment.odom.floor();
+    if (odom.length() < kMinimumLength_m) continue;
+    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(params.range_m);
+    const auto robot = clipToBox(transform(T_robot_odom, odom), -reach, reach);
+    if (!robot || robot->length() < kMinimumLength_m) continue;
+    const double unseen_s =
+        std::max(0.0, static_cast<double>(snapshot.stamp_us - segment.last_seen_us) / kSecondUs);
+    double weight = params.points_per_metre;
+    if (params.half_life_s > 0.0) weight *= std::exp2(-unseen_s / params.half_life_s);
+    if (!segment.confirmed) weight *= params.unconfirmed_weight;
+    const double drift = params.drift_sigma_mps * unseen_s;
+    const double base = params.sigma_m * params.sigma_m + drift * drift;
+    const Eigen::Vector2d along = (odom.b - odom.a).normalized();
+    pieces.push_back({*robot, *label, weight, base + variancesAcross(segment.P_a, along),
+                      base + variancesAcross(segment.P_b, along)});
+    length += robot->length();
+  }
+  const double step = std::max(params.point_step_m, length / params.maximum_points);
+  const double largest_variance = params.maximum_sigma_m * params.maximum_sigma_m;
+  for (const Piece& piece : pieces) {
+    const double piece_length = piece.robot.length();
+    const int count = std::max(2, static_cast<int>(std::lround(piece_length / step)));
+    const double direction = piece.robot.direction();
+    const double weight = piece.weight_per_m * piece_length;
+    for (int i = 0; i < count; ++i) {
+      const double fraction = (i + 0.5) / count;
+      EvidencePoint point;
+      point.p_robot = piece.robot.a + fraction * (piece.robot.b - piece.robot.a);
+      point.direction_robot = direction;
+      point.label = piece.label;
+      const double variance = piece.variance_a + fraction * (piece.variance_b - piece.variance_a);
+      point.sigma_m = std::sqrt(std::clamp(variance, params.sigma_m * params.sigma_m, largest_variance));
+      point.weight = weight / count;
+      observation.points.push_back(point);
+    }
+    observation.segments.push_back({piece.robot, piece.label, weight});
+    observation.amount += weight;
+  }
+  if (observation.amount > params.effective_points) {
+    const double scale = params.effective_points / observation.amount;
+    for (EvidencePoint& point : observation.points) point.weight *= scale;
+  }
+  return observation;
+}
+
+std::optional<FieldSample> RobustLikelihood::sample(const EvidencePoint& point,
+                                                    const Eigen::Vector2d& p_world, double heading) const {
+  const double direction = point.direction_robot + heading;
+  return params_.use_field ? map_.nearest(point.label, p_world, direction)
+                           : map_.nearestBruteForce(point.label, p_world, direction);
+}
+
+Rating RobustLikelihood::rate(const RobustObservation& observation, const Pose2& T_world_robot, double blur_m,
+                              std::size_t stride) const {
+  Rating rating;
+  const double eps = params_.outlier_share;
+  const double log_eps = std::log(eps);
+  const double c = std::cos(T_world_robot.theta);
+  const double s = std::sin(T_world_robot.theta);
+  double weights = 0.0;
+  for (std::size_t i = 0; i < observation.points.size(); i += stride) {
+    const EvidencePoint& point = observation.points[i];
+    weights += point.weight;
+    const Eigen::Vector2d p(T_world_robot.x + c * point.p_robot.x() - s * point.p_robot.y(),
+                            T_world_robot.y + s * point.p_robot.x() + c * point.p_robot.y());
+    const auto field = sample(point, p, T_world_robot.theta);
+    if (!field) {
+      rating.log_likelihood += point.weight * log_eps;
+      continue;
+    }
+    const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+    const double agreement = std::exp(-0.5 * field->distance_m * field->distance_m / variance);
+    rating.log_likelihood += point.weight * std::log((1.0 - eps) * agreement + eps);
+    rating.explained += point.weight * agreement;
+  }
+  if (weights > 0.0) rating.explained /= weights;
+  return rating;
+}
+
+RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& observation, const Pose2& start,
+                                                   const Eigen::Matrix3d& prior_information, double share,
+                                                   int steps, double blur_m) const {
+  Refined result{start, Eigen::Matrix3d::Zero()};
+  const double eps = params_.outlier_share;
+  // One pass more than steps: the last one only takes the curvature at the result.
+  for (int step = 0; step <= steps; ++step) {
+    Pose2& pose = result.T_world_robot;
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d g = Eigen::Vector3d::Zero();
+    const double c = std::cos(pose.theta);
+    const double s = std::sin(pose.theta);
+    for (const EvidencePoint& point : observation.points) {
+      const Eigen::Vector2d arm(c * point.p_robot.x() - s * point.p_robot.y(),
+                                s * point.p_robot.x() + c * point.p_robot.y());
+      const auto field = sample(point, Eigen::Vector2d(pose.x, pose.y) + arm, pose.theta);
+      if (!field) continue;
+      const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+      const double inlier = (1.0 - eps) * std::exp(-0.5 * field->distance_m * field->distance_m / variance);
+      // Derivative of the bounded loss: far points pull less and less.
+      const double weight = share * point.weight / variance * inlier / (inlier + eps);
+      const Eigen::Vector3d J(field->gradient.x(), field->gradient.y(),
+                              -field->gradient.x() * arm.y() + field->gradient.y() * arm.x());
+      H += weight * J * J.transpose();
+      g += weight * field->distance_m * J;
+    }
+    result.information = H;
+    if (step == steps) break;
+    const Eigen::Vector3d off(pose.x - start.x, pose.y - start.y, angleDifference(pose.theta, start.theta));
+    const Eigen::Matrix3d A = H + prior_information + kDamping;
+    Eigen::Vector3d move = -A.ldlt().solve(g + prior_information * off);
+    const double length = move.head<2>().norm();
+    const double shrink = std::min({1.0, kLongestStep_m / std::max(length, 1e-12),
+                                    kLongestTurn_rad / std::max(std::abs(move.z()), 1e-12)});
+    move *= shrink;
+    pose = {pose.x + move.x(), pose.y + move.y(), wrapAngle(pose.theta + move.z())};
+    if (move.head<2>().norm() < 1e-5 && std::abs(move.z()) < 1e-5) steps = step + 1;
+  }
+  return result;
+}
+
+}  // namespace vismem

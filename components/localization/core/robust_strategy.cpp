@@ -1,0 +1,210 @@
+// Our localization: bounded likelihood, Gauss-Newton and Kalman filter per race, evidence. DESIGN 9, L12, B2.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/angles.h"
+#include "localization/core/explorers.h"
+#include "localization/core/race_strategy.h"
+#include "localization/core/robust_likelihood.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kTruncation_m = 1.0;          // several times the largest sigma with blur
+constexpr double kMinimumPlanLength_m = 0.03;  // shorter map segments are vertical edges
+constexpr double kExplorerBlur_m = 0.15;       // an explorer must only come within about 0.3 m
+constexpr double kRefinementBlur_m = 0.08;
+constexpr std::size_t kExplorerStride = 3;
+/// Nobody knows a pose worse than this: keeps the covariance of an undetermined direction finite.
+constexpr double kLargestStd_m = 5.0;
+constexpr double kLargestStd_rad = 1.0;
+
+MapIndex::Params indexParams(const LocalizerParams& params) {
+  MapIndex::Params index;
+  index.field.cell_m = params.cell_m;
+  index.field.truncation_m = kTruncation_m;
+  if (params.robust.direction_gate) index.direction_gate_rad = params.robust.direction_gate_rad;
+  index.minimum_plan_length_m = kMinimumPlanLength_m;
+  index.build_fields = params.robust.use_field;
+  return index;
+}
+
+Eigen::Matrix3d broadPrior() {
+  return Eigen::Vector3d(1.0 / (kLargestStd_m * kLargestStd_m), 1.0 / (kLargestStd_m * kLargestStd_m),
+                         1.0 / (kLargestStd_rad * kLargestStd_rad))
+      .asDiagonal();
+}
+
+class RobustStrategy : public RaceStrategy {
+ public:
+  RobustStrategy(const SegmentMap& map_edges, const LocalizerParams& params)
+      : params_(params),
+        map_(map_edges, indexParams(params)),
+        constructed_(map_),
+        likelihood_(map_, params_.robust) {}
+
+  bool observe(const MemoryUpdate& update) override {
+    observation_ =
+        update.snapshot ? observeMemory(*update.snapshot, map_, params_.robust) : RobustObservation{};
+    return !observation_.points.empty();
+  }
+
+  void move(Race& race, const Pose2& T_before_now) const override {
+    const RobustParams& robust = params_.robust;
+    const double theta = race.T_world_robot.theta;
+    const Eigen::Vector2d shift = transform(Pose2{0.0, 0.0, theta}, T_before_now.position());
+    Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+    F(0, 2) = -shift.y();
+    F(1, 2) = shift.x();
+    const double travelled = shift.norm();
+    const double std_m = robust.odometry_share * travelled;
+    const double std_rad =
+        robust.odometry_turn_share * std::abs(T_before_now.theta) + robust.odometry_turn_per_m * travelled;
+    race.P = F * race.P * F.transpose();
+    race.P.diagonal() += Eigen::Vector3d(std_m * std_m, std_m * std_m, std_rad * std_rad);
+    race.T_world_robot = race.T_world_robot * T_before_now;
+  }
+
+  void rate(Race& race) const override {
+    const Rating rating = likelihood_.rate(observation_, race.T_world_robot);
+    race.health = rating.explained;
+    race.log_likelihood = rating.log_likelihood;
+  }
+
+  std::vector<Race> search(int explorers, const RaceTable& table, double reliability,
+                           RandomEngine& engine) const override {
+    std::vector<Individual> population;
+    population.reserve(static_cast<std::size_t>(explorers));
+    for (int i = 0; i < explorers; ++i) {
+      std::optional<Pose2> pose;
+      if (uniform(engine, 0.0, 1.0) < params_.robust.constructed_share) {
+        pose = constructed_.propose(observation_, engine);
+      }
+      if (!pose) pose = uniformExplorer(map_, params_.explorers.margin_m, engine);
+      population.push_back(
+          {*pose, likelihood_.rate(observation_, *pose, kExplorerBlur_m, kExplorerStride).explained});
+    }
+    std::vector<Individual> best = bestPlaces(population, params_.robust.refined_explorers,
+                                              params_.explorers.list_health, table.params());
+    for (Individual& one : best) {
+      one.T_world_robot = likelihood_
+                              .refine(observation_, one.T_world_robot, broadPrior(), 1.0,
+                                      params_.robust.refinement_steps, kRefinementBlur_m)
+                              .T_world_robot;
+      one.health = likelihood_.rate(observation_, one.T_world_robot).explained;
+    }
+    std::vector<Race> races;
+    const Race* winner = table.winner();
+    for (const Individual& place :
+         bestPlaces(best, params_.explorers.candidates, params_.explorers.list_health, table.params())) {
+      races.push_back(foundAt(place.T_world_robot, engine));
+      // A newcomer fits this moment by selection: it must show over time that it fits better than the winner.
+      if (winner) {
+        races.back().evidence =
+            std::min(races.back().evidence, winner->evidence - params_.robust.birth_penalty * reliability);
+      }
+    }
+    return races;
+  }
+
+  Race foundAt(const Pose2& T_world_robot, RandomEngine&) const override {
+    Race race;
+    race.T_world_robot = T_world_robot;
+    rate(race);
+    race.evidence = race.log_likelihood;
+    const auto refined =
+        likelihood_.refine(observation_, T_world_robot, Eigen::Matrix3d::Zero(), 1.0, 0, 0.0);
+    race.P = (refined.information + broadPrior()).inverse();
+    return race;
+  }
+
+  bool isHopeless(const Race& race, const RaceTable& table) const override {
+    return race.evidence < bestEvidence(table) - params_.robust.delete_behind;
+  }
+
+  void evolve(Race& race, RandomEngine&) const override {
+    const RobustParams& robust = params_.robust;
+    race.P.diagonal() += Eigen::Vector3d(robust.walk_m * robust.walk_m, robust.walk_m * robust.walk_m,
+                                         robust.walk_rad * robust.walk_rad);
+    const Eigen::Matrix3d prior =
+        robust.kalman ? Eigen::Matrix3d(race.P.inverse() + broadPrior()) : broadPrior();
+    // The memory repeats itself from image to image: only a share of it is new to the filter.
+    const double share = robust.kalman ? robust.information_share : 1.0;
+    if (robust.refinement_steps > 0) {
+      const auto refined =
+          likelihood_.refine(observation_, race.T_world_robot, prior, share, robust.refinement_steps, 0.0);
+      race.T_world_robot = refined.T_world_robot;
+      race.P = (prior + refined.information).inverse();
+    }
+    rate(race);
+    race.evidence = robust.forgetting * race.evidence + (1.0 - robust.forgetting) * race.log_likelihood;
+  }
+
+  void choose(RaceTable& table, double reliability) const override {
+    const Race* best = nullptr;
+    for (const Race& race : table.races()) {
+      if (!best || race.evidence > best->evidence) best = &race;
+    }
+    if (!best) return;
+    const Race* winner = table.winner();
+    // Someone lost has little to defend.
+    const double lead = params_.robust.lead * (0.2 + 0.8 * reliability);
+    if (!winner || best->evidence > winner->evidence + lead) table.setWinner(best->id);
+    table.noteBest(best->id);
+    table.award(table.winner()->id);
+  }
+
+  std::vector<double> weights(const RaceTable& table) const override {
+    const double best = bestEvidence(table);
+    std::vector<double> shares;
+    double sum = 0.0;
+    for (const Race& race : table.races()) sum += std::exp(race.evidence - best);
+    for (const Race& race : table.races()) shares.push_back(std::exp(race.evidence - best) / sum);
+    return shares;
+  }
+
+  double nextReliability(double last, const RaceTable& table) const override {
+    const RobustParams& robust = params_.robust;
+    double target = 0.0;
+    if (const Race* winner = table.winner()) {
+      const double fit = std::clamp(
+          (winner->health - robust.explained_low) / (robust.explained_high - robust.explained_low), 0.0, 1.0);
+      const double amount = std::min(1.0, observation_.amount / robust.enough_points);
+      const std::vector<double> shares = weights(table);
+      const auto index = static_cast<std::size_t>(winner - table.races().data());
+      target = fit * amount * shares[index];
+    }
+    const double gain = 1.0 - std::exp(-params_.tick_s / robust.reliability_time_s);
+    return last + gain * (target - last);
+  }
+
+  void forgetEvidence(RaceTable& table) const override {
+    const double best = table.races().empty() ? 0.0 : bestEvidence(table);
+    for (Race& race : table.races()) {
+      race.evidence = best - std::min(1.0, best - race.evidence);
+      race.victories = std::min(race.victories, 1);
+    }
+  }
+
+ private:
+  double bestEvidence(const RaceTable& table) const {
+    double best = -1e300;
+    for (const Race& race : table.races()) best = std::max(best, race.evidence);
+    return best;
+  }
+
+  LocalizerParams params_;
+  MapIndex map_;
+  ConstructedExplorers constructed_;
+  RobustLikelihood likelihood_;
+  RobustObservation observation_;
+};
+
+}  // namespace
+
+std::unique_ptr<RaceStrategy> makeRobustStrategy(const SegmentMap& map_edges, const LocalizerParams& params) {
+  return std::make_unique<RobustStrategy>(map_edges, params);
+}
+
+}  // namespace vismem

@@ -1,0 +1,129 @@
+// Units of localization/core/evolution and explorers (SPEC L6, L9).
+#include "localization/core/evolution.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "common/geometry/angles.h"
+#include "localization/core/explorers.h"
+#include "localization/corridor_world.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Falls with the distance from (1, 2, pi), on the circle.
+double healthOf(const Pose2& pose) {
+  return std::max(0.0,
+                  1.0 - std::hypot(pose.x - 1.0, pose.y - 2.0) - std::abs(angleDifference(pose.theta, kPi)));
+}
+
+TEST(Evolution, TwentyTwentySixtyOfThirty) {
+  const EvolutionParams params;
+  EXPECT_EQ(eliteCount(params), 6);
+  RandomEngine engine(1);
+  Race race = foundRace({{1, 2, kPi}, 1.0}, params, engine);
+  EXPECT_EQ(race.individuals.size(), 30u);
+  rateRace(race, params, healthOf);
+  evolveRace(race, params, engine);
+  EXPECT_EQ(race.individuals.size(), 30u);
+}
+
+TEST(Evolution, BornWithinThermalNoise) {
+  const EvolutionParams params;
+  RandomEngine engine(2);
+  const Race race = foundRace({{1, 2, kPi}, 1.0}, params, engine);
+  for (const Individual& one : race.individuals) {
+    EXPECT_LE(std::abs(one.T_world_robot.x - 1.0), 0.1);
+    EXPECT_LE(std::abs(one.T_world_robot.y - 2.0), 0.1);
+    EXPECT_LE(std::abs(angleDifference(one.T_world_robot.theta, kPi)), degToRad(15) + 1e-12);
+  }
+}
+
+TEST(EvolutionProperty, TheEliteSurvivesAGenerationUnchanged) {
+  const EvolutionParams params;
+  RandomEngine engine(3);
+  Race race = foundRace({{1.2, 2.1, kPi - 0.1}, 0.5}, params, engine);
+  double best = 0.0;
+  for (int generation = 0; generation < 50; ++generation) {
+    rateRace(race, params, healthOf);
+    EXPECT_GE(race.individuals[0].health, best);  // with one and the same observation it only gets better
+    best = race.individuals[0].health;
+    const std::vector<Individual> before = race.individuals;
+    evolveRace(race, params, engine);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(race.individuals[i].T_world_robot, before[i].T_world_robot);
+  }
+  EXPECT_GT(best, 0.95);
+}
+
+TEST(Evolution, MeansAreTakenOnTheCircle) {
+  const Pose2 mean = meanPose({0, 0, kPi - 0.2}, {2, 4, -kPi + 0.1});
+  EXPECT_NEAR(mean.x, 1.0, 1e-12);
+  EXPECT_NEAR(mean.y, 2.0, 1e-12);
+  EXPECT_NEAR(angleDifference(mean.theta, kPi - 0.05), 0.0, 1e-9);
+}
+
+TEST(Evolution, PoseOfARaceAcrossTheWrapIsItsElitesMean) {
+  EvolutionParams params;
+  params.individuals = 4;
+  params.elitism = 0.5;
+  Race race;
+  race.individuals = {
+      {{1.0, 2.0, kPi - 0.1}, 0}, {{1.0, 2.0, -kPi + 0.1}, 0}, {{5, 5, 0}, 0}, {{6, 6, 0}, 0}};
+  rateRace(race, params, healthOf);
+  EXPECT_NEAR(std::abs(race.T_world_robot.theta), kPi, 1e-9);
+  EXPECT_NEAR(race.health, 0.9, 1e-9);  // both of the elite are 0.1 rad off
+}
+
+TEST(Explorers, ManyWhenLostFewAndSeldomWhenReliable) {
+  const ExplorerParams params;
+  EXPECT_GE(explorerCount(params, 0.0, 1), 1000);
+  EXPECT_GE(explorerCount(params, 0.59, 3), 1000);
+  EXPECT_EQ(explorerCount(params, 0.9, 1), 0);
+  EXPECT_EQ(explorerCount(params, 0.9, 4), params.count_reliable);
+}
+
+TEST(Explorers, UniformOnesStayInTheMapsBox) {
+  const MapIndex map(test::corridorMap(), {});
+  RandomEngine engine(4);
+  for (int i = 0; i < 1000; ++i) {
+    const Pose2 pose = uniformExplorer(map, 0.0, engine);
+    EXPECT_TRUE(pose.x >= -0.75 && pose.x <= 8.75 && pose.y >= -0.75 && pose.y <= 5.75);
+  }
+}
+
+TEST(Explorers, BestPlacesAreDistinctAndInOrder) {
+  std::vector<Individual> explorers = {
+      {{0, 0, 0}, 0.7}, {{0.1, 0, 0}, 0.9}, {{3, 0, 0}, 0.8}, {{6, 0, 0}, 0.2}};
+  const auto best = bestPlaces(explorers, 6, 0.3, {});
+  ASSERT_EQ(best.size(), 2u);
+  EXPECT_DOUBLE_EQ(best[0].health, 0.9);
+  EXPECT_DOUBLE_EQ(best[1].health, 0.8);
+}
+
+TEST(Explorers, ConstructedOnesLayASeenSegmentOnTheMap) {
+  SegmentMap one;
+  one.segments = {{{{2, 1, 0}, {6, 1, 0}}, "skirting", 0.0}};
+  const MapIndex map(one, {});
+  const ConstructedExplorers constructed(map);
+  RobustObservation observation;
+  observation.segments = {{{{0.5, 0.7}, {1.5, 0.7}}, 0, 1.0}};
+  observation.amount = 1.0;
+  RandomEngine engine(6);
+  for (int i = 0; i < 200; ++i) {
+    const auto pose = constructed.propose(observation, engine);
+    ASSERT_TRUE(pose);
+    const Segment2 world = transform(*pose, observation.segments[0].robot);
+    // On the wall's line, and overlapping it.
+    EXPECT_NEAR(world.a.y(), 1.0, 1e-9);
+    EXPECT_NEAR(world.b.y(), 1.0, 1e-9);
+    EXPECT_LE(std::min(world.a.x(), world.b.x()), 6.0);
+    EXPECT_GE(std::max(world.a.x(), world.b.x()), 2.0);
+  }
+}
+
+}  // namespace
+}  // namespace vismem

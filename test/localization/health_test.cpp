@@ -1,0 +1,197 @@
+// Units of localization/core/health and map_index: the chapter's healths (SPEC L3-L5).
+#include "localization/core/health.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/geometry/angles.h"
+#include "common/geometry/projection.h"
+#include "localization/corridor_world.h"
+
+namespace vismem {
+namespace {
+
+MapSegment wall(double x1, double y1, double x2, double y2, const Label& label) {
+  return {{{x1, y1, 0.0}, {x2, y2, 0.0}}, label, 0.0};
+}
+
+MapIndex::Params withFields(bool build_fields) {
+  MapIndex::Params params;
+  params.build_fields = build_fields;
+  return params;
+}
+
+TEST(MemoryHealth, IsOneMinusMeanDistanceOverHalfAMetre) {
+  SegmentMap map;
+  map.segments = {wall(0, 0, 4, 0, "skirting"), wall(0, 0.1, 4, 0.1, "door_foot")};
+  const MapIndex index(map, withFields(false));
+  const int skirting = *index.labelId("skirting");
+  // First line: ends 0.1 and 0.2 m from the skirting (the nearer door foot does not count), mean 0.15.
+  // Second: ends 0 and 0.3 m, mean 0.15. Mean of both 0.15: H = 1 - 0.15 / 0.5 = 0.7.
+  const std::vector<RememberedLine> lines = {{{{1.0, 0.1}, {2.0, 0.2}}, skirting},
+                                             {{{1.0, 0.0}, {2.0, -0.3}}, skirting}};
+  EXPECT_NEAR(memoryHealth(lines, {0, 0, 0}, index, 0.5), 0.7, 1e-12);
+  // Seen from a robot at (3, 1) heading back: the same lines given in its frame.
+  const Pose2 pose{3.0, 1.0, degToRad(180)};
+  std::vector<RememberedLine> seen;
+  for (const RememberedLine& line : lines) seen.push_back({transform(inverse(pose), line.robot), line.label});
+  EXPECT_NEAR(memoryHealth(seen, pose, index, 0.5), 0.7, 1e-12);
+}
+
+TEST(MemoryHealth, DistancesAreNotCutButHealthIsClamped) {
+  SegmentMap map;
+  map.segments = {wall(0, 0, 4, 0, "skirting")};
+  const MapIndex index(map, withFields(true));
+  // One line right, one 10 m away: mean 5 m, far under zero.
+  const std::vector<RememberedLine> lines = {{{{1, 0}, {2, 0}}, 0}, {{{1, 10}, {2, 10}}, 0}};
+  EXPECT_DOUBLE_EQ(memoryHealth(lines, {0, 0, 0}, index, 0.5), 0.0);
+  EXPECT_NEAR(index.distance(0, {1, 10}), 10.0, 1e-12);
+}
+
+TEST(MapIndex, AnyMatchesEveryKnownLabelAndUnknownNone) {
+  SegmentMap map;
+  map.segments = {wall(0, 0, 4, 0, "skirting"), wall(0, 1, 4, 1, kAnyLabel)};
+  const MapIndex index(map, withFields(true));
+  EXPECT_NEAR(index.distance(*index.floorLabelId("skirting"), {2.0, 0.9}), 0.1, 1e-6);
+  EXPECT_NEAR(index.distance(*index.floorLabelId("stripe_edge"), {2.0, 0.4}), 0.6, 1e-6);
+  EXPECT_FALSE(index.labelId(kUnknownLabel));
+}
+
+TEST(MapIndex, LabelsWithoutAMapSegmentAreRejected) {
+  SegmentMap map;
+  map.segments = {wall(0, 0, 4, 0, "skirting"), {{{1, 0, 0.5}, {1, 0, 2.0}}, "shelf", 0.0}};
+  const MapIndex index(map, withFields(true));
+  EXPECT_FALSE(index.labelId("door_foot"));
+  EXPECT_TRUE(index.labelId("shelf"));
+  EXPECT_FALSE(index.floorLabelId("shelf"));  // it does not touch the floor
+}
+
+TEST(MapIndex, AnUprightEdgeTouchesTheFloorAtItsFoot) {
+  SegmentMap map;
+  map.segments = {{{{1, 2, 0.0}, {1, 2, 2.0}}, "door_jamb", 0.0}};
+  const MapIndex index(map, withFields(true));
+  EXPECT_NEAR(index.distance(*index.floorLabelId("door_jamb"), {1.3, 2.4}), 0.5, 0.01);
+}
+
+TEST(MapIndexProperty, FieldAgreesWithBruteForceWithinACell) {
+  const SegmentMap map = test::corridorMap();
+  for (const bool gated : {false, true}) {
+    MapIndex::Params params;
+    if (gated) params.direction_gate_rad = degToRad(20);
+    const MapIndex index(map, params);
+    RandomEngine engine(5);
+    int compared = 0;
+    for (int i = 0; i < 5000; ++i) {
+      const Eigen::Vector2d p(uniform(engine, -2, 10), uniform(engine, -2, 7));
+      const double direction = uniform(engine, -4, 4);
+      const int label = static_cast<int>(pick(engine, 2));
+      const auto field = index.nearest(label, p, direction);
+      const auto brute = index.nearestBruteForce(label, p, direction);
+      // Without a near segment the field is empty; bilinear values differ by less than half a cell's
+      // diagonal.
+      if (!field) {
+        EXPECT_TRUE(!brute || brute->distance_m > 1.0 - 0.05) << p.transpose();
+        continue;
+      }
+      ASSERT_TRUE(brute);
+      EXPECT_NEAR(field->distance_m, brute->distance_m, 0.05) << p.transpose();
+      ++compared;
+    }
+    EXPECT_GT(compared, 1000);
+  }
+}
+
+TEST(HealthProperty, FieldAndBruteForceGiveTheSameMemoryHealth) {
+  const SegmentMap map = test::corridorMap();
+  const MapIndex fields(map, withFields(true));
+  const MapIndex brute(map, withFields(false));
+  test::CorridorWorld world({}, 3);
+  MemoryUpdate update;
+  for (int i = 0; i < 50; ++i) update = world.next();
+  HealthObservation with_fields(fields, {});
+  HealthObservation by_brute_force(brute, {});
+  with_fields.set(update);
+  by_brute_force.set(update);
+  RandomEngine engine(9);
+  for (int i = 0; i < 300; ++i) {
+    const Pose2 pose{uniform(engine, 0, 8), uniform(engine, 0, 5), uniform(engine, -3, 3)};
+    EXPECT_NEAR(with_fields.health(pose), by_brute_force.health(pose), 0.05 / 0.5);
+  }
+}
+
+TEST(HealthProperty, OneAtTheTruePlace) {
+  test::CorridorParams params;
+  params.end_noise_m = 0.0;
+  params.odometry_scale_error = 0.0;
+  params.odometry_turn_noise = 0.0;
+  test::CorridorWorld world(params, 4);
+  MemoryUpdate update;
+  for (int i = 0; i < 50; ++i) update = world.next();
+  const MapIndex index(test::corridorMap(), withFields(false));
+  HealthObservation observation(index, {});
+  observation.set(update);
+  EXPECT_NEAR(observation.health(world.truth()), 1.0, 1e-9);
+  const Pose2 beside{world.truth().x, world.truth().y, world.truth().theta + 0.3};
+  EXPECT_LT(observation.health(beside), 0.9);
+}
+
+TEST(SamplingGrid, RowsGrowFromTheTopToTheBottom) {
+  const SamplingGrid grid(320, 240, 10, 40);
+  const auto& borders = grid.rowBorders();
+  ASSERT_GT(borders.size(), 5u);
+  EXPECT_DOUBLE_EQ(borders[0], 0.0);
+  EXPECT_DOUBLE_EQ(borders[1], 10.0);
+  EXPECT_DOUBLE_EQ(borders.back(), 240.0);
+  for (std::size_t i = 2; i + 1 < borders.size(); ++i) {
+    EXPECT_GT(borders[i] - borders[i - 1], borders[i - 1] - borders[i - 2]);
+  }
+}
+
+TEST(SamplingGrid, AVerticalLineCrossesEveryRow) {
+  const SamplingGrid grid(320, 240, 10, 40);
+  const auto points = grid.crossings({{3.0, 0.5}, {3.0, 239.0}});
+  EXPECT_EQ(points.size(), grid.rowBorders().size() - 2);  // all borders but the first and the last
+}
+
+TEST(SamplingGrid, AHorizontalLineHasMorePointsAtTheTop) {
+  const SamplingGrid grid(320, 240, 10, 40);
+  const auto top = grid.crossings({{0.5, 5.0}, {319.0, 5.0}});
+  const auto bottom = grid.crossings({{0.5, 230.0}, {319.0, 230.0}});
+  EXPECT_EQ(top.size(), 31u);  // the first row is 10 px high: x = 10, 20 .. 310
+  EXPECT_LT(bottom.size(), top.size() / 2);
+}
+
+TEST(ImageHealth, HandWorkedDistances) {
+  // The camera at 1 m over the origin looks straight down the world's x by 45 degrees; an edge of the floor
+  // across its view at x = 1 lies on the image's middle row.
+  SegmentMap map;
+  map.segments = {wall(1, -3, 1, 3, "line")};
+  const MapIndex index(map, withFields(false));
+  CameraMount mount;
+  mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 1, 0, 0, 0);
+  const Pose3 T = cameraPose(mount, 0.0, degToRad(-45));
+  const CameraIntrinsics camera = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+  // Distances 0, 10 and 20 px: mean 10, H = 1 - 10 / 50 = 0.8.
+  const std::vector<ImagePoint> points = {{{100, 119.5}, 0}, {{150, 129.5}, 0}, {{200, 99.5}, 0}};
+  EXPECT_NEAR(imageHealth(points, camera, T, index, 50.0), 0.8, 1e-6);
+  EXPECT_NEAR(imageHealth({points[0]}, camera, T, index, 50.0), 1.0, 1e-6);
+  // Turned away no line is in view: the diagonal (400 px) counts, and the health is clamped.
+  const Pose3 away = toPose3({0, 0, degToRad(180)}) * T;
+  EXPECT_DOUBLE_EQ(imageHealth(points, camera, away, index, 50.0), 0.0);
+}
+
+TEST(HealthObservation, UnknownLabelsSayNothing) {
+  const MapIndex index(test::corridorMap(), withFields(true));
+  auto snapshot = std::make_shared<MemorySnapshot>();
+  MemorySegment segment;
+  segment.odom = {{1, 0, 0}, {2, 0, 0}};
+  segment.label = kUnknownLabel;
+  snapshot->segments.push_back(segment);
+  HealthObservation observation(index, {});
+  observation.set({snapshot, nullptr});
+  EXPECT_TRUE(observation.isEmpty());
+}
+
+}  // namespace
+}  // namespace vismem

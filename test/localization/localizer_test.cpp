@@ -1,0 +1,224 @@
+// Properties of localization/core/localizer on a synthetic corridor (SPEC L1-L9, L12; DESIGN 9, 14).
+#include "localization/core/localizer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "common/geometry/angles.h"
+#include "localization/corridor_world.h"
+
+namespace vismem {
+namespace {
+
+using test::CorridorParams;
+using test::CorridorWorld;
+
+class InBothModes : public testing::TestWithParam<LocalizationMode> {};
+INSTANTIATE_TEST_SUITE_P(Modes, InBothModes,
+                         testing::Values(LocalizationMode::kDefault, LocalizationMode::kChapter),
+                         [](const auto& which) {
+                           return which.param == LocalizationMode::kDefault ? "Default" : "Chapter";
+                         });
+
+bool isNear(const PoseEstimate& estimate, const Pose2& truth) {
+  return estimate.T_world_robot && (estimate.T_world_robot->position() - truth.position()).norm() < 0.5 &&
+         std::abs(angleDifference(estimate.T_world_robot->theta, truth.theta)) < degToRad(15);
+}
+
+double positionError(const PoseEstimate& estimate, const Pose2& truth) {
+  return (estimate.T_world_robot->position() - truth.position()).norm();
+}
+
+struct Outcome {
+  bool settled_in_time = false;  ///< near the truth for 2 s, within the limit
+  double mean_error_m = 0.0;     ///< from then to the end, losses included
+};
+
+Outcome drive(Localizer& localizer, CorridorWorld& world, double seconds, double limit_s) {
+  Outcome outcome;
+  const double start_s = world.seconds();
+  double since_s = -1.0;
+  double sum = 0.0;
+  int count = 0;
+  while (world.seconds() < start_s + seconds) {
+    const PoseEstimate estimate = localizer.step(world.next());
+    if (!outcome.settled_in_time) {
+      if (!isNear(estimate, world.truth())) {
+        since_s = -1.0;
+      } else if (since_s < 0.0) {
+        since_s = world.seconds();
+      }
+      outcome.settled_in_time =
+          since_s >= 0.0 && world.seconds() >= since_s + 2.0 && world.seconds() <= start_s + limit_s;
+    } else {
+      sum += estimate.T_world_robot ? positionError(estimate, world.truth()) : 10.0;
+      ++count;
+    }
+  }
+  outcome.mean_error_m = count > 0 ? sum / count : 1e9;
+  return outcome;
+}
+
+TEST_P(InBothModes, FindsItselfFromAnUnknownStart) {
+  int good = 0;
+  for (std::uint64_t seed = 201; seed <= 210; ++seed) {
+    CorridorWorld world({}, seed);
+    Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), seed);
+    const Outcome outcome = drive(localizer, world, 45.0, 30.0);
+    good += outcome.settled_in_time && outcome.mean_error_m < 0.15;
+  }
+  EXPECT_GE(good, 8) << "of seeds 201..210";
+}
+
+TEST(Localizer, DefaultModeSurvivesOneFalseSegmentForEveryTwo) {
+  CorridorParams params;
+  params.false_share = 0.5;
+  int good = 0;
+  for (std::uint64_t seed = 201; seed <= 210; ++seed) {
+    CorridorWorld world(params, seed);
+    Localizer localizer(localizerPreset(LocalizationMode::kDefault), test::corridorMap(), seed);
+    const Outcome outcome = drive(localizer, world, 45.0, 30.0);
+    good += outcome.settled_in_time && outcome.mean_error_m < 0.15;
+  }
+  EXPECT_GE(good, 8) << "of seeds 201..210";
+}
+
+TEST_P(InBothModes, RecoversFromAKidnapping) {
+  int good = 0;
+  for (std::uint64_t seed = 221; seed <= 225; ++seed) {
+    CorridorWorld world({}, seed);
+    Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), seed);
+    drive(localizer, world, 30.0, 30.0);
+    world.kidnap();
+    good += drive(localizer, world, 60.0, 60.0).settled_in_time;
+  }
+  EXPECT_GE(good, 4) << "of seeds 221..225";
+}
+
+TEST_P(InBothModes, SameSeedSameResult) {
+  std::vector<PoseEstimate> runs[2];
+  for (auto& run : runs) {
+    CorridorWorld world({}, 7);
+    Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 7);
+    for (int i = 0; i < 100; ++i) run.push_back(localizer.step(world.next()));
+  }
+  for (std::size_t i = 0; i < runs[0].size(); ++i) {
+    ASSERT_EQ(runs[0][i].T_world_robot, runs[1][i].T_world_robot) << i;
+    ASSERT_EQ(runs[0][i].reliability, runs[1][i].reliability) << i;
+    ASSERT_EQ(runs[0][i].races.size(), runs[1][i].races.size()) << i;
+  }
+}
+
+TEST_P(InBothModes, ThePoseIsTheWinnersAndNeverAMeanOverRaces) {
+  CorridorWorld world({}, 8);
+  Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 8);
+  int with_rivals = 0;
+  for (int i = 0; i < 300; ++i) {
+    const PoseEstimate estimate = localizer.step(world.next());
+    if (!estimate.T_world_robot) continue;
+    int winners = 0;
+    double weights = 0.0;
+    for (const RaceReport& race : estimate.races) {
+      weights += race.weight;
+      if (!race.winner) continue;
+      ++winners;
+      EXPECT_EQ(race.T_world_robot, *estimate.T_world_robot);
+    }
+    EXPECT_EQ(winners, 1);
+    EXPECT_NEAR(weights, 1.0, 1e-9);
+    EXPECT_LE(estimate.races.size(), 10u);
+    with_rivals += estimate.races.size() > 1;
+  }
+  EXPECT_GT(with_rivals, 20);
+}
+
+TEST_P(InBothModes, WeakEvidenceDoesNotMakeItConfident) {
+  // One short piece of wall for 20 s: it fits in a thousand places.
+  Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 1);
+  for (int i = 0; i < 100; ++i) {
+    auto snapshot = std::make_shared<MemorySnapshot>();
+    snapshot->stamp_us = i * 200'000;
+    MemorySegment segment;
+    segment.odom = {{1.0, 0.7, 0.0}, {1.5, 0.7, 0.0}};
+    segment.label = "skirting";
+    segment.confirmed = true;
+    segment.last_seen_us = snapshot->stamp_us;
+    snapshot->segments.push_back(segment);
+    const PoseEstimate estimate = localizer.step({snapshot, std::make_shared<ImageAnalysis>()});
+    EXPECT_LT(estimate.reliability, 0.5) << i;
+  }
+}
+
+TEST_P(InBothModes, BetweenTicksThePoseFollowsOdometry) {
+  CorridorWorld world({}, 9);
+  Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 9);
+  drive(localizer, world, 20.0, 20.0);
+  const PoseEstimate before = localizer.latest();
+  auto snapshot = std::make_shared<MemorySnapshot>();
+  snapshot->stamp_us = before.stamp_us + 50'000;
+  const Pose2 moved{0.02, 0.001, 0.01};
+  snapshot->T_odom_robot = before.T_odom_robot * moved;
+  snapshot->epoch = 0;
+  const PoseEstimate after = localizer.step({snapshot, std::make_shared<ImageAnalysis>()});
+  const Pose2 expected = *before.T_world_robot * moved;
+  EXPECT_NEAR(after.T_world_robot->x, expected.x, 1e-9);
+  EXPECT_NEAR(after.T_world_robot->y, expected.y, 1e-9);
+  EXPECT_NEAR(angleDifference(after.T_world_robot->theta, expected.theta), 0.0, 1e-9);
+}
+
+TEST_P(InBothModes, ANewEpochKeepsTheRacesButNotTheReliability) {
+  CorridorWorld world({}, 10);
+  Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 10);
+  drive(localizer, world, 30.0, 30.0);
+  const PoseEstimate before = localizer.latest();
+  ASSERT_GT(before.reliability, 0.6);
+  auto snapshot = std::make_shared<MemorySnapshot>();
+  snapshot->stamp_us = before.stamp_us + 50'000;
+  snapshot->T_odom_robot = before.T_odom_robot;
+  snapshot->epoch = 1;
+  const PoseEstimate after = localizer.step({snapshot, std::make_shared<ImageAnalysis>()});
+  EXPECT_EQ(after.races.size(), before.races.size());
+  EXPECT_LE(after.reliability, 0.1);
+}
+
+TEST_P(InBothModes, NothingRememberedLeavesTheRacesAsTheyAre) {
+  CorridorWorld world({}, 10);
+  Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 10);
+  drive(localizer, world, 20.0, 20.0);
+  const PoseEstimate before = localizer.latest();
+  for (int i = 1; i <= 20; ++i) {
+    auto snapshot = std::make_shared<MemorySnapshot>();
+    snapshot->stamp_us = before.stamp_us + i * 200'000;
+    snapshot->T_odom_robot = before.T_odom_robot;
+    const PoseEstimate after = localizer.step({snapshot, std::make_shared<ImageAnalysis>()});
+    ASSERT_EQ(after.races.size(), before.races.size());
+    EXPECT_NEAR(after.T_world_robot->x, before.T_world_robot->x, 1e-9);
+  }
+}
+
+TEST_P(InBothModes, SetPoseIsFollowedAndRelocalizeForgets) {
+  CorridorWorld world({}, 11);
+  Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 11);
+  for (int i = 0; i < 60; ++i) localizer.step(world.next());
+  localizer.setPose(world.truth());
+  for (int i = 0; i < 100; ++i) {
+    const PoseEstimate estimate = localizer.step(world.next());
+    ASSERT_TRUE(estimate.T_world_robot);
+    EXPECT_LT(positionError(estimate, world.truth()), 0.3) << i;
+  }
+  localizer.relocalize();
+  EXPECT_TRUE(localizer.table().races().empty());
+}
+
+TEST(Localizer, AnUpdateIsNotUsedTwice) {
+  CorridorWorld world({}, 12);
+  Localizer localizer(localizerPreset(LocalizationMode::kDefault), test::corridorMap(), 12);
+  const MemoryUpdate update = world.next();
+  const PoseEstimate first = localizer.step(update);
+  EXPECT_EQ(localizer.step(update).revision, first.revision);
+}
+
+}  // namespace
+}  // namespace vismem

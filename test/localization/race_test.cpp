@@ -1,0 +1,164 @@
+// Units of localization/core/race: the table of races (SPEC L7, L8).
+#include "localization/core/race.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Race raceAt(double x, double health, int victories = 0, int age = 10) {
+  Race race;
+  race.T_world_robot = {x, 0.0, 0.0};
+  race.health = health;
+  race.victories = victories;
+  race.age = age;
+  return race;
+}
+
+/// A table with races 2 m apart, of the healths given; their ids are 1, 2, ...
+RaceTable tableOf(std::initializer_list<double> healths, RaceParams params = {}) {
+  params.create_health = 0.0;
+  RaceTable table(params);
+  double x = 0.0;
+  for (const double health : healths) table.admit(raceAt(x += 2.0, health));
+  return table;
+}
+
+TEST(SamePlace, NeedsPositionAndHeading) {
+  const RaceParams params;  // 20 cm, 30 degrees
+  EXPECT_TRUE(samePlace({1.0, 1.0, 0.0}, {1.19, 0.81, degToRad(29)}, params));
+  EXPECT_FALSE(samePlace({1.0, 1.0, 0.0}, {1.21, 1.0, 0.0}, params));
+  EXPECT_FALSE(samePlace({1.0, 1.0, 0.0}, {1.0, 1.0, degToRad(31)}, params));
+}
+
+TEST(SamePlace, HeadingsMeetAcrossTheWrap) {
+  const RaceParams params;
+  EXPECT_TRUE(samePlace({0, 0, kPi - 0.1}, {0, 0, -kPi + 0.1}, params));
+  EXPECT_FALSE(samePlace({0, 0, kPi - 0.3}, {0, 0, -kPi + 0.3}, params));
+}
+
+TEST(RaceTable, CandidateAtThePlaceOfARaceOnlyAgesIt) {
+  RaceTable table = tableOf({0.9});
+  EXPECT_EQ(table.admit(raceAt(2.1, 0.99)), RaceTable::Admission::kAged);
+  ASSERT_EQ(table.races().size(), 1u);
+  EXPECT_EQ(table.races()[0].age, 11);
+  EXPECT_DOUBLE_EQ(table.races()[0].health, 0.9);
+}
+
+TEST(RaceTable, UnhealthyCandidatesMakeNoRace) {
+  RaceTable table{RaceParams{}};
+  EXPECT_EQ(table.admit(raceAt(0.0, 0.59)), RaceTable::Admission::kIgnored);
+  EXPECT_EQ(table.admit(raceAt(0.0, 0.61)), RaceTable::Admission::kCreated);
+}
+
+TEST(RaceTable, FullTableReplacesTheWeakestWithoutVictories) {
+  RaceParams params;
+  params.maximum = 3;
+  RaceTable table = tableOf({0.8, 0.5, 0.4}, params);
+  table.races()[2].victories = 1;  // the weakest is defended by a victory
+  EXPECT_EQ(table.admit(raceAt(20.0, 0.45)), RaceTable::Admission::kIgnored);
+  EXPECT_EQ(table.admit(raceAt(20.0, 0.7)), RaceTable::Admission::kReplaced);
+  EXPECT_EQ(table.races().size(), 3u);
+  EXPECT_FALSE(table.find(2));
+  EXPECT_TRUE(table.find(4));  // a new id, never used before
+}
+
+TEST(RaceTable, NobodyIsReplacedOrDeletedBeforeAgeThree) {
+  RaceParams params;
+  params.maximum = 1;
+  RaceTable table = tableOf({0.1}, params);
+  table.races()[0].age = 2;
+  EXPECT_EQ(table.admit(raceAt(20.0, 0.9)), RaceTable::Admission::kIgnored);
+  table.removeWeak();
+  EXPECT_EQ(table.races().size(), 1u);
+  table.age();
+  table.removeWeak();
+  EXPECT_TRUE(table.races().empty());
+}
+
+TEST(RaceTable, BestOfAnIterationIsProtectedForNine) {
+  RaceTable table = tableOf({0.1});
+  table.noteBest(1);
+  for (int i = 0; i < 8; ++i) table.age();
+  table.removeWeak();
+  EXPECT_EQ(table.races().size(), 1u);
+  table.age();
+  table.removeWeak();
+  EXPECT_TRUE(table.races().empty());
+}
+
+TEST(RaceTable, DeletesOnlyWithoutVictoriesAndHealth) {
+  RaceTable table = tableOf({0.59, 0.59, 0.61});
+  table.races()[1].victories = 1;
+  table.removeWeak();
+  EXPECT_FALSE(table.find(1));
+  EXPECT_TRUE(table.find(2));
+  EXPECT_TRUE(table.find(3));
+}
+
+TEST(RaceTable, MergeKeepsMoreVictoriesAndThenMoreHealth) {
+  RaceTable table = tableOf({0.9, 0.5, 0.7, 0.8});
+  for (Race& race : table.races()) race.T_world_robot.x = race.id <= 2 ? 0.0 : 5.0;
+  table.races()[1].victories = 2;  // id 2 beats the healthier id 1
+  table.setWinner(1);
+  table.mergeSamePlaces();
+  ASSERT_EQ(table.races().size(), 2u);
+  EXPECT_TRUE(table.find(2));
+  EXPECT_TRUE(table.find(4));  // on a tie the healthier
+  ASSERT_TRUE(table.winner());
+  EXPECT_EQ(table.winner()->id, 2u);  // the title goes over with the place
+}
+
+TEST(RaceTable, YoungRacesMayMerge) {
+  RaceTable table = tableOf({0.9, 0.5});
+  for (Race& race : table.races()) {
+    race.T_world_robot.x = 0.0;
+    race.age = 0;
+  }
+  table.mergeSamePlaces();
+  EXPECT_EQ(table.races().size(), 1u);
+}
+
+TEST(RaceTable, VictoriesStayBetweenZeroAndTwenty) {
+  RaceTable table = tableOf({0.9, 0.5});
+  for (int i = 0; i < 30; ++i) table.award(1);
+  EXPECT_EQ(table.find(1)->victories, 20);
+  EXPECT_EQ(table.find(2)->victories, 0);
+  for (int i = 0; i < 5; ++i) table.award(2);
+  EXPECT_EQ(table.find(1)->victories, 15);
+  EXPECT_EQ(table.find(2)->victories, 5);
+}
+
+TEST(ChooseByVictories, SmallLeadsDoNotDethrone) {
+  RaceTable table = tableOf({0.80, 0.70});
+  for (int i = 0; i < 3; ++i) chooseByVictories(table, 0.1);
+  ASSERT_EQ(table.winner()->id, 1u);
+  EXPECT_EQ(table.winner()->victories, 3);
+  // Race 2 becomes the healthiest by 0.05: no victories change.
+  table.races()[1].health = 0.85;
+  chooseByVictories(table, 0.1);
+  EXPECT_EQ(table.find(1)->victories, 3);
+  EXPECT_EQ(table.find(2)->victories, 0);
+  // By 0.15: it gains one a time and the others lose one, until it has more (3,0 -> 2,1 -> 1,2).
+  table.races()[1].health = 0.95;
+  chooseByVictories(table, 0.1);
+  EXPECT_EQ(table.winner()->id, 1u);
+  chooseByVictories(table, 0.1);
+  EXPECT_EQ(table.winner()->id, 2u);
+}
+
+TEST(RaceTable, WinnerIsForgottenWithItsRace) {
+  RaceTable table = tableOf({0.1, 0.9});
+  table.setWinner(1);
+  table.removeWeak();
+  EXPECT_FALSE(table.winner());
+}
+
+}  // namespace
+}  // namespace vismem

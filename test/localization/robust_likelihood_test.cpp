@@ -1,0 +1,150 @@
+// Units of localization/core/robust_likelihood (SPEC L12, B2; DESIGN 9).
+#include "localization/core/robust_likelihood.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+MapSegment wall(double x1, double y1, double x2, double y2, const Label& label = "skirting") {
+  return {{{x1, y1, 0.0}, {x2, y2, 0.0}}, label, 0.0};
+}
+
+MemorySegment remembered(double x1, double y1, double x2, double y2, double unseen_s = 0.0) {
+  MemorySegment segment;
+  segment.odom = {{x1, y1, 0.0}, {x2, y2, 0.0}};
+  segment.label = "skirting";
+  segment.confirmed = true;
+  segment.last_seen_us = 100 * kSecondUs - static_cast<StampUs>(unseen_s * kSecondUs);
+  return segment;
+}
+
+MemorySnapshot snapshotOf(std::vector<MemorySegment> segments) {
+  MemorySnapshot snapshot;
+  snapshot.stamp_us = 100 * kSecondUs;
+  snapshot.segments = std::move(segments);
+  return snapshot;
+}
+
+/// Two walls that meet at a right angle: everything about the pose can be seen.
+MapIndex cornerMap() {
+  SegmentMap map;
+  map.segments = {wall(0, 0, 3, 0), wall(0, 0, 0, 3)};
+  MapIndex::Params params;
+  params.direction_gate_rad = degToRad(20);
+  return MapIndex(map, params);
+}
+
+TEST(ObserveMemory, HalvesTheWeightEveryFourSecondsUnseen) {
+  const MapIndex map = cornerMap();
+  const RobustParams params;  // 5 points a metre
+  EXPECT_NEAR(observeMemory(snapshotOf({remembered(0, 1, 1, 1)}), map, params).amount, 5.0, 1e-9);
+  EXPECT_NEAR(observeMemory(snapshotOf({remembered(0, 1, 1, 1, 4)}), map, params).amount, 2.5, 1e-9);
+  EXPECT_NEAR(observeMemory(snapshotOf({remembered(0, 1, 1, 1, 8)}), map, params).amount, 1.25, 1e-9);
+}
+
+TEST(ObserveMemory, UnconfirmedElementsWeighLess) {
+  const MapIndex map = cornerMap();
+  MemorySegment segment = remembered(0, 1, 1, 1);
+  segment.confirmed = false;
+  const RobustParams params;
+  EXPECT_NEAR(observeMemory(snapshotOf({segment}), map, params).amount, 5.0 * params.unconfirmed_weight,
+              1e-9);
+}
+
+TEST(ObserveMemory, IsNeverWorthMoreThanTheCap) {
+  const MapIndex map = cornerMap();
+  std::vector<MemorySegment> many;
+  for (int i = 0; i < 30; ++i) many.push_back(remembered(0, 0.1 * i, 3, 0.1 * i));
+  const RobustObservation observation = observeMemory(snapshotOf(many), map, {});
+  double sum = 0.0;
+  for (const EvidencePoint& point : observation.points) sum += point.weight;
+  EXPECT_NEAR(sum, 30.0, 1e-9);
+}
+
+TEST(ObserveMemory, LeavesOutLabelsThatTheMapDoesNotHave) {
+  const MapIndex map = cornerMap();
+  MemorySegment unknown = remembered(0, 1, 1, 1);
+  unknown.label = kUnknownLabel;
+  MemorySegment foreign = remembered(0, 1, 1, 1);
+  foreign.label = "poster";
+  EXPECT_TRUE(observeMemory(snapshotOf({unknown, foreign}), map, {}).points.empty());
+}
+
+TEST(RobustLikelihood, HandWorkedExample) {
+  const MapIndex map = cornerMap();
+  RobustParams params;
+  params.use_field = false;
+  const RobustLikelihood likelihood(map, params);
+  RobustObservation observation;
+  // 0.06 m from the wall at sigma 0.06 m: exp(-1/2) = 0.60653; log(0.95 * 0.60653 + 0.05) = log(0.62620) =
+  // -0.46808.
+  observation.points = {{{1.0, 0.06}, 0.0, 0, 0.06, 1.0}};
+  EXPECT_NEAR(likelihood.rate(observation, {0, 0, 0}).log_likelihood, -0.46808, 1e-4);
+  EXPECT_NEAR(likelihood.rate(observation, {0, 0, 0}).explained, 0.60653, 1e-4);
+}
+
+TEST(RobustLikelihood, AnyOutlierCostsAtMostLogEpsilon) {
+  const MapIndex map = cornerMap();
+  const RobustParams params;
+  const RobustLikelihood likelihood(map, params);
+  RobustObservation observation;
+  observation.points = {{{1.0, 0.0}, 0.0, 0, 0.06, 1.0}};
+  const double clean = likelihood.rate(observation, {0, 0, 0}).log_likelihood;
+  observation.points.push_back({{500.0, 500.0}, 0.0, 0, 0.06, 1.0});
+  const double dirty = likelihood.rate(observation, {0, 0, 0}).log_likelihood;
+  EXPECT_NEAR(dirty - clean, std::log(params.outlier_share), 1e-9);
+}
+
+TEST(RobustLikelihood, PointsOfAnotherDirectionDoNotMatch) {
+  const MapIndex map = cornerMap();
+  const RobustParams params;
+  const RobustLikelihood likelihood(map, params);
+  RobustObservation observation;
+  observation.points = {{{2.0, 0.0}, degToRad(90), 0, 0.06, 1.0}};  // on the wall along x, but across it
+  EXPECT_LT(likelihood.rate(observation, {0, 0, 0}).explained, 0.01);
+}
+
+TEST(RobustLikelihood, RefinementFindsThePlaceInSpiteOfFalseSegments) {
+  const MapIndex map = cornerMap();
+  const RobustParams params;
+  const RobustLikelihood likelihood(map, params);
+  const Pose2 truth{1.0, 1.2, 0.4};
+  const Pose2 T_odom_world = inverse(truth);  // the robot stands at odom's origin
+  std::vector<MemorySegment> segments;
+  for (const Segment2& w : {Segment2{{0.2, 0}, {2.5, 0}}, Segment2{{0, 0.2}, {0, 2.5}}}) {
+    const Segment2 odom = transform(T_odom_world, w);
+    segments.push_back(remembered(odom.a.x(), odom.a.y(), odom.b.x(), odom.b.y()));
+  }
+  segments.push_back(remembered(0.3, 0.3, 1.0, 0.9));  // false ones
+  segments.push_back(remembered(-1.0, 0.5, -0.2, 1.4));
+  const RobustObservation observation = observeMemory(snapshotOf(segments), map, params);
+  const Pose2 start{1.08, 1.13, 0.47};
+  const auto refined = likelihood.refine(observation, start, Eigen::Matrix3d::Zero(), 1.0, 10, 0.0);
+  // Bilinear values on a 5 cm grid: a centimetre and a degree.
+  EXPECT_NEAR(refined.T_world_robot.x, truth.x, 0.01);
+  EXPECT_NEAR(refined.T_world_robot.y, truth.y, 0.01);
+  EXPECT_NEAR(refined.T_world_robot.theta, truth.theta, degToRad(1.0));
+}
+
+TEST(RobustLikelihood, OneInfiniteLineSaysNothingAlongItself) {
+  SegmentMap one;
+  one.segments = {wall(-50, 0, 50, 0)};
+  const MapIndex map(one, {});
+  const RobustParams params;
+  const RobustLikelihood likelihood(map, params);
+  const RobustObservation observation = observeMemory(snapshotOf({remembered(-2, 1, 2, 1)}), map, params);
+  const Pose2 start{3.0, -0.95, 0.0};
+  const auto refined = likelihood.refine(observation, start, Eigen::Matrix3d::Zero(), 1.0, 5, 0.0);
+  EXPECT_NEAR(refined.T_world_robot.y, -1.0, 0.005);
+  EXPECT_NEAR(refined.T_world_robot.x, 3.0, 1e-6);
+  EXPECT_NEAR(refined.information(0, 0), 0.0, 1e-6);
+  EXPECT_GT(refined.information(1, 1), 100.0);
+}
+
+}  // namespace
+}  // namespace vismem
