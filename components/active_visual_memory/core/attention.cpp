@@ -1,0 +1,258 @@
+#include "active_visual_memory/core/attention.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "common/geometry/segment.h"
+
+namespace vismem {
+namespace {
+
+Eigen::Vector3d unitVector(const PanTilt& d) {
+  return {std::cos(d.tilt_rad) * std::cos(d.pan_rad), std::cos(d.tilt_rad) * std::sin(d.pan_rad),
+          std::sin(d.tilt_rad)};
+}
+
+/// Number of stops that cover a range with a step of at most `step`.
+int stops(double low, double high, double step) {
+  return 1 + static_cast<int>(std::ceil(std::max(0.0, high - low) / step - 1e-9));
+}
+
+}  // namespace
+
+double angleBetween(const PanTilt& a, const PanTilt& b) {
+  return std::acos(std::clamp(unitVector(a).dot(unitVector(b)), -1.0, 1.0));
+}
+
+Eigen::Vector3d focusOf(const Segment3& odom, const Eigen::Vector2d& robot, double distance_m) {
+  const Segment2 floor = odom.floor();
+  const Eigen::Vector2d d = floor.b - floor.a;
+  const double squared = d.squaredNorm();
+  if (squared == 0.0) return odom.a;
+  const double nearest = -(floor.a - robot).dot(d) / squared;
+  const Eigen::Vector2d foot = floor.a + nearest * d;
+  const double height2 = (foot - robot).squaredNorm();
+  const double half = std::sqrt(std::max(0.0, distance_m * distance_m - height2) / squared);
+  const double low = std::clamp(nearest - half, 0.0, 1.0);
+  const double high = std::clamp(nearest + half, 0.0, 1.0);
+  return odom.a + 0.5 * (low + high) * (odom.b - odom.a);
+}
+
+AttentionPool::AttentionPool(const Params& params)
+    : params_(params), clock_(params.tick_us), random_(params.seed) {}
+
+PanTilt AttentionPool::directionOf(const AttentionPoint& point, const Pose2& T_odom_robot,
+                                   const CameraMount& mount) const {
+  if (point.direction) return *point.direction;
+  return panTiltTowards(mount, transform(inverse(T_odom_robot), *point.p_odom));
+}
+
+void AttentionPool::follow(std::span<const MemorySegment> segments, const Pose2& T_odom_robot) {
+  std::unordered_map<std::uint64_t, const MemorySegment*> alive;
+  for (const MemorySegment& segment : segments) alive.emplace(segment.id, &segment);
+  std::erase_if(entries_, [&](const Entry& e) { return e.segment_id != 0 && !alive.contains(e.segment_id); });
+  for (Entry& entry : entries_) {
+    if (entry.segment_id == 0) continue;
+    const auto found = alive.find(entry.segment_id);
+    entry.point.p_odom = focusOf(found->second->odom, T_odom_robot.position(), params_.focus_distance_m);
+    alive.erase(found);
+  }
+  // In the order of the memory, not of the hash: the same input must give the same ids.
+  for (const MemorySegment& segment : segments) {
+    if (!alive.contains(segment.id)) continue;
+    Entry entry;
+    entry.point.id = next_id_++;
+    entry.point.kind = AttentionKind::kSegment;
+    entry.point.p_odom = focusOf(segment.odom, T_odom_robot.position(), params_.focus_distance_m);
+    entry.segment_id = segment.id;
+    entry.rate = params_.segment_rate;
+    entries_.push_back(std::move(entry));
+  }
+}
+
+double AttentionPool::objects(const Pose2& T_odom_robot, const CameraMount& mount) const {
+  std::vector<PanTilt> groups;
+  double count = 0.0;
+  for (const Entry& entry : entries_) {
+    if (entry.segment_id == 0) continue;
+    if (!params_.count_groups) {
+      ++count;
+      continue;
+    }
+    const PanTilt direction = directionOf(entry.point, T_odom_robot, mount);
+    const bool known = std::any_of(groups.begin(), groups.end(), [&](const PanTilt& g) {
+      return angleBetween(g, direction) <= params_.visit_angle_rad;
+    });
+    if (!known) groups.push_back(direction);
+  }
+  return params_.count_groups ? static_cast<double>(groups.size()) : count;
+}
+
+void AttentionPool::update(StampUs stamp_us, std::span<const MemorySegment> segments,
+                           const Pose2& T_odom_robot, const CameraMount& mount,
+                           std::optional<std::uint64_t> attended) {
+  follow(segments, T_odom_robot);
+  std::erase_if(entries_, [&](const Entry& e) { return e.request && e.request->deadline_us < stamp_us; });
+  const double ticks = clock_.advance(stamp_us) / toSeconds(params_.tick_us);
+  for (Entry& entry : entries_) {
+    if (attended && entry.point.id == *attended) continue;
+    entry.point.salience += ticks * entry.rate;
+  }
+  if (!last_scan_us_ || stamp_us < *last_scan_us_) last_scan_us_ = stamp_us;
+  const double period = std::min(
+      params_.max_forced_search_s,
+      params_.forced_search_s * (1.0 + objects(T_odom_robot, mount) / params_.forced_search_objects));
+  if (lookingAround() || toSeconds(stamp_us - *last_scan_us_) >= period) {
+    addScanningPoint();
+    last_scan_us_ = stamp_us;
+  }
+}
+
+std::optional<AttentionPoint> AttentionPool::mostSalient() const {
+  const Entry* best = nullptr;
+  for (const Entry& entry : entries_) {
+    // What was just looked at (or just seen for the first time) does not call.
+    if (entry.point.salience <= 0.0) continue;
+    if (!best || entry.point.salience > best->point.salience) best = &entry;
+  }
+  if (!best) return std::nullopt;
+  return best->point;
+}
+
+std::optional<AttentionPoint> AttentionPool::find(std::uint64_t id) const {
+  for (const Entry& entry : entries_) {
+    if (entry.point.id == id) return entry.point;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::uint64_t> AttentionPool::segmentOf(std::uint64_t point_id) const {
+  for (const Entry& entry : entries_) {
+    if (entry.point.id == point_id && entry.segment_id != 0) return entry.segment_id;
+  }
+  return std::nullopt;
+}
+
+double AttentionPool::salienceOf(std::uint64_t segment_id) const {
+  for (const Entry& entry : entries_) {
+    if (entry.segment_id == segment_id) return entry.point.salience;
+  }
+  return 0.0;
+}
+
+void AttentionPool::visited(std::uint64_t id, const PanTilt& axis, const Pose2& T_odom_robot,
+                            const CameraMount& mount) {
+  std::erase_if(entries_, [&](const Entry& e) {
+    if (e.point.kind != AttentionKind::kScanning && e.point.kind != AttentionKind::kHypothesis) return false;
+    return e.point.id == id;
+  });
+  for (Entry& entry : entries_) {
+    const bool near =
+        angleBetween(directionOf(entry.point, T_odom_robot, mount), axis) <= params_.visit_angle_rad;
+    if (entry.point.id == id || near) entry.point.salience = 0.0;
+  }
+}
+
+void AttentionPool::giveUp(std::uint64_t id) {
+  std::erase_if(entries_,
+                [&](const Entry& e) { return e.point.id == id && e.point.kind == AttentionKind::kScanning; });
+  for (Entry& entry : entries_) {
+    if (entry.point.id == id) entry.point.salience = 0.0;
+  }
+}
+
+PanTilt AttentionPool::nextRandom() {
+  // Drawn by hand: the standard distributions differ between libraries, and a seed must mean one run.
+  const auto uniform = [&] { return static_cast<double>(random_() >> 11) * 0x1.0p-53; };
+  const double pan = params_.min_pan_rad + uniform() * (params_.max_pan_rad - params_.min_pan_rad);
+  const double tilt =
+      params_.scan_min_tilt_rad + uniform() * (params_.scan_max_tilt_rad - params_.scan_min_tilt_rad);
+  return {pan, tilt};
+}
+
+int AttentionPool::columns() const {
+  return stops(params_.min_pan_rad, params_.max_pan_rad, params_.pan_step_rad);
+}
+
+int AttentionPool::rows() const {
+  return stops(params_.scan_min_tilt_rad, params_.scan_max_tilt_rad, params_.tilt_step_rad);
+}
+
+bool AttentionPool::lookingAround() const {
+  return params_.look_around_first && pattern_index_ < columns() * rows();
+}
+
+PanTilt AttentionPool::nextSystematic() {
+  const int columns = this->columns();
+  const int rows = this->rows();
+  // Rows back and forth, so that two neighbours in time are neighbours in space. The first stop lies ahead.
+  const int index = (pattern_index_++ + columns / 2) % (columns * rows);
+  const int row = index / columns;
+  const int column = row % 2 == 0 ? index % columns : columns - 1 - index % columns;
+  const auto at = [](double low, double high, int i, int n) {
+    return n > 1 ? low + (high - low) * i / (n - 1) : 0.5 * (low + high);
+  };
+  return {at(params_.min_pan_rad, params_.max_pan_rad, column, columns),
+          at(params_.scan_min_tilt_rad, params_.scan_max_tilt_rad, row, rows)};
+}
+
+void AttentionPool::addScanningPoint() {
+  double highest = 0.0;
+  for (const Entry& entry : entries_) {
+    if (entry.point.kind == AttentionKind::kScanning) return;
+    highest = std::max(highest, entry.point.salience);
+  }
+  Entry entry;
+  entry.point.id = next_id_++;
+  entry.point.kind = AttentionKind::kScanning;
+  const bool random = !lookingAround() && (params_.scanning == Scanning::kRandom ||
+                                           (params_.scanning == Scanning::kAlternate && random_turn_));
+  random_turn_ = !random_turn_;
+  entry.point.direction = random ? nextRandom() : nextSystematic();
+  entry.point.salience = highest + params_.scanning_lead;
+  entries_.push_back(std::move(entry));
+}
+
+void AttentionPool::request(const GazeRequest& request) {
+  for (Entry& entry : entries_) {
+    if (!entry.request || entry.request->client != request.client || entry.request->key != request.key)
+      continue;
+    // The wish is renewed, its waiting so far counts.
+    entry.request = request;
+    entry.point.p_odom = request.p_odom;
+    entry.point.direction = request.direction;
+    entry.rate = params_.client_rate * request.priority;
+    return;
+  }
+  Entry entry;
+  entry.point.id = next_id_++;
+  entry.point.kind = AttentionKind::kClient;
+  entry.point.p_odom = request.p_odom;
+  entry.point.direction = request.direction;
+  entry.rate = params_.client_rate * request.priority;
+  entry.request = request;
+  entries_.push_back(std::move(entry));
+}
+
+void AttentionPool::withdraw(const std::string& client, const std::string& key) {
+  std::erase_if(entries_, [&](const Entry& e) {
+    return e.request && e.request->client == client && e.request->key == key;
+  });
+}
+
+std::vector<AttentionPoint> AttentionPool::points() const {
+  std::vector<AttentionPoint> points;
+  points.reserve(entries_.size());
+  for (const Entry& entry : entries_) points.push_back(entry.point);
+  return points;
+}
+
+void AttentionPool::clearPlaces() {
+  std::erase_if(entries_, [](const Entry& e) { return e.point.p_odom.has_value(); });
+  clock_.reset();
+  last_scan_us_.reset();
+  pattern_index_ = 0;
+}
+
+}  // namespace vismem

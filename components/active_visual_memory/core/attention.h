@@ -1,0 +1,108 @@
+/// @file The attention points and how their salience grows and is reset. Pure. SPEC A1-A3, A6.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "active_visual_memory/core/life.h"
+#include "common/visual_memory/gaze.h"
+#include "common/visual_memory/memory_snapshot.h"
+
+namespace vismem {
+
+/// Everything that may be looked at. *Single-threaded* (owner: the perception loop).
+/// Invariant: salience >= 0; one point per remembered segment; at most one scanning point waits.
+class AttentionPool {
+ public:
+  enum class Scanning { kRandom, kSystematic, kAlternate };
+
+  struct Params {
+    StampUs tick_us = 200'000;      ///< salience grows by its rate once per tick (A1)
+    double segment_rate = 1.0;      ///< growth per tick
+    double client_rate = 1.0;       ///< times the request's priority
+    double visit_angle_rad = 0.26;  ///< a visit resets what lies this near to the axis (15 degrees)
+    double forced_search_s = 2.5;   ///< A3: a scanning point every so long, times (1 + objects / 5)
+    double forced_search_objects = 5.0;
+    double max_forced_search_s = 10.0;
+    bool look_around_first = true;  ///< the systematic pattern once at the beginning, before all else
+    bool count_groups = true;       ///< objects within one visit's angle count as one for the search
+    double scanning_lead = 10.0;    ///< a scanning point starts this far above the most salient other
+    Scanning scanning = Scanning::kSystematic;
+    double min_pan_rad = -2.775;  ///< +-159 degrees
+    double max_pan_rad = 2.775;
+    double min_tilt_rad = -0.541;  ///< +-31 degrees
+    double max_tilt_rad = 0.541;
+    double pan_step_rad = 0.70;  ///< of the systematic pattern, at most; 40 degrees
+    double tilt_step_rad = 0.55;
+    double scan_min_tilt_rad = -0.35;  ///< the tilts that scanning points use
+    double scan_max_tilt_rad = -0.35;
+    double focus_distance_m = 3.0;  ///< a long segment is looked at where it lies within this distance
+    std::uint64_t seed = 1;         ///< of the random scanning points
+  };
+
+  explicit AttentionPool(const Params& params);
+
+  /// Follows the memory's segments, lets salience grow and inserts scanning points when due.
+  /// @param attended id of the point that is being looked at: it does not grow.
+  void update(StampUs stamp_us, std::span<const MemorySegment> segments, const Pose2& T_odom_robot,
+              const CameraMount& mount, std::optional<std::uint64_t> attended);
+
+  /// The most salient point; the older of equals.
+  std::optional<AttentionPoint> mostSalient() const;
+  std::optional<AttentionPoint> find(std::uint64_t id) const;
+  /// Id of the segment that a point stands for.
+  std::optional<std::uint64_t> segmentOf(std::uint64_t point_id) const;
+  /// Salience of a remembered segment, 0 if it has no point.
+  double salienceOf(std::uint64_t segment_id) const;
+
+  /// The axis looked along `axis`: the point itself and what lies near is reset to 0, a scanning point goes.
+  void visited(std::uint64_t id, const PanTilt& axis, const Pose2& T_odom_robot, const CameraMount& mount);
+  /// The point could not be reached (A6): it waits its turn again; a scanning point goes.
+  void giveUp(std::uint64_t id);
+
+  void addScanningPoint();
+  void request(const GazeRequest& request);
+  void withdraw(const std::string& client, const std::string& key);
+
+  std::vector<AttentionPoint> points() const;
+  /// Forgets the points of the memory and of odom; directions stay.
+  void clearPlaces();
+
+ private:
+  struct Entry {
+    AttentionPoint point;
+    std::uint64_t segment_id = 0;  ///< 0: not a segment
+    double rate = 1.0;
+    std::optional<GazeRequest> request;
+  };
+  void follow(std::span<const MemorySegment> segments, const Pose2& T_odom_robot);
+  double objects(const Pose2& T_odom_robot, const CameraMount& mount) const;
+  PanTilt directionOf(const AttentionPoint& point, const Pose2& T_odom_robot, const CameraMount& mount) const;
+  PanTilt nextSystematic();
+  int columns() const;
+  int rows() const;
+  bool lookingAround() const;
+  PanTilt nextRandom();
+
+  Params params_;
+  std::vector<Entry> entries_;
+  LifeClock clock_;
+  std::mt19937_64 random_;
+  std::uint64_t next_id_ = 1;
+  int pattern_index_ = 0;
+  bool random_turn_ = false;
+  std::optional<StampUs> last_scan_us_;
+};
+
+/// Angle between two directions of the head.
+double angleBetween(const PanTilt& a, const PanTilt& b);
+
+/// Where to look to see a segment: the middle of its part within `distance_m` of the robot, or else its
+/// nearest point.
+Eigen::Vector3d focusOf(const Segment3& odom, const Eigen::Vector2d& robot, double distance_m);
+
+}  // namespace vismem

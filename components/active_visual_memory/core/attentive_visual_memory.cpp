@@ -1,0 +1,113 @@
+#include "active_visual_memory/core/attentive_visual_memory.h"
+
+#include <cmath>
+#include <utility>
+
+namespace vismem {
+
+AttentiveVisualMemory::AttentiveVisualMemory(const Params& params)
+    : params_(params),
+      gate_(params.gate),
+      projector_(params.projector),
+      memory_(params.memory),
+      pool_(params.attention),
+      gaze_(params.gaze) {}
+
+void AttentiveVisualMemory::reset() {
+  memory_.clear();
+  pool_.clearPlaces();
+  gaze_.abandonTarget();
+  last_camera_.reset();
+  ++epoch_;
+}
+
+void AttentiveVisualMemory::followEpoch(const RobotObservation& observation) {
+  if (source_epoch_ && *source_epoch_ != observation.epoch) reset();
+  source_epoch_ = observation.epoch;
+}
+
+void AttentiveVisualMemory::readMail() {
+  using Kind = GazeMailbox::Message::Kind;
+  for (const auto& message : mailbox_.take()) {
+    switch (message.kind) {
+      case Kind::kMode:
+        gaze_.setMode(message.mode);
+        break;
+      case Kind::kFixate:
+        gaze_.fixate(message.p_odom);
+        break;
+      case Kind::kRequest:
+        pool_.request(message.request);
+        break;
+      case Kind::kWithdraw:
+        pool_.withdraw(message.request.client, message.request.key);
+        break;
+    }
+  }
+}
+
+double AttentiveVisualMemory::turnRate(const RobotObservation& observation) {
+  const Pose3 T_odom_camera = toPose3(observation.T_odom_robot) * observation.T_robot_camera;
+  double rate = 0.0;
+  const double dt = toSeconds(observation.frame.stamp_us - last_stamp_us_);
+  if (last_camera_ && dt > 0.0) {
+    const Eigen::AngleAxisd turn(
+        Eigen::Matrix3d(last_camera_->linear().transpose() * T_odom_camera.linear()));
+    rate = std::abs(turn.angle()) / dt;
+  }
+  last_camera_ = T_odom_camera;
+  last_stamp_us_ = observation.frame.stamp_us;
+  return rate;
+}
+
+AttentiveVisualMemory::StepResult AttentiveVisualMemory::step(const RobotObservation& observation,
+                                                              const std::vector<ImageSegment>& observed) {
+  followEpoch(observation);
+  readMail();
+  const double rate = turnRate(observation);
+  const Pose3 T_odom_camera = toPose3(observation.T_odom_robot) * observation.T_robot_camera;
+  const auto floor = projector_.project(observation.frame.intrinsics, T_odom_camera, observed, rate);
+  last_update_.analysis =
+      std::make_shared<const ImageAnalysis>(memory_.update(observation, observed, floor, rate));
+  gate_.passed(observation);
+  ++revision_;
+  return finish(observation);
+}
+
+AttentiveVisualMemory::StepResult AttentiveVisualMemory::glance(const RobotObservation& observation) {
+  followEpoch(observation);
+  readMail();
+  turnRate(observation);
+  memory_.age(observation.frame.stamp_us);
+  return finish(observation);
+}
+
+AttentiveVisualMemory::StepResult AttentiveVisualMemory::finish(const RobotObservation& observation) {
+  const bool analysed = !last_update_.snapshot || last_update_.snapshot->revision != revision_;
+  std::vector<MemorySegment> segments;
+  segments.reserve(memory_.elements().size());
+  for (const MemoryElement& element : memory_.elements()) {
+    if (!memory_.onTrial(element)) segments.push_back(element.value);
+  }
+
+  StepResult result;
+  pool_.update(observation.frame.stamp_us, segments, observation.T_odom_robot, params_.gaze.mount,
+               gaze_.attended());
+  result.command = gaze_.step(observation, segments, pool_);
+  result.gaze = gaze_.status(observation.frame.stamp_us, pool_);
+  mailbox_.publish(result.gaze);
+  if (analysed) {
+    for (MemorySegment& segment : segments) segment.salience = pool_.salienceOf(segment.id);
+    auto snapshot = std::make_shared<MemorySnapshot>();
+    snapshot->stamp_us = observation.frame.stamp_us;
+    snapshot->revision = revision_;
+    snapshot->epoch = epoch_;
+    snapshot->T_odom_robot = observation.T_odom_robot;
+    snapshot->segments = std::move(segments);
+    last_update_.snapshot = std::move(snapshot);
+  }
+  result.update = last_update_;
+  return result;
+}
+
+}  // namespace vismem

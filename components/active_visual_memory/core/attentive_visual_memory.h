@@ -1,0 +1,84 @@
+/// @file The whole attentive visual memory as one machine: observation in, memory and gaze out. Pure.
+/// SPEC M1-M6, V5, V6, A1-A6. Deterministic: the same observations and seed give the same results.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "active_visual_memory/core/attention.h"
+#include "active_visual_memory/core/frame_gate.h"
+#include "active_visual_memory/core/gaze_controller.h"
+#include "active_visual_memory/core/ground_projector.h"
+#include "active_visual_memory/core/segment_memory.h"
+
+namespace vismem {
+
+struct AttentiveVisualMemoryParams {
+  FrameGate::Params gate;
+  GroundProjector::Params projector;
+  SegmentMemory::Params memory;
+  AttentionPool::Params attention;
+  GazeController::Params gaze;
+
+  /// The chapter's behaviour (SPEC): counters in ticks of 200 ms, newest orientation, every absence alike,
+  /// no confirmation, proportional controllers, 3 s per object, scanning over the whole range.
+  static AttentiveVisualMemoryParams chapter();
+  /// Ours.
+  static AttentiveVisualMemoryParams standard();
+};
+
+/// *Single-threaded* (owner: the perception loop). Invariant: revisions count up by one per analysed image.
+class AttentiveVisualMemory {
+ public:
+  using Params = AttentiveVisualMemoryParams;
+
+  struct StepResult {
+    MemoryUpdate update;  ///< both pointers set; the last one again for a frame that was not analysed
+    GazeStatus gaze;
+    std::optional<PanTiltCommand> command;  ///< to give now; empty: nothing new to say
+  };
+
+  explicit AttentiveVisualMemory(const Params& params);
+
+  /// V6: is this frame worth analysing? Then call step, else glance.
+  bool wants(const RobotObservation& observation) const { return gate_.opens(observation); }
+
+  /// One analysed image. @param observed all its segments, ideal pixels, also those above the horizon.
+  StepResult step(const RobotObservation& observation, const std::vector<ImageSegment>& observed);
+  /// A frame that is not analysed: time passes and the gaze goes on.
+  StepResult glance(const RobotObservation& observation);
+
+  /// The images are gone for a while: what to tell the pan-tilt unit, once.
+  std::optional<PanTiltCommand> imagesLost() { return gaze_.hold(); }
+
+  /// Sets the memory aside and begins anew.
+  void reset();
+
+  /// Requests of gaze clients; single-threaded like this class.
+  GazeMailbox& gazeClient() { return mailbox_; }
+  const std::vector<MemoryElement>& elements() const { return memory_.elements(); }
+  std::uint32_t epoch() const { return epoch_; }
+
+ private:
+  void followEpoch(const RobotObservation& observation);
+  void readMail();
+  double turnRate(const RobotObservation& observation);
+  StepResult finish(const RobotObservation& observation);
+
+  Params params_;
+  FrameGate gate_;
+  GroundProjector projector_;
+  SegmentMemory memory_;
+  AttentionPool pool_;
+  GazeController gaze_;
+  GazeMailbox mailbox_;
+  std::uint32_t epoch_ = 0;
+  std::optional<std::uint32_t> source_epoch_;
+  std::uint64_t revision_ = 0;
+  std::optional<Pose3> last_camera_;
+  StampUs last_stamp_us_ = 0;
+  MemoryUpdate last_update_;
+};
+
+}  // namespace vismem

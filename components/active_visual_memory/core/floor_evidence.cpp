@@ -1,0 +1,90 @@
+#include "active_visual_memory/core/floor_evidence.h"
+
+#include <cmath>
+
+namespace vismem {
+namespace {
+
+/// The largest difference of a channel.
+double difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return (a - b).cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+FloorEvidence::FloorEvidence(const cv::Mat& image, const CameraIntrinsics& intrinsics, const Params& params)
+    : image_(image), intrinsics_(intrinsics), params_(params) {}
+
+std::optional<Eigen::Vector3d> FloorEvidence::colourAt(const Eigen::Vector2d& px_ideal) const {
+  const Eigen::Vector2d raw = distortPixel(intrinsics_, px_ideal);
+  const int u = static_cast<int>(std::lround(raw.x()));
+  const int v = static_cast<int>(std::lround(raw.y()));
+  if (u < 0 || v < 0 || u >= image_.cols || v >= image_.rows) return std::nullopt;
+  if (image_.type() == CV_8UC3) {
+    const auto& c = image_.at<cv::Vec3b>(v, u);
+    return Eigen::Vector3d(c[0], c[1], c[2]);
+  }
+  if (image_.type() == CV_8UC1) return Eigen::Vector3d::Constant(image_.at<unsigned char>(v, u));
+  return std::nullopt;
+}
+
+std::optional<FloorEvidence::Profile> FloorEvidence::profileAt(const Segment2& px, double fraction) const {
+  const Eigen::Vector2d d = (px.b - px.a).normalized();
+  const Eigen::Vector2d left{d.y(), -d.x()};
+  const Eigen::Vector2d middle = px.a + fraction * (px.b - px.a);
+  const auto mean = [&](double centre) -> std::optional<Eigen::Vector3d> {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const double offset : {centre - 1.0, centre, centre + 1.0}) {
+      const auto colour = colourAt(middle + offset * left);
+      if (!colour) return std::nullopt;
+      sum += *colour;
+    }
+    return Eigen::Vector3d(sum / 3.0);
+  };
+  const auto l = mean(params_.side_px);
+  const auto m = mean(0.0);
+  const auto r = mean(-params_.side_px);
+  if (!l || !m || !r) return std::nullopt;
+  return Profile{*l, *m, *r};
+}
+
+std::optional<SideColours> FloorEvidence::sides(const Segment2& px) const {
+  if (image_.empty()) return std::nullopt;
+  SideColours sides;
+  int count = 0;
+  for (int i = 0; i < params_.samples; ++i) {
+    const double fraction = 0.1 + 0.8 * (i + 0.5) / params_.samples;
+    if (const auto profile = profileAt(px, fraction)) {
+      sides.left += profile->left;
+      sides.right += profile->right;
+      ++count;
+    }
+  }
+  if (2 * count < params_.samples) return std::nullopt;
+  sides.left /= count;
+  sides.right /= count;
+  return sides;
+}
+
+PlaceShows FloorEvidence::look(const Segment2& px, const SideColours& remembered) const {
+  if (image_.empty()) return PlaceShows::kUnknown;
+  const double contrast_before = difference(remembered.left, remembered.right);
+  const double most = std::min(params_.max_contrast, params_.max_contrast_share * contrast_before);
+  int count = 0;
+  int bare = 0;
+  for (int i = 0; i < params_.samples; ++i) {
+    const double fraction = 0.1 + 0.8 * (i + 0.5) / params_.samples;
+    const auto profile = profileAt(px, fraction);
+    if (!profile) continue;
+    ++count;
+    const bool flat = difference(profile->left, profile->right) <= most &&
+                      difference(profile->middle, 0.5 * (profile->left + profile->right)) <= most;
+    const bool familiar = difference(profile->middle, remembered.left) <= params_.max_difference ||
+                          difference(profile->middle, remembered.right) <= params_.max_difference;
+    if (flat && familiar) ++bare;
+  }
+  if (2 * count < params_.samples) return PlaceShows::kUnknown;
+  return bare >= params_.bare_share * count ? PlaceShows::kBare : PlaceShows::kSomething;
+}
+
+}  // namespace vismem

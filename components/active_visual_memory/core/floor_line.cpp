@@ -1,0 +1,188 @@
+#include "active_visual_memory/core/floor_line.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+double varianceAlong(const Eigen::Matrix2d& P, const Eigen::Vector2d& direction) {
+  return direction.dot(P * direction);
+}
+
+}  // namespace
+
+ExtentEnd fuseEnds(const ExtentEnd& known, const ExtentEnd& seen, double outward,
+                   const FloorLine::Params& params) {
+  const double further = outward * (seen.t_m - known.t_m);
+  const double gate =
+      std::max(params.end_gate_m, params.end_gate_sigmas * std::sqrt(known.variance_m2 + seen.variance_m2));
+  if (seen.open) {
+    // An open end is only a bound: it moves the extent when it lies outside, beyond the noise of a true end.
+    const bool outside = known.open ? further > 0.0 : further > gate;
+    return outside ? seen : known;
+  }
+  if (known.open) return further > -gate ? seen : known;
+  if (std::abs(further) > gate) return further > 0.0 ? seen : known;
+  ExtentEnd fused = known;
+  const double known_variance = known.variance_m2 + params.end_noise_m * params.end_noise_m;
+  const double gain = known_variance / (known_variance + seen.variance_m2);
+  fused.t_m += gain * (seen.t_m - known.t_m);
+  fused.variance_m2 = std::max((1.0 - gain) * known_variance, params.end_floor_m * params.end_floor_m);
+  return fused;
+}
+
+FloorLine::FloorLine(const FloorSegment& segment, const Params& params) {
+  origin_ = segment.odom.middle();
+  direction_rad_ = segment.odom.direction();
+  const double half = 0.5 * segment.odom.length();
+  const Eigen::Vector2d n = normal();
+  const double floor_variance = params.measure_floor_m * params.measure_floor_m;
+  const double va = varianceAlong(segment.P_a, n) + floor_variance;
+  const double vb = varianceAlong(segment.P_b, n) + floor_variance;
+  // offset = (ya + yb) / 2, angle = (yb - ya) / length.
+  const double length = 2.0 * half;
+  P_(0, 0) = 0.25 * (va + vb);
+  P_(1, 1) = (va + vb) / (length * length);
+  P_(0, 1) = P_(1, 0) = 0.5 * (vb - va) / length;
+  a_ = {-half, varianceAlong(segment.P_a, along()), segment.open_a};
+  b_ = {half, varianceAlong(segment.P_b, along()), segment.open_b};
+  applyFloor(params);
+}
+
+Eigen::Vector2d FloorLine::along() const {
+  return {std::cos(direction_rad_), std::sin(direction_rad_)};
+}
+Eigen::Vector2d FloorLine::normal() const {
+  return {-std::sin(direction_rad_), std::cos(direction_rad_)};
+}
+
+Segment2 FloorLine::segment() const {
+  return {origin_ + a_.t_m * along(), origin_ + b_.t_m * along()};
+}
+
+double FloorLine::offsetVariance(double t) const {
+  return P_(0, 0) + 2.0 * t * P_(0, 1) + t * t * P_(1, 1);
+}
+
+Eigen::Matrix2d FloorLine::covarianceAt(const ExtentEnd& end) const {
+  const Eigen::Vector2d u = along();
+  const Eigen::Vector2d n = normal();
+  return end.variance_m2 * u * u.transpose() + offsetVariance(end.t_m) * n * n.transpose();
+}
+
+void FloorLine::drift(double offset_sigma_m, double angle_sigma_rad) {
+  P_(0, 0) += offset_sigma_m * offset_sigma_m;
+  P_(1, 1) += angle_sigma_rad * angle_sigma_rad;
+  a_.variance_m2 += offset_sigma_m * offset_sigma_m;
+  b_.variance_m2 += offset_sigma_m * offset_sigma_m;
+}
+
+double FloorLine::disagreement(const FloorSegment& observed, double slack_m) const {
+  const Eigen::Vector2d n = normal();
+  const auto one = [&](const Eigen::Vector2d& p, const Eigen::Matrix2d& P) {
+    // Beyond the seen extent the direction's own error dominates; the line is compared where it was seen.
+    const double t = std::clamp(tOf(p), a_.t_m, b_.t_m);
+    const double variance = offsetVariance(t) + varianceAlong(P, n) + slack_m * slack_m;
+    const double offset = offsetOf(p);
+    return offset * offset / variance;
+  };
+  return std::max(one(observed.odom.a, observed.P_a), one(observed.odom.b, observed.P_b));
+}
+
+void FloorLine::updateOffset(double t, double offset, double variance) {
+  const Eigen::Vector2d h{1.0, t};
+  const Eigen::Vector2d Ph = P_ * h;
+  const double s = h.dot(Ph) + variance;
+  const Eigen::Vector2d gain = Ph / s;
+  correction_ += gain * (offset - h.dot(correction_));
+  P_ -= gain * Ph.transpose();
+}
+
+void FloorLine::applyCorrection() {
+  origin_ += correction_.x() * normal();
+  direction_rad_ = wrapAngle(direction_rad_ + correction_.y());
+  correction_.setZero();
+}
+
+void FloorLine::applyFloor(const Params& params) {
+  P_(0, 1) = P_(1, 0) = 0.5 * (P_(0, 1) + P_(1, 0));
+  P_(0, 0) = std::max(P_(0, 0), params.offset_floor_m * params.offset_floor_m);
+  P_(1, 1) = std::max(P_(1, 1), params.angle_floor_rad * params.angle_floor_rad);
+  const double limit = 0.98 * std::sqrt(P_(0, 0) * P_(1, 1));
+  P_(0, 1) = P_(1, 0) = std::clamp(P_(0, 1), -limit, limit);
+}
+
+void FloorLine::recentre() {
+  // Away from the middle a long line's offset and angle would be strongly correlated.
+  const double s = 0.5 * (a_.t_m + b_.t_m);
+  origin_ += s * along();
+  a_.t_m -= s;
+  b_.t_m -= s;
+  const double p01 = P_(0, 1);
+  P_(0, 0) += 2.0 * s * p01 + s * s * P_(1, 1);
+  P_(0, 1) = P_(1, 0) = p01 + s * P_(1, 1);
+}
+
+void FloorLine::fuse(const FloorSegment& observed, const Params& params) {
+  P_(0, 0) += params.offset_noise_m * params.offset_noise_m;
+  P_(1, 1) += params.angle_noise_rad * params.angle_noise_rad;
+  const Eigen::Vector2d n = normal();
+  const double floor_variance = params.measure_floor_m * params.measure_floor_m;
+  const double ya = offsetOf(observed.odom.a);
+  const double yb = offsetOf(observed.odom.b);
+  const double ta = tOf(observed.odom.a);
+  const double tb = tOf(observed.odom.b);
+  updateOffset(ta, ya, varianceAlong(observed.P_a, n) + floor_variance);
+  updateOffset(tb, yb, varianceAlong(observed.P_b, n) + floor_variance);
+  applyCorrection();
+  const Eigen::Vector2d u = along();
+  a_ = fuseEnds(a_, {ta, varianceAlong(observed.P_a, u), observed.open_a}, -1.0, params);
+  b_ = fuseEnds(b_, {tb, varianceAlong(observed.P_b, u), observed.open_b}, +1.0, params);
+  recentre();
+  applyFloor(params);
+}
+
+void FloorLine::replaceKeepingExtent(const FloorSegment& observed, const Params& params) {
+  const FloorLine old = *this;
+  *this = FloorLine(observed, params);
+  const Segment2 before = old.segment();
+  const ExtentEnd old_a{tOf(before.a), old.a_.variance_m2, old.a_.open};
+  const ExtentEnd old_b{tOf(before.b), old.b_.variance_m2, old.b_.open};
+  if (old_a.t_m < a_.t_m) a_ = old_a;
+  if (old_b.t_m > b_.t_m) b_ = old_b;
+  recentre();
+  applyFloor(params);
+}
+
+void FloorLine::absorb(const FloorLine& other, const Params& params) {
+  // The better known line is the one that is corrected, so that the order of the two does not matter much.
+  if (other.P_(0, 0) < P_(0, 0)) {
+    FloorLine better = other;
+    better.fuse(asObservation(), params);
+    *this = better;
+  } else {
+    fuse(other.asObservation(), params);
+  }
+}
+
+void FloorLine::shorten(bool at_b, const ExtentEnd& end) {
+  (at_b ? b_ : a_) = end;
+  if (a_.t_m > b_.t_m) std::swap(a_, b_);
+  recentre();
+}
+
+FloorSegment FloorLine::asObservation() const {
+  FloorSegment segment;
+  segment.odom = this->segment();
+  segment.P_a = covarianceA();
+  segment.P_b = covarianceB();
+  segment.open_a = a_.open;
+  segment.open_b = b_.open;
+  return segment;
+}
+
+}  // namespace vismem

@@ -1,0 +1,97 @@
+/// @file A straight line on the floor with its uncertainty and the extent that was really seen. Pure. SPEC
+/// M3.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "active_visual_memory/core/ground_projector.h"
+#include "common/geometry/segment.h"
+
+namespace vismem {
+
+/// One end of the seen extent.
+struct ExtentEnd {
+  double t_m = 0.0;          ///< along the line from its origin
+  double variance_m2 = 0.0;  ///< of t_m
+  bool open = false;         ///< the line may go on: only a bound is known
+};
+
+/// A supporting line (offset and direction with a 2x2 covariance) and the extent on it. The direction a -> b
+/// carries the polarity. *Pure value.* Invariant: end a lies before end b, covariances are positive.
+/// Default fusion: the line is updated by the observed ends' offsets, weighted by their covariances; the
+/// extent is the union of what was seen, true ends averaged, open ends only moved outwards.
+class FloorLine {
+ public:
+  struct Params {
+    double offset_floor_m = 0.003;  ///< uncertainty that remains after any number of observations
+    double angle_floor_rad = 0.003;
+    double offset_noise_m = 0.0015;  ///< added per fusion: errors of successive images are correlated
+    double angle_noise_rad = 0.0010;
+    double end_floor_m = 0.005;
+    double end_noise_m = 0.003;
+    double end_gate_sigmas = 3.0;    ///< two true ends nearer than this are one
+    double end_gate_m = 0.03;        ///< or nearer than this
+    double measure_floor_m = 0.004;  ///< least sigma of an observed offset
+  };
+
+  FloorLine() = default;
+  explicit FloorLine(const FloorSegment& segment, const Params& params);
+
+  Segment2 segment() const;
+  double direction() const { return direction_rad_; }
+  Eigen::Vector2d along() const;
+  Eigen::Vector2d normal() const;  ///< left of the direction
+  Eigen::Matrix2d covarianceA() const { return covarianceAt(a_); }
+  Eigen::Matrix2d covarianceB() const { return covarianceAt(b_); }
+  const ExtentEnd& endA() const { return a_; }
+  const ExtentEnd& endB() const { return b_; }
+  double length() const { return b_.t_m - a_.t_m; }
+
+  double tOf(const Eigen::Vector2d& p_odom) const { return along().dot(p_odom - origin_); }
+  double offsetOf(const Eigen::Vector2d& p_odom) const { return normal().dot(p_odom - origin_); }
+  /// Variance of the line's place across its direction, at t [m^2].
+  double offsetVariance(double t_m) const;
+  /// The part of it that comes from the direction alone.
+  double turnVariance(double t_m) const { return t_m * t_m * P_(1, 1); }
+
+  /// Grows the uncertainty by what odometry may have drifted: offset sigma and angle sigma are added.
+  void drift(double offset_sigma_m, double angle_sigma_rad);
+
+  /// Squared normalised distances of the observed ends from the line, the larger of both. `slack_m` is a
+  /// sigma added for what the covariances do not model.
+  double disagreement(const FloorSegment& observed, double slack_m) const;
+
+  /// Default fusion with an observation of the same line (directions within 90 degrees).
+  void fuse(const FloorSegment& observed, const Params& params);
+  /// Fusion as the chapter has it: place and orientation of the newer, longest extent of both.
+  void replaceKeepingExtent(const FloorSegment& observed, const Params& params);
+  /// Takes in another estimate of the same line.
+  void absorb(const FloorLine& other, const Params& params);
+
+  /// Moves an end inwards to where the line was seen to stop.
+  void shorten(bool at_b, const ExtentEnd& end);
+
+  /// The line as if it had been observed now.
+  FloorSegment asObservation() const;
+
+ private:
+  Eigen::Matrix2d covarianceAt(const ExtentEnd& end) const;
+  void updateOffset(double t_m, double offset_m, double variance_m2);
+  void applyCorrection();
+  void applyFloor(const Params& params);
+  void recentre();
+
+  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
+  double direction_rad_ = 0.0;
+  Eigen::Vector2d correction_ = Eigen::Vector2d::Zero();  ///< offset and angle gathered in one update
+  Eigen::Matrix2d P_ = Eigen::Matrix2d::Identity();       ///< of (offset, angle) at the origin
+  ExtentEnd a_;
+  ExtentEnd b_;
+};
+
+/// The union rule for one end. @param outward +1 for end b, -1 for end a.
+ExtentEnd fuseEnds(const ExtentEnd& known, const ExtentEnd& seen, double outward,
+                   const FloorLine::Params& params);
+
+}  // namespace vismem

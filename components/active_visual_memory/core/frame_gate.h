@@ -1,0 +1,38 @@
+/// @file Which frames are worth analysing. Pure. SPEC V6.
+#pragma once
+
+#include <optional>
+
+#include "common/robot/observation.h"
+
+namespace vismem {
+
+/// *Single-threaded* (owner: the perception loop).
+class FrameGate {
+ public:
+  struct Params {
+    bool enabled = false;         ///< false: every frame is analysed
+    double distance_m = 0.02;     ///< the robot moved further than this
+    double angle_rad = 0.02;      ///< the camera turned further than this
+    double max_interval_s = 0.2;  ///< or this much time passed
+  };
+
+  explicit FrameGate(const Params& params) : params_(params) {}
+
+  /// Is this frame to be analysed? Always the first, and the first of a new epoch.
+  bool opens(const RobotObservation& observation) const;
+  /// This frame was analysed.
+  void passed(const RobotObservation& observation);
+
+ private:
+  struct Last {
+    StampUs stamp_us;
+    std::uint32_t epoch;
+    Pose3 T_odom_camera;
+    Pose2 T_odom_robot;
+  };
+  Params params_;
+  std::optional<Last> last_;
+};
+
+}  // namespace vismem

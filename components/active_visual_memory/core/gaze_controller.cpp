@@ -1,0 +1,298 @@
+#include "active_visual_memory/core/gaze_controller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+
+GazeState nextGazeState(GazeState state, const GazeConditions& c) {
+  switch (state) {
+    case GazeState::kSelect:
+      return c.has_target ? GazeState::kSaccade : GazeState::kSelect;
+    case GazeState::kSaccade:
+      if (c.target_gone) return GazeState::kSelect;
+      if (c.arrived) return GazeState::kAnalyse;
+      return c.timed_out ? GazeState::kSelect : GazeState::kSaccade;
+    case GazeState::kAnalyse:
+      if (c.target_gone) return GazeState::kSelect;
+      if (c.relevant) return GazeState::kTrack;
+      return c.analysed ? GazeState::kSelect : GazeState::kAnalyse;
+    case GazeState::kTrack:
+      return c.target_gone || c.tracked ? GazeState::kSelect : GazeState::kTrack;
+  }
+  return GazeState::kSelect;
+}
+
+double proportionalSpeed(double error, double dead_zone, double gain, double maximum) {
+  if (std::abs(error) < dead_zone) return 0.0;
+  return std::clamp(gain * error, -maximum, maximum);
+}
+
+PortReply GazeMailbox::setMode(GazeMode mode) {
+  messages_.push_back({Message::Kind::kMode, mode, Eigen::Vector3d::Zero(), {}});
+  return PortReply::accepted();
+}
+
+PortReply GazeMailbox::fixate(const Eigen::Vector3d& p_odom) {
+  if (!p_odom.allFinite()) return PortReply::rejected("fixation point is not finite");
+  messages_.push_back({Message::Kind::kFixate, GazeMode::kFixate, p_odom, {}});
+  return PortReply::accepted();
+}
+
+PortReply GazeMailbox::request(const GazeRequest& request) {
+  if (request.p_odom.has_value() == request.direction.has_value()) {
+    return PortReply::rejected("a gaze request needs either a place or a direction, not both or none");
+  }
+  if (request.p_odom && !request.p_odom->allFinite()) return PortReply::rejected("place is not finite");
+  if (request.direction &&
+      !(std::isfinite(request.direction->pan_rad) && std::isfinite(request.direction->tilt_rad))) {
+    return PortReply::rejected("direction is not finite");
+  }
+  if (!(request.priority > 0.0 && request.priority <= 100.0)) {
+    return PortReply::rejected("priority " + std::to_string(request.priority) +
+                               " (must be above 0, at most 100)");
+  }
+  messages_.push_back({Message::Kind::kRequest, {}, Eigen::Vector3d::Zero(), request});
+  return PortReply::accepted();
+}
+
+PortReply GazeMailbox::withdraw(const std::string& client, const std::string& key) {
+  GazeRequest named;
+  named.client = client;
+  named.key = key;
+  messages_.push_back({Message::Kind::kWithdraw, {}, Eigen::Vector3d::Zero(), named});
+  return PortReply::accepted();
+}
+
+std::vector<GazeMailbox::Message> GazeMailbox::take() {
+  return std::exchange(messages_, {});
+}
+
+GazeController::GazeController(const Params& params) : params_(params), mode_(params.initial_mode) {}
+
+void GazeController::setMode(GazeMode mode) {
+  if (mode == mode_) return;
+  mode_ = mode;
+  if (mode != GazeMode::kFixate) fixation_.reset();
+  hold_sent_ = false;
+  sent_.reset();
+  abandonTarget();
+}
+
+void GazeController::fixate(const Eigen::Vector3d& p_odom) {
+  setMode(GazeMode::kFixate);
+  fixation_ = p_odom;
+}
+
+void GazeController::abandonTarget() {
+  target_.reset();
+  state_ = GazeState::kSelect;
+}
+
+std::optional<std::uint64_t> GazeController::attended() const {
+  const bool looking = state_ == GazeState::kAnalyse || state_ == GazeState::kTrack;
+  if (!looking || !target_) return std::nullopt;
+  return target_->id;
+}
+
+GazeStatus GazeController::status(StampUs stamp_us, const AttentionPool& pool) const {
+  GazeStatus status;
+  status.stamp_us = stamp_us;
+  status.mode = mode_;
+  status.state = state_;
+  status.target = target_;
+  status.points = pool.points();
+  status.visits = visits_;
+  status.given_up = given_up_;
+  return status;
+}
+
+void GazeController::enter(GazeState state, StampUs stamp_us) {
+  if (state == state_) return;
+  state_ = state;
+  entered_us_ = stamp_us;
+}
+
+GazeController::Aim GazeController::aimAt(const AttentionPoint& point, const Pose2& T_odom_robot) const {
+  Aim aim;
+  double low = params_.min_tilt_rad;
+  double high = params_.max_tilt_rad;
+  if (point.direction) {
+    aim.wanted = *point.direction;
+  } else {
+    aim.wanted = panTiltTowards(params_.mount, transform(inverse(T_odom_robot), *point.p_odom));
+    if (point.kind == AttentionKind::kSegment) {
+      low = std::max(low, params_.object_min_tilt_rad);
+      high = std::min(high, params_.object_max_tilt_rad);
+    }
+  }
+  aim.clamped = {std::clamp(aim.wanted.pan_rad, params_.min_pan_rad, params_.max_pan_rad),
+                 std::clamp(aim.wanted.tilt_rad, low, high)};
+  aim.reachable = std::abs(aim.wanted.pan_rad - aim.clamped.pan_rad) <= params_.reach_pan_rad &&
+                  std::abs(aim.wanted.tilt_rad - aim.clamped.tilt_rad) <= params_.reach_tilt_rad;
+  return aim;
+}
+
+Pose2 GazeController::lead(const RobotObservation& observation) const {
+  const double dt = params_.lookahead_s;
+  return observation.T_odom_robot * Pose2{robot_v_mps_ * dt, 0.0, robot_w_radps_ * dt};
+}
+
+std::optional<PanTiltCommand> GazeController::steer(const PanTilt& target, const PanTilt& actual,
+                                                    StampUs stamp_us) {
+  PanTiltCommand command;
+  if (params_.control == Control::kProportional) {
+    command.kind = PanTiltCommand::Kind::kVelocity;
+    command.pan_rate_radps = proportionalSpeed(target.pan_rad - actual.pan_rad, params_.pan_dead_zone_rad,
+                                               params_.gain_per_s, params_.max_pan_rate_radps);
+    command.tilt_rate_radps = proportionalSpeed(target.tilt_rad - actual.tilt_rad, params_.tilt_dead_zone_rad,
+                                                params_.gain_per_s, params_.max_tilt_rate_radps);
+    return command;
+  }
+  const bool same = sent_ && std::abs(sent_->pan_rad - target.pan_rad) < params_.resend_rad &&
+                    std::abs(sent_->tilt_rad - target.tilt_rad) < params_.resend_rad;
+  if (same && toSeconds(stamp_us - sent_us_) < params_.resend_s) return std::nullopt;
+  command.kind = PanTiltCommand::Kind::kPosition;
+  command.pan_rad = target.pan_rad;
+  command.tilt_rad = target.tilt_rad;
+  command.pan_rate_radps = params_.max_pan_rate_radps;
+  command.tilt_rate_radps = params_.max_tilt_rate_radps;
+  sent_ = target;
+  sent_us_ = stamp_us;
+  return command;
+}
+
+std::optional<PanTiltCommand> GazeController::hold() {
+  if (!last_angles_ || mode_ == GazeMode::kOff || hold_sent_) return std::nullopt;
+  hold_sent_ = true;
+  sent_.reset();
+  PanTiltCommand command;
+  if (params_.control == Control::kProportional) return command;  // speed 0
+  command.kind = PanTiltCommand::Kind::kPosition;
+  command.pan_rad = std::clamp(last_angles_->pan_rad, params_.min_pan_rad, params_.max_pan_rad);
+  command.tilt_rad = std::clamp(last_angles_->tilt_rad, params_.min_tilt_rad, params_.max_tilt_rad);
+  return command;
+}
+
+void GazeController::select(const RobotObservation& observation, AttentionPool& pool) {
+  target_.reset();
+  // Unreachable points are given up at once; each try removes or resets one, so this ends.
+  for (std::size_t tries = pool.points().size() + 2; tries > 0; --tries) {
+    auto candidate = pool.mostSalient();
+    if (!candidate) {
+      pool.addScanningPoint();
+      candidate = pool.mostSalient();
+      if (!candidate) return;
+    }
+    if (aimAt(*candidate, observation.T_odom_robot).reachable) {
+      target_ = candidate;
+      return;
+    }
+    pool.giveUp(candidate->id);
+    ++given_up_;
+  }
+}
+
+std::optional<PanTiltCommand> GazeController::attend(const RobotObservation& observation,
+                                                     std::span<const MemorySegment> segments,
+                                                     AttentionPool& pool) {
+  const StampUs now = observation.frame.stamp_us;
+  const PanTilt actual = *observation.pan_tilt;
+  if (state_ == GazeState::kSelect) select(observation, pool);
+
+  GazeConditions conditions;
+  conditions.has_target = target_.has_value();
+  if (state_ != GazeState::kSelect && target_) {
+    if (const auto current = pool.find(target_->id)) {
+      target_ = current;
+    } else {
+      conditions.target_gone = true;
+    }
+  }
+  Aim aim;
+  if (target_ && !conditions.target_gone) {
+    aim = aimAt(*target_, observation.T_odom_robot);
+    const double in_state_s = toSeconds(now - entered_us_);
+    const double error = std::max(std::abs(aim.clamped.pan_rad - actual.pan_rad),
+                                  std::abs(aim.clamped.tilt_rad - actual.tilt_rad));
+    conditions.arrived = error <= params_.arrived_rad && head_rate_radps_ <= params_.quiet_radps;
+    conditions.timed_out = !aim.reachable || in_state_s >= params_.saccade_timeout_s;
+    conditions.analysed = in_state_s >= params_.analyse_s;
+    const bool client = target_->kind == AttentionKind::kClient;
+    conditions.tracked = in_state_s >= (client ? params_.client_track_s : params_.track_s);
+    if (client) {
+      conditions.relevant = true;
+    } else if (const auto id = pool.segmentOf(target_->id)) {
+      conditions.relevant = std::any_of(segments.begin(), segments.end(), [&](const MemorySegment& s) {
+        return s.id == *id && s.last_seen_us == now;
+      });
+    }
+  }
+
+  const GazeState before = state_;
+  const GazeState next = nextGazeState(before, conditions);
+  if (next == GazeState::kSelect && before != GazeState::kSelect && target_) {
+    if (before == GazeState::kSaccade) {
+      if (!conditions.target_gone) {
+        pool.giveUp(target_->id);
+        ++given_up_;
+      }
+    } else {
+      pool.visited(target_->id, actual, observation.T_odom_robot, params_.mount);
+      ++visits_;
+    }
+    target_.reset();
+  }
+  enter(next, now);
+  if (!target_) return std::nullopt;
+  return steer(aimAt(*target_, lead(observation)).clamped, actual, now);
+}
+
+std::optional<PanTiltCommand> GazeController::step(const RobotObservation& observation,
+                                                   std::span<const MemorySegment> segments,
+                                                   AttentionPool& pool) {
+  if (!observation.pan_tilt) return std::nullopt;
+  const StampUs now = observation.frame.stamp_us;
+  const PanTilt actual = *observation.pan_tilt;
+  const double dt = toSeconds(now - last_stamp_us_);
+  if (last_angles_ && dt > 0.0 && dt < 1.0) {
+    head_rate_radps_ =
+        std::hypot(actual.pan_rad - last_angles_->pan_rad, actual.tilt_rad - last_angles_->tilt_rad) / dt;
+    const Pose2 moved = inverse(last_pose_) * observation.T_odom_robot;
+    robot_v_mps_ = moved.x / dt;
+    robot_w_radps_ = moved.theta / dt;
+  } else {
+    head_rate_radps_ = robot_v_mps_ = robot_w_radps_ = 0.0;
+  }
+  last_angles_ = actual;
+  last_pose_ = observation.T_odom_robot;
+  last_stamp_us_ = now;
+
+  switch (mode_) {
+    case GazeMode::kOff:
+      return std::nullopt;
+    case GazeMode::kHold:
+      return hold();
+    case GazeMode::kFixate: {
+      if (!fixation_) return hold();
+      AttentionPoint point;
+      point.kind = AttentionKind::kClient;
+      point.p_odom = fixation_;
+      target_ = point;
+      const Aim aim = aimAt(point, lead(observation));
+      const double error = std::max(std::abs(aim.clamped.pan_rad - actual.pan_rad),
+                                    std::abs(aim.clamped.tilt_rad - actual.tilt_rad));
+      enter(error <= params_.arrived_rad ? GazeState::kTrack : GazeState::kSaccade, now);
+      return steer(aim.clamped, actual, now);
+    }
+    case GazeMode::kAttend:
+      break;
+  }
+  hold_sent_ = false;
+  return attend(observation, segments, pool);
+}
+
+}  // namespace vismem

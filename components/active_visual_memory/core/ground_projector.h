@@ -1,0 +1,66 @@
+/// @file Observed image segments placed on the floor, with the uncertainty of their ends. Pure. SPEC M1.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "common/geometry/camera.h"
+#include "common/geometry/pose.h"
+#include "common/geometry/segment.h"
+#include "common/vision/image_segment.h"
+
+namespace vismem {
+
+/// An observed segment under the ground hypothesis. The direction a -> b is the image segment's, so the
+/// brighter side stays on the left.
+struct FloorSegment {
+  Segment2 odom;  ///< on the floor of the frame that the camera pose was given in [m]
+  Eigen::Matrix2d P_a = Eigen::Matrix2d::Zero();  ///< covariance of end a [m^2]
+  Eigen::Matrix2d P_b = Eigen::Matrix2d::Zero();
+  /// The segment was cut here (image border, range, horizon): it may go on, the end says nothing.
+  bool open_a = false;
+  bool open_b = false;
+  Label label = kUnknownLabel;
+  double strength = 0.0;  ///< as ImageSegment
+  int observed = -1;      ///< index of the image segment
+};
+
+/// *Pure.* Invariant: every result lies within max_range_m of the point below the camera.
+class GroundProjector {
+ public:
+  struct Params {
+    double max_range_m = 4.0;        ///< of a floor point from the point below the camera
+    double horizon_margin_px = 3.0;  ///< nearer to the horizon nothing is placed on the floor
+    double border_margin_px = 5.0;   ///< ends nearer to the image border are open: detectors stop short of it
+    double min_length_m = 0.04;      ///< shorter floor segments are dropped
+    double across_sigma_px = 0.5;    ///< of a detected line across its direction
+    double along_sigma_px = 1.5;     ///< of a detected end along the line
+    double height_sigma_m = 0.01;    ///< of the camera's height
+    double pitch_sigma_rad = 0.006;  ///< of the camera's pitch and roll
+    double timing_sigma_s = 0.004;   ///< of the stamps of joints against images; counts with the turn rate
+  };
+
+  explicit GroundProjector(const Params& params) : params_(params) {}
+
+  /// @param T_odom_camera  pose of the camera; the floor is z = 0 of its frame.
+  /// @param turn_rate_radps of the camera in odom, >= 0: widens the covariances.
+  std::vector<FloorSegment> project(const CameraIntrinsics& intrinsics, const Pose3& T_odom_camera,
+                                    const std::vector<ImageSegment>& observed,
+                                    double turn_rate_radps = 0.0) const;
+
+  /// Covariance of the floor point under an ideal pixel. @param along unit direction of the segment [px].
+  /// @return empty when the pixel's ray does not go down.
+  std::optional<Eigen::Matrix2d> floorCovariance(const CameraIntrinsics& intrinsics,
+                                                 const Pose3& T_odom_camera, const Eigen::Vector2d& px_ideal,
+                                                 const Eigen::Vector2d& along, double turn_rate_radps) const;
+
+ private:
+  bool nearBorder(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px_ideal) const;
+  std::optional<FloorSegment> place(const CameraIntrinsics& intrinsics, const Pose3& T_odom_camera,
+                                    const ImageSegment& segment, double turn_rate_radps) const;
+
+  Params params_;
+};
+
+}  // namespace vismem

@@ -1,0 +1,54 @@
+#include "active_visual_memory/core/parallax.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vismem {
+
+void ParallaxEstimate::add(Channel channel, double baseline_m, double shift_m, double variance_m2,
+                           const Params& params) {
+  Sums& sums = sums_[channel];
+  if (sums.count > 0 && std::abs(baseline_m - sums.last) < params.min_step_m) return;
+  const double w = 1.0 / (variance_m2 + params.sample_sigma_m * params.sample_sigma_m);
+  sums.low = sums.count == 0 ? baseline_m : std::min(sums.low, baseline_m);
+  sums.high = sums.count == 0 ? baseline_m : std::max(sums.high, baseline_m);
+  sums.last = baseline_m;
+  ++sums.count;
+  sums.w += w;
+  sums.wb += w * baseline_m;
+  sums.wbb += w * baseline_m * baseline_m;
+  sums.ws += w * shift_m;
+  sums.wbs += w * baseline_m * shift_m;
+}
+
+std::optional<ParallaxEstimate::Slope> ParallaxEstimate::slope(Channel channel, const Params& params) const {
+  const Sums& s = sums_[channel];
+  if (s.count < 2 || s.high - s.low < params.min_baseline_m) return std::nullopt;
+  const double spread = s.wbb - s.wb * s.wb / s.w;
+  if (!(spread > 0.0)) return std::nullopt;
+  return Slope{-(s.wbs - s.wb * s.ws / s.w) / spread, 1.0 / spread};
+}
+
+ParallaxEstimate::Verdict ParallaxEstimate::verdict(double camera_height_m, bool not_vertical,
+                                                    const Params& params) const {
+  if (camera_height_m <= params.least_height_m) return Verdict::kUnknown;
+  const double limit = params.least_height_m / (camera_height_m - params.least_height_m);
+  const auto judge = [&](Channel channel) {
+    const auto k = slope(channel, params);
+    if (!k) return Verdict::kUnknown;
+    const double margin = params.sigmas * std::sqrt(k->variance);
+    if (std::abs(k->value) + margin < limit) return Verdict::kOnFloor;
+    if (std::abs(k->value) - margin > limit) return Verdict::kOffFloor;
+    return Verdict::kUnknown;
+  };
+  const Verdict offset = judge(kOffset);
+  if (offset != Verdict::kUnknown) return offset;
+  const Verdict a = judge(kEndA);
+  const Verdict b = judge(kEndB);
+  const int resting = (a == Verdict::kOnFloor) + (b == Verdict::kOnFloor);
+  if (resting == 2 || (resting == 1 && not_vertical)) return Verdict::kOnFloor;
+  if (a == Verdict::kOffFloor || b == Verdict::kOffFloor) return Verdict::kOffFloor;
+  return Verdict::kUnknown;
+}
+
+}  // namespace vismem

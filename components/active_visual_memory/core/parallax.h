@@ -1,0 +1,54 @@
+/// @file Does an element really lie on the floor? Its height from how its floor place moves. Pure. SPEC M1.
+#pragma once
+
+#include <array>
+#include <optional>
+
+namespace vismem {
+
+/// An edge at height h, back-projected to the floor from a camera at height H, moves by -b h / (H - h) for a
+/// camera displacement b. The slope h / (H - h) is estimated by weighted least squares on three channels:
+/// the line's offset, and the places of its two ends along it. *Pure value.*
+class ParallaxEstimate {
+ public:
+  enum Channel { kOffset = 0, kEndA = 1, kEndB = 2 };
+
+  struct Params {
+    double min_step_m = 0.03;      ///< a sample counts only when the camera moved this far since the last
+    double min_baseline_m = 0.12;  ///< no verdict from a smaller spread of camera places
+    double least_height_m = 0.06;  ///< lower things count as lying on the floor
+    double sigmas = 2.0;
+    double sample_sigma_m = 0.006;  ///< least sigma of a sample: errors of near views are correlated
+  };
+
+  enum class Verdict { kUnknown, kOnFloor, kOffFloor };
+
+  /// @param baseline_m  displacement of the camera along the channel's axis since the first sample.
+  /// @param shift_m     displacement of the floor place along the same axis.
+  void add(Channel channel, double baseline_m, double shift_m, double variance_m2, const Params& params);
+
+  /// The line's offset decides. Where it tells nothing (the camera moved along the line) the ends do: off the
+  /// floor both would move, so one that rests is enough, except for what may be a vertical edge, whose foot
+  /// rests too: there both must.
+  Verdict verdict(double camera_height_m, bool not_vertical, const Params& params) const;
+
+  /// Begins a channel anew: its samples were of something else.
+  void forget(Channel channel) { sums_[channel] = {}; }
+
+  struct Slope {
+    double value = 0.0;
+    double variance = 0.0;
+  };
+  /// @return empty while the baseline is too short.
+  std::optional<Slope> slope(Channel channel, const Params& params) const;
+
+ private:
+  struct Sums {
+    double w = 0, wb = 0, wbb = 0, ws = 0, wbs = 0;
+    double low = 0, high = 0, last = 0;
+    int count = 0;
+  };
+  std::array<Sums, 3> sums_;
+};
+
+}  // namespace vismem

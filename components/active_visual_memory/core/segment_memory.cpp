@@ -1,0 +1,507 @@
+#include "active_visual_memory/core/segment_memory.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/angles.h"
+#include "common/geometry/projection.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kKnownPolarity = 6.0;  // grey levels; as AssociationParams::min_polarity_strength
+
+bool samePolarity(const Segment2& a, double strength_a, const Segment2& b, double strength_b) {
+  if (strength_a < kKnownPolarity || strength_b < kKnownPolarity) return true;
+  return (a.b - a.a).dot(b.b - b.a) > 0.0;
+}
+
+/// Distance of two segments' lines where they lie beside each other, and how far their extents are apart
+/// along `base` (negative: they overlap).
+struct Neighbourhood {
+  double angle_rad = 0.0;
+  double distance_m = 0.0;
+  double gap_m = 0.0;
+};
+Neighbourhood neighbourhood(const Segment2& base, const Segment2& other) {
+  const double length = base.length();
+  double low = projectionFraction(other.a, base) * length;
+  double high = projectionFraction(other.b, base) * length;
+  if (low > high) std::swap(low, high);
+  const double from = std::max(0.0, low);
+  const double to = std::min(length, high);
+  const Eigen::Vector2d along = (base.b - base.a) / length;
+  const Eigen::Vector2d between = base.a + 0.5 * (from + to) * along;
+  return {lineAngleDifference(base.direction(), other.direction()), distanceToLine(between, other),
+          from - to};
+}
+
+double distanceTo(const Eigen::Vector2d& p, const Segment2& segment) {
+  return distanceToSegment(p, segment);
+}
+
+}  // namespace
+
+FloorSegment reversed(const FloorSegment& segment) {
+  FloorSegment r = segment;
+  std::swap(r.odom.a, r.odom.b);
+  std::swap(r.P_a, r.P_b);
+  std::swap(r.open_a, r.open_b);
+  return r;
+}
+
+std::vector<FloorSegment> cleanDuplicates(const std::vector<FloorSegment>& segments, double max_angle_rad,
+                                          double max_distance_m, double max_gap_m) {
+  std::vector<FloorSegment> clean;
+  for (const FloorSegment& segment : segments) {
+    bool joined = false;
+    for (FloorSegment& kept : clean) {
+      if (!labelsCompatible(kept.label, segment.label)) continue;
+      if (!samePolarity(kept.odom, kept.strength, segment.odom, segment.strength)) continue;
+      const Neighbourhood n = neighbourhood(kept.odom, segment.odom);
+      if (n.angle_rad > max_angle_rad || n.distance_m > max_distance_m || n.gap_m > max_gap_m) continue;
+      // The longer one's line, the extent of both.
+      const bool longer = segment.odom.length() > kept.odom.length();
+      FloorSegment line = longer ? segment : kept;
+      const FloorSegment& other = longer ? kept : segment;
+      const Eigen::Vector2d along = (line.odom.b - line.odom.a).normalized();
+      const Eigen::Vector2d origin = line.odom.a;
+      const double length = line.odom.length();
+      const bool against = (other.odom.b - other.odom.a).dot(along) < 0.0;
+      const FloorSegment o = against ? reversed(other) : other;
+      const double ta = along.dot(o.odom.a - origin);
+      const double tb = along.dot(o.odom.b - origin);
+      if (ta < 0.0) line.odom.a = origin + ta * along, line.P_a = o.P_a, line.open_a = o.open_a;
+      if (tb > length) line.odom.b = origin + tb * along, line.P_b = o.P_b, line.open_b = o.open_b;
+      if (line.label == kUnknownLabel) line.label = other.label;
+      kept = line;
+      joined = true;
+      break;
+    }
+    if (!joined) clean.push_back(segment);
+  }
+  return clean;
+}
+
+struct SegmentMemory::View {
+  const RobotObservation& observation;
+  Pose3 T_odom_camera;
+  Eigen::Vector2d camera;  ///< the floor point below it
+  double height;
+  double turn_rate;
+  FloorEvidence evidence;
+};
+
+SegmentMemory::SegmentMemory(const Params& params) : params_(params), clock_(params.life.tick_us) {}
+
+void SegmentMemory::clear() {
+  elements_.clear();
+  clock_.reset();
+  last_pose_.reset();
+}
+
+void SegmentMemory::travel(const Pose2& T_odom_robot) {
+  if (last_pose_) {
+    travel_m_ += (T_odom_robot.position() - last_pose_->position()).norm();
+    turn_rad_ += std::abs(angleDifference(T_odom_robot.theta, last_pose_->theta));
+  }
+  last_pose_ = T_odom_robot;
+}
+
+std::vector<int> SegmentMemory::cache(const Pose2& T_odom_robot) const {
+  std::vector<int> near;
+  for (int i = 0; i < static_cast<int>(elements_.size()); ++i) {
+    if (distanceTo(T_odom_robot.position(), elements_[i].line.segment()) <= params_.cache_radius_m) {
+      near.push_back(i);
+    }
+  }
+  return near;
+}
+
+std::vector<Expectation> SegmentMemory::expect(const View& view, std::vector<int>& index_of) const {
+  std::vector<Expectation> expected;
+  for (const int i : cache(view.observation.T_odom_robot)) {
+    const MemoryElement& element = elements_[i];
+    const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, element.value.odom);
+    if (!px || px->length() < params_.min_visible_px) continue;
+    expected.push_back({{element.value.id, *px, element.value.label}, element.strength});
+    index_of.push_back(i);
+  }
+  return expected;
+}
+
+bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment& observed,
+                                double distance_m) const {
+  if (params_.fusion == Fusion::kChapter) return true;  // the newer one is believed, wherever it is
+  const double unseen_m = params_.drift_per_m * (travel_m_ - element.seen_travel_m);
+  const double unseen_rad = params_.drift_per_rad * (turn_rad_ - element.seen_turn_rad);
+  const double slack =
+      params_.slack_m + params_.slack_share * distance_m + unseen_m + unseen_rad * distance_m;
+  const double gate = params_.gate_sigmas;
+  return element.line.disagreement(observed, slack) <= gate * gate;
+}
+
+void SegmentMemory::confirm(MemoryElement& element, const FloorSegment& observed, const View& view) {
+  if (!params_.confirm_by_parallax || element.value.confirmed) return;
+  const bool stale = turn_rad_ - element.anchor_turn_rad > params_.max_anchor_turn_rad ||
+                     (view.camera - element.anchor_camera).norm() > params_.max_anchor_travel_m;
+  if (stale) {
+    // Odometry has drifted too far for a comparison with the old place.
+    element.parallax = ParallaxEstimate{};
+    element.anchor_line = FloorLine(observed, params_.line);
+    element.anchor_camera = view.camera;
+    element.anchor_turn_rad = turn_rad_;
+  }
+  const FloorLine& anchor = element.anchor_line;
+  const Eigen::Vector2d baseline = view.camera - element.anchor_camera;
+  const double along = anchor.along().dot(baseline);
+  const double across = anchor.normal().dot(baseline);
+  const double drift = params_.drift_per_rad * (turn_rad_ - element.anchor_turn_rad) *
+                       (observed.odom.middle() - view.camera).norm();
+  const auto add = [&](ParallaxEstimate::Channel channel, double b, double shift, double variance) {
+    element.parallax.add(channel, b, shift, variance + drift * drift, params_.parallax);
+  };
+  // A constant error of the anchor's place does not matter, one of its direction does.
+  const Eigen::Vector2d middle = observed.odom.middle();
+  const Eigen::Vector2d n = anchor.normal();
+  const double t = anchor.tOf(middle);
+  const double share = params_.parallax_noise_share;
+  add(ParallaxEstimate::kOffset, across, anchor.offsetOf(middle),
+      0.25 * share * n.dot((observed.P_a + observed.P_b) * n) + anchor.turnVariance(t));
+  // The places of the ends, as long as they are the ends that were seen before.
+  const Eigen::Vector2d u = anchor.along();
+  const auto addEnd = [&](ParallaxEstimate::Channel channel, const Eigen::Vector2d& p,
+                          const Eigen::Matrix2d& P, bool open, const ExtentEnd& known) {
+    if (open || known.open) return;
+    const double variance = u.dot(P * u);
+    const double gate = std::max(params_.line.end_gate_m,
+                                 params_.line.end_gate_sigmas * std::sqrt(variance + known.variance_m2));
+    const double off = element.line.tOf(p) - known.t_m;
+    if (std::abs(off) > gate) {
+      const bool outside = channel == ParallaxEstimate::kEndA ? off < 0.0 : off > 0.0;
+      if (outside) element.parallax.forget(channel);  // the old end was none
+      return;
+    }
+    add(channel, along, anchor.tOf(p), share * variance);
+  };
+  addEnd(ParallaxEstimate::kEndA, observed.odom.a, observed.P_a, observed.open_a, element.line.endA());
+  addEnd(ParallaxEstimate::kEndB, observed.odom.b, observed.P_b, observed.open_b, element.line.endB());
+  // The image of a vertical edge lies on a ray from the point below the camera, wherever the camera is.
+  const Eigen::Vector2d ray = (middle - view.camera).normalized();
+  const Eigen::Vector2d seen_along = (observed.odom.b - observed.odom.a).normalized();
+  if (std::abs(ray.x() * seen_along.y() - ray.y() * seen_along.x()) > params_.not_radial) {
+    element.not_vertical = true;
+  }
+  if (element.parallax.verdict(view.height, element.not_vertical, params_.parallax) ==
+      ParallaxEstimate::Verdict::kOnFloor) {
+    element.value.confirmed = true;
+  }
+}
+
+void SegmentMemory::take(MemoryElement& element, const FloorSegment& seen, const View& view) {
+  const bool against = element.line.along().dot(seen.odom.b - seen.odom.a) < 0.0;
+  const FloorSegment observed = against ? reversed(seen) : seen;
+  const double travelled = travel_m_ - element.seen_travel_m;
+  const double turned = turn_rad_ - element.seen_turn_rad;
+  if (travelled > 0.0 || turned > 0.0) {
+    const double range = (observed.odom.middle() - view.camera).norm();
+    const double heading = params_.drift_per_rad * turned;
+    element.line.drift(std::hypot(params_.drift_per_m * travelled, heading * range), heading);
+    element.seen_travel_m = travel_m_;
+    element.seen_turn_rad = turn_rad_;
+  }
+  confirm(element, observed, view);
+  if (params_.fusion == Fusion::kChapter) {
+    element.line.replaceKeepingExtent(observed, params_.line);
+  } else {
+    element.line.fuse(observed, params_.line);
+  }
+  element.strength += 0.2 * (observed.strength - element.strength);
+  if (element.value.label == kUnknownLabel) element.value.label = observed.label;
+  // Several pieces in one image are one sighting.
+  if (element.value.last_seen_us != view.observation.frame.stamp_us) ++element.sightings;
+  element.value.last_seen_us = view.observation.frame.stamp_us;
+  element.sighting = Sighting::kObserved;
+}
+
+void SegmentMemory::begin(const FloorSegment& observed, const View& view) {
+  MemoryElement element;
+  element.value.id = next_id_++;
+  element.value.label = observed.label;
+  element.value.life = params_.life.initial;
+  element.value.first_seen_us = element.value.last_seen_us = view.observation.frame.stamp_us;
+  element.value.confirmed = !params_.confirm_by_parallax;
+  element.line = FloorLine(observed, params_.line);
+  element.strength = observed.strength;
+  element.sightings = 1;
+  element.anchor_line = element.line;
+  element.anchor_camera = view.camera;
+  element.anchor_turn_rad = turn_rad_;
+  element.seen_travel_m = travel_m_;
+  element.seen_turn_rad = turn_rad_;
+  confirm(element, observed, view);
+  publish(element);
+  elements_.push_back(std::move(element));
+}
+
+void SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view) {
+  Sighting sighting = Sighting::kOutOfView;
+  const auto& k = view.observation.frame.intrinsics;
+  const double m = params_.view_margin_px;
+  const auto inside = clipToBox(px, {m, m}, {k.width - 1 - m, k.height - 1 - m});
+  const bool clear = inside && inside->length() >= params_.min_visible_px;
+  if (clear && onTrial(element)) {
+    // What was hardly ever seen needs no evidence against it.
+    sighting = Sighting::kAbsent;
+  } else if (clear && element.colours && view.turn_rate <= params_.max_absence_turn_radps) {
+    switch (view.evidence.look(*inside, *element.colours)) {
+      case PlaceShows::kBare:
+        sighting = Sighting::kAbsent;
+        break;
+      case PlaceShows::kSomething:
+        sighting = Sighting::kCovered;
+        break;
+      case PlaceShows::kUnknown:
+        break;
+    }
+  }
+  // Several images may fall into one tick of life; the best of them counts.
+  element.sighting = std::max(element.sighting, sighting);
+}
+
+void SegmentMemory::reviewEnds(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
+                               const View& view) {
+  // The extent seen in this image, from all its pieces.
+  ExtentEnd low{1e9, 0.0, true};
+  ExtentEnd high{-1e9, 0.0, true};
+  const Eigen::Vector2d u = element.line.along();
+  for (const FloorSegment* piece : seen) {
+    const bool against = u.dot(piece->odom.b - piece->odom.a) < 0.0;
+    const FloorSegment s = against ? reversed(*piece) : *piece;
+    const ExtentEnd a{element.line.tOf(s.odom.a), u.dot(s.P_a * u), s.open_a};
+    const ExtentEnd b{element.line.tOf(s.odom.b), u.dot(s.P_b * u), s.open_b};
+    if (a.t_m < low.t_m) low = a;
+    if (b.t_m > high.t_m) high = b;
+  }
+  const auto review = [&](MemoryElement::ShortVotes& votes, const ExtentEnd& end, const ExtentEnd& at,
+                          bool at_b) {
+    const double inward = at_b ? end.t_m - at.t_m : at.t_m - end.t_m;
+    const double gate = std::max(params_.line.end_gate_m,
+                                 params_.line.end_gate_sigmas * std::sqrt(end.variance_m2 + at.variance_m2));
+    if (at.open || inward <= gate) {
+      votes = {};
+      return;
+    }
+    // Only bare floor beyond tells a line that is shorter from one that is partly hidden.
+    const Segment2 whole = element.line.segment();
+    const Eigen::Vector2d stop = (at_b ? whole.b : whole.a) + (at.t_m - end.t_m) * u;
+    const Eigen::Vector2d known = at_b ? whole.b : whole.a;
+    const Segment3 beyond{{stop.x(), stop.y(), 0.0}, {known.x(), known.y(), 0.0}};
+    auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, beyond);
+    if (!px || px->length() < params_.min_visible_px || !element.colours) return;
+    // Kept in the element's own direction: the remembered colours know left and right.
+    if (!at_b) std::swap(px->a, px->b);
+    if (view.evidence.look(*px, *element.colours) != PlaceShows::kBare) return;
+    votes.t_m = (votes.t_m * votes.count + at.t_m) / (votes.count + 1);
+    votes.variance_m2 = at.variance_m2;
+    if (++votes.count < params_.short_votes) return;
+    element.line.shorten(at_b, {votes.t_m, votes.variance_m2, false});
+    element.short_a = element.short_b = {};
+  };
+  review(element.short_a, element.line.endA(), low, false);
+  review(element.short_b, element.line.endB(), high, true);
+}
+
+void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
+  std::vector<bool> gone(elements_.size(), false);
+  for (std::size_t m = 0; m < cached.size(); ++m) {
+    for (std::size_t n = m + 1; n < cached.size(); ++n) {
+      MemoryElement& a = elements_[cached[m]];
+      const MemoryElement& b = elements_[cached[n]];
+      if (gone[cached[m]]) break;
+      if (gone[cached[n]]) continue;
+      // Something moved on only where an element was just observed.
+      if (a.sighting != Sighting::kObserved && b.sighting != Sighting::kObserved) continue;
+      if (!labelsCompatible(a.value.label, b.value.label)) continue;
+      const Segment2 sa = a.line.segment();
+      const Segment2 sb = b.line.segment();
+      if (!samePolarity(sa, a.strength, sb, b.strength)) continue;
+      const bool a_longer = a.line.length() >= b.line.length();
+      const Neighbourhood near = neighbourhood(a_longer ? sa : sb, a_longer ? sb : sa);
+      if (near.angle_rad > params_.near_angle_rad || near.gap_m > params_.max_gap_m) continue;
+      const double sigma = std::sqrt(a.line.offsetVariance(0.0) + b.line.offsetVariance(0.0));
+      if (near.distance_m > std::min(params_.near_distance_m, 0.02 + 3.0 * sigma)) continue;
+      // Pieces that only meet end to end must continue each other well.
+      if (near.gap_m > 0.0 && near.angle_rad > 0.5 * params_.near_angle_rad) continue;
+      if (a.line.along().dot(b.line.along()) < 0.0) {
+        a.line.absorb(FloorLine(reversed(b.line.asObservation()), params_.line), params_.line);
+      } else {
+        a.line.absorb(b.line, params_.line);
+      }
+      if (a.value.label == kUnknownLabel) a.value.label = b.value.label;
+      if (!a.colours) a.colours = b.colours;
+      a.strength = std::max(a.strength, b.strength);
+      a.value.life = std::max(a.value.life, b.value.life);
+      a.value.confirmed = a.value.confirmed || b.value.confirmed;
+      a.value.first_seen_us = std::min(a.value.first_seen_us, b.value.first_seen_us);
+      a.value.last_seen_us = std::max(a.value.last_seen_us, b.value.last_seen_us);
+      a.sighting = std::max(a.sighting, b.sighting);
+      a.sightings = std::max(a.sightings, b.sightings);
+      gone[cached[n]] = true;
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    if (gone[i]) continue;
+    if (kept != i) elements_[kept] = std::move(elements_[i]);
+    ++kept;
+  }
+  elements_.resize(kept);
+}
+
+void SegmentMemory::countLife(StampUs stamp_us) {
+  const double dt = clock_.advance(stamp_us);
+  if (dt > 0.0) {
+    for (MemoryElement& element : elements_) {
+      // What is new since the last tick has its first life already.
+      element.value.life = agedLife(element.value.life, element.sighting, dt, params_.life);
+      element.sighting = Sighting::kAbsent;
+    }
+    std::erase_if(elements_, [&](const MemoryElement& e) { return e.value.life < params_.life.threshold; });
+  }
+  if (static_cast<int>(elements_.size()) > params_.max_elements) {
+    std::stable_sort(elements_.begin(), elements_.end(), [](const MemoryElement& a, const MemoryElement& b) {
+      return a.value.life > b.value.life;
+    });
+    elements_.resize(static_cast<std::size_t>(params_.max_elements));
+    std::sort(elements_.begin(), elements_.end(),
+              [](const MemoryElement& a, const MemoryElement& b) { return a.value.id < b.value.id; });
+  }
+}
+
+void SegmentMemory::publish(MemoryElement& element) const {
+  const Segment2 floor = element.line.segment();
+  element.value.odom = {{floor.a.x(), floor.a.y(), 0.0}, {floor.b.x(), floor.b.y(), 0.0}};
+  element.value.P_a.setZero();
+  element.value.P_b.setZero();
+  element.value.P_a.topLeftCorner<2, 2>() = element.line.covarianceA();
+  element.value.P_b.topLeftCorner<2, 2>() = element.line.covarianceB();
+  element.value.uncertainty = uncertaintyOf(element.value.life);
+}
+
+void SegmentMemory::age(StampUs stamp_us) {
+  // An image that is not analysed speaks neither for nor against anything.
+  for (MemoryElement& element : elements_)
+    element.sighting = std::max(element.sighting, Sighting::kOutOfView);
+  countLife(stamp_us);
+  for (MemoryElement& element : elements_) publish(element);
+}
+
+ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
+                                    const std::vector<ImageSegment>& observed,
+                                    const std::vector<FloorSegment>& floor, double turn_rate_radps) {
+  travel(observation.T_odom_robot);
+  const Pose3 T_odom_camera = toPose3(observation.T_odom_robot) * observation.T_robot_camera;
+  const View view{observation,
+                  T_odom_camera,
+                  T_odom_camera.translation().head<2>(),
+                  T_odom_camera.translation().z(),
+                  turn_rate_radps,
+                  {observation.frame.image, observation.frame.intrinsics, params_.evidence}};
+
+  std::vector<const FloorSegment*> floor_of(observed.size(), nullptr);
+  for (const FloorSegment& segment : floor) floor_of[segment.observed] = &segment;
+
+  std::vector<int> index_of;
+  const std::vector<Expectation> expected = expect(view, index_of);
+  const AssociationResult association = associate(observed, expected, params_.association);
+
+  ImageAnalysis analysis;
+  analysis.stamp_us = observation.frame.stamp_us;
+  analysis.frame_seq = observation.frame.seq;
+  analysis.intrinsics = observation.frame.intrinsics;
+  analysis.T_odom_robot = observation.T_odom_robot;
+  analysis.T_robot_camera = observation.T_robot_camera;
+  analysis.observed = observed;
+  for (const Expectation& e : expected) analysis.predicted.push_back(e.predicted);
+
+  // Matched and supporting segments, per prediction, as far as they agree on the floor too.
+  std::vector<std::vector<const FloorSegment*>> seen(expected.size());
+  std::vector<bool> used(observed.size(), false);
+  const auto assign = [&](const ImageAnalysis::Match& match) {
+    const FloorSegment* on_floor = floor_of[match.observed];
+    if (!on_floor) return false;
+    const double distance = (on_floor->odom.middle() - view.camera).norm();
+    if (!fitsOnFloor(elements_[index_of[match.predicted]], *on_floor, distance)) return false;
+    seen[match.predicted].push_back(on_floor);
+    used[match.observed] = true;
+    return true;
+  };
+  for (const auto& match : association.matches) {
+    if (assign(match)) analysis.matches.push_back(match);
+  }
+  for (const auto& support : association.supports) assign(support);
+
+  for (std::size_t p = 0; p < expected.size(); ++p) {
+    MemoryElement& element = elements_[index_of[p]];
+    if (seen[p].empty()) {
+      judgeUnobserved(element, expected[p].predicted.px, view);
+      continue;
+    }
+    for (const FloorSegment* piece : seen[p]) take(element, *piece, view);
+    if (params_.fusion == Fusion::kCovariance) reviewEnds(element, seen[p], view);
+    publish(element);
+    const auto px = projectSegment(observation.frame.intrinsics, T_odom_camera, element.value.odom);
+    if (const auto sides = px ? view.evidence.sides(*px) : std::nullopt) {
+      if (!element.colours) {
+        element.colours = *sides;
+      } else {
+        element.colours->left += 0.2 * (sides->left - element.colours->left);
+        element.colours->right += 0.2 * (sides->right - element.colours->right);
+      }
+    }
+  }
+  std::vector<bool> expected_now(elements_.size(), false);
+  for (const int i : index_of) expected_now[i] = true;
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    if (!expected_now[i]) elements_[i].sighting = std::max(elements_[i].sighting, Sighting::kOutOfView);
+  }
+
+  // Unpredicted: near something stored on the floor (M3), else new (M2 first).
+  if (turn_rate_radps <= params_.max_mapping_turn_radps) {
+    std::vector<FloorSegment> fresh;
+    for (const FloorSegment& segment : floor) {
+      if (!used[segment.observed]) fresh.push_back(segment);
+    }
+    fresh = cleanDuplicates(fresh, 0.5 * params_.near_angle_rad, 0.5 * params_.near_distance_m,
+                            0.5 * params_.max_gap_m);
+    for (const FloorSegment& segment : fresh) {
+      const double distance = (segment.odom.middle() - view.camera).norm();
+      const double reach = params_.near_distance_m + params_.far_distance_share * distance;
+      MemoryElement* best = nullptr;
+      double best_distance = reach;
+      for (const int i : cache(observation.T_odom_robot)) {
+        MemoryElement& element = elements_[i];
+        if (!labelsCompatible(element.value.label, segment.label)) continue;
+        const Segment2 stored = element.line.segment();
+        if (!samePolarity(stored, element.strength, segment.odom, segment.strength)) continue;
+        const Neighbourhood near = neighbourhood(stored, segment.odom);
+        if (near.angle_rad > params_.near_angle_rad || near.gap_m > params_.max_gap_m) continue;
+        if (near.distance_m > best_distance || !fitsOnFloor(element, segment, distance)) continue;
+        best_distance = near.distance_m;
+        best = &element;
+      }
+      if (best) {
+        take(*best, segment, view);
+      } else {
+        begin(segment, view);
+      }
+    }
+    mergeDuplicates(cache(observation.T_odom_robot));
+  }
+  countLife(observation.frame.stamp_us);
+  for (MemoryElement& element : elements_) publish(element);
+  return analysis;
+}
+
+}  // namespace vismem

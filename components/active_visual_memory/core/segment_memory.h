@@ -1,0 +1,127 @@
+/// @file The remembered segments: prediction, matching, fusion, confirmation, life. Pure. SPEC V5, M1-M6.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "active_visual_memory/core/association.h"
+#include "active_visual_memory/core/floor_evidence.h"
+#include "active_visual_memory/core/floor_line.h"
+#include "active_visual_memory/core/ground_projector.h"
+#include "active_visual_memory/core/life.h"
+#include "active_visual_memory/core/parallax.h"
+#include "common/robot/observation.h"
+#include "common/visual_memory/memory_snapshot.h"
+
+namespace vismem {
+
+/// A remembered segment with what only the memory needs to know of it.
+struct MemoryElement {
+  MemorySegment value;  ///< as published; its geometry is a copy of `line`
+  FloorLine line;
+  double strength = 0.0;  ///< mean contrast [grey levels]
+  int sightings = 0;      ///< images that showed it
+  std::optional<SideColours> colours;
+  ParallaxEstimate parallax;
+  bool not_vertical = false;  ///< some view ruled out a vertical edge
+  FloorLine anchor_line;      ///< where the first sample of `parallax` saw it
+  Eigen::Vector2d anchor_camera = Eigen::Vector2d::Zero();
+  double anchor_turn_rad = 0.0;
+  double seen_travel_m = 0.0;  ///< odometer when last fused
+  double seen_turn_rad = 0.0;
+  Sighting sighting = Sighting::kObserved;  ///< best since life was last counted
+  struct ShortVotes {
+    int count = 0;
+    double t_m = 0.0;
+    double variance_m2 = 0.0;
+  };
+  ShortVotes short_a;
+  ShortVotes short_b;
+};
+
+/// The memory of floor segments in the odometry frame. *Single-threaded* (owner: the perception loop).
+/// Motion prediction (M6) is exact and free: elements rest in odom, and only the camera moves.
+/// Invariants: life in [threshold, maximum]; at most max_elements; ids are never used twice.
+class SegmentMemory {
+ public:
+  enum class Fusion { kChapter, kCovariance };
+
+  struct Params {
+    Fusion fusion = Fusion::kCovariance;
+    double cache_radius_m = 4.0;          ///< M5
+    double min_visible_px = 10.0;         ///< shorter visible parts are not expected to be observed
+    double view_margin_px = 4.0;          ///< an expectation nearer to the border than this says nothing
+    double max_absence_turn_radps = 0.6;  ///< a camera that turns faster proves no absence
+    double max_mapping_turn_radps = 3.0;  ///< and faster than this, nothing new is taken in
+    double near_angle_rad = 0.12;         ///< gates on the floor (M2, M3)
+    double near_distance_m = 0.06;
+    double far_distance_share = 0.02;  ///< added to near_distance_m per metre from the camera
+    double max_gap_m = 0.06;           ///< between the extents of pieces of one line
+    double not_radial = 0.35;          ///< sine of the angle to the viewing ray that no vertical edge shows
+    double slack_m = 0.01;             ///< of a match on the floor, for what the covariances do not model
+    double slack_share = 0.008;        ///< added to slack_m per metre from the camera
+    double gate_sigmas = 3.0;
+    double drift_per_m = 0.02;    ///< odometry drift per metre travelled while an element was not seen
+    double drift_per_rad = 0.01;  ///< heading drift per radian turned [rad]
+    int min_sightings = 3;        ///< seen in fewer images it is on trial: not published, soon forgotten
+    double parallax_noise_share = 0.1;  ///< share of an end's variance that changes from view to view; the
+                                        ///< rest (camera height, pitch) is common to all and cancels
+    int max_elements = 1000;
+    bool confirm_by_parallax = true;   ///< false: everything is confirmed at once, as in the chapter
+    double max_anchor_turn_rad = 2.0;  ///< parallax is begun anew after the robot turned this far
+    double max_anchor_travel_m = 3.0;
+    int short_votes = 6;  ///< images that must see a line end earlier, with bare floor beyond
+    LifeParams life;
+    AssociationParams association;
+    FloorLine::Params line;
+    ParallaxEstimate::Params parallax;
+    FloorEvidence::Params evidence;
+  };
+
+  explicit SegmentMemory(const Params& params);
+
+  /// Takes in one image. @param floor the observed segments placed on the floor, with their indices.
+  ImageAnalysis update(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
+                       const std::vector<FloorSegment>& floor, double turn_rate_radps);
+
+  /// Only lets time pass: an image that was not analysed.
+  void age(StampUs stamp_us);
+
+  /// Sets everything aside (M10, a new epoch). Ids go on.
+  void clear();
+
+  const std::vector<MemoryElement>& elements() const { return elements_; }
+  bool onTrial(const MemoryElement& element) const { return element.sightings < params_.min_sightings; }
+
+ private:
+  struct View;
+  std::vector<int> cache(const Pose2& T_odom_robot) const;
+  void travel(const Pose2& T_odom_robot);
+  std::vector<Expectation> expect(const View& view, std::vector<int>& index_of) const;
+  bool fitsOnFloor(const MemoryElement& element, const FloorSegment& observed, double distance_m) const;
+  void take(MemoryElement& element, const FloorSegment& observed, const View& view);
+  void confirm(MemoryElement& element, const FloorSegment& observed, const View& view);
+  void begin(const FloorSegment& observed, const View& view);
+  void judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view);
+  void reviewEnds(MemoryElement& element, const std::vector<const FloorSegment*>& seen, const View& view);
+  void mergeDuplicates(const std::vector<int>& cached);
+  void countLife(StampUs stamp_us);
+  void publish(MemoryElement& element) const;
+
+  Params params_;
+  LifeClock clock_;
+  std::vector<MemoryElement> elements_;
+  std::uint64_t next_id_ = 1;
+  std::optional<Pose2> last_pose_;
+  double travel_m_ = 0.0;
+  double turn_rad_ = 0.0;
+};
+
+/// M2: joins floor segments of one image that are one line seen twice. Order is kept.
+std::vector<FloorSegment> cleanDuplicates(const std::vector<FloorSegment>& segments, double max_angle_rad,
+                                          double max_distance_m, double max_gap_m);
+
+/// The same segment with its ends exchanged.
+FloorSegment reversed(const FloorSegment& segment);
+
+}  // namespace vismem
