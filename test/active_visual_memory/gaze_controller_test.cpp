@@ -207,6 +207,7 @@ TEST(GazeMailbox, RefusesWhatMakesNoSenseAndSaysWhy) {
   request.priority = 1.0;
   EXPECT_TRUE(mailbox.request(request).ok());
   EXPECT_FALSE(mailbox.fixate({NAN, 0, 0}).ok());
+  EXPECT_FALSE(mailbox.setMode(GazeMode::kFixate).ok()) << "nothing was fixated so far";
   EXPECT_EQ(mailbox.take().size(), 1u);
   EXPECT_TRUE(mailbox.take().empty());
 }

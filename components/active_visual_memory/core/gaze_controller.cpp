@@ -32,12 +32,16 @@ double proportionalSpeed(double error, double dead_zone, double gain, double max
 }
 
 PortReply GazeMailbox::setMode(GazeMode mode) {
+  if (mode == GazeMode::kFixate && !has_fixation_) {
+    return PortReply::rejected("nothing was fixated so far: give a place first");
+  }
   messages_.push_back({Message::Kind::kMode, mode, Eigen::Vector3d::Zero(), {}});
   return PortReply::accepted();
 }
 
 PortReply GazeMailbox::fixate(const Eigen::Vector3d& p_odom) {
   if (!p_odom.allFinite()) return PortReply::rejected("fixation point is not finite");
+  has_fixation_ = true;
   messages_.push_back({Message::Kind::kFixate, GazeMode::kFixate, p_odom, {}});
   return PortReply::accepted();
 }
@@ -76,7 +80,6 @@ GazeController::GazeController(const Params& params) : params_(params), mode_(pa
 void GazeController::setMode(GazeMode mode) {
   if (mode == mode_) return;
   mode_ = mode;
-  if (mode != GazeMode::kFixate) fixation_.reset();
   hold_sent_ = false;
   sent_.reset();
   abandonTarget();

@@ -39,6 +39,7 @@ class GazeMailbox final : public GazeClient {
     GazeRequest request;                               ///< kRequest; of kWithdraw only client and key
   };
 
+  /// kFixate goes back to the last fixated place; rejected when there was none.
   PortReply setMode(GazeMode mode) override;
   PortReply fixate(const Eigen::Vector3d& p_odom) override;
   PortReply request(const GazeRequest& request) override;
@@ -50,6 +51,7 @@ class GazeMailbox final : public GazeClient {
   void publish(GazeStatus status) { status_ = std::move(status); }
 
  private:
+  bool has_fixation_ = false;
   std::vector<Message> messages_;
   std::optional<GazeStatus> status_;
 };
