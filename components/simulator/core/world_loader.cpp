@@ -1,0 +1,274 @@
+// The only file that includes libsdformat: its headers are slow to compile.
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <assimp/Importer.hpp>
+#include <fstream>
+#include <optional>
+#include <regex>
+#include <sdf/sdf.hh>
+#include <sstream>
+
+#include "common/config/config_error.h"
+#include "simulator/core/shapes.h"
+#include "simulator/core/world.h"
+
+namespace vismem {
+namespace {
+
+namespace fs = std::filesystem;
+using ignition::math::Pose3d;
+
+/// Obstacles matter where the robot's body is [m above the floor].
+constexpr double kRobotBodyBottom_m = 0.03;
+constexpr double kRobotBodyTop_m = 0.5;
+/// An sdf plane is infinite; its picture is not.
+constexpr double kGroundPlaneSize_m = 200.0;
+
+/// ground_plane and sun ship with Gazebo, not with the worlds that include them.
+constexpr const char* kGroundPlane = R"(<model name="ground_plane"><static>true</static><link name="link">
+<visual name="visual"><geometry><plane><normal>0 0 1</normal><size>200 200</size></plane></geometry>
+<material><ambient>0.5 0.5 0.5 1</ambient><diffuse>0.5 0.5 0.5 1</diffuse></material></visual></link></model>)";
+constexpr const char* kSun = R"(<light name="sun" type="directional"><pose>0 0 10 0 0 0</pose>
+<diffuse>0.8 0.8 0.8 1</diffuse><direction>-0.5 0.1 -0.9</direction></light>)";
+
+std::string withBuiltIns(const std::string& text) {
+  const auto include = [](const char* name) {
+    return std::regex("<include>\\s*<uri>\\s*model://" + std::string(name) + "\\s*</uri>\\s*</include>");
+  };
+  return std::regex_replace(std::regex_replace(text, include("ground_plane"), kGroundPlane), include("sun"),
+                            kSun);
+}
+
+Pose3 toPose3(const Pose3d& pose) {
+  Pose3 result = Pose3::Identity();
+  result.linear() =
+      Eigen::Quaterniond(pose.Rot().W(), pose.Rot().X(), pose.Rot().Y(), pose.Rot().Z()).toRotationMatrix();
+  result.translation() = Eigen::Vector3d(pose.Pos().X(), pose.Pos().Y(), pose.Pos().Z());
+  return result;
+}
+
+class WorldBuilder {
+ public:
+  WorldBuilder(fs::path file, std::vector<fs::path> search)
+      : file_(std::move(file)), search_(std::move(search)) {}
+
+  void warn(const std::string& text) { loaded_.warnings.push_back(file_.string() + ": " + text); }
+
+  /// Where a uri of the world leads; empty if nowhere.
+  fs::path resolve(const std::string& uri) const {
+    std::string name = uri;
+    for (const char* scheme : {"model://", "file://"}) {
+      if (name.rfind(scheme, 0) == 0) name = name.substr(std::string(scheme).size());
+    }
+    if (fs::path(name).is_absolute() && fs::exists(name)) return name;
+    for (const auto& folder : search_) {
+      if (fs::exists(folder / name)) return folder / name;
+    }
+    return {};
+  }
+
+  void addModel(const sdf::Model& model, const Pose3& T_world_parent) {
+    Pose3d pose;
+    if (!model.SemanticPose().Resolve(pose).empty()) pose = model.RawPose();
+    const Pose3 T_world_model = T_world_parent * toPose3(pose);
+    for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
+      const sdf::Link& link = *model.LinkByIndex(i);
+      Pose3d link_pose;
+      if (!link.SemanticPose().Resolve(link_pose).empty()) link_pose = link.RawPose();
+      addLink(model.Name() + "/" + link.Name(), link, T_world_model * toPose3(link_pose));
+    }
+    for (std::uint64_t i = 0; i < model.ModelCount(); ++i) addModel(*model.ModelByIndex(i), T_world_model);
+  }
+
+  void addSun(const sdf::Light& light) {
+    if (light.Type() != sdf::LightType::DIRECTIONAL) {
+      warn("light \"" + light.Name() + "\" is not directional: only a sun is simulated");
+      return;
+    }
+    const auto direction = light.Direction();
+    Eigen::Vector3d d(direction.X(), direction.Y(), direction.Z());
+    Pose3d pose;
+    if (light.SemanticPose().Resolve(pose).empty()) d = toPose3(pose).linear() * d;
+    if (d.norm() < 1e-9) {
+      warn("light \"" + light.Name() + "\" has a direction of no length: ignored");
+      return;
+    }
+    const auto color = light.Diffuse();
+    loaded_.world.sun.direction = d.normalized().cast<float>();
+    loaded_.world.sun.diffuse = (color.R() + color.G() + color.B()) / 3.0f;
+  }
+
+  void setScene(const sdf::Scene& scene) {
+    const auto ambient = scene.Ambient();
+    loaded_.world.sun.ambient = (ambient.R() + ambient.G() + ambient.B()) / 3.0f;
+  }
+
+  LoadedWorld take(std::string name) {
+    loaded_.world.name = std::move(name);
+    if (loaded_.world.bodies.empty()) {
+      throw ConfigError({file_.string() + ": the world has nothing to show (no visual with triangles)"});
+    }
+    return std::move(loaded_);
+  }
+
+ private:
+  void addLink(const std::string& name, const sdf::Link& link, const Pose3& T_world_link) {
+    for (std::uint64_t i = 0; i < link.VisualCount(); ++i) {
+      const sdf::Visual& visual = *link.VisualByIndex(i);
+      Pose3d pose;
+      if (!visual.SemanticPose().Resolve(pose).empty()) pose = visual.RawPose();
+      const std::string body_name = name + "/" + visual.Name();
+      const auto mesh = meshOf(body_name, visual.Geom());
+      if (!mesh || mesh->triangles.empty()) continue;
+      WorldBody body;
+      body.name = body_name;
+      if (const sdf::Material* material = visual.Material()) {
+        const auto color = material->Diffuse();
+        body.color = {color.R(), color.G(), color.B()};
+      }
+      const Eigen::Isometry3f T = (T_world_link * toPose3(pose)).cast<float>();
+      body.vertices.reserve(mesh->vertices.size());
+      for (const auto& vertex : mesh->vertices) body.vertices.push_back(T * vertex);
+      body.triangles = mesh->triangles;
+      loaded_.world.bodies.push_back(std::move(body));
+    }
+    for (std::uint64_t i = 0; i < link.CollisionCount(); ++i) {
+      const sdf::Collision& collision = *link.CollisionByIndex(i);
+      Pose3d pose;
+      if (!collision.SemanticPose().Resolve(pose).empty()) pose = collision.RawPose();
+      const std::string body_name = name + "/" + collision.Name();
+      if (collision.Geom() != nullptr && collision.Geom()->Type() == sdf::GeometryType::PLANE) continue;
+      const auto mesh = meshOf(body_name, collision.Geom());
+      if (mesh) addObstacle(body_name, *mesh, T_world_link * toPose3(pose));
+    }
+  }
+
+  void addObstacle(const std::string& name, const TriangleMesh& mesh, const Pose3& T_world_shape) {
+    std::vector<Eigen::Vector2d> points;
+    double low = 1e9;
+    double high = -1e9;
+    for (const auto& vertex : mesh.vertices) {
+      const Eigen::Vector3d p = T_world_shape * vertex.cast<double>();
+      points.emplace_back(p.head<2>());
+      low = std::min(low, p.z());
+      high = std::max(high, p.z());
+    }
+    if (low > kRobotBodyTop_m || high < kRobotBodyBottom_m) return;
+    auto outline = convexHull(std::move(points));
+    if (outline.size() >= 3) loaded_.world.obstacles.push_back({name, std::move(outline)});
+  }
+
+  std::optional<TriangleMesh> meshOf(const std::string& name, const sdf::Geometry* geometry) {
+    if (geometry == nullptr) return std::nullopt;
+    switch (geometry->Type()) {
+      case sdf::GeometryType::BOX: {
+        const auto size = geometry->BoxShape()->Size();
+        return boxMesh({size.X(), size.Y(), size.Z()});
+      }
+      case sdf::GeometryType::PLANE: {
+        auto size = geometry->PlaneShape()->Size();
+        if (size.X() <= 0 || size.Y() <= 0) size.Set(kGroundPlaneSize_m, kGroundPlaneSize_m);
+        auto mesh = planeMesh({size.X(), size.Y()});
+        const auto n = geometry->PlaneShape()->Normal();
+        const auto turn = Eigen::Quaternionf::FromTwoVectors(
+            Eigen::Vector3f::UnitZ(), Eigen::Vector3d(n.X(), n.Y(), n.Z()).cast<float>());
+        for (auto& vertex : mesh.vertices) vertex = turn * vertex;
+        return mesh;
+      }
+      case sdf::GeometryType::CYLINDER:
+        return cylinderMesh(geometry->CylinderShape()->Radius(), geometry->CylinderShape()->Length());
+      case sdf::GeometryType::SPHERE:
+        return sphereMesh(geometry->SphereShape()->Radius());
+      case sdf::GeometryType::MESH:
+        return importMesh(name, *geometry->MeshShape());
+      default:
+        warn("\"" + name +
+             "\" has a geometry that is not simulated (box, plane, cylinder, sphere, mesh are)");
+        return std::nullopt;
+    }
+  }
+
+  std::optional<TriangleMesh> importMesh(const std::string& name, const sdf::Mesh& shape) {
+    const fs::path path = resolve(shape.Uri());
+    if (path.empty()) {
+      warn("\"" + name + "\": mesh " + shape.Uri() + " not found");
+      return std::nullopt;
+    }
+    Assimp::Importer importer;
+    // Gazebo ignores a Collada file's up axis, and its worlds are made for that.
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+    const aiScene* scene =
+        importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices |
+                                             aiProcess_JoinIdenticalVertices);
+    if (scene == nullptr) {
+      warn("\"" + name + "\": mesh " + path.string() + ": " + importer.GetErrorString());
+      return std::nullopt;
+    }
+    const auto scale = shape.Scale();
+    TriangleMesh mesh;
+    for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+      const aiMesh& part = *scene->mMeshes[m];
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      for (unsigned v = 0; v < part.mNumVertices; ++v) {
+        const aiVector3D& p = part.mVertices[v];
+        mesh.vertices.emplace_back(
+            Eigen::Vector3d(p.x * scale.X(), p.y * scale.Y(), p.z * scale.Z()).cast<float>());
+      }
+      for (unsigned f = 0; f < part.mNumFaces; ++f) {
+        const aiFace& face = part.mFaces[f];
+        if (face.mNumIndices != 3) continue;
+        mesh.triangles.emplace_back(first + face.mIndices[0], first + face.mIndices[1],
+                                    first + face.mIndices[2]);
+      }
+    }
+    return mesh;
+  }
+
+  fs::path file_;
+  std::vector<fs::path> search_;
+  LoadedWorld loaded_;
+};
+
+std::string readText(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::stringstream text;
+  if (!stream || !(text << stream.rdbuf())) {
+    throw ConfigError({file.string() + ": cannot be read (expected a world in SDF)"});
+  }
+  return text.str();
+}
+
+}  // namespace
+
+LoadedWorld loadWorld(const fs::path& file, const std::vector<fs::path>& model_paths) {
+  const std::string text = readText(file);
+  std::vector<fs::path> search = model_paths;
+  search.push_back(file.parent_path());
+  WorldBuilder builder(file, search);
+
+  sdf::Root root;
+  sdf::ParserConfig config;
+  config.SetFindCallback([&](const std::string& uri) { return builder.resolve(uri).string(); });
+  sdf::Errors errors;
+  try {
+    errors = root.LoadSdfString(withBuiltIns(text), config);
+  } catch (const std::exception& error) {
+    throw ConfigError({file.string() + ": " + error.what()});
+  }
+  for (const auto& error : errors) builder.warn(error.Message());
+  if (root.WorldCount() == 0) {
+    std::string why = errors.empty() ? "no <world> element" : errors.front().Message();
+    throw ConfigError({file.string() + ": not a world in SDF: " + why});
+  }
+  const sdf::World& world = *root.WorldByIndex(0);
+  if (world.Scene() != nullptr) builder.setScene(*world.Scene());
+  for (std::uint64_t i = 0; i < world.LightCount(); ++i) builder.addSun(*world.LightByIndex(i));
+  for (std::uint64_t i = 0; i < world.ModelCount(); ++i) {
+    builder.addModel(*world.ModelByIndex(i), Pose3::Identity());
+  }
+  return builder.take(world.Name());
+}
+
+}  // namespace vismem
