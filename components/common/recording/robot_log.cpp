@@ -1,0 +1,425 @@
+#include "common/recording/robot_log.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "common/recording/transform_tree.h"
+
+namespace vismem {
+namespace {
+
+const std::array<std::string, 2> kRobotFrames{"base_footprint", "base_link"};
+const std::array<std::string, 2> kPanJoints{"head_yaw", "pan"};
+const std::array<std::string, 2> kTiltJoints{"head_pitch", "tilt"};
+constexpr const char* kEncodings = "rgb8, bgr8 or mono8";
+
+std::string join(const std::vector<std::string>& items) {
+  std::string text;
+  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+  return text.empty() ? "nothing" : text;
+}
+
+std::string listOf(const std::vector<BagTopic>& topics) {
+  std::vector<std::string> items;
+  for (const BagTopic& topic : topics) items.push_back(topic.name + " (" + topic.type + ")");
+  return join(items);
+}
+
+bool isImage(const BagTopic& topic) {
+  return topic.type == kRawImageType || topic.type == kCompressedImageType;
+}
+
+/// "/camera/image_raw/compressed" and "/camera/image_raw" -> "/camera/camera_info".
+std::string infoBeside(std::string image_topic) {
+  const std::string suffix = "/compressed";
+  if (image_topic.ends_with(suffix)) image_topic.resize(image_topic.size() - suffix.size());
+  const auto slash = image_topic.rfind('/');
+  return (slash == std::string::npos ? "" : image_topic.substr(0, slash + 1)) + "camera_info";
+}
+
+Pose3 toPose(const BagTransform& t) {
+  Pose3 pose = Pose3::Identity();
+  pose.translation() << t.x, t.y, t.z;
+  pose.linear() = Eigen::Quaterniond(t.qw, t.qx, t.qy, t.qz).normalized().toRotationMatrix();
+  return pose;
+}
+
+bool isRotation(double qx, double qy, double qz, double qw) {
+  const double norm = qx * qx + qy * qy + qz * qz + qw * qw;
+  return std::isfinite(norm) && norm > 1e-6;
+}
+
+/// Sorts by stamp and drops what is not newer than the one before.
+template <typename Sample>
+void makeIncreasing(std::vector<Sample>& samples) {
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const Sample& a, const Sample& b) { return a.stamp_us < b.stamp_us; });
+  samples.erase(std::unique(samples.begin(), samples.end(),
+                            [](const Sample& a, const Sample& b) { return a.stamp_us == b.stamp_us; }),
+                samples.end());
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].seq = i;
+}
+
+}  // namespace
+
+struct RobotLog::Impl {
+  explicit Impl(BagFile opened) : bag(std::move(opened)) {}
+
+  struct Shot {
+    std::size_t index = 0;  // in the bag's topic
+    StampUs stamp_us = 0;
+    CameraIntrinsics intrinsics;
+    std::optional<Pose3> T_robot_camera;
+  };
+
+  mutable BagFile bag;
+  RobotLogTopics topics;
+  std::vector<Shot> shots;
+  std::vector<StampUs> stamps;
+  std::vector<OdometrySample> odometry;
+  std::vector<PanTiltSample> joints;
+  std::size_t without_pose = 0;
+
+  [[noreturn]] void fail(const std::string& topic, const std::string& what) const {
+    throw RecordingError(bag.file() + ": " + (topic.empty() ? "" : "topic " + topic + ": ") + what);
+  }
+
+  /// The topic of that name, or the only one that fits. @return empty when none is named and none fits.
+  template <typename Fits>
+  std::string choose(const std::string& named, const std::string& kind, const std::string& types,
+                     Fits fits) const {
+    std::vector<BagTopic> fitting;
+    for (const BagTopic& topic : bag.topics()) {
+      if (!named.empty() && topic.name == named) {
+        if (!fits(topic)) fail(named, "has type " + topic.type + " (expected " + types + ")");
+        return named;
+      }
+      if (fits(topic)) fitting.push_back(topic);
+    }
+    if (!named.empty()) fail(named, "is not in the bag, which has " + listOf(bag.topics()));
+    if (fitting.size() > 1) {
+      fail("",
+           "several topics could be the " + kind + ": " + listOf(fitting) + " (name the one that is meant)");
+    }
+    return fitting.empty() ? "" : fitting.front().name;
+  }
+
+  void openImages(const RobotLogOptions& options);
+  void readIntrinsics(const RobotLogOptions& options);
+  void readOdometry(const RobotLogOptions& options);
+  void readJoints(const RobotLogOptions& options);
+  void readTransforms(const RobotLogOptions& options, const std::string& images_frame);
+  std::string images_frame;
+};
+
+void RobotLog::Impl::openImages(const RobotLogOptions& options) {
+  const std::string types = std::string(kRawImageType) + " or " + kCompressedImageType;
+  const auto hasRawTwin = [&](const BagTopic& topic) {
+    const auto isTwin = [&](const BagTopic& other) {
+      return other.name + "/compressed" == topic.name && isImage(other);
+    };
+    return topic.name != options.image_topic && std::any_of(bag.topics().begin(), bag.topics().end(), isTwin);
+  };
+  topics.image = choose(options.image_topic, "camera's images", types,
+                        [&](const BagTopic& topic) { return isImage(topic) && !hasRawTwin(topic); });
+  if (topics.image.empty()) {
+    fail("", "no images: found " + listOf(bag.topics()) + " (expected a topic of type " + types + ")");
+  }
+  const auto headers = bag.imageHeaders(topics.image);
+  if (headers.empty()) fail(topics.image, "has no messages (expected images)");
+  images_frame = headers.front().frame_id;
+  for (std::size_t i = 0; i < headers.size(); ++i) {
+    const BagImageHeader& header = headers[i];
+    if (!header.compressed && header.encoding != "rgb8" && header.encoding != "bgr8" &&
+        header.encoding != "mono8") {
+      fail(topics.image, "image " + std::to_string(i) + " has the encoding \"" + header.encoding +
+                             "\" (expected " + kEncodings + ")");
+    }
+    Shot shot;
+    shot.index = i;
+    shot.stamp_us = header.stamp_us;
+    shots.push_back(shot);
+  }
+  std::stable_sort(shots.begin(), shots.end(),
+                   [](const Shot& a, const Shot& b) { return a.stamp_us < b.stamp_us; });
+  shots.erase(std::unique(shots.begin(), shots.end(),
+                          [](const Shot& a, const Shot& b) { return a.stamp_us == b.stamp_us; }),
+              shots.end());
+}
+
+void RobotLog::Impl::readIntrinsics(const RobotLogOptions& options) {
+  std::string wanted = options.camera_info_topic;
+  if (wanted.empty()) {
+    const std::string beside = infoBeside(topics.image);
+    for (const BagTopic& topic : bag.topics()) {
+      if (topic.name == beside && topic.type == kCameraInfoType) wanted = beside;
+    }
+  }
+  topics.camera_info = choose(wanted, "camera's calibration", kCameraInfoType,
+                              [](const BagTopic& topic) { return topic.type == kCameraInfoType; });
+  if (topics.camera_info.empty()) {
+    fail("", "no calibration of the camera: found " + listOf(bag.topics()) + " (expected a topic of type " +
+                 kCameraInfoType + ")");
+  }
+  std::map<StampUs, CameraIntrinsics> by_stamp;
+  for (const BagCameraInfo& info : bag.cameraInfos(topics.camera_info)) {
+    const bool all_zero = std::all_of(info.d.begin(), info.d.end(), [](double d) { return d == 0.0; });
+    if (!all_zero && info.model != "plumb_bob") {
+      fail(topics.camera_info, "distortion model \"" + info.model + "\" (expected plumb_bob)");
+    }
+    if (!all_zero && info.d.size() != 4 && info.d.size() != 5) {
+      fail(topics.camera_info,
+           std::to_string(info.d.size()) + " distortion parameters (expected 4 or 5 for plumb_bob)");
+    }
+    CameraIntrinsics intrinsics;
+    intrinsics.width = info.width;
+    intrinsics.height = info.height;
+    intrinsics.fx = info.k[0];
+    intrinsics.fy = info.k[4];
+    intrinsics.cx = info.k[2];
+    intrinsics.cy = info.k[5];
+    if (!all_zero) {
+      intrinsics.k1 = info.d[0];
+      intrinsics.k2 = info.d[1];
+      intrinsics.p1 = info.d[2];
+      intrinsics.p2 = info.d[3];
+      if (info.d.size() == 5) intrinsics.k3 = info.d[4];
+    }
+    const std::string wrong = checkIntrinsics(intrinsics);
+    if (!wrong.empty()) fail(topics.camera_info, wrong);
+    by_stamp.insert_or_assign(info.stamp_us, intrinsics);
+  }
+  if (by_stamp.empty()) fail(topics.camera_info, "has no messages (expected the camera's calibration)");
+  for (Shot& shot : shots) {
+    // The one of the image's moment, or the last before it: a calibration holds until the next one.
+    auto after = by_stamp.upper_bound(shot.stamp_us);
+    if (after != by_stamp.begin()) --after;
+    shot.intrinsics = after->second;
+  }
+}
+
+void RobotLog::Impl::readOdometry(const RobotLogOptions& options) {
+  topics.odometry = choose(options.odometry_topic, "odometry", kOdometryType,
+                           [](const BagTopic& topic) { return topic.type == kOdometryType; });
+  if (topics.odometry.empty()) {
+    fail("",
+         "no odometry: found " + listOf(bag.topics()) + " (expected a topic of type " + kOdometryType + ")");
+  }
+  for (const BagOdometry& raw : bag.odometry(topics.odometry)) {
+    OdometrySample sample;
+    sample.stamp_us = raw.stamp_us;
+    Pose3 pose = Pose3::Identity();
+    pose.translation() << raw.x, raw.y, 0.0;
+    if (!isRotation(raw.qx, raw.qy, raw.qz, raw.qw)) {
+      fail(topics.odometry, "the orientation at " + std::to_string(toSeconds(raw.stamp_us)) +
+                                " s is no rotation (expected a quaternion that is not zero)");
+    }
+    pose.linear() = Eigen::Quaterniond(raw.qw, raw.qx, raw.qy, raw.qz).normalized().toRotationMatrix();
+    sample.T_odom_robot = toPose2(pose);
+    if (!isFinite(sample.T_odom_robot)) {
+      fail(topics.odometry,
+           "the position at " + std::to_string(toSeconds(raw.stamp_us)) + " s is not finite");
+    }
+    sample.v_mps = raw.v_mps;
+    sample.w_radps = raw.w_radps;
+    odometry.push_back(sample);
+  }
+  makeIncreasing(odometry);
+  if (odometry.size() < 2) {
+    fail(topics.odometry,
+         std::to_string(odometry.size()) +
+             " samples with different stamps (expected at least two, to interpolate between)");
+  }
+}
+
+void RobotLog::Impl::readJoints(const RobotLogOptions& options) {
+  const bool named =
+      !options.joint_topic.empty() || !options.pan_joint.empty() || !options.tilt_joint.empty();
+  topics.joints = choose(options.joint_topic, "joint angles", kJointStateType,
+                         [](const BagTopic& topic) { return topic.type == kJointStateType; });
+  if (topics.joints.empty()) {
+    if (named)
+      fail("", "no joint angles: found " + listOf(bag.topics()) + " (expected a topic of type " +
+                   kJointStateType + ")");
+    return;
+  }
+  const auto recorded = bag.joints(topics.joints);
+  std::map<std::string, int> names;
+  for (const BagJoints& sample : recorded) {
+    for (const std::string& name : sample.names) ++names[name];
+  }
+  const auto pick = [&](const std::string& wanted, const std::array<std::string, 2>& known) -> std::string {
+    if (!wanted.empty()) return names.contains(wanted) ? wanted : "";
+    for (const std::string& name : known) {
+      if (names.contains(name)) return name;
+    }
+    return "";
+  };
+  topics.pan_joint = pick(options.pan_joint, kPanJoints);
+  topics.tilt_joint = pick(options.tilt_joint, kTiltJoints);
+  if (topics.pan_joint.empty() || topics.tilt_joint.empty()) {
+    if (named) {
+      std::vector<std::string> found;
+      for (const auto& item : names) found.push_back(item.first);
+      fail(topics.joints, "has the joints " + join(found) + " (expected " +
+                              (options.pan_joint.empty() ? "head_yaw or pan" : options.pan_joint) + " and " +
+                              (options.tilt_joint.empty() ? "head_pitch or tilt" : options.tilt_joint) + ")");
+    }
+    // Other joints of the robot: nobody asked for them.
+    topics.joints = topics.pan_joint = topics.tilt_joint = "";
+    return;
+  }
+  const int sign = options.tilt_sign != 0 ? options.tilt_sign : (topics.tilt_joint == "head_pitch" ? -1 : 1);
+  for (const BagJoints& sample : recorded) {
+    std::optional<double> pan;
+    std::optional<double> tilt;
+    for (std::size_t i = 0; i < std::min(sample.names.size(), sample.positions.size()); ++i) {
+      if (sample.names[i] == topics.pan_joint) pan = sample.positions[i];
+      if (sample.names[i] == topics.tilt_joint) tilt = sample.positions[i];
+    }
+    // Robots publish groups of joints in turn: a message without the head's is no fault.
+    if (!pan || !tilt) continue;
+    if (!std::isfinite(*pan) || !std::isfinite(*tilt)) {
+      fail(topics.joints, "an angle at " + std::to_string(toSeconds(sample.stamp_us)) + " s is not finite");
+    }
+    joints.push_back({sample.stamp_us, 0, *pan, sign * *tilt});
+  }
+  makeIncreasing(joints);
+}
+
+void RobotLog::Impl::readTransforms(const RobotLogOptions& options, const std::string& frame_of_images) {
+  TransformTree tree(options.max_gap_us);
+  for (const BagTransform& transform : bag.transforms()) {
+    const Pose3 pose = isRotation(transform.qx, transform.qy, transform.qz, transform.qw) ? toPose(transform)
+                                                                                          : Pose3::Identity();
+    if (!isRotation(transform.qx, transform.qy, transform.qz, transform.qw) || !pose.matrix().allFinite()) {
+      fail("", "the transform " + transform.parent + " -> " + transform.child + " at " +
+                   std::to_string(toSeconds(transform.stamp_us)) + " s is not a finite pose");
+    }
+    if (transform.is_static) {
+      tree.addStatic(transform.parent, transform.child, pose);
+    } else {
+      tree.add(transform.parent, transform.child, transform.stamp_us, pose);
+    }
+  }
+  const bool named = !options.robot_frame.empty() || !options.camera_frame.empty();
+  const std::string camera = options.camera_frame.empty() ? frame_of_images : options.camera_frame;
+  std::string robot = options.robot_frame;
+  for (const std::string& known : kRobotFrames) {
+    if (robot.empty() && tree.connected(known, camera)) robot = known;
+  }
+  if (robot.empty() || !tree.connected(robot, camera)) {
+    const bool joints_known = !joints.empty();
+    if (!named && joints_known) return;
+    fail("", "the camera's pose is unknown: no transforms join " +
+                 (robot.empty() ? "base_footprint or base_link" : robot) + " and \"" + camera +
+                 "\", found the frames " + join(tree.frames()) +
+                 (named ? "" : ", and no joints called head_yaw and head_pitch or pan and tilt") +
+                 " (name the frames or the joints)");
+  }
+  topics.robot_frame = robot;
+  topics.camera_frame = camera;
+  for (Shot& shot : shots) shot.T_robot_camera = tree.lookup(robot, camera, shot.stamp_us);
+  const auto gone =
+      std::remove_if(shots.begin(), shots.end(), [](const Shot& s) { return !s.T_robot_camera; });
+  without_pose = static_cast<std::size_t>(std::distance(gone, shots.end()));
+  shots.erase(gone, shots.end());
+  if (shots.empty()) {
+    fail(topics.image, "no image has a known transform from " + robot + " to " + camera + " at its stamp");
+  }
+}
+
+RobotLog::RobotLog(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+RobotLog::~RobotLog() = default;
+RobotLog::RobotLog(RobotLog&&) noexcept = default;
+RobotLog& RobotLog::operator=(RobotLog&&) noexcept = default;
+
+RobotLog RobotLog::open(const std::string& file, const RobotLogOptions& options) {
+  auto impl = std::make_unique<Impl>(BagFile(file));
+  impl->openImages(options);
+  impl->readIntrinsics(options);
+  impl->readOdometry(options);
+  impl->readJoints(options);
+  impl->readTransforms(options, impl->images_frame);
+  for (const Impl::Shot& shot : impl->shots) impl->stamps.push_back(shot.stamp_us);
+  RobotLog log(std::move(impl));
+  // What every image would say is better said before anything has started.
+  log.readFrame(0);
+  return log;
+}
+
+const std::string& RobotLog::file() const {
+  return impl_->bag.file();
+}
+const RobotLogTopics& RobotLog::topics() const {
+  return impl_->topics;
+}
+const std::vector<StampUs>& RobotLog::frameStamps() const {
+  return impl_->stamps;
+}
+bool RobotLog::knowsCameraPose() const {
+  return !impl_->topics.robot_frame.empty();
+}
+std::size_t RobotLog::framesWithoutPose() const {
+  return impl_->without_pose;
+}
+const std::vector<OdometrySample>& RobotLog::odometry() const {
+  return impl_->odometry;
+}
+const std::vector<PanTiltSample>& RobotLog::joints() const {
+  return impl_->joints;
+}
+CameraIntrinsics RobotLog::intrinsics(std::size_t index) const {
+  return impl_->shots.at(index).intrinsics;
+}
+
+Frame RobotLog::readFrame(std::size_t index) const {
+  const Impl::Shot& shot = impl_->shots.at(index);
+  const BagImage raw = impl_->bag.readImage(impl_->topics.image, shot.index);
+  Frame frame;
+  frame.stamp_us = shot.stamp_us;
+  frame.seq = index;
+  frame.intrinsics = shot.intrinsics;
+  frame.T_robot_camera = shot.T_robot_camera;
+  const std::string which = "image " + std::to_string(shot.index);
+  if (raw.header.compressed) {
+    const cv::Mat decoded = raw.data.empty() ? cv::Mat() : cv::imdecode(raw.data, cv::IMREAD_COLOR);
+    if (decoded.empty()) {
+      impl_->fail(impl_->topics.image, which + " (" + raw.header.encoding + ", " +
+                                           std::to_string(raw.data.size()) +
+                                           " bytes) cannot be decoded (expected JPEG or PNG)");
+    }
+    cv::cvtColor(decoded, frame.image, cv::COLOR_BGR2RGB);
+  } else {
+    const bool grey = raw.header.encoding == "mono8";
+    const std::size_t row = static_cast<std::size_t>(raw.header.width) * (grey ? 1 : 3);
+    if (raw.step < row || raw.data.size() < raw.step * static_cast<std::size_t>(raw.header.height) ||
+        raw.header.width <= 0 || raw.header.height <= 0) {
+      impl_->fail(impl_->topics.image,
+                  which + " has " + std::to_string(raw.data.size()) + " bytes, " + std::to_string(raw.step) +
+                      " a row (expected " + std::to_string(raw.header.width) + "x" +
+                      std::to_string(raw.header.height) + " pixels of " + raw.header.encoding + ")");
+    }
+    const cv::Mat view(raw.header.height, raw.header.width, grey ? CV_8UC1 : CV_8UC3,
+                       const_cast<std::uint8_t*>(raw.data.data()), raw.step);
+    if (raw.header.encoding == "bgr8") {
+      cv::cvtColor(view, frame.image, cv::COLOR_BGR2RGB);
+    } else {
+      frame.image = view.clone();
+    }
+  }
+  if (frame.image.cols != frame.intrinsics.width || frame.image.rows != frame.intrinsics.height) {
+    impl_->fail(impl_->topics.image,
+                which + " is " + std::to_string(frame.image.cols) + "x" + std::to_string(frame.image.rows) +
+                    " (expected " + std::to_string(frame.intrinsics.width) + "x" +
+                    std::to_string(frame.intrinsics.height) + ", as " + impl_->topics.camera_info + " says)");
+  }
+  return frame;
+}
+
+}  // namespace vismem
