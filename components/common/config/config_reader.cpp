@@ -283,6 +283,10 @@ void ConfigReader::known(std::string_view name) {
 std::vector<Problem> ConfigReader::allProblems() const {
   auto problems = state_->properties.problems();
   problems.insert(problems.end(), state_->problems.begin(), state_->problems.end());
+  if (prefix_.empty()) {
+    const auto of_ice = checkIceKeys(state_->properties);
+    problems.insert(problems.end(), of_ice.begin(), of_ice.end());
+  }
   std::set<std::string> known;
   for (const auto& [name, fallback] : state_->defaults) known.insert(name);
   for (const auto& [name, entry] : state_->properties.entries()) {

@@ -92,9 +92,9 @@ class ConfigReader {
   /// Marks keys as known that somebody else reads: a name, or all under it with ".*" at its end.
   void known(std::string_view name);
 
-  /// @throw ConfigError with all problems, those of the Properties and unknown keys included: under the
-  /// prefix
-  ///        if this reader has one, else all but those of Ice and its services (see checkPrefixes).
+  /// @throw ConfigError with all problems, those of the Properties and unknown keys included: of keys under
+  /// the
+  ///        prefix if this reader has one, else of all keys, also those that Ice does not have.
   void finish() const;
   /// The same, as data.
   std::vector<Problem> allProblems() const;
@@ -120,8 +120,10 @@ class ConfigReader {
   std::string prefix_;
 };
 
-/// Problems of keys that begin with no known prefix ("Ice" and those of its services need not be named), and
-/// of keys Ice.* that Ice does not have.
+/// Problems of keys Ice.* that Ice 3.7 does not have.
+std::vector<Problem> checkIceKeys(const Properties& properties);
+
+/// The same, and keys that begin with no known prefix; "Ice" and those of its services need not be named.
 std::vector<Problem> checkPrefixes(const Properties& properties, const std::set<std::string>& prefixes);
 
 /// @return whether Ice 3.7 has this property (KEY begins with "Ice.").

@@ -178,18 +178,25 @@ bool belongsToIce(std::string_view key) {
   return std::find(kServices.begin(), kServices.end(), firstPart(key)) != kServices.end();
 }
 
-std::vector<Problem> checkPrefixes(const Properties& properties, const std::set<std::string>& prefixes) {
+std::vector<Problem> checkIceKeys(const Properties& properties) {
   std::vector<Problem> problems;
   for (const auto& [key, entry] : properties.entries()) {
     if (key.starts_with("Ice.") && !isIceProperty(key)) {
       problems.push_back({entry.origin, "unknown key \"" + key + "\"" + suggestion(key, iceKeys())});
-    } else if (!belongsToIce(key) && !prefixes.contains(firstPart(key))) {
-      const auto nearest = nearestName(firstPart(key), prefixes);
-      const auto rest = key.substr(firstPart(key).size());
-      problems.push_back(
-          {entry.origin, "unknown key \"" + key + "\"" +
-                             (nearest.empty() ? "" : " (did you mean \"" + nearest + rest + "\"?)")});
     }
+  }
+  return problems;
+}
+
+std::vector<Problem> checkPrefixes(const Properties& properties, const std::set<std::string>& prefixes) {
+  auto problems = checkIceKeys(properties);
+  for (const auto& [key, entry] : properties.entries()) {
+    if (belongsToIce(key) || prefixes.contains(firstPart(key))) continue;
+    const auto nearest = nearestName(firstPart(key), prefixes);
+    const auto rest = key.substr(firstPart(key).size());
+    problems.push_back(
+        {entry.origin, "unknown key \"" + key + "\"" +
+                           (nearest.empty() ? "" : " (did you mean \"" + nearest + rest + "\"?)")});
   }
   return problems;
 }

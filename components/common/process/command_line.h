@@ -1,0 +1,25 @@
+/// @file The command line that every component has. Pure, but for the configuration file that it names.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/config/properties.h"
+
+namespace vismem {
+
+struct CommandLine {
+  enum class Action { kRun, kHelp, kVersion };
+
+  Action action = Action::kRun;
+  /// The file's keys with those of the command line over them, and all problems of both.
+  Properties properties;
+};
+
+/// [FILE | --Ice.Config=FILE] [--Key=Value ...] | --help | --version.
+/// @param arguments           without the program's name.
+/// @param environment_config  value of ICE_CONFIG: the file if the arguments name none; may be empty.
+CommandLine parseCommandLine(const std::vector<std::string>& arguments,
+                             const std::string& environment_config);
+
+}  // namespace vismem

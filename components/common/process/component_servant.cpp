@@ -1,0 +1,61 @@
+#include "common/process/component_servant.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kMsPerSecond = 1e3;
+
+avm::ComponentState toSlice(RunState state) {
+  switch (state) {
+    case RunState::kStarting:
+      return avm::ComponentState::Starting;
+    case RunState::kWaiting:
+      return avm::ComponentState::WaitingForPeers;
+    case RunState::kRunning:
+      return avm::ComponentState::Running;
+    case RunState::kDegraded:
+      return avm::ComponentState::Degraded;
+    case RunState::kStopping:
+      return avm::ComponentState::Stopping;
+  }
+  return avm::ComponentState::Starting;
+}
+
+}  // namespace
+
+avm::ComponentStatus toSlice(const StatusReport& report) {
+  avm::ComponentStatus status;
+  status.name = report.name;
+  status.version = report.version;
+  status.state = toSlice(report.state);
+  status.reason = report.reason;
+  status.uptimeS = report.uptime_s;
+  for (const auto& peer : report.peers) {
+    status.peers.push_back(
+        {peer.name, peer.proxy, peer.link == PeerState::Link::kConnected, peer.reason, peer.reconnections});
+  }
+  for (const auto& rate : report.rates) {
+    status.rates.push_back({rate.name, rate.hz, static_cast<long long>(rate.total)});
+  }
+  for (const auto& [name, figures] : report.latencies) {
+    status.latencies.push_back({name, static_cast<long long>(figures.samples), kMsPerSecond * figures.p50_s,
+                                kMsPerSecond * figures.p95_s, kMsPerSecond * figures.p99_s,
+                                kMsPerSecond * figures.max_s});
+  }
+  for (const auto& error : report.errors) {
+    status.errors.push_back({static_cast<long long>(error.stamp_us), error.text});
+  }
+  return status;
+}
+
+avm::ComponentStatus ComponentServant::getStatus(const Ice::Current&) {
+  return toSlice(status_.report());
+}
+
+avm::SettingSeq ComponentServant::getConfiguration(const Ice::Current&) {
+  avm::SettingSeq settings;
+  for (const auto& setting : status_.configuration()) settings.push_back({setting.key, setting.value});
+  return settings;
+}
+
+}  // namespace vismem
