@@ -1,0 +1,52 @@
+/// @file A way through a world: way-points, how they are read, and where on them a run begins. Pure.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/geometry/pose.h"
+
+namespace vismem {
+
+/// Way-points joined by straight lines. Invariant: at least two, neighbours apart from each other.
+struct Route {
+  std::vector<Eigen::Vector2d> points;  ///< in world [m]
+  bool closed = false;  ///< the last is joined to the first; otherwise the route is driven to and fro
+
+  double length() const;  ///< [m], the closing line included
+  int lineCount() const { return static_cast<int>(points.size()) - (closed ? 0 : 1); }
+  const Eigen::Vector2d& begin(int line) const { return points[line]; }
+  const Eigen::Vector2d& end(int line) const { return points[(line + 1) % points.size()]; }
+};
+
+/// A place on a route: metres from its first point along it.
+struct RoutePlace {
+  double along_m = 0.0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  double heading_rad = 0.0;  ///< of the line, towards the next way-point
+};
+
+/// @param along_m is wrapped into a closed route and clamped to an open one.
+RoutePlace placeAlong(const Route& route, double along_m);
+/// The nearest place of the route. The first one wins a tie.
+RoutePlace nearestPlace(const Route& route, const Eigen::Vector2d& position);
+
+/// Reads a route: the line `closed` or `open`, the header `x_m,y_m`, then a way-point a line; `#` begins a
+/// comment.
+/// @throws ConfigError with every problem: FILE:LINE, what was found, what was expected.
+Route parseRoute(std::string_view text, const std::string& file_name);
+
+/// Where a run begins: a place of the route and one of its two directions, both drawn from the seed, with a
+/// little play beside the line and in the heading. The same seed gives the same start on every machine.
+struct RouteStart {
+  Pose2 T_world_robot;
+  bool backwards = false;  ///< the route is to be driven from its last point to its first
+};
+RouteStart startOnRoute(const Route& route, std::uint64_t seed);
+
+/// The same way in the other direction.
+Route reversed(const Route& route);
+
+}  // namespace vismem

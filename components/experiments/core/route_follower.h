@@ -1,0 +1,48 @@
+/// @file A simulated operator who drives the robot along a route. Pure.
+///
+/// It stands for a person with a joystick who sees the robot from outside: it is given the true pose, which
+/// no estimator reads, and exists for simulations only.
+#pragma once
+
+#include "experiments/core/route.h"
+
+namespace vismem {
+
+struct DriveCommand {
+  double v_mps = 0.0;    ///< forward, never negative
+  double w_radps = 0.0;  ///< counter-clockwise
+};
+
+struct RouteFollowerParams {
+  double speed_mps = 0.3;  ///< on straight lines
+  double max_turn_rate_radps = 0.8;
+  /// It drives at a point of the route this far ahead: nearer follows closer, farther is smoother.
+  double look_ahead_m = 0.45;
+  /// Beyond this angle to that point it turns on the spot.
+  double turn_on_spot_beyond_rad = 0.9;
+};
+
+/// Pure pursuit with slowing in corners. *Single-threaded*.
+class SimulatedOperator {
+ public:
+  /// Begins at the route's nearest place to the first pose it is given; goes round a closed route for ever,
+  /// and an open one to and fro.
+  /// @throws std::invalid_argument for a parameter that is not positive.
+  SimulatedOperator(Route route, const RouteFollowerParams& params);
+
+  /// @param T_world_robot the true pose now.
+  DriveCommand drive(const Pose2& T_world_robot);
+  /// To be called after the robot was put elsewhere: finds the route again.
+  void lost() { on_route_ = false; }
+
+ private:
+  void advance(const Eigen::Vector2d& position);
+
+  Route route_;
+  RouteFollowerParams params_;
+  bool on_route_ = false;
+  bool forth_ = true;
+  double along_m_ = 0.0;
+};
+
+}  // namespace vismem
