@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numeric>
 #include <tuple>
 
@@ -23,6 +22,7 @@ struct Rod {
   double xx = 0.0;  // central second moments, times mass
   double xy = 0.0;
   double yy = 0.0;
+  bool fresh = true;  // not yet compared with the others
 };
 
 auto key(const Segment2& px) {
@@ -100,60 +100,85 @@ Candidate judge(const std::vector<Rod>& rods, int a, int b, const CollinearMerge
   return {gap, offset, a, b};
 }
 
-/// Segments by the cells they touch: sorted (cell, segment) pairs.
+/// Rods by the cells of a dense grid that their bodies touch.
 class Grid {
  public:
   Grid(const std::vector<Rod>& rods, double reach_px) : cell_(std::max(kCell_px, reach_px)) {
-    for (std::size_t i = 0; i < rods.size(); ++i) {
-      const Segment2& px = rods[i].px;
-      const int steps = static_cast<int>(std::ceil(px.length() / (0.5 * cell_)));
-      std::uint64_t last = 0;
-      for (int s = 0; s <= steps; ++s) {
-        const Eigen::Vector2d p = px.a + (px.b - px.a) * (static_cast<double>(s) / std::max(steps, 1));
-        const std::uint64_t cell = cellOf(coordinate(p.x()), coordinate(p.y()));
-        if (s > 0 && cell == last) continue;
-        last = cell;
-        entries_.emplace_back(cell, static_cast<int>(i));
-      }
+    low_ = high_ = rods.front().px.a;
+    for (const Rod& rod : rods) {
+      low_ = low_.cwiseMin(rod.px.a).cwiseMin(rod.px.b);
+      high_ = high_.cwiseMax(rod.px.a).cwiseMax(rod.px.b);
     }
-    std::sort(entries_.begin(), entries_.end());
+    // Far-off ends (a lens undistorted beyond its border) must not make the grid huge.
+    cell_ = std::max(cell_, (high_ - low_).maxCoeff() / kMaximumCells);
+    columns_ = static_cast<int>((high_.x() - low_.x()) / cell_) + 1;
+    rows_ = static_cast<int>((high_.y() - low_.y()) / cell_) + 1;
+    begin_.assign(static_cast<std::size_t>(columns_) * rows_ + 1, 0);
+    for (const Rod& rod : rods) forCells(rod, [this](int cell) { ++begin_[cell + 1]; });
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    entries_.resize(begin_.back());
+    std::vector<int> next(begin_.begin(), begin_.end() - 1);
+    for (std::size_t i = 0; i < rods.size(); ++i) {
+      forCells(rods[i], [&](int cell) { entries_[next[cell]++] = static_cast<int>(i); });
+    }
   }
 
-  /// Calls visit(index) for every segment with a point near p (some more than once).
+  /// Calls visit(index) for every rod whose body comes near that of `rod`, some more than once.
   template <typename Visit>
-  void around(const Eigen::Vector2d& p, Visit visit) const {
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        const std::uint64_t cell = cellOf(coordinate(p.x()) + dx, coordinate(p.y()) + dy);
-        auto entry = std::lower_bound(entries_.begin(), entries_.end(), std::make_pair(cell, -1));
-        for (; entry != entries_.end() && entry->first == cell; ++entry) visit(entry->second);
+  void around(const Rod& rod, Visit visit) const {
+    forCells(rod, [&](int cell) {
+      const int x = cell % columns_;
+      const int y = cell / columns_;
+      for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, rows_ - 1); ++ny) {
+        const int row = ny * columns_;
+        const int end = begin_[row + std::min(x + 1, columns_ - 1) + 1];
+        for (int k = begin_[row + std::max(x - 1, 0)]; k < end; ++k) visit(entries_[k]);
       }
-    }
+    });
   }
 
  private:
-  int coordinate(double value) const { return static_cast<int>(std::floor(value / cell_)); }
-  static std::uint64_t cellOf(int x, int y) {
-    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32 | static_cast<std::uint32_t>(x);
+  static constexpr double kMaximumCells = 512.0;  // along an axis
+
+  /// The cells at points half a cell apart along the body.
+  template <typename Visit>
+  void forCells(const Rod& rod, Visit visit) const {
+    const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * rod.px.length() / cell_)));
+    const Eigen::Vector2d step = (rod.px.b - rod.px.a) / (steps * cell_);
+    Eigen::Vector2d p = (rod.px.a - low_) / cell_;
+    int last = -1;
+    for (int s = 0; s <= steps; ++s, p += step) {
+      const int x = std::clamp(static_cast<int>(p.x()), 0, columns_ - 1);
+      const int y = std::clamp(static_cast<int>(p.y()), 0, rows_ - 1);
+      const int cell = y * columns_ + x;
+      if (cell != last) visit(cell);
+      last = cell;
+    }
   }
 
   double cell_;
-  std::vector<std::pair<std::uint64_t, int>> entries_;
+  Eigen::Vector2d low_;
+  Eigen::Vector2d high_;
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<int> begin_;
+  std::vector<int> entries_;
 };
 
+/// All pairs that can be joined and have at least one `fresh` rod, closest first.
 std::vector<Candidate> candidates(const std::vector<Rod>& rods, const CollinearMergeParams& params) {
+  if (rods.empty()) return {};
   const double cos_limit = std::cos(params.angle_rad);
-  // Samples of a body lie half a cell apart: with this reach no near end is missed.
-  const Grid grid(rods, 1.5 * (params.gap_px + params.offset_px));
+  // Points of a body lie half a cell apart: with this reach no near pair is missed.
+  const Grid grid(rods, 2.0 * (params.gap_px + params.offset_px));
   std::vector<Candidate> found;
   for (int i = 0; i < static_cast<int>(rods.size()); ++i) {
-    for (const Eigen::Vector2d* end : {&rods[i].px.a, &rods[i].px.b}) {
-      grid.around(*end, [&](int other) {
-        if (other == i) return;
-        const Candidate candidate = judge(rods, std::min(i, other), std::max(i, other), params, cos_limit);
-        if (candidate.gap >= 0.0) found.push_back(candidate);
-      });
-    }
+    if (!rods[i].fresh) continue;
+    grid.around(rods[i], [&](int other) {
+      if (other == i || (other < i && rods[other].fresh)) return;
+      const Candidate candidate = judge(rods, std::min(i, other), std::max(i, other), params, cos_limit);
+      if (candidate.gap >= 0.0) found.push_back(candidate);
+    });
   }
   std::sort(found.begin(), found.end(), [](const Candidate& x, const Candidate& y) {
     return std::tie(x.gap, x.offset, x.a, x.b) < std::tie(y.gap, y.offset, y.a, y.b);
@@ -184,7 +209,10 @@ std::vector<GroupedSegment> mergeCollinear(std::vector<GroupedSegment> segments,
     }
     if (joined.empty()) break;
     for (std::size_t i = 0; i < rods.size(); ++i) {
-      if (!taken[i]) joined.push_back(rods[i]);
+      if (taken[i]) continue;
+      // Two that were both left over cannot be joined with each other, or this pass would have.
+      rods[i].fresh = false;
+      joined.push_back(rods[i]);
     }
     rods = std::move(joined);
     std::sort(rods.begin(), rods.end(), canonical);

@@ -13,6 +13,8 @@ constexpr std::array<int, 8> kStepX{1, 1, 0, -1, -1, -1, 0, 1};
 constexpr std::array<int, 8> kStepY{0, 1, 1, 1, 0, -1, -1, -1};
 constexpr double kMinimumCos = 0.7;   // between the gradients of neighbours: one class
 constexpr std::size_t kStraight = 6;  // points back that give the way on across a gap
+constexpr std::size_t kRingOverlap = 16;
+constexpr float kRingGap_px = 3.0F;
 
 int directionClass(int dx, int dy) {
   // tan(22.5 deg) = 0.4142: 169 / 408.
@@ -107,6 +109,16 @@ class Follower {
   int gap_px_;
 };
 
+/// A ring begins anywhere on a side: going on over its beginning shows that side whole.
+void closeRing(std::vector<ChainPoint>& chains, std::size_t begin) {
+  const std::size_t count = chains.size() - begin;
+  if (count < 2 * kRingOverlap) return;
+  const ChainPoint& first = chains[begin];
+  const ChainPoint& last = chains.back();
+  if (std::hypot(first.x - last.x, first.y - last.y) > kRingGap_px) return;
+  for (std::size_t i = 0; i < kRingOverlap; ++i) chains.push_back(ChainPoint(chains[begin + i]));
+}
+
 }  // namespace
 
 void followChains(EdgePlanes& planes, int gap_px, std::vector<ChainPoint>& chains,
@@ -126,6 +138,7 @@ void followChains(EdgePlanes& planes, int gap_px, std::vector<ChainPoint>& chain
     const std::size_t before = chains.size();
     follower.follow(start, 1, chains);
     if (chains.size() == before) chains.push_back(middle);
+    closeRing(chains, static_cast<std::size_t>(begin));
   }
   begins.push_back(static_cast<std::int32_t>(chains.size()));
 }

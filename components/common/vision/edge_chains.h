@@ -14,7 +14,8 @@ struct ChainPoint {
   std::int32_t index = 0;  ///< into the planes
 };
 
-/// Follows the edge points of `planes` into chains, each point used once; the brighter side is on the left of
+/// Follows the edge points of `planes` into chains, each point used once (but the first
+/// ones of a ring, which come again at its end); the brighter side is on the left of
 /// the way. A step goes to one of the three neighbours ahead in the class (of eight) of the edge's direction,
 /// if its own direction is at most about one class off; up to `gap_px` missing points are jumped straight on.
 /// @param chains replaced: points of all chains, one after the other.

@@ -12,6 +12,7 @@ namespace vismem {
 namespace {
 
 constexpr double kSideDistance_px = 2.0;
+constexpr double kReachShare = 0.75;  // of the line tolerance: points that turn at a corner
 
 /// Total least squares line from running sums, about an origin near the points for precision.
 class LineFit {
@@ -92,7 +93,7 @@ class SolisDetector final : public SegmentDetector {
   /// next.
   void splitChain(int begin, int end) {
     const int window = params_.first_fit_points;
-    int free_from = begin;  // points before it belong to an earlier run
+    int free_from = begin;  // points before it belong to an earlier run; runs share the point between them
     int i = begin;
     LineFit fit;
     while (i + window <= end) {
@@ -106,7 +107,7 @@ class SolisDetector final : public SegmentDetector {
       const int last = extend(fit, i + window, end, 1);
       const int first = extend(fit, i - 1, free_from - 1, -1);
       emit(fit, first, last);
-      free_from = last + 1;
+      free_from = last;
       i = last;
     }
   }
@@ -130,29 +131,43 @@ class SolisDetector final : public SegmentDetector {
     return last;
   }
 
-  void emit(const LineFit& fit, int first, int last) {
-    double low = fit.along(chains_[first]);
-    double high = fit.along(chains_[last]);
+  void emit(LineFit& fit, int first, int last) {
     // Chains run with the bright side on the left, so first -> last keeps that.
-    const Segment2 px{fit.point(low), fit.point(high)};
+    double sense = fit.along(chains_[last]) >= fit.along(chains_[first]) ? 1.0 : -1.0;
+    // Round a corner the gradient turns before the points leave the line: those would bend the fit.
+    int low = first;
+    int high = last;
+    while (first < last && !agrees(fit, chains_[first], sense)) ++first;
+    while (last > first && !agrees(fit, chains_[last], sense)) --last;
+    if (last - first + 1 < params_.first_fit_points) return;
+    LineFit refined;
+    refined.reset(chains_[first]);
+    int agreeing = 0;
+    for (int k = first; k <= last; ++k) {
+      if (fit.offset(chains_[k]) <= params_.line_tolerance_px) refined.add(chains_[k]);
+      if (agrees(fit, chains_[k], sense)) ++agreeing;
+    }
+    // Enough points whose own gradient agrees with the line: what chains of noise lack.
+    if (agreeing < params_.alignment_share * (last - first + 1)) return;
+    refined.solve();
+    if (refined.rms() > params_.maximum_rms_px) return;
+    sense = refined.along(chains_[last]) >= refined.along(chains_[first]) ? 1.0 : -1.0;
+    // But they do belong to the edge as far as they lie on it.
+    const double reach_px = kReachShare * params_.line_tolerance_px;
+    while (low < first && refined.offset(chains_[low]) > reach_px) ++low;
+    while (high > last && refined.offset(chains_[high]) > reach_px) --high;
+    // A point stands for its pixel: the edge reaches half a pixel beyond its middle.
+    const Segment2 px{refined.point(refined.along(chains_[low]) - 0.5 * sense),
+                      refined.point(refined.along(chains_[high]) + 0.5 * sense)};
     const double length = px.length();
-    if (length < params_.piece_length_px || fit.rms() > params_.maximum_rms_px) return;
-    if (!aligned(fit, first, last, high >= low ? 1.0 : -1.0)) return;
-    pieces_.push_back({px, 0, fit.count() / length, 0.0});
+    if (length < params_.piece_length_px) return;
+    pieces_.push_back({px, 0, refined.count() / length, 0.0});
   }
 
-  /// Enough points whose own gradient agrees with the line: what chains of noise lack.
-  bool aligned(const LineFit& fit, int first, int last, double sense) const {
-    // The bright side is on the left of the way d: the gradient should be (d.y, -d.x).
-    const double nx = sense * fit.dy();
-    const double ny = -sense * fit.dx();
-    int agree = 0;
-    for (int k = first; k <= last; ++k) {
-      const std::int32_t i = chains_[k].index;
-      const double dot = nx * planes_.gx[i] + ny * planes_.gy[i];
-      if (dot >= params_.alignment_cos * planes_.magnitude[i]) ++agree;
-    }
-    return agree >= params_.alignment_share * (last - first + 1);
+  /// The bright side is on the left of the way d: the gradient should be along (d.y, -d.x).
+  bool agrees(const LineFit& fit, const ChainPoint& point, double sense) const {
+    const double dot = sense * (fit.dy() * planes_.gx[point.index] - fit.dx() * planes_.gy[point.index]);
+    return dot >= params_.alignment_cos * planes_.magnitude[point.index];
   }
 
   SolisParams params_;
