@@ -1,0 +1,173 @@
+#include "common/robot_ice/base_ice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/geometry/angles.h"
+#include "common/robot_ice/conversions.h"
+
+namespace vismem {
+namespace {
+
+double clampTo(double value, double limit) {
+  return limit > 0 ? std::clamp(value, -limit, limit) : value;
+}
+
+}  // namespace
+
+avm::OdometrySample toIce(const OdometrySample& s) {
+  return {s.stamp_us, static_cast<Ice::Long>(s.seq), toIce(s.T_odom_robot), s.v_mps, s.w_radps};
+}
+
+OdometrySample fromIce(const avm::OdometrySample& s) {
+  return {s.stampUs, static_cast<std::uint64_t>(s.seq), fromIce(s.robotInOdom), s.vMps, s.wRadps};
+}
+
+avm::BaseLimits toIce(const BaseLimits& l) {
+  return {l.max_speed_mps, l.max_turn_rate_radps, l.watchdog_s};
+}
+BaseLimits fromIce(const avm::BaseLimits& l) {
+  return {l.maxSpeedMps, l.maxTurnRateRadps, l.watchdogS};
+}
+
+jderobot::EncodersData toEncoders(const Pose2& T_odom_robot) {
+  double theta_deg = radToDeg(wrapAngle(T_odom_robot.theta));
+  if (theta_deg < 0) theta_deg += 360.0;
+  auto theta = static_cast<float>(theta_deg);
+  if (theta >= 360.0F) theta = 0.0F;  // a tiny negative angle rounds up
+  return {static_cast<float>(T_odom_robot.x * 1000.0), static_cast<float>(T_odom_robot.y * 1000.0), theta,
+          static_cast<float>(std::cos(T_odom_robot.theta)), static_cast<float>(std::sin(T_odom_robot.theta))};
+}
+
+avm::BaseLimits BaseServant::getLimits(const Ice::Current&) {
+  return toIce(base_.limits());
+}
+
+BaseServant::Speeds BaseServant::commanded() const {
+  const double watchdog_s = base_.limits().watchdog_s;
+  if (!last_time_) return {};
+  const std::chrono::duration<double> age = now_() - *last_time_;
+  // What a vanished client asked for must not come back with the next one's first command.
+  if (watchdog_s > 0 && age.count() > watchdog_s) return {};
+  return last_;
+}
+
+PortReply BaseServant::commandLocked(Speeds speeds) {
+  const PortReply reply = base_.setVelocity(speeds.v_mps, speeds.w_radps);
+  if (!reply.ok()) return reply;
+  const BaseLimits limits = base_.limits();
+  last_ = {clampTo(speeds.v_mps, limits.max_speed_mps), clampTo(speeds.w_radps, limits.max_turn_rate_radps)};
+  last_time_ = now_();
+  return reply;
+}
+
+avm::CommandReply BaseServant::setVelocity(double v_mps, double w_radps, const Ice::Current&) {
+  requireFinite("vMps", v_mps);
+  requireFinite("wRadps", w_radps);
+  const std::lock_guard lock(commands_);
+  return toIce(commandLocked({v_mps, w_radps}));
+}
+
+float BaseServant::getV(const Ice::Current&) {
+  const std::lock_guard lock(commands_);
+  return static_cast<float>(commanded().v_mps);
+}
+
+float BaseServant::getW(const Ice::Current&) {
+  const std::lock_guard lock(commands_);
+  return static_cast<float>(commanded().w_radps);
+}
+
+int BaseServant::setV(float v, const Ice::Current&) {
+  if (!std::isfinite(v)) return -1;
+  const std::lock_guard lock(commands_);
+  return commandLocked({v, commanded().w_radps}).ok() ? 0 : -1;
+}
+
+int BaseServant::setW(float w, const Ice::Current&) {
+  if (!std::isfinite(w)) return -1;
+  const std::lock_guard lock(commands_);
+  return commandLocked({commanded().v_mps, w}).ok() ? 0 : -1;
+}
+
+OdometryServant::OdometryServant(MobileBase& base)
+    : samples_([&base](StampUs after_us, std::chrono::milliseconds timeout) {
+        return base.samplesSince(after_us, timeout);
+      }) {}
+
+void OdometryServant::samplesSinceAsync(Ice::Long after_us,
+                                        std::function<void(const avm::OdometryBatch&)> response,
+                                        std::function<void(std::exception_ptr)> exception,
+                                        const Ice::Current&) {
+  samples_.whenAfter(after_us, kLongPollWait,
+                     [response = std::move(response), exception = std::move(exception)](const auto& batch) {
+                       try {
+                         avm::OdometryBatch answer{toIce(batch.state), batch.message, {}};
+                         answer.samples.reserve(batch.samples.size());
+                         for (const OdometrySample& sample : batch.samples)
+                           answer.samples.push_back(toIce(sample));
+                         response(answer);
+                       } catch (...) {
+                         exception(std::current_exception());
+                       }
+                     });
+}
+
+std::shared_ptr<jderobot::EncodersData> OdometryServant::getEncodersData(const Ice::Current&) {
+  const auto newest = samples_.newest();
+  if (!newest) throw Ice::UnknownException(__FILE__, __LINE__, "the base has given no odometry yet");
+  return std::make_shared<jderobot::EncodersData>(toEncoders(newest->T_odom_robot));
+}
+
+RemoteMobileBase::RemoteMobileBase(const std::shared_ptr<avm::BasePrx>& motors,
+                                   const std::shared_ptr<avm::OdometryPrx>& encoders,
+                                   LinkReport encoders_report)
+    : motors_(boundedProxy(motors, kCommandTimeout_ms)),
+      encoders_(boundedProxy(encoders, kInvocationTimeout_ms)),
+      samples_(encoders_, std::move(encoders_report)),
+      asked_limits_(motors_) {}
+
+std::string RemoteMobileBase::askLimits(std::chrono::milliseconds timeout) const {
+  const auto outcome = asked_limits_.wait(
+      [this](auto done, auto failed) { motors_->getLimitsAsync(std::move(done), std::move(failed)); },
+      timeout);
+  if (outcome.result) {
+    const std::lock_guard lock(mutex_);
+    limits_ = fromIce(*outcome.result);
+  }
+  return outcome.failure;
+}
+
+BaseLimits RemoteMobileBase::limits() const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (limits_) return *limits_;
+  }
+  askLimits(std::chrono::milliseconds(0));
+  const std::lock_guard lock(mutex_);
+  return limits_.value_or(BaseLimits{});
+}
+
+PortReply RemoteMobileBase::start() {
+  if (!motors_) return PortReply::accepted();
+  const std::string failure = askLimits(kLongPollWait);
+  return failure.empty() ? PortReply::accepted() : PortReply::adjusted("waiting for the motors: " + failure);
+}
+
+PortReply RemoteMobileBase::setVelocity(double v_mps, double w_radps) {
+  return runRemote(motors_, "base with motors",
+                   [v_mps, w_radps](avm::BasePrx& base) { return base.setVelocity(v_mps, w_radps); });
+}
+
+SampleBatch<OdometrySample> RemoteMobileBase::samplesSince(StampUs after_us,
+                                                           std::chrono::milliseconds timeout) {
+  return pollRemoteSamples<OdometrySample>(
+      samples_, after_us, timeout,
+      [this, after_us](auto done, auto failed) {
+        encoders_->samplesSinceAsync(after_us, std::move(done), std::move(failed));
+      },
+      [](const avm::OdometrySample& sample) { return fromIce(sample); });
+}
+
+}  // namespace vismem

@@ -1,0 +1,212 @@
+#include "common/robot_ice/camera_ice.h"
+
+#include <utility>
+
+#include "common/robot_ice/conversions.h"
+
+namespace vismem {
+namespace {
+
+/// How long the pump waits for one frame: bounds how long stop() takes.
+constexpr std::chrono::milliseconds kPumpWait{100};
+/// A source that answers "nothing" without waiting must not make the pump spin.
+constexpr std::chrono::milliseconds kPumpPause{10};
+
+}  // namespace
+
+void FrameBroadcaster::start(FrameSource& source) {
+  setCapabilities(source.capabilities());
+  if (thread_.joinable()) return;
+  thread_ = std::jthread([this, &source](const std::stop_token& stop) { pump(source, stop); });
+}
+
+void FrameBroadcaster::stop() {
+  thread_.request_stop();
+  latest_.stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void FrameBroadcaster::publish(Frame frame) {
+  const auto seq = static_cast<std::int64_t>(frame.seq);
+  ++published_;
+  latest_.publish(std::make_shared<const EncodedFrame>(std::move(frame), jpeg_quality_), seq);
+}
+
+void FrameBroadcaster::setCapabilities(FrameCapabilities capabilities) {
+  const std::lock_guard lock(mutex_);
+  capabilities_ = std::move(capabilities);
+}
+
+FrameCapabilities FrameBroadcaster::capabilities() const {
+  const std::lock_guard lock(mutex_);
+  return capabilities_;
+}
+
+void FrameBroadcaster::pump(FrameSource& source, const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    const auto began = std::chrono::steady_clock::now();
+    FrameResult result;
+    try {
+      result = source.next(kPumpWait);
+    } catch (const std::exception& error) {
+      // Sources do not throw, but a third-party driver must not end the process.
+      result = {SourceState::kWaiting, std::nullopt, error.what()};
+    }
+    if (result.state == SourceState::kRunning && result.frame && !result.frame->image.empty()) {
+      publish(std::move(*result.frame));
+      continue;
+    }
+    const bool odd = result.state == SourceState::kRunning;
+    setState(odd ? SourceState::kWaiting : result.state, odd ? "the source gave no picture" : result.message);
+    if (std::chrono::steady_clock::now() - began < kPumpPause) std::this_thread::sleep_for(kPumpPause);
+  }
+}
+
+void CameraServant::getNextAsync(std::string format, Ice::Long last_sequence,
+                                 std::function<void(const avm::FrameResult&)> response,
+                                 std::function<void(std::exception_ptr)> exception, const Ice::Current&) {
+  const auto wanted = frameFormatFromName(format);
+  if (!wanted) throw avm::InvalidArgument(unknownFormat(format));
+  std::optional<std::int64_t> have;
+  if (last_sequence >= 0) have = last_sequence;
+  broadcaster_.latest().whenOther(
+      have, kLongPollWait,
+      [wanted, response = std::move(response), exception = std::move(exception)](const auto& reading) {
+        try {
+          if (reading.value) {
+            response(reading.value->result(*wanted));
+          } else {
+            response({toIce(reading.state), reading.message, {}});
+          }
+        } catch (...) {
+          exception(std::current_exception());
+        }
+      });
+}
+
+avm::CameraInfo CameraServant::getInfo(const Ice::Current&) {
+  const FrameCapabilities capabilities = broadcaster_.capabilities();
+  avm::CameraInfo info{capabilities.name,
+                       capabilities.width,
+                       capabilities.height,
+                       capabilities.rate_hz,
+                       capabilities.knows_camera_pose,
+                       frameFormatNames()};
+  if (const auto frame = broadcaster_.latest().latest()) {
+    info.width = frame->frame().image.cols;
+    info.height = frame->frame().image.rows;
+  }
+  return info;
+}
+
+std::shared_ptr<jderobot::ImageDescription> CameraServant::getImageDescription(const Ice::Current& current) {
+  const avm::CameraInfo info = getInfo(current);
+  return std::make_shared<jderobot::ImageDescription>(info.width, info.height, info.width * info.height * 3,
+                                                      "RGB8", "");
+}
+
+jderobot::ImageFormat CameraServant::getImageFormat(const Ice::Current&) {
+  return frameFormatNames();
+}
+
+std::shared_ptr<jderobot::ImageData> CameraServant::getImageData(std::string format, const Ice::Current&) {
+  const auto wanted = frameFormatFromName(format);
+  if (!wanted) throw jderobot::DataNotExistException(unknownFormat(format));
+  const auto frame = broadcaster_.latest().latest();
+  if (!frame) throw jderobot::HardwareFailedException(broadcaster_.latest().message());
+  return frame->jderobotImage(*wanted);
+}
+
+std::shared_ptr<jderobot::CameraDescription> CameraServant::getCameraDescription(const Ice::Current&) {
+  auto description = std::make_shared<jderobot::CameraDescription>();
+  description->name = name_;
+  description->shortDescription = broadcaster_.capabilities().name;
+  const auto newest = broadcaster_.latest().latest();
+  if (!newest) return description;
+  const Frame& frame = newest->frame();
+  description->fdistx = static_cast<float>(frame.intrinsics.fx);
+  description->fdisty = static_cast<float>(frame.intrinsics.fy);
+  description->u0 = static_cast<float>(frame.intrinsics.cx);
+  description->v0 = static_cast<float>(frame.intrinsics.cy);
+  if (frame.T_robot_camera) {
+    const Eigen::Vector3d position = frame.T_robot_camera->translation();
+    const Eigen::Vector3d ahead = *frame.T_robot_camera * Eigen::Vector3d::UnitZ();
+    description->posx = static_cast<float>(position.x());
+    description->posy = static_cast<float>(position.y());
+    description->posz = static_cast<float>(position.z());
+    description->foax = static_cast<float>(ahead.x());
+    description->foay = static_cast<float>(ahead.y());
+    description->foaz = static_cast<float>(ahead.z());
+  }
+  return description;
+}
+
+int CameraServant::setCameraDescription(std::shared_ptr<jderobot::CameraDescription>, const Ice::Current&) {
+  return -1;
+}
+
+std::string CameraServant::startCameraStreaming(const Ice::Current&) {
+  return {};
+}
+
+RemoteFrameSource::RemoteFrameSource(const std::shared_ptr<avm::CameraPrx>& proxy, FrameFormat format,
+                                     LinkReport report)
+    : proxy_(boundedProxy(proxy, kInvocationTimeout_ms)),
+      format_(format),
+      frames_(proxy_, std::move(report)),
+      infos_(proxy_) {}
+
+std::string RemoteFrameSource::askInfo(std::chrono::milliseconds timeout) const {
+  auto outcome = infos_.wait(
+      [this](auto done, auto failed) { proxy_->getInfoAsync(std::move(done), std::move(failed)); }, timeout);
+  if (outcome.result) {
+    const std::lock_guard lock(mutex_);
+    info_ = std::move(*outcome.result);
+  }
+  return outcome.failure;
+}
+
+FrameCapabilities RemoteFrameSource::capabilities() const {
+  askInfo(std::chrono::milliseconds(0));
+  const std::lock_guard lock(mutex_);
+  if (!info_) return {proxy_ ? proxy_->ice_toString() : "no camera", 0, 0, 0.0, false};
+  return {info_->name, info_->width, info_->height, info_->rateHz, info_->knowsCameraPose};
+}
+
+PortReply RemoteFrameSource::configure(const FrameRequest& request) {
+  if (request.width < 0 || request.height < 0 || !(request.rate_hz >= 0)) {
+    return PortReply::rejected("width, height and rate must not be negative");
+  }
+  const FrameCapabilities known = capabilities();
+  const auto as_asked = [](auto asked, auto given) { return asked == 0 || asked == given; };
+  if (as_asked(request.width, known.width) && as_asked(request.height, known.height) &&
+      as_asked(request.rate_hz, known.rate_hz)) {
+    return PortReply::accepted();
+  }
+  if (known.width == 0) return PortReply::adjusted("the server decides, and it is not known yet");
+  return PortReply::adjusted(std::to_string(known.width) + "x" + std::to_string(known.height) + " at " +
+                             std::to_string(known.rate_hz) + " Hz, as the server gives it");
+}
+
+PortReply RemoteFrameSource::start() {
+  if (!proxy_) return PortReply::rejected("no camera is configured");
+  const std::string failure = askInfo(kLongPollWait);
+  return failure.empty() ? PortReply::accepted() : PortReply::adjusted("waiting for the camera: " + failure);
+}
+
+FrameResult RemoteFrameSource::next(std::chrono::milliseconds timeout) {
+  const auto outcome = frames_.wait(
+      [this](auto done, auto failed) {
+        proxy_->getNextAsync(frameFormatNames()[static_cast<std::size_t>(format_)], last_seq_,
+                             std::move(done), std::move(failed));
+      },
+      timeout);
+  if (!outcome.result) {
+    return {SourceState::kWaiting, std::nullopt, outcome.failure.empty() ? "no frame yet" : outcome.failure};
+  }
+  // Also of a frame that cannot be used: it would only come again.
+  if (outcome.result->state == avm::SourceState::Running) last_seq_ = outcome.result->image.seq;
+  return decodeFrame(*outcome.result);
+}
+
+}  // namespace vismem

@@ -1,0 +1,63 @@
+/// @file Callers of a server that wait for something new: held, answered when it comes, answered anyway in
+/// time.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace vismem {
+
+/// How long a long-poll of our interfaces waits (DESIGN 5).
+constexpr std::chrono::milliseconds kLongPollWait{1000};
+
+/// Waiting asynchronous requests. A request is an attempt: called with false it answers if there is something
+/// new and tells whether it did; called with true it must answer. Each request is answered exactly once,
+/// after at most its timeout, and on stop() at once. Attempts run on the thread that adds, reports a change
+/// or keeps the time, never under a lock of this class; they must not throw. *Thread-safe.*
+class LongPolls {
+ public:
+  using Attempt = std::function<bool(bool last_chance)>;
+
+  LongPolls();
+  ~LongPolls();
+  LongPolls(const LongPolls&) = delete;
+  LongPolls& operator=(const LongPolls&) = delete;
+
+  /// Tries at once and keeps the request if it was not answered. With more than kMaxWaiting kept, the oldest
+  /// is answered early, so that a client that only asks cannot make the server hold ever more.
+  void add(std::chrono::milliseconds timeout, Attempt attempt);
+  /// There may be something new: all waiting requests are tried.
+  void changed();
+  /// Nothing more is to be expected: all waiting requests are answered.
+  void giveUpAll();
+  /// As giveUpAll, and later requests are answered at once. May be called again.
+  void stop();
+  std::size_t waiting() const;
+
+  static constexpr std::size_t kMaxWaiting = 256;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Request {
+    Clock::time_point deadline;
+    Attempt attempt;
+  };
+
+  void tryOrKeep(Request request);
+  std::vector<Request> takeAll();
+  void keepTime(const std::stop_token& stop);
+
+  mutable std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::vector<Request> waiting_;  ///< in the order of their arrival
+  std::uint64_t changes_ = 0;
+  bool stopped_ = false;
+  std::jthread timekeeper_;
+};
+
+}  // namespace vismem

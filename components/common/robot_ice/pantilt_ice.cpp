@@ -1,0 +1,191 @@
+#include "common/robot_ice/pantilt_ice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/geometry/angles.h"
+#include "common/robot_ice/conversions.h"
+
+namespace vismem {
+namespace {
+
+/// A position command counts as reached this close to it on both axes.
+const double kReached_rad = degToRad(0.5);
+
+/// The wire's floats round: a bound slightly above the unit's maximum means the maximum.
+float toFloatDeg(double angle_rad) {
+  return static_cast<float>(radToDeg(angle_rad));
+}
+
+void requireRateBound(const char* name, double value) {
+  requireFinite(name, value);
+  if (value < 0)
+    throw avm::InvalidArgument(std::string(name) + " = " + std::to_string(value) + " (must be >= 0)");
+}
+
+}  // namespace
+
+avm::PanTiltSample toIce(const PanTiltSample& s) {
+  return {s.stamp_us, static_cast<Ice::Long>(s.seq), s.pan_rad, s.tilt_rad};
+}
+
+PanTiltSample fromIce(const avm::PanTiltSample& s) {
+  return {s.stampUs, static_cast<std::uint64_t>(s.seq), s.panRad, s.tiltRad};
+}
+
+avm::PanTiltLimits toIce(const PanTiltLimits& l) {
+  return {l.min_pan_rad,  l.max_pan_rad,        l.min_tilt_rad,
+          l.max_tilt_rad, l.max_pan_rate_radps, l.max_tilt_rate_radps};
+}
+
+PanTiltLimits fromIce(const avm::PanTiltLimits& l) {
+  return {l.minPanRad, l.maxPanRad, l.minTiltRad, l.maxTiltRad, l.maxPanRateRadps, l.maxTiltRateRadps};
+}
+
+PanTiltServant::PanTiltServant(PanTiltUnit& unit)
+    : unit_(unit), samples_([&unit](StampUs after_us, std::chrono::milliseconds timeout) {
+        return unit.samplesSince(after_us, timeout);
+      }) {}
+
+PortReply PanTiltServant::command(const PanTiltCommand& command) {
+  const std::lock_guard lock(commands_);
+  PortReply reply = unit_.command(command);
+  if (!reply.ok()) return reply;
+  goal_.reset();
+  if (command.kind == PanTiltCommand::Kind::kPosition) {
+    const PanTiltLimits limits = unit_.limits();
+    const auto inside = [](double value, double low, double high) {
+      return low < high ? std::clamp(value, low, high) : value;
+    };
+    last_goal_ = {inside(command.pan_rad, limits.min_pan_rad, limits.max_pan_rad),
+                  inside(command.tilt_rad, limits.min_tilt_rad, limits.max_tilt_rad)};
+    goal_ = last_goal_;
+  }
+  return reply;
+}
+
+avm::PanTiltLimits PanTiltServant::getLimits(const Ice::Current&) {
+  return toIce(unit_.limits());
+}
+
+avm::CommandReply PanTiltServant::moveTo(avm::PanTiltAngles goal, double pan_rate_radps,
+                                         double tilt_rate_radps, const Ice::Current&) {
+  requireFinite("panRad", goal.panRad);
+  requireFinite("tiltRad", goal.tiltRad);
+  requireRateBound("panRateRadps", pan_rate_radps);
+  requireRateBound("tiltRateRadps", tilt_rate_radps);
+  return toIce(
+      command({PanTiltCommand::Kind::kPosition, goal.panRad, goal.tiltRad, pan_rate_radps, tilt_rate_radps}));
+}
+
+avm::CommandReply PanTiltServant::setRates(double pan_rate_radps, double tilt_rate_radps,
+                                           const Ice::Current&) {
+  requireFinite("panRateRadps", pan_rate_radps);
+  requireFinite("tiltRateRadps", tilt_rate_radps);
+  return toIce(command({PanTiltCommand::Kind::kVelocity, 0, 0, pan_rate_radps, tilt_rate_radps}));
+}
+
+avm::PanTiltStatus PanTiltServant::getPanTiltStatus(const Ice::Current&) {
+  const auto newest = samples_.newest();
+  const std::lock_guard lock(commands_);
+  const bool done = goal_ && newest && std::abs(newest->pan_rad - goal_->pan_rad) <= kReached_rad &&
+                    std::abs(newest->tilt_rad - goal_->tilt_rad) <= kReached_rad;
+  return {done, toIce(last_goal_)};
+}
+
+void PanTiltServant::samplesSinceAsync(Ice::Long after_us,
+                                       std::function<void(const avm::PanTiltBatch&)> response,
+                                       std::function<void(std::exception_ptr)> exception,
+                                       const Ice::Current&) {
+  samples_.whenAfter(after_us, kLongPollWait,
+                     [response = std::move(response), exception = std::move(exception)](const auto& batch) {
+                       try {
+                         avm::PanTiltBatch answer{toIce(batch.state), batch.message, {}};
+                         answer.samples.reserve(batch.samples.size());
+                         for (const PanTiltSample& sample : batch.samples)
+                           answer.samples.push_back(toIce(sample));
+                         response(answer);
+                       } catch (...) {
+                         exception(std::current_exception());
+                       }
+                     });
+}
+
+int PanTiltServant::setPTMotorsData(std::shared_ptr<jderobot::PTMotorsData> data, const Ice::Current&) {
+  if (!data || !allFinite({data->pan, data->tilt, data->panSpeed, data->tiltSpeed})) return -1;
+  if (data->panSpeed < 0 || data->tiltSpeed < 0) return -1;
+  const PanTiltCommand wanted{PanTiltCommand::Kind::kPosition, degToRad(data->pan), degToRad(data->tilt),
+                              degToRad(data->panSpeed), degToRad(data->tiltSpeed)};
+  return command(wanted).ok() ? 0 : -1;
+}
+
+std::shared_ptr<jderobot::PTMotorsParams> PanTiltServant::getPTMotorsParams(const Ice::Current&) {
+  const PanTiltLimits limits = unit_.limits();
+  return std::make_shared<jderobot::PTMotorsParams>(
+      toFloatDeg(limits.max_pan_rad), toFloatDeg(limits.min_pan_rad), toFloatDeg(limits.max_tilt_rad),
+      toFloatDeg(limits.min_tilt_rad), toFloatDeg(limits.max_pan_rate_radps),
+      toFloatDeg(limits.max_tilt_rate_radps));
+}
+
+std::shared_ptr<jderobot::PTEncodersData> PanTiltServant::getPTEncodersData(const Ice::Current&) {
+  const auto newest = samples_.newest();
+  if (!newest) throw Ice::UnknownException(__FILE__, __LINE__, "the pan-tilt unit has given no sample yet");
+  return std::make_shared<jderobot::PTEncodersData>(toFloatDeg(newest->pan_rad), toFloatDeg(newest->tilt_rad),
+                                                    static_cast<int>(newest->seq & 0x7fffffff));
+}
+
+RemotePanTiltUnit::RemotePanTiltUnit(const std::shared_ptr<avm::PanTiltPrx>& proxy, LinkReport report)
+    : proxy_(boundedProxy(proxy, kInvocationTimeout_ms)),
+      commands_(boundedProxy(proxy, kCommandTimeout_ms)),
+      samples_(proxy_, std::move(report)),
+      asked_limits_(proxy_) {}
+
+std::string RemotePanTiltUnit::askLimits(std::chrono::milliseconds timeout) const {
+  const auto outcome = asked_limits_.wait(
+      [this](auto done, auto failed) { proxy_->getLimitsAsync(std::move(done), std::move(failed)); },
+      timeout);
+  if (outcome.result) {
+    const std::lock_guard lock(mutex_);
+    limits_ = fromIce(*outcome.result);
+  }
+  return outcome.failure;
+}
+
+PanTiltLimits RemotePanTiltUnit::limits() const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (limits_) return *limits_;
+  }
+  askLimits(std::chrono::milliseconds(0));
+  const std::lock_guard lock(mutex_);
+  return limits_.value_or(PanTiltLimits{});
+}
+
+PortReply RemotePanTiltUnit::start() {
+  if (!proxy_) return PortReply::rejected("no pan-tilt unit is configured");
+  const std::string failure = askLimits(kLongPollWait);
+  return failure.empty() ? PortReply::accepted()
+                         : PortReply::adjusted("waiting for the pan-tilt unit: " + failure);
+}
+
+PortReply RemotePanTiltUnit::command(const PanTiltCommand& command) {
+  return runRemote(commands_, "pan-tilt unit", [&command](avm::PanTiltPrx& unit) {
+    if (command.kind == PanTiltCommand::Kind::kVelocity) {
+      return unit.setRates(command.pan_rate_radps, command.tilt_rate_radps);
+    }
+    return unit.moveTo({command.pan_rad, command.tilt_rad}, command.pan_rate_radps, command.tilt_rate_radps);
+  });
+}
+
+SampleBatch<PanTiltSample> RemotePanTiltUnit::samplesSince(StampUs after_us,
+                                                           std::chrono::milliseconds timeout) {
+  return pollRemoteSamples<PanTiltSample>(
+      samples_, after_us, timeout,
+      [this, after_us](auto done, auto failed) {
+        proxy_->samplesSinceAsync(after_us, std::move(done), std::move(failed));
+      },
+      [](const avm::PanTiltSample& sample) { return fromIce(sample); });
+}
+
+}  // namespace vismem

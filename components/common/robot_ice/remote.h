@@ -1,0 +1,173 @@
+/// @file What every client of a remote server needs: bounded proxies, words for failures, pending requests.
+#pragma once
+
+#include <Ice/Ice.h>
+#include <avm/common.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "common/robot/ports.h"
+#include "common/robot_ice/conversions.h"
+#include "common/robot_ice/sample_broadcaster.h"
+
+namespace vismem {
+
+/// Long-polls: the server's wait and some more. Used only for proxies without any bound of their own.
+constexpr int kInvocationTimeout_ms = 3000;
+/// Commands: a frozen peer must not stop a control loop for longer.
+constexpr int kCommandTimeout_ms = 1000;
+
+/// The proxy with an invocation timeout of at most `max_ms`: no remote call waits for ever. Null stays null.
+template <typename Prx>
+std::shared_ptr<Prx> boundedProxy(const std::shared_ptr<Prx>& proxy, int max_ms) {
+  if (!proxy) return nullptr;
+  const int timeout_ms = proxy->ice_getInvocationTimeout();
+  if (timeout_ms > 0 && timeout_ms <= max_ms) return proxy;
+  return proxy->ice_invocationTimeout(max_ms);
+}
+
+/// Told after each request of a client's stream: why it failed, or empty when it was answered. Called on the
+/// thread that uses the client; it is how a component's status learns of its peers.
+using LinkReport = std::function<void(const std::string& failure)>;
+
+/// For people: what was called and why it failed, in one line.
+std::string describeFailure(const Ice::ObjectPrx& proxy, const std::exception_ptr& error);
+
+/// Runs a command of a remote server. Never throws: failures are rejections with the reason.
+template <typename Prx, typename Call>
+PortReply runRemote(const std::shared_ptr<Prx>& proxy, const char* what, Call&& call) {
+  if (!proxy) return PortReply::rejected(std::string("no ") + what + " is configured");
+  try {
+    const avm::CommandReply reply = call(*proxy);
+    return reply.adjusted ? PortReply::adjusted(reply.message) : PortReply::accepted();
+  } catch (...) {
+    return PortReply::rejected(describeFailure(*proxy, std::current_exception()));
+  }
+}
+
+/// One request in flight to a server. A wait that ends before the answer leaves the request pending for the
+/// next wait, so short timeouts of a caller neither lose answers nor pile up requests. After a failure the
+/// next request goes out no sooner than kRetry later, and the failed wait lasts its whole timeout: a caller
+/// that asks again at once would spin while the peer is away. *Thread-safe*: waits exclude each other.
+template <typename Result>
+class PendingCall {
+ public:
+  using Success = std::function<void(Result)>;
+  using Failed = std::function<void(std::exception_ptr)>;
+  /// Sends the request; one of the two is called later, on any thread.
+  using Send = std::function<void(Success, Failed)>;
+
+  struct Outcome {
+    std::optional<Result> result;
+    std::string failure;  ///< why there is none; empty while the answer is still awaited
+  };
+
+  explicit PendingCall(std::shared_ptr<Ice::ObjectPrx> proxy, LinkReport report = {})
+      : proxy_(std::move(proxy)), report_(std::move(report)) {}
+
+  /// Waits at most `timeout` for the answer to the pending request, or to a new one if none is pending.
+  Outcome wait(const Send& send, std::chrono::milliseconds timeout) {
+    const std::lock_guard one_at_a_time(waits_);
+    const auto deadline = Clock::now() + timeout;
+    if (!proxy_) {
+      std::this_thread::sleep_until(deadline);
+      return {std::nullopt, "no server is configured"};
+    }
+    if (!slot_) {
+      std::this_thread::sleep_until(std::min(deadline, not_before_));
+      if (Clock::now() < not_before_) return {std::nullopt, failure_};
+      begin(send);
+    }
+    std::optional<Result> result;
+    std::exception_ptr error;
+    {
+      std::unique_lock lock(slot_->mutex);
+      if (!slot_->filled.wait_until(lock, deadline, [this] { return slot_->result || slot_->error; })) {
+        return {std::nullopt, failure_};
+      }
+      result = std::move(slot_->result);
+      error = slot_->error;
+    }
+    slot_.reset();
+    if (result) {
+      failure_.clear();
+      if (report_) report_(failure_);
+      return {std::move(result), {}};
+    }
+    failure_ = describeFailure(*proxy_, error);
+    not_before_ = Clock::now() + kRetry;
+    if (report_) report_(failure_);
+    std::this_thread::sleep_until(deadline);
+    return {std::nullopt, failure_};
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds kRetry{200};
+
+  /// Shared with the answer, which may come after this object has gone.
+  struct Slot {
+    std::mutex mutex;
+    std::condition_variable filled;
+    std::optional<Result> result;
+    std::exception_ptr error;
+  };
+
+  void begin(const Send& send) {
+    slot_ = std::make_shared<Slot>();
+    const auto fail = [slot = slot_](const std::exception_ptr& error) {
+      const std::lock_guard lock(slot->mutex);
+      slot->error = error;
+      slot->filled.notify_all();
+    };
+    try {
+      send(
+          [slot = slot_](Result result) {
+            const std::lock_guard lock(slot->mutex);
+            slot->result = std::move(result);
+            slot->filled.notify_all();
+          },
+          fail);
+    } catch (...) {
+      fail(std::current_exception());
+    }
+  }
+
+  std::shared_ptr<Ice::ObjectPrx> proxy_;
+  LinkReport report_;
+  std::mutex waits_;
+  std::shared_ptr<Slot> slot_;
+  Clock::time_point not_before_{};
+  std::string failure_;  ///< of the last request that ended; empty when it succeeded
+};
+
+/// One wait of a client's samplesSince: what is newer than asked for, or all that the server holds when its
+/// time went back. `call` must be used for this stream alone; `convert` makes one Sample of one of the wire.
+template <typename Sample, typename IceBatch, typename Convert>
+SampleBatch<Sample> pollRemoteSamples(PendingCall<IceBatch>& call, StampUs after_us,
+                                      std::chrono::milliseconds timeout,
+                                      const typename PendingCall<IceBatch>::Send& send, Convert&& convert) {
+  const auto outcome = call.wait(send, timeout);
+  if (!outcome.result) {
+    return {SourceState::kWaiting, {}, outcome.failure.empty() ? "no sample yet" : outcome.failure};
+  }
+  SampleBatch<Sample> batch{fromIce(outcome.result->state), {}, outcome.result->message};
+  batch.samples.reserve(outcome.result->samples.size());
+  for (const auto& sample : outcome.result->samples) batch.samples.push_back(convert(sample));
+  // The answer may belong to an earlier question.
+  batch.samples = newerThan(std::move(batch.samples), after_us);
+  if (batch.samples.empty() && batch.state == SourceState::kRunning) batch.state = SourceState::kWaiting;
+  return batch;
+}
+
+}  // namespace vismem
