@@ -8,8 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/process/child_process.h"
-#include "common/process/ready_line.h"
+#include "support/component_process.h"
 
 namespace vismem {
 namespace {
@@ -18,9 +17,6 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 using testing::Not;
-
-/// Generous: the machine may be busy. Nothing waits that long unless something is wrong.
-constexpr auto kPatience = 20s;
 
 class ComponentTest : public testing::Test {
  protected:
@@ -35,15 +31,9 @@ class ComponentTest : public testing::Test {
     std::ofstream(file) << text;
     return file;
   }
-  static std::unique_ptr<ChildProcess> probe(std::vector<std::string> arguments,
-                                             ChildProcess::Options options = {}) {
-    arguments.insert(arguments.begin(), VISMEM_BIN_DIR "/probe_component");
-    return std::make_unique<ChildProcess>(arguments, std::move(options));
-  }
-  /// @return the port it serves at; 0 if it does not become ready.
-  static int portOf(const ChildProcess& child) {
-    const auto line = child.waitForLine("probe_component ready", kPatience);
-    return line ? readyPort(*line).value_or(0) : 0;
+  static std::unique_ptr<ComponentProcess> probe(std::vector<std::string> arguments,
+                                                 ChildProcess::Options options = {}) {
+    return std::make_unique<ComponentProcess>("probe_component", std::move(arguments), std::move(options));
   }
   avm::ComponentStatus statusAt(int port) {
     const auto proxy =
@@ -66,7 +56,7 @@ class ComponentTest : public testing::Test {
 TEST_F(ComponentTest, SaysReadyWithItsRealPortAndEndsCleanlyOnSignals) {
   for (const int signal : {SIGTERM, SIGINT}) {
     const auto child = probe({"--Ice.Config=" + config("Probe.Size = 3\n")});
-    ASSERT_GT(portOf(*child), 0) << child->error();
+    ASSERT_GT(child->port(), 0) << child->error();
     ASSERT_TRUE(child->signal(signal));
     EXPECT_EQ(child->waitForExit(kPatience), 0) << child->error();
     EXPECT_THAT(child->out(),
@@ -78,12 +68,12 @@ TEST_F(ComponentTest, SaysReadyWithItsRealPortAndEndsCleanlyOnSignals) {
 
 TEST_F(ComponentTest, ReadyLineGivesThePortOfEachEndpoint) {
   const auto child = probe({"--Probe.Endpoints=tcp -h 127.0.0.1 -p 0:ws -h 127.0.0.1 -p 0"});
-  const auto line = child->waitForLine("ready", kPatience);
-  ASSERT_TRUE(line) << child->error();
+  ASSERT_TRUE(child->waitUntilReady());
+  const auto line = child->readyLine();
   EXPECT_THAT(*line, MatchesRegex("probe_component ready: ProbeServer=tcp -h 127\\.0\\.0\\.1 -p [0-9]+:"
                                   "ws -h 127\\.0\\.0\\.1 -p [0-9]+"));
-  EXPECT_EQ(statusAt(readyPort(*line, "tcp").value()).name, "probe_component");
-  EXPECT_GT(readyPort(*line, "ws").value(), 0);
+  EXPECT_EQ(statusAt(child->port("tcp")).name, "probe_component");
+  EXPECT_GT(child->port("ws"), 0);
 }
 
 TEST_F(ComponentTest, TakesTheFileBareOrFromTheEnvironment) {
@@ -146,7 +136,7 @@ TEST_F(ComponentTest, MalformedProxyAndEndpointsNameTheirKeys) {
 
 TEST_F(ComponentTest, PortInUse) {
   const auto first = probe({});
-  const int port = portOf(*first);
+  const int port = first->port();
   ASSERT_GT(port, 0) << first->error();
   const auto endpoint = "tcp -h 127.0.0.1 -p " + std::to_string(port);
   const auto second = probe({"--Probe.Endpoints=" + endpoint});
@@ -184,7 +174,7 @@ TEST_F(ComponentTest, TellsVersionAndKeys) {
 
 TEST_F(ComponentTest, ServesStatusAndEffectiveConfiguration) {
   const auto child = probe({config("Probe.Size = 3\n"), "--Ice.MessageSizeMax=2048"});
-  const int port = portOf(*child);
+  const int port = child->port();
   ASSERT_GT(port, 0) << child->error();
   const auto status = statusAt(port);
   EXPECT_EQ(status.name, "probe_component");
@@ -205,13 +195,13 @@ TEST_F(ComponentTest, ServesStatusAndEffectiveConfiguration) {
 
 TEST_F(ComponentTest, ComesUpWithoutItsPeerAndFindsItAgainAfterEveryLoss) {
   auto first = probe({});
-  const int first_port = portOf(*first);
+  const int first_port = first->port();
   ASSERT_GT(first_port, 0) << first->error();
   const auto endpoint = "tcp -h 127.0.0.1 -p " + std::to_string(first_port);
   ASSERT_EQ(first->stop(kPatience), 0);
 
   const auto child = probe({"--Probe.Peer.Proxy=probe_component/component:" + endpoint});
-  const int port = portOf(*child);
+  const int port = child->port();
   ASSERT_GT(port, 0) << child->error();
   EXPECT_TRUE(child->waitForLine("WARNING waiting for Peer at probe_component/component", kPatience));
   const auto waiting = statusAt(port);
@@ -235,7 +225,7 @@ TEST_F(ComponentTest, ComesUpWithoutItsPeerAndFindsItAgainAfterEveryLoss) {
   EXPECT_NE(degraded.peers[0].message, "");
 
   first = probe({"--Probe.Endpoints=" + endpoint});
-  ASSERT_GT(portOf(*first), 0);
+  ASSERT_GT(first->port(), 0);
   const auto back = std::chrono::steady_clock::now();
   ASSERT_TRUE(child->waitForLine("INFO Peer is back", kPatience)) << child->error();
   EXPECT_LT(std::chrono::steady_clock::now() - back, 2s);
@@ -248,12 +238,12 @@ TEST_F(ComponentTest, ComesUpWithoutItsPeerAndFindsItAgainAfterEveryLoss) {
 
 TEST_F(ComponentTest, GoesOnBesideAFrozenPeer) {
   auto first = probe({});
-  const int first_port = portOf(*first);
+  const int first_port = first->port();
   ASSERT_GT(first_port, 0) << first->error();
   const auto child =
       probe({"--Probe.Peer.Proxy=probe_component/component:tcp -h 127.0.0.1 -p " + std::to_string(first_port),
              "--Ice.Default.InvocationTimeout=300"});
-  const int port = portOf(*child);
+  const int port = child->port();
   ASSERT_TRUE(child->waitForLine("Peer is connected", kPatience)) << child->error();
   ASSERT_TRUE(first->signal(SIGSTOP));
   ASSERT_TRUE(child->waitForLine("Peer is lost", kPatience));
@@ -270,9 +260,8 @@ TEST_F(ComponentTest, GoesOnBesideAFrozenPeer) {
 
 TEST_F(ComponentTest, SaysWhenTheObjectThereIsOfAnotherKindOrAbsent) {
   const auto first = probe({});
-  const int first_port = portOf(*first);
-  ASSERT_GT(first_port, 0) << first->error();
-  const auto child = probe({"--Probe.Peer.Proxy=nobody:tcp -h 127.0.0.1 -p " + std::to_string(first_port)});
+  ASSERT_TRUE(first->waitUntilReady());
+  const auto child = probe({"--Probe.Peer.Proxy=" + first->proxy("nobody")});
   const auto line = child->waitForLine("waiting for Peer", kPatience);
   ASSERT_TRUE(line);
   EXPECT_THAT(*line, HasSubstr("(no object nobody there)"));

@@ -28,21 +28,26 @@ using Characters = std::vector<Character>;
 /// Applies the escapes and drops the comment.
 Characters charactersOf(std::string_view line) {
   static constexpr std::string_view kEscapable = "\\#= ";
+  if (line.ends_with('\r')) line.remove_suffix(1);
   Characters characters;
   for (std::size_t i = 0; i < line.size(); ++i) {
     if (line[i] == '#') break;
-    const bool escape =
-        line[i] == '\\' && i + 1 < line.size() && kEscapable.find(line[i + 1]) != std::string_view::npos;
-    if (escape) ++i;
-    characters.push_back({line[i], escape});
+    const bool pair = line[i] == '\\' && i + 1 < line.size();
+    if (pair && kEscapable.find(line[i + 1]) == std::string_view::npos) characters.push_back({line[i], true});
+    if (pair) ++i;
+    characters.push_back({line[i], pair});
   }
   return characters;
 }
 
-/// The text between the outermost characters that are not plain blanks.
-std::string trimmed(Characters::const_iterator begin, Characters::const_iterator end) {
-  while (begin != end && begin->isBlank()) ++begin;
-  while (begin != end && std::prev(end)->isBlank()) --end;
+/// The text between the outermost characters that are not blanks.
+/// @param keeps_escaped  whether an escaped blank is none: so in values, but not in keys.
+std::string trimmed(Characters::const_iterator begin, Characters::const_iterator end, bool keeps_escaped) {
+  const auto drops = [&](const Character& c) {
+    return c.isBlank() || (!keeps_escaped && (c.value == ' ' || c.value == '\t'));
+  };
+  while (begin != end && drops(*begin)) ++begin;
+  while (begin != end && drops(*std::prev(end))) --end;
   std::string text;
   for (; begin != end; ++begin) text += begin->value;
   return text;
@@ -93,12 +98,12 @@ void Properties::parseLine(std::string_view line, const Origin& origin) {
   const auto characters = charactersOf(line);
   const auto equals =
       std::find_if(characters.begin(), characters.end(), [](const Character& c) { return c.is('='); });
-  const auto key = trimmed(characters.begin(), equals);
+  const auto key = trimmed(characters.begin(), equals, false);
   if (equals == characters.end()) {
     if (!key.empty()) addProblem({origin, "\"" + key + "\" is not KEY = VALUE"});
     return;
   }
-  const auto value = trimmed(std::next(equals), characters.end());
+  const auto value = trimmed(std::next(equals), characters.end(), true);
   if (key.empty()) {
     addProblem({origin, "\"= " + value + "\" has no key (must be KEY = VALUE)"});
     return;
