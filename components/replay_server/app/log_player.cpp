@@ -1,0 +1,282 @@
+#include "replay_server/app/log_player.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "replay_server/core/log_ports.h"
+
+namespace vismem {
+namespace {
+
+/// Stamp up to which the log is played: what the last image needs to be interpolated at.
+StampUs endOf(const RobotLog& log) {
+  const StampUs last_us = log.frameStamps().back();
+  StampUs end_us = last_us;
+  const auto cover = [&](const auto& samples) {
+    const std::size_t count = countToCover(samples, last_us);
+    if (count > 0) end_us = std::max(end_us, samples[count - 1].stamp_us);
+  };
+  cover(log.odometry());
+  cover(log.joints());
+  return end_us;
+}
+
+/// Index of the last frame at or before a stamp; 0 before the first.
+std::size_t frameAt(const std::vector<StampUs>& stamps, StampUs stamp_us) {
+  const auto after = std::upper_bound(stamps.begin(), stamps.end(), stamp_us);
+  return after == stamps.begin() ? 0 : static_cast<std::size_t>(after - stamps.begin()) - 1;
+}
+
+}  // namespace
+
+StampUs SteadyPacingClock::now() const {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+void SteadyPacingClock::waitUntil(std::unique_lock<std::mutex>& lock, std::condition_variable& wake,
+                                  StampUs until_us) {
+  wake.wait_until(lock, std::chrono::steady_clock::time_point(std::chrono::microseconds(until_us)));
+}
+
+class LogPlayer::CameraPort : public FrameSource {
+ public:
+  explicit CameraPort(LogPlayer& player) : player_(player) {}
+  FrameCapabilities capabilities() const override { return capabilitiesOf(player_.log_); }
+  PortReply configure(const FrameRequest& request) override { return configureFor(player_.log_, request); }
+  PortReply start() override { return PortReply::accepted(); }
+  FrameResult next(std::chrono::milliseconds timeout) override { return player_.nextFrame(timeout); }
+  void stop() override {}
+
+ private:
+  LogPlayer& player_;
+};
+
+class LogPlayer::PanTiltPort : public PanTiltUnit {
+ public:
+  explicit PanTiltPort(LogPlayer& player) : player_(player) {}
+  PanTiltLimits limits() const override { return limitsOf(player_.log_); }
+  PortReply start() override { return PortReply::accepted(); }
+  PortReply command(const PanTiltCommand&) override { return recordingCannotMove(); }
+  SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
+    return player_.samplesSince(player_.log_.joints(), after_us, timeout);
+  }
+  void stop() override {}
+
+ private:
+  LogPlayer& player_;
+};
+
+class LogPlayer::BasePort : public MobileBase {
+ public:
+  explicit BasePort(LogPlayer& player) : player_(player) {}
+  BaseLimits limits() const override { return {}; }
+  PortReply start() override { return PortReply::accepted(); }
+  PortReply setVelocity(double, double) override { return recordingCannotMove(); }
+  SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
+    return player_.samplesSince(player_.log_.odometry(), after_us, timeout);
+  }
+  void stop() override {}
+
+ private:
+  LogPlayer& player_;
+};
+
+LogPlayer::LogPlayer(RobotLog log, const Params& params, PacingClock& clock)
+    : log_(std::move(log)),
+      clock_(clock),
+      timeline_(log_.frameStamps().front(), endOf(log_), params.rate, params.loop, params.start, clock.now()),
+      camera_(std::make_unique<CameraPort>(*this)),
+      pan_tilt_(std::make_unique<PanTiltPort>(*this)),
+      base_(std::make_unique<BasePort>(*this)) {}
+
+LogPlayer::~LogPlayer() {
+  shutDown();
+}
+
+FrameSource& LogPlayer::camera() {
+  return *camera_;
+}
+PanTiltUnit& LogPlayer::panTilt() {
+  return *pan_tilt_;
+}
+MobileBase& LogPlayer::base() {
+  return *base_;
+}
+
+void LogPlayer::updateLocked() const {
+  timeline_.update(clock_.now());
+}
+
+void LogPlayer::consumerArrived() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (timeline_.state() != ReplayState::kWaiting) return;
+    timeline_.play(clock_.now());
+  }
+  wake_.notify_all();
+}
+
+void LogPlayer::shutDown() {
+  {
+    const std::lock_guard lock(mutex_);
+    shut_down_ = true;
+  }
+  wake_.notify_all();
+}
+
+std::string LogPlayer::whyNothing() const {
+  switch (timeline_.state()) {
+    case ReplayState::kWaiting:
+      return "the replay waits for a client of its camera, or to be told to play";
+    case ReplayState::kPaused:
+      return "the replay is paused";
+    case ReplayState::kFinished:
+      return "end of " + log_.file();
+    case ReplayState::kPlaying:
+      break;
+  }
+  return "nothing new yet";
+}
+
+bool LogPlayer::waitLocked(std::unique_lock<std::mutex>& lock, std::optional<StampUs> stamp_us,
+                           StampUs deadline_us) {
+  if (shut_down_ || clock_.now() >= deadline_us) return false;
+  StampUs until_us = deadline_us;
+  if (stamp_us) {
+    if (const auto due_us = timeline_.clockAt(*stamp_us)) until_us = std::min(until_us, *due_us);
+  }
+  clock_.waitUntil(lock, wake_, until_us);
+  return true;
+}
+
+FrameResult LogPlayer::nextFrame(std::chrono::milliseconds timeout) {
+  const auto& stamps = log_.frameStamps();
+  std::unique_lock lock(mutex_);
+  const StampUs deadline_us = clock_.now() + std::chrono::microseconds(timeout).count();
+  while (true) {
+    updateLocked();
+    if (seen_jumps_ != timeline_.jumps()) {
+      seen_jumps_ = timeline_.jumps();
+      seq_offset_ += stamps.size();
+      next_frame_ = frameAt(stamps, timeline_.segmentBegin());
+    }
+    const std::size_t newest = frameAt(stamps, timeline_.position());
+    const bool begun = timeline_.state() != ReplayState::kWaiting;
+    if (begun && !shut_down_ && newest >= next_frame_ && newest < stamps.size()) {
+      next_frame_ = newest + 1;
+      const std::uint64_t seq_offset = seq_offset_;
+      lock.unlock();  // decoding takes its time; frames have one consumer
+      try {
+        Frame frame = log_.readFrame(newest);
+        frame.seq += seq_offset;
+        return {SourceState::kRunning, std::move(frame), ""};
+      } catch (const RecordingError& error) {
+        return {SourceState::kWaiting, std::nullopt, error.what()};
+      }
+    }
+    if (timeline_.state() == ReplayState::kFinished)
+      return {SourceState::kFinished, std::nullopt, whyNothing()};
+    std::optional<StampUs> due_us;
+    if (next_frame_ < stamps.size()) due_us = stamps[next_frame_];
+    // The end of the log comes a little after its last frame.
+    if (!due_us) due_us = endOf(log_);
+    if (!waitLocked(lock, due_us, deadline_us)) return {SourceState::kWaiting, std::nullopt, whyNothing()};
+  }
+}
+
+template <typename Sample>
+SampleBatch<Sample> LogPlayer::samplesSince(const std::vector<Sample>& samples, StampUs after_us,
+                                            std::chrono::milliseconds timeout) {
+  if (samples.empty()) return {SourceState::kWaiting, {}, log_.file() + " has none of these samples"};
+  std::unique_lock lock(mutex_);
+  const StampUs deadline_us = clock_.now() + std::chrono::microseconds(timeout).count();
+  while (true) {
+    updateLocked();
+    // From the last sample before the frame at which this part of the replay began: that frame needs it.
+    const StampUs frame_us = log_.frameStamps()[frameAt(log_.frameStamps(), timeline_.segmentBegin())];
+    const std::size_t before = firstAfter(samples, frame_us);
+    const std::size_t begin = std::max(firstAfter(samples, after_us), before == 0 ? 0 : before - 1);
+    const std::size_t end = firstAfter(samples, timeline_.position());
+    if (begin < end && timeline_.state() != ReplayState::kWaiting && !shut_down_) {
+      return {SourceState::kRunning,
+              {samples.begin() + static_cast<std::ptrdiff_t>(begin),
+               samples.begin() + static_cast<std::ptrdiff_t>(end)},
+              ""};
+    }
+    if (timeline_.state() == ReplayState::kFinished) return {SourceState::kFinished, {}, whyNothing()};
+    std::optional<StampUs> due_us;
+    if (end < samples.size()) due_us = samples[end].stamp_us;
+    if (!waitLocked(lock, due_us, deadline_us)) return {SourceState::kWaiting, {}, whyNothing()};
+  }
+}
+
+ReplayStatus LogPlayer::status() const {
+  const std::lock_guard lock(mutex_);
+  updateLocked();
+  ReplayStatus status;
+  status.state = timeline_.state();
+  status.file = log_.file();
+  status.first_us = log_.frameStamps().front();
+  status.last_us = log_.frameStamps().back();
+  status.stamp_us = timeline_.position();
+  status.rate = timeline_.rate();
+  status.loop = timeline_.loop();
+  return status;
+}
+
+PortReply LogPlayer::play() {
+  {
+    const std::lock_guard lock(mutex_);
+    timeline_.play(clock_.now());
+  }
+  wake_.notify_all();
+  return PortReply::accepted();
+}
+
+PortReply LogPlayer::pause() {
+  {
+    const std::lock_guard lock(mutex_);
+    timeline_.pause(clock_.now());
+    if (timeline_.state() == ReplayState::kFinished) return PortReply::rejected("the replay is at its end");
+  }
+  wake_.notify_all();
+  return PortReply::accepted();
+}
+
+PortReply LogPlayer::seek(StampUs stamp_us) {
+  StampUs reached_us = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    reached_us = timeline_.seek(stamp_us, clock_.now());
+  }
+  wake_.notify_all();
+  if (reached_us == stamp_us) return PortReply::accepted();
+  return PortReply::adjusted("the log's stamps end at " + std::to_string(reached_us) + " us");
+}
+
+PortReply LogPlayer::setRate(double rate) {
+  if (!(rate >= 0.01 && rate <= 1000.0)) {
+    return PortReply::rejected("rate " + std::to_string(rate) + " (must be 0.01..1000)");
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    timeline_.setRate(rate, clock_.now());
+  }
+  wake_.notify_all();
+  return PortReply::accepted();
+}
+
+PortReply LogPlayer::setLoop(bool loop) {
+  {
+    const std::lock_guard lock(mutex_);
+    timeline_.setLoop(loop, clock_.now());
+  }
+  wake_.notify_all();
+  return PortReply::accepted();
+}
+
+}  // namespace vismem

@@ -1,0 +1,98 @@
+/// @file A log that plays in time, for the ports of a process: frames, joints and odometry come out when
+/// their stamps are reached. DESIGN 2, 14.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "common/recording/robot_log.h"
+#include "common/robot/control_ports.h"
+#include "replay_server/core/replay_timeline.h"
+
+namespace vismem {
+
+/// What the pace of a replay is measured with; tests have their own.
+class PacingClock {
+ public:
+  virtual ~PacingClock() = default;
+  /// [us], never goes back.
+  virtual StampUs now() const = 0;
+  /// Waits until a time, or until woken.
+  virtual void waitUntil(std::unique_lock<std::mutex>& lock, std::condition_variable& wake,
+                         StampUs until_us) = 0;
+};
+
+/// std::chrono::steady_clock.
+class SteadyPacingClock : public PacingClock {
+ public:
+  StampUs now() const override;
+  void waitUntil(std::unique_lock<std::mutex>& lock, std::condition_variable& wake,
+                 StampUs until_us) override;
+};
+
+/// *Thread-safe*, except that the camera has one consumer. Its time runs from the first image to the last,
+/// and on until odometry and joints cover that. Nothing is resampled; commands are rejected.
+class LogPlayer : public ReplayControl {
+ public:
+  struct Params {
+    double rate = 1.0;
+    bool loop = false;
+    ReplayState start = ReplayState::kWaiting;  ///< kWaiting, kPlaying or kPaused
+  };
+
+  /// @param clock must outlive the player.
+  LogPlayer(RobotLog log, const Params& params, PacingClock& clock);
+  ~LogPlayer() override;
+
+  /// A consumer of the camera is there: begins to play if it was waiting for one.
+  void consumerArrived();
+  /// Ends all waits now and from now on.
+  void shutDown();
+
+  /// A frame is never given twice; the newest that is due wins. After a seek the one at or before the stamp
+  /// is given. Sequence numbers go on over loops and seeks.
+  FrameSource& camera();
+  PanTiltUnit& panTilt();
+  MobileBase& base();
+  const RobotLog& log() const { return log_; }
+
+  ReplayStatus status() const override;
+  PortReply play() override;
+  PortReply pause() override;
+  PortReply seek(StampUs stamp_us) override;
+  PortReply setRate(double rate) override;
+  PortReply setLoop(bool loop) override;
+
+ private:
+  class CameraPort;
+  class PanTiltPort;
+  class BasePort;
+
+  FrameResult nextFrame(std::chrono::milliseconds timeout);
+  template <typename Sample>
+  SampleBatch<Sample> samplesSince(const std::vector<Sample>& samples, StampUs after_us,
+                                   std::chrono::milliseconds timeout);
+  void updateLocked() const;
+  /// Waits for the stamp (where there is one), the deadline or a change. @return false at the deadline.
+  bool waitLocked(std::unique_lock<std::mutex>& lock, std::optional<StampUs> stamp_us, StampUs deadline_us);
+  std::string whyNothing() const;
+
+  const RobotLog log_;
+  PacingClock& clock_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  mutable ReplayTimeline timeline_;
+  /// First frame not yet given, as far as the jump numbered seen_jumps_.
+  std::size_t next_frame_ = 0;
+  std::uint32_t seen_jumps_ = 0;
+  std::uint64_t seq_offset_ = 0;
+  bool shut_down_ = false;
+  std::unique_ptr<CameraPort> camera_;
+  std::unique_ptr<PanTiltPort> pan_tilt_;
+  std::unique_ptr<BasePort> base_;
+};
+
+}  // namespace vismem
