@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
+#include <limits>
 
 #include "common/vision/edge_sampling.h"
 
@@ -37,27 +37,33 @@ SegmentSides labelSegment(const cv::Mat& image, const Segment2& px_raw, const Pa
   SegmentSides sides;
   if (image.type() != CV_8UC3 || !(px_raw.length() > 0.0)) return sides;
   const Eigen::Vector2d normal = leftNormal(px_raw);
-  std::vector<ColorClass> left;
-  std::vector<ColorClass> right;
-  for (const double distance_px : params.distances_px) {
-    left.push_back(classBeside(image, px_raw, distance_px * normal, palette, params));
-    right.push_back(classBeside(image, px_raw, -distance_px * normal, palette, params));
-    // Only combinations with the distance just added are new.
-    const std::size_t newest = left.size() - 1;
-    for (std::size_t nearer = 0; nearer <= newest; ++nearer) {
-      for (const auto& [l, r] : {std::pair{nearer, newest}, std::pair{newest, nearer}}) {
-        const Label& label = palette.label(left[l], right[r]);
-        if (label != kUnknownLabel) return {left[l], right[r], label};
-      }
+  const auto classesAt = [&](const std::vector<double>& distances_px, double sign) {
+    std::vector<ColorClass> classes;
+    for (const double distance_px : distances_px) {
+      classes.push_back(classBeside(image, px_raw, sign * distance_px * normal, palette, params));
+    }
+    return classes;
+  };
+  const auto bright = classesAt(params.bright_distances_px, 1.0);
+  const auto dark = classesAt(params.dark_distances_px, -1.0);
+  double nearest_px = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < bright.size(); ++i) {
+    for (std::size_t j = 0; j < dark.size(); ++j) {
+      const double distance_px = params.bright_distances_px[i] + params.dark_distances_px[j];
+      const Label& label = palette.label(bright[i], dark[j]);
+      if (label == kUnknownLabel || distance_px >= nearest_px) continue;
+      nearest_px = distance_px;
+      sides = {bright[i], dark[j], label};
     }
   }
-  const auto nearest = [](const std::vector<ColorClass>& classes) {
+  if (sides.label != kUnknownLabel) return sides;
+  const auto first = [](const std::vector<ColorClass>& classes) {
     const auto found =
         std::find_if(classes.begin(), classes.end(), [](ColorClass c) { return c != kNoColorClass; });
     return found == classes.end() ? kNoColorClass : *found;
   };
-  sides.left = nearest(left);
-  sides.right = nearest(right);
+  sides.bright = first(bright);
+  sides.dark = first(dark);
   return sides;
 }
 
