@@ -96,6 +96,13 @@ struct Renderer::Impl {
     shaded.resize(centre_rays.size());
   }
 
+  /// @param sunlit whether nothing stands between the surface and the sun.
+  float lightOn(const Eigen::Vector3f& normal, bool sunlit) const {
+    // A sky above and a darker floor below: tops, walls and undersides differ a little in the shade.
+    const float light = sun.ambient * (0.85f + 0.15f * normal.z());
+    return sunlit ? light + sun.diffuse * std::max(0.0f, -normal.dot(sun.direction)) : light;
+  }
+
   /// Colours of up to eight rays from one origin.
   void shadePacket(const Eigen::Vector3f& origin, std::span<const Eigen::Vector3f> d, Shaded* out) {
     RTCIntersectContext context;
@@ -153,11 +160,7 @@ struct Renderer::Impl {
       out[i] = {};
       const unsigned id = rays.hit.geomID[i];
       if (id == kSkyId) continue;
-      // A sky above and a darker floor below: walls of different height and tops differ a little in the
-      // shade.
-      float light = sun.ambient * (0.85f + 0.15f * normals[i].z());
-      if (lit[i] != 0 && shadow.tfar[i] >= 0.0f) light += sun.diffuse * -normals[i].dot(sun.direction);
-      out[i] = {light * colors[id], id};
+      out[i] = {lightOn(normals[i], lit[i] != 0 && shadow.tfar[i] >= 0.0f) * colors[id], id};
     }
   }
 
@@ -236,8 +239,21 @@ std::optional<RayHit> Renderer::cast(const Eigen::Vector3d& origin, const Eigen:
   if (ray.hit.geomID == kSkyId) return std::nullopt;
   Eigen::Vector3f normal(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z);
   normal.normalize();
-  if (normal.dot(d) > 0.0f) normal = -normal;
-  return RayHit{ray.ray.tfar, static_cast<int>(ray.hit.geomID), normal.cast<double>()};
+  const bool from_inside = normal.dot(d) > 0.0f;
+  if (from_inside) normal = -normal;
+
+  const Eigen::Vector3f p = o + ray.ray.tfar * d + kShadowLift_m * normal;
+  const Eigen::Vector3f to_sun = -impl_->sun.direction;
+  RTCRay shadow{};
+  std::tie(shadow.org_x, shadow.org_y, shadow.org_z) = std::tuple(p.x(), p.y(), p.z());
+  std::tie(shadow.dir_x, shadow.dir_y, shadow.dir_z) = std::tuple(to_sun.x(), to_sun.y(), to_sun.z());
+  shadow.tnear = kShadowLift_m;
+  shadow.tfar = kFar_m;
+  shadow.mask = ~0u;
+  rtcOccluded1(impl_->scene, &context, &shadow);
+  const bool sunlit = shadow.tfar >= 0.0f;
+  return RayHit{ray.ray.tfar, static_cast<int>(ray.hit.geomID), normal.cast<double>(),
+                impl_->lightOn(normal, sunlit) * impl_->colors[ray.hit.geomID], from_inside};
 }
 
 }  // namespace vismem

@@ -17,6 +17,8 @@ struct RayHit {
   double distance_m = 0.0;                            ///< along the ray, for a direction of unit length
   int body = 0;                                       ///< index into World::bodies
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< of unit length, towards where the ray came from
+  Eigen::Vector3f color = Eigen::Vector3f::Zero();    ///< as the camera sees it, R G B, 0..1
+  bool from_inside = false;                           ///< the ray began inside the body
 };
 
 /// Renders a fixed world. *Single-threaded* (owner: the simulation). The same world, camera and pose give the

@@ -83,6 +83,56 @@ TriangleMesh sphereMesh(double radius) {
   return mesh;
 }
 
+TriangleMesh prismMesh(std::vector<Eigen::Vector2d> outline, double height) {
+  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
+    const Eigen::Vector2d u = b - a;
+    const Eigen::Vector2d v = c - a;
+    return u.x() * v.y() - u.y() * v.x();
+  };
+  if (outline.size() > 1 && (outline.front() - outline.back()).norm() < 1e-9) outline.pop_back();
+  double area = 0.0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    area += cross(Eigen::Vector2d::Zero(), outline[i], outline[(i + 1) % outline.size()]);
+  }
+  if (area < 0.0) std::reverse(outline.begin(), outline.end());
+
+  TriangleMesh mesh;
+  const std::size_t n = outline.size();
+  for (const double z : {0.0, height}) {
+    for (const auto& p : outline) mesh.vertices.emplace_back(Eigen::Vector3d(p.x(), p.y(), z).cast<float>());
+  }
+  // Ear clipping: cut off corners that turn left and hold no other corner.
+  std::vector<std::size_t> left(n);
+  for (std::size_t i = 0; i < n; ++i) left[i] = i;
+  while (left.size() >= 3) {
+    bool cut = false;
+    for (std::size_t i = 0; i < left.size() && !cut; ++i) {
+      const std::size_t a = left[(i + left.size() - 1) % left.size()];
+      const std::size_t b = left[i];
+      const std::size_t c = left[(i + 1) % left.size()];
+      if (cross(outline[a], outline[b], outline[c]) <= 1e-12) continue;
+      const bool holds_corner = std::any_of(left.begin(), left.end(), [&](std::size_t p) {
+        return p != a && p != b && p != c && cross(outline[a], outline[b], outline[p]) >= 0.0 &&
+               cross(outline[b], outline[c], outline[p]) >= 0.0 &&
+               cross(outline[c], outline[a], outline[p]) >= 0.0;
+      });
+      if (holds_corner) continue;
+      mesh.triangles.push_back(triangle(n + a, n + b, n + c));
+      mesh.triangles.push_back(triangle(c, b, a));
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(i));
+      cut = true;
+    }
+    if (!cut) break;
+  }
+  if (left.size() != 2) return {};
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t j = (i + 1) % n;
+    mesh.triangles.push_back(triangle(i, j, n + j));
+    mesh.triangles.push_back(triangle(i, n + j, n + i));
+  }
+  return mesh;
+}
+
 std::vector<Eigen::Vector2d> convexHull(std::vector<Eigen::Vector2d> points) {
   // Andrew's monotone chain.
   std::sort(points.begin(), points.end(),

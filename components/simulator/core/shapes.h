@@ -19,6 +19,9 @@ TriangleMesh planeMesh(const Eigen::Vector2d& size);
 /// Axis along z, centred [m].
 TriangleMesh cylinderMesh(double radius, double length);
 TriangleMesh sphereMesh(double radius);
+/// A prism over a simple polygon (either sense of rotation), from z = 0 to `height` [m].
+/// @return without triangles if the polygon has no area or crosses itself.
+TriangleMesh prismMesh(std::vector<Eigen::Vector2d> outline, double height);
 
 /// Convex hull of points of the plane, counter-clockwise, without the repeated first point.
 std::vector<Eigen::Vector2d> convexHull(std::vector<Eigen::Vector2d> points);

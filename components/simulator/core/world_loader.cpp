@@ -184,10 +184,35 @@ class WorldBuilder {
       case sdf::GeometryType::MESH:
         return importMesh(name, *geometry->MeshShape());
       default:
+        // libsdformat 12 has no class for polylines, but it keeps the element.
+        if (geometry->Element() && geometry->Element()->HasElement("polyline")) {
+          return polylineMesh(name, geometry->Element());
+        }
         warn("\"" + name +
-             "\" has a geometry that is not simulated (box, plane, cylinder, sphere, mesh are)");
+             "\" has a geometry that is not simulated (box, plane, cylinder, sphere, polyline, mesh are)");
         return std::nullopt;
     }
+  }
+
+  TriangleMesh polylineMesh(const std::string& name, const sdf::ElementPtr& geometry) {
+    TriangleMesh whole;
+    for (auto e = geometry->GetElement("polyline"); e; e = e->GetNextElement("polyline")) {
+      std::vector<Eigen::Vector2d> outline;
+      for (auto p = e->FindElement("point"); p; p = p->GetNextElement("point")) {
+        const auto point = p->Get<ignition::math::Vector2d>();
+        outline.emplace_back(point.X(), point.Y());
+      }
+      const TriangleMesh part = prismMesh(std::move(outline), e->Get<double>("height"));
+      if (part.triangles.empty()) {
+        warn("\"" + name + "\": a polyline that has no area or crosses itself: left out");
+      }
+      const auto first = static_cast<std::uint32_t>(whole.vertices.size());
+      whole.vertices.insert(whole.vertices.end(), part.vertices.begin(), part.vertices.end());
+      for (const auto& t : part.triangles) {
+        whole.triangles.emplace_back(first + t[0], first + t[1], first + t[2]);
+      }
+    }
+    return whole;
   }
 
   std::optional<TriangleMesh> importMesh(const std::string& name, const sdf::Mesh& shape) {

@@ -1,0 +1,234 @@
+#include "simulator/core/map_builder.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <tuple>
+
+#include "simulator/core/renderer.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kOnFloor_m = 0.005;
+/// The edge's own surface must be where the edge is, seen from the eye.
+constexpr double kDepthTolerance_m = 0.015;
+constexpr int kEyeAzimuths = 12;
+constexpr std::array<double, 2> kEyeRanges_m{0.4, 0.9};
+constexpr int kBisections = 8;
+/// Eyes that look along the edge (sine of the angle) would see its sides far from the place asked for.
+constexpr double kMinAcross = 0.7;
+
+/// A line where two faces of a body meet, or where a face ends.
+struct Crease {
+  int body = 0;
+  Segment3 line;
+};
+
+std::vector<Crease> findCreases(const World& world, double min_angle_rad) {
+  std::vector<Crease> creases;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    const WorldBody& body = world.bodies[b];
+    // Vertices are repeated per face: equal places (to 0.1 mm) are one corner.
+    using Corner = std::tuple<long, long, long>;
+    const auto corner = [&](std::uint32_t i) {
+      const Eigen::Vector3f& v = body.vertices[i];
+      return Corner{std::lround(v.x() * 1e4), std::lround(v.y() * 1e4), std::lround(v.z() * 1e4)};
+    };
+    struct Side {
+      Segment3 line;
+      std::vector<Eigen::Vector3d> normals;
+    };
+    std::map<std::pair<Corner, Corner>, Side> sides;
+    for (const auto& t : body.triangles) {
+      const std::array<Eigen::Vector3d, 3> p{body.vertices[t[0]].cast<double>(),
+                                             body.vertices[t[1]].cast<double>(),
+                                             body.vertices[t[2]].cast<double>()};
+      const Eigen::Vector3d normal = (p[1] - p[0]).cross(p[2] - p[0]);
+      if (normal.norm() < 1e-12) continue;
+      for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3;
+        const Corner from = corner(t[i]);
+        const Corner to = corner(t[j]);
+        Side& side = sides[{std::min(from, to), std::max(from, to)}];
+        side.line = {p[i], p[j]};
+        side.normals.push_back(normal.normalized());
+      }
+    }
+    for (const auto& [key, side] : sides) {
+      const auto& n = side.normals;
+      const bool smooth = n.size() == 2 && n[0].dot(n[1]) > std::cos(min_angle_rad);
+      if (!smooth && side.line.length() > 0.0) creases.push_back({static_cast<int>(b), side.line});
+    }
+  }
+  return creases;
+}
+
+class EdgeLooker {
+ public:
+  EdgeLooker(const World& world, const Palette& palette, const MapBuilderParams& params)
+      : params_(params), palette_(palette), renderer_(world) {}
+
+  /// The label that most eyes see at a place of a crease; empty if none sees a named pair.
+  std::optional<Label> labelAt(const Crease& crease, double fraction) const {
+    const Eigen::Vector3d p = crease.line.a + fraction * (crease.line.b - crease.line.a);
+    const Eigen::Vector3d along = (crease.line.b - crease.line.a).normalized();
+    std::map<Label, int> votes;
+    // From the camera's height, and level with what is above it.
+    std::vector<double> heights{params_.eye_height_m};
+    if (p.z() > params_.eye_height_m) heights.push_back(p.z());
+    for (const double height : heights) {
+      for (const double range : kEyeRanges_m) {
+        for (int i = 0; i < kEyeAzimuths; ++i) {
+          // Off the axes, so that no eye looks along a wall.
+          const double azimuth = 2.0 * std::numbers::pi * (i + 0.37) / kEyeAzimuths;
+          const Eigen::Vector3d eye(p.x() + range * std::cos(azimuth), p.y() + range * std::sin(azimuth),
+                                    height);
+          if (const auto label = seenFrom(eye, crease.body, p, along)) ++votes[*label];
+        }
+      }
+    }
+    const auto best = std::max_element(votes.begin(), votes.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (best == votes.end()) return std::nullopt;
+    return best->first;
+  }
+
+ private:
+  std::optional<Label> seenFrom(const Eigen::Vector3d& eye, int body, const Eigen::Vector3d& p,
+                                const Eigen::Vector3d& along) const {
+    const Eigen::Vector3d across = along.cross((p - eye).normalized());
+    if (across.norm() < kMinAcross) return std::nullopt;
+    const Eigen::Vector3d beside = params_.side_m * across.normalized();
+    const double depth = (p - eye).norm();
+    std::array<ColorClass, 2> classes{};
+    double nearest = 1e9;
+    bool own_body = false;
+    for (int side = 0; side < 2; ++side) {
+      const Eigen::Vector3d target = side == 0 ? Eigen::Vector3d(p + beside) : Eigen::Vector3d(p - beside);
+      const auto hit = renderer_.cast(eye, target - eye);
+      if (!hit || hit->from_inside) return std::nullopt;
+      const Eigen::Vector3d met = eye + hit->distance_m * (target - eye).normalized();
+      if ((met - p).norm() > params_.contact_m) return std::nullopt;
+      nearest = std::min(nearest, std::abs(hit->distance_m - depth));
+      own_body = own_body || hit->body == body;
+      const auto byte = [&](int c) {
+        return static_cast<std::uint8_t>(std::clamp(255.0f * hit->color[c] + 0.5f, 0.0f, 255.0f));
+      };
+      classes[side] = palette_.classOf(byte(0), byte(1), byte(2));
+    }
+    if (!own_body || nearest > kDepthTolerance_m) return std::nullopt;
+    const Label& label = palette_.label(classes[0], classes[1]);
+    if (label == kUnknownLabel) return std::nullopt;
+    return label;
+  }
+
+  MapBuilderParams params_;
+  const Palette& palette_;
+  Renderer renderer_;
+};
+
+/// The runs of equal label along a crease.
+void addRuns(const EdgeLooker& looker, const Crease& crease, const MapBuilderParams& params,
+             std::vector<MapSegment>& out) {
+  const double length = crease.line.length();
+  const int steps = std::max(1, static_cast<int>(std::ceil(length / params.step_m - 1e-6)));
+  const auto fractionOf = [&](int i) { return (i + 0.5) / steps; };
+  std::vector<std::optional<Label>> labels;
+  for (int i = 0; i < steps; ++i) labels.push_back(looker.labelAt(crease, fractionOf(i)));
+  /// Where the label ends between a place that has it and one that has not.
+  const auto refine = [&](double has, double has_not, const Label& label) {
+    for (int i = 0; i < kBisections; ++i) {
+      const double middle = 0.5 * (has + has_not);
+      (looker.labelAt(crease, middle) == label ? has : has_not) = middle;
+    }
+    return has;
+  };
+  for (int first = 0; first < steps;) {
+    int last = first;
+    while (last + 1 < steps && labels[last + 1] == labels[first]) ++last;
+    if (labels[first]) {
+      const Label& label = *labels[first];
+      const double from = first == 0 ? 0.0 : refine(fractionOf(first), fractionOf(first - 1), label);
+      const double to = last + 1 == steps ? 1.0 : refine(fractionOf(last), fractionOf(last + 1), label);
+      const Eigen::Vector3d d = crease.line.b - crease.line.a;
+      MapSegment segment{{crease.line.a + from * d, crease.line.a + to * d}, label};
+      for (Eigen::Vector3d* end : {&segment.world.a, &segment.world.b}) {
+        if (std::abs(end->z()) < kOnFloor_m) end->z() = 0.0;
+        // Millimetres are enough for people to read, and -0 is not.
+        *end = (*end * 1e3).array().round() / 1e3 + 0.0;
+      }
+      if (segment.world.length() >= params.min_length_m) out.push_back(std::move(segment));
+    }
+    first = last + 1;
+  }
+}
+
+/// Joins `b` to `a` if both lie on one line and touch.
+bool join(MapSegment& a, const MapSegment& b, double tolerance_m) {
+  if (a.label != b.label) return false;
+  const Eigen::Vector3d d = (a.world.b - a.world.a).normalized();
+  const auto offset = [&](const Eigen::Vector3d& p) {
+    const Eigen::Vector3d r = p - a.world.a;
+    return (r - r.dot(d) * d).norm();
+  };
+  constexpr double kOnLine_m = 0.002;
+  if (offset(b.world.a) > kOnLine_m || offset(b.world.b) > kOnLine_m) return false;
+  const double length = a.world.length();
+  const double t0 = (b.world.a - a.world.a).dot(d);
+  const double t1 = (b.world.b - a.world.a).dot(d);
+  if (std::min(t0, t1) > length + tolerance_m || std::max(t0, t1) < -tolerance_m) return false;
+  const Eigen::Vector3d low = std::min(t0, t1) < 0.0 ? (t0 < t1 ? b.world.a : b.world.b) : a.world.a;
+  const Eigen::Vector3d high = std::max(t0, t1) > length ? (t0 > t1 ? b.world.a : b.world.b) : a.world.b;
+  a.world = {low, high};
+  return true;
+}
+
+}  // namespace
+
+SegmentMap buildSegmentMap(const World& world, const Palette& palette, const MapBuilderParams& params) {
+  const EdgeLooker looker(world, palette, params);
+  std::vector<MapSegment> runs;
+  for (const Crease& crease : findCreases(world, params.crease_rad)) addRuns(looker, crease, params, runs);
+
+  std::vector<MapSegment> joined;
+  for (MapSegment run : runs) {
+    for (bool again = true; again;) {
+      again = false;
+      for (std::size_t i = 0; i < joined.size() && !again; ++i) {
+        if (join(joined[i], run, params.same_place_m)) {
+          run = joined[i];
+          joined.erase(joined.begin() + static_cast<std::ptrdiff_t>(i));
+          again = true;
+        }
+      }
+    }
+    joined.push_back(run);
+  }
+
+  // Both rims of a thin panel are one edge for a camera; the longer one stays.
+  SegmentMap map;
+  std::vector<std::size_t> order(joined.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return joined[a].world.length() > joined[b].world.length() + 1e-9;
+  });
+  std::vector<std::size_t> kept;
+  for (const std::size_t i : order) {
+    const MapSegment& s = joined[i];
+    const bool twice = std::any_of(kept.begin(), kept.end(), [&](std::size_t k) {
+      const MapSegment& other = joined[k];
+      return other.label == s.label && distanceToSegment(s.world.a, other.world) < params.same_place_m &&
+             distanceToSegment(s.world.b, other.world) < params.same_place_m;
+    });
+    if (!twice) kept.push_back(i);
+  }
+  std::sort(kept.begin(), kept.end());
+  for (const std::size_t i : kept) map.segments.push_back(joined[i]);
+  return map;
+}
+
+}  // namespace vismem
