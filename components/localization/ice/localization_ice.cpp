@@ -1,0 +1,184 @@
+#include "localization/ice/localization_ice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/robot_ice/conversions.h"
+
+namespace vismem {
+namespace {
+
+bool usable(const avm::PoseEstimate& e) {
+  const auto finite = [](const avm::Pose2& p) { return allFinite({p.x, p.y, p.theta}); };
+  const avm::Symmetric3& m = e.covariance;
+  return finite(e.robotInWorld) && finite(e.robotInOdom) &&
+         allFinite({m.m00, m.m01, m.m02, m.m11, m.m12, m.m22, e.reliability}) &&
+         std::all_of(e.races.begin(), e.races.end(), [&](const avm::Race& race) {
+           return finite(race.robotInWorld) && allFinite({race.health, race.weight});
+         });
+}
+
+std::optional<std::int64_t> known(std::int64_t after_revision) {
+  if (after_revision <= 0) return std::nullopt;
+  return after_revision;
+}
+
+}  // namespace
+
+avm::PoseEstimate toIce(const PoseEstimate& e) {
+  avm::PoseEstimate result;
+  result.stampUs = e.stamp_us;
+  result.revision = static_cast<Ice::Long>(e.revision);
+  result.hasPose = e.T_world_robot.has_value();
+  result.robotInWorld = toIce(e.T_world_robot.value_or(Pose2{}));
+  result.robotInOdom = toIce(e.T_odom_robot);
+  result.covariance = toIce(e.P);
+  result.reliability = e.reliability;
+  result.races.reserve(e.races.size());
+  for (const RaceReport& race : e.races) {
+    result.races.push_back({static_cast<Ice::Long>(race.id), toIce(race.T_world_robot), race.health,
+                            race.weight, race.victories, race.age, race.winner});
+  }
+  return result;
+}
+
+PoseEstimate fromIce(const avm::PoseEstimate& e) {
+  PoseEstimate result;
+  result.stamp_us = e.stampUs;
+  result.revision = static_cast<std::uint64_t>(e.revision);
+  if (e.hasPose) result.T_world_robot = fromIce(e.robotInWorld);
+  result.T_odom_robot = fromIce(e.robotInOdom);
+  result.P = fromIce(e.covariance);
+  result.reliability = e.reliability;
+  result.races.reserve(e.races.size());
+  for (const avm::Race& race : e.races) {
+    result.races.push_back({static_cast<std::uint64_t>(race.id), fromIce(race.robotInWorld), race.health,
+                            race.weight, race.victories, race.age, race.winner});
+  }
+  return result;
+}
+
+jderobot::Pose3DData toPose3D(const Pose2& pose, double scale) {
+  return {static_cast<float>(pose.x * scale),
+          static_cast<float>(pose.y * scale),
+          0.F,
+          1.F,
+          static_cast<float>(std::cos(pose.theta / 2)),
+          0.F,
+          0.F,
+          static_cast<float>(std::sin(pose.theta / 2))};
+}
+
+std::optional<Pose2> fromPose3D(const jderobot::Pose3DData& d, double scale) {
+  const Eigen::Quaterniond q(d.q0, d.q1, d.q2, d.q3);
+  // Clients round; a length far from 1 is no rotation. Written so that a NaN fails too.
+  if (!allFinite({d.x, d.y}) || !(std::abs(q.norm() - 1.0) < 0.1)) return std::nullopt;
+  Pose3 pose = Pose3::Identity();
+  pose.linear() = q.normalized().toRotationMatrix();
+  return Pose2{d.x / scale, d.y / scale, toPose2(pose).theta};
+}
+
+void EstimateBroadcaster::publish(PoseEstimate estimate) {
+  const auto revision = static_cast<std::int64_t>(estimate.revision);
+  newest_.publish(std::make_shared<const PoseEstimate>(std::move(estimate)), revision);
+}
+
+std::optional<PoseEstimate> EstimateBroadcaster::latest() const {
+  const auto newest = newest_.latest();
+  if (!newest) return std::nullopt;
+  return *newest;
+}
+
+std::optional<PoseEstimate> EstimateBroadcaster::next(std::uint64_t after_revision,
+                                                      std::chrono::milliseconds timeout) const {
+  const auto reading = newest_.waitOther(known(static_cast<std::int64_t>(after_revision)), timeout);
+  if (!reading.value) return std::nullopt;
+  return *reading.value;
+}
+
+avm::PoseEstimate LocalizationServant::latest(const Ice::Current&) {
+  const auto newest = estimates_.stream().latest();
+  if (!newest) throw avm::NotAvailable(estimates_.stream().message());
+  return toIce(*newest);
+}
+
+void LocalizationServant::nextAsync(Ice::Long after_revision,
+                                    std::function<void(const avm::EstimateResult&)> response,
+                                    std::function<void(std::exception_ptr)> exception, const Ice::Current&) {
+  estimates_.stream().whenOther(
+      known(after_revision), kLongPollWait,
+      [response = std::move(response), exception = std::move(exception)](const auto& reading) {
+        try {
+          response({toIce(reading.state), reading.message,
+                    reading.value ? toIce(*reading.value) : avm::PoseEstimate{}});
+        } catch (...) {
+          exception(std::current_exception());
+        }
+      });
+}
+
+avm::CommandReply LocalizationServant::setPose(avm::Pose2 T_world_robot, const Ice::Current&) {
+  requireFinite("robotInWorld.x", T_world_robot.x);
+  requireFinite("robotInWorld.y", T_world_robot.y);
+  requireFinite("robotInWorld.theta", T_world_robot.theta);
+  return toIce(control_.setPose(fromIce(T_world_robot)));
+}
+
+avm::CommandReply LocalizationServant::relocalize(const Ice::Current&) {
+  return toIce(control_.relocalize());
+}
+
+std::shared_ptr<jderobot::Pose3DData> LocalizationServant::getPose3DData(const Ice::Current&) {
+  const auto newest = estimates_.stream().latest();
+  if (!newest || !newest->T_world_robot) {
+    throw Ice::UnknownException(__FILE__, __LINE__, "localization has no pose yet");
+  }
+  return std::make_shared<jderobot::Pose3DData>(toPose3D(*newest->T_world_robot, pose3d_scale_));
+}
+
+int LocalizationServant::setPose3DData(std::shared_ptr<jderobot::Pose3DData> data, const Ice::Current&) {
+  if (!data) return -1;
+  const auto pose = fromPose3D(*data, pose3d_scale_);
+  return pose && control_.setPose(*pose).ok() ? 0 : -1;
+}
+
+RemoteLocalization::RemoteLocalization(const std::shared_ptr<avm::LocalizationPrx>& proxy, LinkReport report)
+    : proxy_(boundedProxy(proxy, kInvocationTimeout_ms)),
+      commands_(boundedProxy(proxy, kCommandTimeout_ms)),
+      estimates_(proxy_, std::move(report)) {}
+
+std::optional<PoseEstimate> RemoteLocalization::latest() const {
+  if (!commands_) return std::nullopt;
+  try {
+    const avm::PoseEstimate estimate = commands_->latest();
+    if (!usable(estimate)) return std::nullopt;
+    return fromIce(estimate);
+  } catch (const Ice::Exception&) {
+    // Away or none yet: the header promises an empty answer for both.
+    return std::nullopt;
+  }
+}
+
+std::optional<PoseEstimate> RemoteLocalization::next(std::uint64_t after_revision,
+                                                     std::chrono::milliseconds timeout) {
+  const auto outcome = estimates_.wait(
+      [this, after_revision](auto done, auto failed) {
+        proxy_->nextAsync(static_cast<Ice::Long>(after_revision), std::move(done), std::move(failed));
+      },
+      timeout);
+  if (!outcome.result || outcome.result->state != avm::SourceState::Running) return std::nullopt;
+  if (!usable(outcome.result->estimate)) return std::nullopt;
+  return fromIce(outcome.result->estimate);
+}
+
+PortReply RemoteLocalization::setPose(const Pose2& T_world_robot) {
+  return runRemote(commands_, "localization",
+                   [&T_world_robot](avm::LocalizationPrx& l) { return l.setPose(toIce(T_world_robot)); });
+}
+
+PortReply RemoteLocalization::relocalize() {
+  return runRemote(commands_, "localization", [](avm::LocalizationPrx& l) { return l.relocalize(); });
+}
+
+}  // namespace vismem

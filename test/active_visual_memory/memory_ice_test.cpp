@@ -1,0 +1,326 @@
+// The visual memory and the gaze over a real connection: every field, waiting, refusals (SPEC C3).
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <future>
+#include <limits>
+#include <map>
+
+#include "active_visual_memory/ice/gaze_ice.h"
+#include "active_visual_memory/ice/visual_memory_ice.h"
+#include "robot_ice/loopback.h"
+
+namespace vismem {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+MemoryUpdate updateWith(std::uint64_t revision) {
+  auto snapshot = std::make_shared<MemorySnapshot>();
+  snapshot->stamp_us = 1000;
+  snapshot->revision = revision;
+  snapshot->epoch = 3;
+  snapshot->T_odom_robot = {1, 2, 0.5};
+  MemorySegment segment;
+  segment.id = 9;
+  segment.odom = {{1, 2, 3}, {4, 5, 6}};
+  segment.P_a << 1, 2, 3, 2, 4, 5, 3, 5, 6;
+  segment.P_b = 2 * segment.P_a;
+  segment.label = "skirting";
+  segment.life = 40;
+  segment.uncertainty = 0.025;
+  segment.salience = 7;
+  segment.confirmed = true;
+  segment.first_seen_us = 100;
+  segment.last_seen_us = 900;
+  snapshot->segments = {segment};
+
+  auto analysis = std::make_shared<ImageAnalysis>();
+  analysis->stamp_us = 1000;
+  analysis->frame_seq = 77;
+  analysis->intrinsics = {320, 240, 300, 301, 160, 120, 0.1, 0.2, 0.3, 0.4, 0.5};
+  analysis->T_odom_robot = {1, 2, 0.5};
+  analysis->T_robot_camera = poseFromXyzRpy(0.1, 0, 0.45, -1.57, 0, -1.57);
+  analysis->observed = {{{{1, 2}, {3, 4}}, "stripe_edge", 55}, {{{5, 6}, {7, 8}}, "unknown", 44}};
+  analysis->predicted = {{9, {{1.5, 2.5}, {3.5, 4.5}}, "skirting"}};
+  analysis->matches = {{1, 0}};
+  return {snapshot, analysis};
+}
+
+TEST(MemoryConversions, EveryFieldComesBack) {
+  const MemoryUpdate update = updateWith(5);
+  const MemorySnapshot s = fromIce(toIce(*update.snapshot));
+  EXPECT_EQ(s.stamp_us, 1000);
+  EXPECT_EQ(s.revision, 5U);
+  EXPECT_EQ(s.epoch, 3U);
+  EXPECT_EQ(s.T_odom_robot, (Pose2{1, 2, 0.5}));
+  ASSERT_EQ(s.segments.size(), 1U);
+  const MemorySegment& segment = s.segments[0];
+  const MemorySegment& original = update.snapshot->segments[0];
+  EXPECT_EQ(segment.id, 9U);
+  EXPECT_EQ(segment.odom.a, original.odom.a);
+  EXPECT_EQ(segment.odom.b, original.odom.b);
+  EXPECT_EQ(segment.P_a, original.P_a);
+  EXPECT_EQ(segment.P_b, original.P_b);
+  EXPECT_EQ(segment.label, "skirting");
+  EXPECT_EQ(segment.life, 40);
+  EXPECT_EQ(segment.uncertainty, 0.025);
+  EXPECT_EQ(segment.salience, 7);
+  EXPECT_TRUE(segment.confirmed);
+  EXPECT_EQ(segment.first_seen_us, 100);
+  EXPECT_EQ(segment.last_seen_us, 900);
+
+  const ImageAnalysis a = fromIce(toIce(*update.analysis));
+  EXPECT_EQ(a.stamp_us, 1000);
+  EXPECT_EQ(a.frame_seq, 77U);
+  EXPECT_EQ(a.intrinsics, update.analysis->intrinsics);
+  EXPECT_EQ(a.T_odom_robot, (Pose2{1, 2, 0.5}));
+  EXPECT_TRUE(a.T_robot_camera.isApprox(update.analysis->T_robot_camera, 1e-12));
+  ASSERT_EQ(a.observed.size(), 2U);
+  EXPECT_EQ(a.observed[0].px.a, Eigen::Vector2d(1, 2));
+  EXPECT_EQ(a.observed[0].px.b, Eigen::Vector2d(3, 4));
+  EXPECT_EQ(a.observed[0].label, "stripe_edge");
+  EXPECT_EQ(a.observed[0].strength, 55);
+  ASSERT_EQ(a.predicted.size(), 1U);
+  EXPECT_EQ(a.predicted[0].id, 9U);
+  EXPECT_EQ(a.predicted[0].px.b, Eigen::Vector2d(3.5, 4.5));
+  EXPECT_EQ(a.predicted[0].label, "skirting");
+  ASSERT_EQ(a.matches.size(), 1U);
+  EXPECT_EQ(a.matches[0].observed, 1);
+  EXPECT_EQ(a.matches[0].predicted, 0);
+}
+
+TEST(MemoryConversions, SaysWhatIsWrongWithAnUpdate) {
+  const MemoryUpdate update = updateWith(5);
+  const avm::MemoryUpdate good{toIce(*update.snapshot), toIce(*update.analysis)};
+  EXPECT_EQ(checkUpdate(good), "");
+  avm::MemoryUpdate bad = good;
+  bad.snapshot.segments[0].b.y = kNaN;
+  EXPECT_EQ(checkUpdate(bad), "segment 9 is not finite");
+  bad = good;
+  bad.analysis.matches[0].observed = -1;
+  EXPECT_EQ(checkUpdate(bad), "match -1, 0 names no segment");
+  bad = good;
+  bad.analysis.matches[0].predicted = 1;
+  EXPECT_EQ(checkUpdate(bad), "match 1, 1 names no segment");
+  bad = good;
+  bad.analysis.cameraOnRobot.qw = 9;
+  EXPECT_THAT(checkUpdate(bad), HasSubstr("cameraOnRobot"));
+}
+
+class MemoryLoopback : public ::testing::Test {
+ protected:
+  MemoryLoopback() { serve(0); }
+  ~MemoryLoopback() override { memory->stop(); }
+  void serve(int at_port) {
+    memory = std::make_unique<MemoryBroadcaster>();
+    server = std::make_unique<LoopbackServer>(at_port);
+    server->add("VisualMemory", std::make_shared<VisualMemoryServant>(*memory));
+    server->activate();
+    port = server->port();
+  }
+  std::shared_ptr<avm::VisualMemoryPrx> proxy() {
+    return client.proxy<avm::VisualMemoryPrx>("VisualMemory", port);
+  }
+
+  std::unique_ptr<MemoryBroadcaster> memory;
+  std::unique_ptr<LoopbackServer> server;
+  int port = 0;
+  LoopbackClient client;
+};
+
+TEST_F(MemoryLoopback, GivesTheNewestUpdateOnce) {
+  VisualMemoryClient remote(proxy());
+  EXPECT_EQ(remote.next(0, 10ms).state, SourceState::kWaiting);
+  EXPECT_THROW(proxy()->latest(), avm::NotAvailable);
+  memory->publish(updateWith(1));
+  MemoryResult result = remote.next(0, 2s);
+  ASSERT_EQ(result.state, SourceState::kRunning) << result.message;
+  EXPECT_EQ(result.update.snapshot->revision, 1U);
+  EXPECT_EQ(result.update.analysis->frame_seq, 77U);
+  EXPECT_EQ(remote.next(1, 10ms).state, SourceState::kWaiting);
+  memory->publish(updateWith(2));
+  memory->publish(updateWith(3));
+  EXPECT_GE(remote.next(1, 2s).update.snapshot->revision, 2U);
+  EXPECT_EQ(proxy()->latest().snapshot.revision, 3);
+  EXPECT_EQ(memory->next(2, 0ms).update.snapshot->revision, 3U);
+  EXPECT_EQ(memory->next(3, 0ms).state, SourceState::kWaiting);
+}
+
+TEST_F(MemoryLoopback, ARestartedServerIsNoticed) {
+  VisualMemoryClient remote(proxy());
+  memory->publish(updateWith(500));
+  ASSERT_EQ(remote.next(0, 2s).update.snapshot->revision, 500U);
+  server->deactivate();
+  memory->stop();
+  server.reset();
+  EXPECT_EQ(remote.next(500, 300ms).state, SourceState::kWaiting);
+  serve(port);
+  memory->publish(updateWith(2));
+  MemoryResult result;
+  ASSERT_TRUE(eventually([&] {
+    result = remote.next(500, 500ms);
+    return result.state == SourceState::kRunning;
+  }));
+  EXPECT_EQ(result.update.snapshot->revision, 2U);
+}
+
+TEST_F(MemoryLoopback, StopAnswersWaitingRequests) {
+  std::promise<avm::SourceState> state;
+  proxy()->nextAsync(0, [&](avm::MemoryResult result) { state.set_value(result.state); });
+  ASSERT_TRUE(eventually([&] { return memory->latest().waiting() == 1; }));
+  memory->stop();
+  EXPECT_EQ(state.get_future().get(), avm::SourceState::Waiting);
+}
+
+class RecordingGaze : public GazeClient {
+ public:
+  PortReply setMode(GazeMode value) override {
+    mode = value;
+    return PortReply::accepted();
+  }
+  PortReply fixate(const Eigen::Vector3d& p_odom) override {
+    if (p_odom.z() > 5) return PortReply::rejected("out of reach");
+    place = p_odom;
+    return PortReply::accepted();
+  }
+  PortReply request(const GazeRequest& value) override {
+    wish = value;
+    return PortReply::adjusted("lower priority");
+  }
+  PortReply withdraw(const std::string& client, const std::string& key) override {
+    withdrawn = client + "/" + key;
+    return PortReply::accepted();
+  }
+  std::optional<GazeStatus> status() override { return now; }
+
+  GazeMode mode = GazeMode::kAttend;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  GazeRequest wish;
+  std::string withdrawn;
+  std::optional<GazeStatus> now;
+};
+
+class GazeLoopback : public ::testing::Test {
+ protected:
+  GazeLoopback() {
+    server.add("Gaze", std::make_shared<GazeServant>(gaze));
+    server.activate();
+  }
+  RecordingGaze gaze;
+  LoopbackServer server;
+  LoopbackClient client;
+  RemoteGaze remote{client.proxy<avm::GazePrx>("Gaze", server.port())};
+};
+
+TEST_F(GazeLoopback, CommandsArriveAsGiven) {
+  for (const auto mode : {GazeMode::kAttend, GazeMode::kFixate, GazeMode::kHold, GazeMode::kOff}) {
+    EXPECT_TRUE(remote.setMode(mode).ok());
+    EXPECT_EQ(gaze.mode, mode);
+  }
+  EXPECT_TRUE(remote.fixate({1, 2, 3}).ok());
+  EXPECT_EQ(gaze.place, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(remote.fixate({1, 2, 9}).message, "out of reach");
+  GazeRequest wish{"localization", "corner", Eigen::Vector3d(4, 5, 6), std::nullopt, 2.5, 99};
+  EXPECT_EQ(remote.request(wish).message, "lower priority");
+  EXPECT_EQ(gaze.wish.client, "localization");
+  EXPECT_EQ(gaze.wish.key, "corner");
+  EXPECT_EQ(gaze.wish.p_odom, wish.p_odom);
+  EXPECT_FALSE(gaze.wish.direction);
+  EXPECT_EQ(gaze.wish.priority, 2.5);
+  EXPECT_EQ(gaze.wish.deadline_us, 99);
+  wish.p_odom.reset();
+  wish.direction = PanTilt{0.5, -0.25};
+  EXPECT_TRUE(remote.request(wish).ok());
+  EXPECT_FALSE(gaze.wish.p_odom);
+  EXPECT_EQ(gaze.wish.direction, wish.direction);
+  EXPECT_TRUE(remote.withdraw("localization", "corner").ok());
+  EXPECT_EQ(gaze.withdrawn, "localization/corner");
+}
+
+TEST_F(GazeLoopback, AbsurdWishesAreRefusedWithAReason) {
+  EXPECT_THAT(remote.fixate({kNaN, 0, 0}).message, HasSubstr("place.x = nan (must be finite)"));
+  GazeRequest wish{"gui", "", Eigen::Vector3d(1, 1, 0), std::nullopt, kNaN, 0};
+  EXPECT_THAT(remote.request(wish).message, HasSubstr("priority"));
+  wish.priority = 101;
+  EXPECT_THAT(remote.request(wish).message, HasSubstr("at most 100"));
+  wish.priority = 1;
+  wish.client.clear();
+  EXPECT_EQ(remote.request(wish).message, "client is empty");
+  wish.client = "gui";
+  wish.key = std::string(1000, 'x');
+  EXPECT_THAT(remote.request(wish).message, HasSubstr("key has 1000 characters"));
+  wish.key.clear();
+  wish.p_odom.reset();
+  EXPECT_THAT(remote.request(wish).message, HasSubstr("neither a place nor a direction"));
+}
+
+TEST_F(GazeLoopback, StatusComesBackWithEveryField) {
+  EXPECT_FALSE(remote.status());
+  for (const auto kind : {AttentionKind::kSegment, AttentionKind::kPrimitive, AttentionKind::kScanning,
+                          AttentionKind::kHypothesis, AttentionKind::kClient}) {
+    for (const auto state :
+         {GazeState::kSelect, GazeState::kSaccade, GazeState::kAnalyse, GazeState::kTrack}) {
+      GazeStatus status;
+      status.stamp_us = 5;
+      status.mode = GazeMode::kFixate;
+      status.state = state;
+      status.target = AttentionPoint{3, kind, Eigen::Vector3d(1, 2, 3), std::nullopt, 8.5};
+      status.points = {*status.target, {4, AttentionKind::kScanning, std::nullopt, PanTilt{0.1, 0.2}, 1.5}};
+      status.visits = 6;
+      status.given_up = 7;
+      gaze.now = status;
+      const auto back = remote.status();
+      ASSERT_TRUE(back);
+      EXPECT_EQ(back->stamp_us, 5);
+      EXPECT_EQ(back->mode, GazeMode::kFixate);
+      EXPECT_EQ(back->state, state);
+      ASSERT_TRUE(back->target);
+      EXPECT_EQ(back->target->id, 3U);
+      EXPECT_EQ(back->target->kind, kind);
+      EXPECT_EQ(back->target->p_odom, status.target->p_odom);
+      EXPECT_EQ(back->target->salience, 8.5);
+      ASSERT_EQ(back->points.size(), 2U);
+      EXPECT_EQ(back->points[1].direction, status.points[1].direction);
+      EXPECT_FALSE(back->points[1].p_odom);
+      EXPECT_EQ(back->visits, 6U);
+      EXPECT_EQ(back->given_up, 7U);
+    }
+  }
+  gaze.now->target.reset();
+  EXPECT_FALSE(remote.status()->target);
+}
+
+/// The numbers on the wire are those of the names: a reordered enumeration must fail here.
+TEST(GazeConversions, EnumerationsAgreeByName) {
+  EXPECT_EQ(toIce(GazeMode::kAttend), avm::GazeMode::Attend);
+  EXPECT_EQ(toIce(GazeMode::kFixate), avm::GazeMode::Fixate);
+  EXPECT_EQ(toIce(GazeMode::kHold), avm::GazeMode::Hold);
+  EXPECT_EQ(toIce(GazeMode::kOff), avm::GazeMode::Off);
+  const std::map<AttentionKind, avm::AttentionKind> kinds = {
+      {AttentionKind::kSegment, avm::AttentionKind::Segment},
+      {AttentionKind::kPrimitive, avm::AttentionKind::Primitive},
+      {AttentionKind::kScanning, avm::AttentionKind::Scanning},
+      {AttentionKind::kHypothesis, avm::AttentionKind::Hypothesis},
+      {AttentionKind::kClient, avm::AttentionKind::Client}};
+  for (const auto& [ours, wire] : kinds) {
+    AttentionPoint point;
+    point.kind = ours;
+    EXPECT_EQ(toIce(point).kind, wire);
+  }
+  const std::map<GazeState, avm::GazeState> states = {{GazeState::kSelect, avm::GazeState::Select},
+                                                      {GazeState::kSaccade, avm::GazeState::Saccade},
+                                                      {GazeState::kAnalyse, avm::GazeState::Analyse},
+                                                      {GazeState::kTrack, avm::GazeState::Track}};
+  for (const auto& [ours, wire] : states) {
+    GazeStatus status;
+    status.state = ours;
+    EXPECT_EQ(toIce(status).state, wire);
+  }
+}
+
+}  // namespace
+}  // namespace vismem
