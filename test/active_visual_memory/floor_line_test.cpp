@@ -63,14 +63,19 @@ TEST(FloorLine, EndRules) {
   const FloorLine::Params p;  // end_gate_m = 0.03
   const double v = 1e-6;
   // Open known end, true end seen a little nearer: the true end wins. Far nearer: the known bound stays.
-  EXPECT_DOUBLE_EQ(fuseEnds({1.0, v, true}, {0.99, v, false}, 1.0, p).t_m, 0.99);
-  EXPECT_DOUBLE_EQ(fuseEnds({1.0, v, true}, {0.5, v, false}, 1.0, p).t_m, 1.0);
+  const auto end = [&](double t, bool open) { return ExtentEnd{t, v, open, v, 1}; };
+  EXPECT_DOUBLE_EQ(fuseEnds(end(1.0, true), end(0.99, false), 1.0, p).t_m, 0.99);
+  EXPECT_DOUBLE_EQ(fuseEnds(end(1.0, true), end(0.5, false), 1.0, p).t_m, 1.0);
   // True end, open one just beyond: noise. Far beyond: the line does go on.
-  EXPECT_FALSE(fuseEnds({1.0, v, false}, {1.02, v, true}, 1.0, p).open);
-  EXPECT_TRUE(fuseEnds({1.0, v, false}, {1.5, v, true}, 1.0, p).open);
+  EXPECT_FALSE(fuseEnds(end(1.0, false), end(1.02, true), 1.0, p).open);
+  EXPECT_TRUE(fuseEnds(end(1.0, false), end(1.5, true), 1.0, p).open);
   // The other direction mirrors it.
-  EXPECT_DOUBLE_EQ(fuseEnds({-1.0, v, false}, {-1.5, v, false}, -1.0, p).t_m, -1.5);
-  EXPECT_DOUBLE_EQ(fuseEnds({-1.0, v, false}, {-0.5, v, false}, -1.0, p).t_m, -1.0);
+  EXPECT_DOUBLE_EQ(fuseEnds(end(-1.0, false), end(-1.5, false), -1.0, p).t_m, -1.5);
+  EXPECT_DOUBLE_EQ(fuseEnds(end(-1.0, false), end(-0.5, false), -1.0, p).t_m, -1.0);
+  // A true end that was seen well and often is not moved outwards by a view that is ten times worse.
+  const ExtentEnd known{1.0, v, false, v, 5};
+  EXPECT_DOUBLE_EQ(fuseEnds(known, {1.5, 10 * v, false, 10 * v, 1}, 1.0, p).t_m, 1.0);
+  EXPECT_DOUBLE_EQ(fuseEnds(known, end(1.5, false), 1.0, p).t_m, 1.5);
 }
 
 TEST(FloorLine, NoisyObservationsConverge) {

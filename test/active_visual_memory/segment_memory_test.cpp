@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 
 #include "active_visual_memory/core/attentive_visual_memory.h"
+#include "active_visual_memory/core/floor_matching.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
 

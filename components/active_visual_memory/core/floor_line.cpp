@@ -20,18 +20,22 @@ ExtentEnd fuseEnds(const ExtentEnd& known, const ExtentEnd& seen, double outward
   const double further = outward * (seen.t_m - known.t_m);
   const double gate =
       std::max(params.end_gate_m, params.end_gate_sigmas * std::sqrt(known.variance_m2 + seen.variance_m2));
+  const bool well_known = !known.open && known.views >= params.known_views;
+  const bool may_extend = !well_known || seen.variance_m2 <= params.worse_view * known.best_m2;
   if (seen.open) {
     // An open end is only a bound: it moves the extent when it lies outside, beyond the noise of a true end.
-    const bool outside = known.open ? further > 0.0 : further > gate;
+    const bool outside = known.open ? further > 0.0 : further > gate && may_extend;
     return outside ? seen : known;
   }
   if (known.open) return further > -gate ? seen : known;
-  if (std::abs(further) > gate) return further > 0.0 ? seen : known;
+  if (std::abs(further) > gate) return further > 0.0 && may_extend ? seen : known;
   ExtentEnd fused = known;
   const double known_variance = known.variance_m2 + params.end_noise_m * params.end_noise_m;
   const double gain = known_variance / (known_variance + seen.variance_m2);
   fused.t_m += gain * (seen.t_m - known.t_m);
   fused.variance_m2 = std::max((1.0 - gain) * known_variance, params.end_floor_m * params.end_floor_m);
+  fused.best_m2 = std::min(known.best_m2, seen.best_m2);
+  fused.views = known.views + seen.views;
   return fused;
 }
 
@@ -48,9 +52,14 @@ FloorLine::FloorLine(const FloorSegment& segment, const Params& params) {
   P_(0, 0) = 0.25 * (va + vb);
   P_(1, 1) = (va + vb) / (length * length);
   P_(0, 1) = P_(1, 0) = 0.5 * (vb - va) / length;
-  a_ = {-half, varianceAlong(segment.P_a, along()), segment.open_a};
-  b_ = {half, varianceAlong(segment.P_b, along()), segment.open_b};
+  a_ = endAt(-half, segment.P_a, segment.open_a);
+  b_ = endAt(half, segment.P_b, segment.open_b);
   applyFloor(params);
+}
+
+ExtentEnd FloorLine::endAt(double t, const Eigen::Matrix2d& P, bool open) const {
+  const double variance = varianceAlong(P, along());
+  return {t, variance, open, variance, 1};
 }
 
 Eigen::Vector2d FloorLine::along() const {
@@ -139,9 +148,8 @@ void FloorLine::fuse(const FloorSegment& observed, const Params& params) {
   updateOffset(ta, ya, varianceAlong(observed.P_a, n) + floor_variance);
   updateOffset(tb, yb, varianceAlong(observed.P_b, n) + floor_variance);
   applyCorrection();
-  const Eigen::Vector2d u = along();
-  a_ = fuseEnds(a_, {ta, varianceAlong(observed.P_a, u), observed.open_a}, -1.0, params);
-  b_ = fuseEnds(b_, {tb, varianceAlong(observed.P_b, u), observed.open_b}, +1.0, params);
+  a_ = fuseEnds(a_, endAt(ta, observed.P_a, observed.open_a), -1.0, params);
+  b_ = fuseEnds(b_, endAt(tb, observed.P_b, observed.open_b), +1.0, params);
   recentre();
   applyFloor(params);
 }
@@ -150,8 +158,10 @@ void FloorLine::replaceKeepingExtent(const FloorSegment& observed, const Params&
   const FloorLine old = *this;
   *this = FloorLine(observed, params);
   const Segment2 before = old.segment();
-  const ExtentEnd old_a{tOf(before.a), old.a_.variance_m2, old.a_.open};
-  const ExtentEnd old_b{tOf(before.b), old.b_.variance_m2, old.b_.open};
+  ExtentEnd old_a = old.a_;
+  ExtentEnd old_b = old.b_;
+  old_a.t_m = tOf(before.a);
+  old_b.t_m = tOf(before.b);
   if (old_a.t_m < a_.t_m) a_ = old_a;
   if (old_b.t_m > b_.t_m) b_ = old_b;
   recentre();

@@ -15,6 +15,8 @@ struct ExtentEnd {
   double t_m = 0.0;          ///< along the line from its origin
   double variance_m2 = 0.0;  ///< of t_m
   bool open = false;         ///< the line may go on: only a bound is known
+  double best_m2 = 0.0;      ///< variance of the best single view of this end
+  int views = 1;             ///< that agreed on it
 };
 
 /// A supporting line (offset and direction with a 2x2 covariance) and the extent on it. The direction a -> b
@@ -32,6 +34,8 @@ class FloorLine {
     double end_noise_m = 0.003;
     double end_gate_sigmas = 3.0;    ///< two true ends nearer than this are one
     double end_gate_m = 0.03;        ///< or nearer than this
+    int known_views = 3;             ///< a true end seen this often is moved outwards only ..
+    double worse_view = 4.0;         ///< .. by views of at most this many times its best variance
     double measure_floor_m = 0.004;  ///< least sigma of an observed offset
   };
 
@@ -76,6 +80,7 @@ class FloorLine {
   FloorSegment asObservation() const;
 
  private:
+  ExtentEnd endAt(double t_m, const Eigen::Matrix2d& P, bool open) const;
   Eigen::Matrix2d covarianceAt(const ExtentEnd& end) const;
   void updateOffset(double t_m, double offset_m, double variance_m2);
   void applyCorrection();
@@ -90,7 +95,10 @@ class FloorLine {
   ExtentEnd b_;
 };
 
-/// The union rule for one end. @param outward +1 for end b, -1 for end a.
+/// The union rule for one end: true ends that agree are averaged; what was seen further out moves the end
+/// there, unless a well-known true end would be moved by a worse view (which runs neighbouring edges
+/// together).
+/// @param outward +1 for end b, -1 for end a.
 ExtentEnd fuseEnds(const ExtentEnd& known, const ExtentEnd& seen, double outward,
                    const FloorLine::Params& params);
 

@@ -46,6 +46,8 @@ class GazeMailbox final : public GazeClient {
   PortReply withdraw(const std::string& client, const std::string& key) override;
   std::optional<GazeStatus> status() override { return status_; }
 
+  /// A message that another mailbox has checked and taken.
+  void post(const Message& message) { messages_.push_back(message); }
   /// For the owner: what came since the last call, oldest first.
   std::vector<Message> take();
   void publish(GazeStatus status) { status_ = std::move(status); }

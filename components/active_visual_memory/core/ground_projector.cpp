@@ -127,7 +127,9 @@ std::vector<FloorSegment> GroundProjector::project(const CameraIntrinsics& intri
                                                    double turn_rate_radps) const {
   std::vector<FloorSegment> floor;
   floor.reserve(observed.size());
+  const auto& off_floor = params_.off_floor_labels;
   for (std::size_t i = 0; i < observed.size(); ++i) {
+    if (std::find(off_floor.begin(), off_floor.end(), observed[i].label) != off_floor.end()) continue;
     if (auto placed = place(intrinsics, T_odom_camera, observed[i], turn_rate_radps)) {
       placed->observed = static_cast<int>(i);
       floor.push_back(std::move(*placed));

@@ -34,11 +34,12 @@ class GroundProjector {
     double horizon_margin_px = 3.0;  ///< nearer to the horizon nothing is placed on the floor
     double border_margin_px = 5.0;   ///< ends nearer to the image border are open: detectors stop short of it
     double min_length_m = 0.04;      ///< shorter floor segments are dropped
-    double across_sigma_px = 0.5;    ///< of a detected line across its direction
-    double along_sigma_px = 1.5;     ///< of a detected end along the line
-    double height_sigma_m = 0.01;    ///< of the camera's height
-    double pitch_sigma_rad = 0.006;  ///< of the camera's pitch and roll
-    double timing_sigma_s = 0.004;   ///< of the stamps of joints against images; counts with the turn rate
+    std::vector<Label> off_floor_labels;  ///< edges known not to lie on the floor: door jambs
+    double across_sigma_px = 0.5;         ///< of a detected line across its direction
+    double along_sigma_px = 1.5;          ///< of a detected end along the line
+    double height_sigma_m = 0.01;         ///< of the camera's height
+    double pitch_sigma_rad = 0.006;       ///< of the camera's pitch and roll
+    double timing_sigma_s = 0.004;  ///< of the stamps of joints against images; counts with the turn rate
   };
 
   explicit GroundProjector(const Params& params) : params_(params) {}

@@ -12,6 +12,7 @@ AttentiveVisualMemoryParams AttentiveVisualMemoryParams::chapter() {
   p.memory.fusion = SegmentMemory::Fusion::kChapter;
   p.memory.confirm_by_parallax = false;
   p.memory.min_sightings = 1;
+  p.memory.suspect_fading = 1.0;
   // +20 per tick of 200 ms when observed, -1 when not, whatever the reason.
   p.memory.life.tick_us = 200'000;
   p.memory.life.gain_per_s = 100.0;

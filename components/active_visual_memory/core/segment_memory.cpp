@@ -3,86 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "active_visual_memory/core/floor_matching.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
 
 namespace vismem {
-namespace {
-
-constexpr double kKnownPolarity = 6.0;  // grey levels; as AssociationParams::min_polarity_strength
-
-bool samePolarity(const Segment2& a, double strength_a, const Segment2& b, double strength_b) {
-  if (strength_a < kKnownPolarity || strength_b < kKnownPolarity) return true;
-  return (a.b - a.a).dot(b.b - b.a) > 0.0;
-}
-
-/// Distance of two segments' lines where they lie beside each other, and how far their extents are apart
-/// along `base` (negative: they overlap).
-struct Neighbourhood {
-  double angle_rad = 0.0;
-  double distance_m = 0.0;
-  double gap_m = 0.0;
-};
-Neighbourhood neighbourhood(const Segment2& base, const Segment2& other) {
-  const double length = base.length();
-  double low = projectionFraction(other.a, base) * length;
-  double high = projectionFraction(other.b, base) * length;
-  if (low > high) std::swap(low, high);
-  const double from = std::max(0.0, low);
-  const double to = std::min(length, high);
-  const Eigen::Vector2d along = (base.b - base.a) / length;
-  const Eigen::Vector2d between = base.a + 0.5 * (from + to) * along;
-  return {lineAngleDifference(base.direction(), other.direction()), distanceToLine(between, other),
-          from - to};
-}
-
-double distanceTo(const Eigen::Vector2d& p, const Segment2& segment) {
-  return distanceToSegment(p, segment);
-}
-
-}  // namespace
-
-FloorSegment reversed(const FloorSegment& segment) {
-  FloorSegment r = segment;
-  std::swap(r.odom.a, r.odom.b);
-  std::swap(r.P_a, r.P_b);
-  std::swap(r.open_a, r.open_b);
-  return r;
-}
-
-std::vector<FloorSegment> cleanDuplicates(const std::vector<FloorSegment>& segments, double max_angle_rad,
-                                          double max_distance_m, double max_gap_m) {
-  std::vector<FloorSegment> clean;
-  for (const FloorSegment& segment : segments) {
-    bool joined = false;
-    for (FloorSegment& kept : clean) {
-      if (!labelsCompatible(kept.label, segment.label)) continue;
-      if (!samePolarity(kept.odom, kept.strength, segment.odom, segment.strength)) continue;
-      const Neighbourhood n = neighbourhood(kept.odom, segment.odom);
-      if (n.angle_rad > max_angle_rad || n.distance_m > max_distance_m || n.gap_m > max_gap_m) continue;
-      // The longer one's line, the extent of both.
-      const bool longer = segment.odom.length() > kept.odom.length();
-      FloorSegment line = longer ? segment : kept;
-      const FloorSegment& other = longer ? kept : segment;
-      const Eigen::Vector2d along = (line.odom.b - line.odom.a).normalized();
-      const Eigen::Vector2d origin = line.odom.a;
-      const double length = line.odom.length();
-      const bool against = (other.odom.b - other.odom.a).dot(along) < 0.0;
-      const FloorSegment o = against ? reversed(other) : other;
-      const double ta = along.dot(o.odom.a - origin);
-      const double tb = along.dot(o.odom.b - origin);
-      if (ta < 0.0) line.odom.a = origin + ta * along, line.P_a = o.P_a, line.open_a = o.open_a;
-      if (tb > length) line.odom.b = origin + tb * along, line.P_b = o.P_b, line.open_b = o.open_b;
-      if (line.label == kUnknownLabel) line.label = other.label;
-      kept = line;
-      joined = true;
-      break;
-    }
-    if (!joined) clean.push_back(segment);
-  }
-  return clean;
-}
-
 struct SegmentMemory::View {
   const RobotObservation& observation;
   Pose3 T_odom_camera;
@@ -111,7 +36,7 @@ void SegmentMemory::travel(const Pose2& T_odom_robot) {
 std::vector<int> SegmentMemory::cache(const Pose2& T_odom_robot) const {
   std::vector<int> near;
   for (int i = 0; i < static_cast<int>(elements_.size()); ++i) {
-    if (distanceTo(T_odom_robot.position(), elements_[i].line.segment()) <= params_.cache_radius_m) {
+    if (distanceToSegment(T_odom_robot.position(), elements_[i].line.segment()) <= params_.cache_radius_m) {
       near.push_back(i);
     }
   }
@@ -241,7 +166,20 @@ void SegmentMemory::begin(const FloorSegment& observed, const View& view) {
   element.seen_turn_rad = turn_rad_;
   confirm(element, observed, view);
   publish(element);
+  look(element, view);
   elements_.push_back(std::move(element));
+}
+
+void SegmentMemory::look(MemoryElement& element, const View& view) const {
+  const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, element.value.odom);
+  const auto sides = px ? view.evidence.sides(*px) : std::nullopt;
+  if (!sides) return;
+  if (!element.colours) {
+    element.colours = *sides;
+    return;
+  }
+  element.colours->left += 0.2 * (sides->left - element.colours->left);
+  element.colours->right += 0.2 * (sides->right - element.colours->right);
 }
 
 void SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view) {
@@ -269,17 +207,38 @@ void SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& px, 
   element.sighting = std::max(element.sighting, sighting);
 }
 
+bool SegmentMemory::isBare(const Segment2& place, const MemoryElement& element, const View& view) const {
+  const Segment3 odom{{place.a.x(), place.a.y(), 0.0}, {place.b.x(), place.b.y(), 0.0}};
+  const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, odom);
+  return px && px->length() >= params_.min_visible_px && element.colours &&
+         view.evidence.look(*px, *element.colours) == PlaceShows::kBare;
+}
+
+bool SegmentMemory::isOfAnotherKind(const Segment2& place, const MemoryElement& element,
+                                    const std::vector<FloorSegment>& floor) const {
+  const double length = place.length();
+  return std::any_of(floor.begin(), floor.end(), [&](const FloorSegment& other) {
+    if (labelsCompatible(other.label, element.value.label)) return false;
+    const Neighbourhood near = neighbourhood(place, other.odom);
+    // Most of the place, or all of it up to where the image ends.
+    return near.angle_rad <= params_.near_angle_rad && near.distance_m <= params_.near_distance_m &&
+           -near.gap_m >= std::min(0.5 * length, 0.3);
+  });
+}
+
 void SegmentMemory::reviewEnds(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
-                               const View& view) {
+                               const std::vector<FloorSegment>& floor, const View& view) {
   // The extent seen in this image, from all its pieces.
-  ExtentEnd low{1e9, 0.0, true};
-  ExtentEnd high{-1e9, 0.0, true};
+  ExtentEnd low{1e9, 0.0, true, 0.0, 1};
+  ExtentEnd high{-1e9, 0.0, true, 0.0, 1};
   const Eigen::Vector2d u = element.line.along();
   for (const FloorSegment* piece : seen) {
     const bool against = u.dot(piece->odom.b - piece->odom.a) < 0.0;
     const FloorSegment s = against ? reversed(*piece) : *piece;
-    const ExtentEnd a{element.line.tOf(s.odom.a), u.dot(s.P_a * u), s.open_a};
-    const ExtentEnd b{element.line.tOf(s.odom.b), u.dot(s.P_b * u), s.open_b};
+    const double variance_a = u.dot(s.P_a * u);
+    const double variance_b = u.dot(s.P_b * u);
+    const ExtentEnd a{element.line.tOf(s.odom.a), variance_a, s.open_a, variance_a, 1};
+    const ExtentEnd b{element.line.tOf(s.odom.b), variance_b, s.open_b, variance_b, 1};
     if (a.t_m < low.t_m) low = a;
     if (b.t_m > high.t_m) high = b;
   }
@@ -292,20 +251,17 @@ void SegmentMemory::reviewEnds(MemoryElement& element, const std::vector<const F
       votes = {};
       return;
     }
-    // Only bare floor beyond tells a line that is shorter from one that is partly hidden.
+    // Bare floor beyond, or an edge of another kind there, tells a line that is shorter from one that is
+    // partly hidden.
     const Segment2 whole = element.line.segment();
-    const Eigen::Vector2d stop = (at_b ? whole.b : whole.a) + (at.t_m - end.t_m) * u;
     const Eigen::Vector2d known = at_b ? whole.b : whole.a;
-    const Segment3 beyond{{stop.x(), stop.y(), 0.0}, {known.x(), known.y(), 0.0}};
-    auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, beyond);
-    if (!px || px->length() < params_.min_visible_px || !element.colours) return;
-    // Kept in the element's own direction: the remembered colours know left and right.
-    if (!at_b) std::swap(px->a, px->b);
-    if (view.evidence.look(*px, *element.colours) != PlaceShows::kBare) return;
+    const Eigen::Vector2d stop = known + (at.t_m - end.t_m) * u;
+    const Segment2 beyond = at_b ? Segment2{stop, known} : Segment2{known, stop};
+    if (!isBare(beyond, element, view) && !isOfAnotherKind(beyond, element, floor)) return;
     votes.t_m = (votes.t_m * votes.count + at.t_m) / (votes.count + 1);
     votes.variance_m2 = at.variance_m2;
     if (++votes.count < params_.short_votes) return;
-    element.line.shorten(at_b, {votes.t_m, votes.variance_m2, false});
+    element.line.shorten(at_b, {votes.t_m, votes.variance_m2, false, votes.variance_m2, 1});
     element.short_a = element.short_b = {};
   };
   review(element.short_a, element.line.endA(), low, false);
@@ -364,7 +320,12 @@ void SegmentMemory::countLife(StampUs stamp_us) {
   if (dt > 0.0) {
     for (MemoryElement& element : elements_) {
       // What is new since the last tick has its first life already.
-      element.value.life = agedLife(element.value.life, element.sighting, dt, params_.life);
+      // What only ever showed itself along the viewing ray may be a standing edge, whose floor place moves:
+      // it must not stay long where nobody looks.
+      const bool suspect = !element.value.confirmed && !element.not_vertical;
+      const bool unseen = element.sighting == Sighting::kOutOfView;
+      element.value.life = agedLife(element.value.life, element.sighting,
+                                    suspect && unseen ? params_.suspect_fading * dt : dt, params_.life);
       element.sighting = Sighting::kAbsent;
     }
     std::erase_if(elements_, [&](const MemoryElement& e) { return e.value.life < params_.life.threshold; });
@@ -449,17 +410,9 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
       continue;
     }
     for (const FloorSegment* piece : seen[p]) take(element, *piece, view);
-    if (params_.fusion == Fusion::kCovariance) reviewEnds(element, seen[p], view);
+    if (params_.fusion == Fusion::kCovariance) reviewEnds(element, seen[p], floor, view);
     publish(element);
-    const auto px = projectSegment(observation.frame.intrinsics, T_odom_camera, element.value.odom);
-    if (const auto sides = px ? view.evidence.sides(*px) : std::nullopt) {
-      if (!element.colours) {
-        element.colours = *sides;
-      } else {
-        element.colours->left += 0.2 * (sides->left - element.colours->left);
-        element.colours->right += 0.2 * (sides->right - element.colours->right);
-      }
-    }
+    look(element, view);
   }
   std::vector<bool> expected_now(elements_.size(), false);
   for (const int i : index_of) expected_now[i] = true;

@@ -70,7 +70,8 @@ class SegmentMemory {
     bool confirm_by_parallax = true;   ///< false: everything is confirmed at once, as in the chapter
     double max_anchor_turn_rad = 2.0;  ///< parallax is begun anew after the robot turned this far
     double max_anchor_travel_m = 3.0;
-    int short_votes = 6;  ///< images that must see a line end earlier, with bare floor beyond
+    double suspect_fading = 4.0;  ///< so much faster unseen things fade that may be standing edges
+    int short_votes = 6;          ///< images that must see a line end earlier, with bare floor beyond
     LifeParams life;
     AssociationParams association;
     FloorLine::Params line;
@@ -102,8 +103,13 @@ class SegmentMemory {
   void take(MemoryElement& element, const FloorSegment& observed, const View& view);
   void confirm(MemoryElement& element, const FloorSegment& observed, const View& view);
   void begin(const FloorSegment& observed, const View& view);
+  void look(MemoryElement& element, const View& view) const;
   void judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view);
-  void reviewEnds(MemoryElement& element, const std::vector<const FloorSegment*>& seen, const View& view);
+  void reviewEnds(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
+                  const std::vector<FloorSegment>& floor, const View& view);
+  bool isBare(const Segment2& place, const MemoryElement& element, const View& view) const;
+  bool isOfAnotherKind(const Segment2& place, const MemoryElement& element,
+                       const std::vector<FloorSegment>& floor) const;
   void mergeDuplicates(const std::vector<int>& cached);
   void countLife(StampUs stamp_us);
   void publish(MemoryElement& element) const;
@@ -116,12 +122,5 @@ class SegmentMemory {
   double travel_m_ = 0.0;
   double turn_rad_ = 0.0;
 };
-
-/// M2: joins floor segments of one image that are one line seen twice. Order is kept.
-std::vector<FloorSegment> cleanDuplicates(const std::vector<FloorSegment>& segments, double max_angle_rad,
-                                          double max_distance_m, double max_gap_m);
-
-/// The same segment with its ends exchanged.
-FloorSegment reversed(const FloorSegment& segment);
 
 }  // namespace vismem
