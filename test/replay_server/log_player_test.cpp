@@ -14,6 +14,7 @@ namespace vismem {
 namespace {
 
 using std::chrono::milliseconds;
+using testing::BagWriter;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 

@@ -1,5 +1,6 @@
 #include "active_visual_memory/app/config.h"
 
+#include <sstream>
 #include <vector>
 
 #include "common/geometry/angles.h"
@@ -38,6 +39,8 @@ void readGround(ConfigReader r, GroundProjector::Params& p) {
   p.horizon_margin_px = r.real("HorizonMargin_px", p.horizon_margin_px, 0.1, 500.0);
   p.border_margin_px = r.real("BorderMargin_px", p.border_margin_px, 0.0, 100.0);
   p.min_length_m = r.real("MinimumLength_m", p.min_length_m, 0.001, 5.0);
+  std::istringstream labels(r.text("OffFloorLabels", ""));
+  for (Label label; labels >> label;) p.off_floor_labels.push_back(label);
   p.across_sigma_px = r.real("Noise.Across_px", p.across_sigma_px, 0.01, 50.0);
   p.along_sigma_px = r.real("Noise.Along_px", p.along_sigma_px, 0.01, 50.0);
   p.height_sigma_m = r.real("Noise.Height_m", p.height_sigma_m, 0.0, 1.0);
@@ -82,6 +85,10 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   p.confirm_by_parallax = r.boolean("Confirm.ByParallax", p.confirm_by_parallax);
   p.parallax.least_height_m = r.real("Confirm.LeastHeight_m", p.parallax.least_height_m, 0.005, 2.0);
   p.parallax.min_baseline_m = r.real("Confirm.Baseline_m", p.parallax.min_baseline_m, 0.01, 10.0);
+  p.max_absence_turn_radps =
+      r.angleDeg("Absence.MaximumTurn_degps", radToDeg(p.max_absence_turn_radps), 0.0, 3600.0);
+  p.max_mapping_turn_radps =
+      r.angleDeg("New.MaximumTurn_degps", radToDeg(p.max_mapping_turn_radps), 0.0, 3600.0);
   readLife(r.group("Life"), p.life);
   readAssociation(r.group("Association"), p.association);
 }
@@ -181,6 +188,7 @@ ActiveVisualMemoryConfig readActiveVisualMemoryConfig(ConfigReader& reader) {
   config.every_frame = reader.boolean("EveryFrame", config.every_frame);
   config.images_lost_s = reader.real("ImagesLost_s", config.images_lost_s, 0.05, 60.0);
   config.overlay = reader.boolean("Overlay.Enabled", config.overlay);
+  config.overlay_rate_hz = reader.real("Overlay.Rate_hz", config.overlay_rate_hz, 0.1, 120.0);
   config.overlay_scale = static_cast<int>(reader.integer("Overlay.Scale", config.overlay_scale, 1, 8));
   config.pipeline = readMemoryPipeline(reader);
   config.assembler.mount = config.pipeline.memory.gaze.mount;

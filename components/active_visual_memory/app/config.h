@@ -21,6 +21,7 @@ struct ActiveVisualMemoryConfig {
   bool every_frame = false;       ///< false: the newest frame wins
   double images_lost_s = 0.5;     ///< without a frame for this long the head holds still
   bool overlay = true;            ///< serve memoryView
+  double overlay_rate_hz = 10.0;  ///< at most, of the images' own time
   int overlay_scale = 1;
   ObservationAssembler::Params assembler;
   MemoryPipelineParams pipeline;

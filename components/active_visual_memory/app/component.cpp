@@ -1,0 +1,130 @@
+#include "active_visual_memory/app/component.h"
+
+#include <utility>
+
+#include "active_visual_memory/app/perception_loop.h"
+#include "active_visual_memory/core/overlay.h"
+#include "active_visual_memory/ice/gaze_ice.h"
+#include "active_visual_memory/ice/visual_memory_ice.h"
+#include "common/robot_ice/base_ice.h"
+#include "common/robot_ice/camera_ice.h"
+#include "common/robot_ice/pantilt_ice.h"
+
+namespace vismem {
+namespace {
+
+/// A port's requests tell the component's status whether the peer is there.
+LinkReport reportTo(const std::string& name, const std::shared_ptr<Ice::ObjectPrx>& proxy,
+                    ComponentHost& host) {
+  auto link = std::make_shared<PeerLink>(name, proxy, host.status(), host.log());
+  return [link](const std::string& failure) {
+    if (failure.empty()) {
+      link->succeeded();
+    } else {
+      link->failed(failure);
+    }
+  };
+}
+
+class ActiveVisualMemory final : public Component {
+ public:
+  ActiveVisualMemory(ActiveVisualMemoryConfig config, std::shared_ptr<const Palette> palette)
+      : config_(std::move(config)), palette_(std::move(palette)), gaze_(config_.hasPanTilt()) {}
+
+  void start(ComponentHost& host) override {
+    auto& communicator = *host.communicator();
+    const auto camera = communicator.stringToProxy(config_.camera_proxy);
+    const auto odometry = communicator.stringToProxy(config_.odometry_proxy);
+    camera_ = std::make_unique<RemoteFrameSource>(Ice::uncheckedCast<avm::CameraPrx>(camera),
+                                                  FrameFormat::kRgb8, reportTo("Camera", camera, host));
+    base_ = std::make_unique<RemoteMobileBase>(nullptr, Ice::uncheckedCast<avm::OdometryPrx>(odometry),
+                                               reportTo("Odometry", odometry, host));
+    if (config_.hasPanTilt()) {
+      const auto unit = communicator.stringToProxy(config_.pan_tilt_proxy);
+      pan_tilt_ = std::make_unique<RemotePanTiltUnit>(Ice::uncheckedCast<avm::PanTiltPrx>(unit),
+                                                      reportTo("PanTilt", unit, host));
+    }
+    loop_ =
+        std::make_unique<PerceptionLoop>(PerceptionLoop::Params{config_.assembler, config_.pipeline,
+                                                                config_.every_frame, config_.images_lost_s},
+                                         palette_, *camera_, pan_tilt_.get(), *base_, gaze_, host.status());
+
+    host.serve("VisualMemory", std::make_shared<VisualMemoryServant>(memory_));
+    host.serve("Gaze", std::make_shared<GazeServant>(gaze_));
+    if (config_.overlay) host.serve("memoryView", std::make_shared<CameraServant>(overlay_, "memoryView"));
+    loop_->start([this](const auto& observation, const auto& result) { publish(observation, result); },
+                 [this](SourceState state, const std::string& why) {
+                   const auto shown = state == SourceState::kFinished ? state : SourceState::kWaiting;
+                   memory_.setState(shown, "no images: " + why);
+                   overlay_.setState(shown, "no images: " + why);
+                 });
+  }
+
+  void stop() override {
+    if (loop_) loop_->stop();
+    memory_.stop();
+    overlay_.stop();
+  }
+
+ private:
+  void publish(const RobotObservation& observation, const AttentiveVisualMemory::StepResult& result) {
+    const std::uint64_t revision = result.update.snapshot ? result.update.snapshot->revision : 0;
+    if (revision == published_) return;  // a frame that was not worth analysing
+    published_ = revision;
+    memory_.publish(result.update);
+    if (!config_.overlay) return;
+    const StampUs now = observation.frame.stamp_us;
+    const StampUs due = overlay_stamp_us_ + toStampUs(1.0 / config_.overlay_rate_hz);
+    if (now >= overlay_stamp_us_ && now < due) return;
+    overlay_stamp_us_ = now;
+    Frame view = observation.frame;
+    view.image = drawAnalysis(view.image, *result.update.analysis, config_.overlay_scale);
+    const double scale = config_.overlay_scale;
+    CameraIntrinsics& k = view.intrinsics;
+    k.width = view.image.cols;
+    k.height = view.image.rows;
+    k.fx *= scale;
+    k.fy *= scale;
+    k.cx = (k.cx + 0.5) * scale - 0.5;
+    k.cy = (k.cy + 0.5) * scale - 0.5;
+    overlay_.publish(std::move(view));
+  }
+
+  const ActiveVisualMemoryConfig config_;
+  const std::shared_ptr<const Palette> palette_;
+  SharedGazeClient gaze_;
+  MemoryBroadcaster memory_;
+  FrameBroadcaster overlay_;
+  std::unique_ptr<RemoteFrameSource> camera_;
+  std::unique_ptr<RemoteMobileBase> base_;
+  std::unique_ptr<RemotePanTiltUnit> pan_tilt_;
+  std::uint64_t published_ = 0;  ///< of the loop's thread
+  StampUs overlay_stamp_us_ = 0;
+  std::unique_ptr<PerceptionLoop> loop_;  ///< last member: its threads use all of the above
+};
+
+}  // namespace
+
+std::unique_ptr<Component> makeActiveVisualMemory(const ActiveVisualMemoryConfig& config) {
+  std::shared_ptr<const Palette> palette;
+  if (!config.palette.empty()) palette = std::make_shared<Palette>(loadPalette(config.palette));
+  return std::make_unique<ActiveVisualMemory>(config, std::move(palette));
+}
+
+ComponentSpec activeVisualMemorySpec() {
+  ComponentSpec spec;
+  spec.name = "active_visual_memory";
+  spec.prefix = "ActiveVisualMemory";
+  spec.summary =
+      "Remembers the floor segments around the robot and turns its camera to what is worth a look.";
+  spec.default_endpoints = "tcp -h 127.0.0.1 -p 9970:ws -h 127.0.0.1 -p 11004";
+  spec.configure = [](ConfigReader& root) -> std::unique_ptr<Component> {
+    ConfigReader reader = root.group("ActiveVisualMemory");
+    const ActiveVisualMemoryConfig config = readActiveVisualMemoryConfig(reader);
+    if (!reader.good()) return nullptr;
+    return makeActiveVisualMemory(config);
+  };
+  return spec;
+}
+
+}  // namespace vismem

@@ -1,0 +1,106 @@
+/// @file The threads around the memory: one per source, one that owns the pipeline, one that gives commands.
+/// No Ice: any implementation of the ports will do. SPEC M7, G3, A6.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "active_visual_memory/core/memory_pipeline.h"
+#include "common/process/status.h"
+#include "common/robot/observation.h"
+#include "common/robot/ports.h"
+
+namespace vismem {
+
+/// Requests of gaze clients, from any thread to the perception loop. *Thread-safe.*
+class SharedGazeClient final : public GazeClient {
+ public:
+  explicit SharedGazeClient(bool has_pan_tilt) : has_pan_tilt_(has_pan_tilt) {}
+
+  PortReply setMode(GazeMode mode) override;
+  PortReply fixate(const Eigen::Vector3d& p_odom) override;
+  PortReply request(const GazeRequest& request) override;
+  PortReply withdraw(const std::string& client, const std::string& key) override;
+  std::optional<GazeStatus> status() override;
+
+  std::vector<GazeMailbox::Message> take();
+  void publish(const GazeStatus& status);
+
+ private:
+  const bool has_pan_tilt_;
+  std::mutex mutex_;
+  GazeMailbox mailbox_;
+};
+
+/// *Thread-safe*: start and stop from one thread, reset from any.
+class PerceptionLoop {
+ public:
+  struct Params {
+    ObservationAssembler::Params assembler;
+    MemoryPipelineParams pipeline;
+    bool every_frame = false;
+    double images_lost_s = 0.5;
+  };
+
+  /// What one observation gave. Called by the owner thread; must not block.
+  using Consumer = std::function<void(const RobotObservation&, const AttentiveVisualMemory::StepResult&)>;
+  /// The images stopped for now, or came to an end.
+  using NoImages = std::function<void(SourceState, const std::string& why)>;
+
+  /// @param pan_tilt null: no unit. All ports outlive stop().
+  PerceptionLoop(const Params& params, std::shared_ptr<const Palette> palette, FrameSource& camera,
+                 PanTiltUnit* pan_tilt, MobileBase& base, SharedGazeClient& gaze, StatusBoard& status);
+  ~PerceptionLoop() { stop(); }
+
+  void start(Consumer consumer, NoImages no_images);
+  /// Ends all threads; returns when they have ended.
+  void stop();
+  /// Sets the memory aside before the next image.
+  void reset();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void readCamera(const std::stop_token& stop);
+  template <typename Port, typename Sample>
+  void readSamples(const std::stop_token& stop, Port& port, std::vector<Sample>& inbox);
+  void run(const std::stop_token& stop);
+  void processAll(ObservationAssembler& assembler, MemoryPipeline& pipeline);
+  void send(const PanTiltCommand& command);
+  void giveCommands(const std::stop_token& stop);
+
+  const Params params_;
+  FrameSource& camera_;
+  PanTiltUnit* const pan_tilt_;
+  MobileBase& base_;
+  SharedGazeClient& gaze_;
+  StatusBoard& status_;
+  MemoryPipeline pipeline_;
+  Consumer consumer_;
+  NoImages no_images_;
+
+  std::mutex inbox_mutex_;
+  std::condition_variable_any inbox_filled_;
+  std::deque<Frame> frames_;
+  std::vector<PanTiltSample> pan_tilt_samples_;
+  std::vector<OdometrySample> odometry_samples_;
+  bool reset_wanted_ = false;
+  SourceState camera_state_ = SourceState::kWaiting;
+  std::string camera_message_ = "no image yet";
+
+  std::mutex command_mutex_;
+  std::condition_variable_any command_given_;
+  std::optional<PanTiltCommand> command_;
+
+  std::vector<std::jthread> threads_;  ///< last member: ends before the rest goes
+};
+
+}  // namespace vismem
