@@ -111,7 +111,7 @@ TEST(Explorers, ConstructedOnesLayASeenSegmentOnTheMap) {
   const ConstructedExplorers constructed(map);
   RobustObservation observation;
   observation.segments = {{{{0.5, 0.7}, {1.5, 0.7}}, 0, 1.0}};
-  observation.amount = 1.0;
+  observation.segment_weight = 1.0;
   RandomEngine engine(6);
   for (int i = 0; i < 200; ++i) {
     const auto pose = constructed.propose(observation, engine);

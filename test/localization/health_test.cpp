@@ -22,6 +22,12 @@ MapIndex::Params withFields(bool build_fields) {
   return params;
 }
 
+HealthParams ofMemory() {
+  HealthParams params;
+  params.source = HealthSource::kMemory;
+  return params;
+}
+
 TEST(MemoryHealth, IsOneMinusMeanDistanceOverHalfAMetre) {
   SegmentMap map;
   map.segments = {wall(0, 0, 4, 0, "skirting"), wall(0, 0.1, 4, 0.1, "door_foot")};
@@ -109,8 +115,8 @@ TEST(HealthProperty, FieldAndBruteForceGiveTheSameMemoryHealth) {
   test::CorridorWorld world({}, 3);
   MemoryUpdate update;
   for (int i = 0; i < 50; ++i) update = world.next();
-  HealthObservation with_fields(fields, {});
-  HealthObservation by_brute_force(brute, {});
+  HealthObservation with_fields(fields, ofMemory());
+  HealthObservation by_brute_force(brute, ofMemory());
   with_fields.set(update);
   by_brute_force.set(update);
   RandomEngine engine(9);
@@ -129,7 +135,7 @@ TEST(HealthProperty, OneAtTheTruePlace) {
   MemoryUpdate update;
   for (int i = 0; i < 50; ++i) update = world.next();
   const MapIndex index(test::corridorMap(), withFields(false));
-  HealthObservation observation(index, {});
+  HealthObservation observation(index, ofMemory());
   observation.set(update);
   EXPECT_NEAR(observation.health(world.truth()), 1.0, 1e-9);
   const Pose2 beside{world.truth().x, world.truth().y, world.truth().theta + 0.3};
@@ -181,6 +187,34 @@ TEST(ImageHealth, HandWorkedDistances) {
   EXPECT_DOUBLE_EQ(imageHealth(points, camera, away, index, 50.0), 0.0);
 }
 
+TEST(HealthObservation, RatesByTheImageAndByBothAlike) {
+  // The world line across the view at x = 1 (see ImageHealth) seen 5 px too low: H = 1 - 5 / 50 = 0.9; the
+  // memory has it where it is: H = 1; both: the mean.
+  SegmentMap map;
+  map.segments = {wall(1, -3, 1, 3, "line")};
+  const MapIndex index(map, withFields(false));
+  CameraMount mount;
+  mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 1, 0, 0, 0);
+  auto analysis = std::make_shared<ImageAnalysis>();
+  analysis->intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+  analysis->T_robot_camera = cameraPose(mount, 0.0, degToRad(-45));
+  analysis->observed = {{{{20.5, 124.5}, {300.5, 124.5}}, "line", 30.0},
+                        {{{5, 5}, {90, 90}}, kUnknownLabel, 30.0}};
+  auto snapshot = std::make_shared<MemorySnapshot>();
+  MemorySegment segment;
+  segment.odom = {{1, -1, 0}, {1, 1, 0}};
+  segment.label = "line";
+  snapshot->segments.push_back(segment);
+  HealthParams params;
+  for (const auto& [source, expected] :
+       {std::pair(HealthSource::kImage, 0.9), {HealthSource::kMemory, 1.0}, {HealthSource::kBoth, 0.95}}) {
+    params.source = source;
+    HealthObservation observation(index, params);
+    observation.set({snapshot, analysis});
+    EXPECT_NEAR(observation.health({0, 0, 0}), expected, 1e-6);
+  }
+}
+
 TEST(HealthObservation, UnknownLabelsSayNothing) {
   const MapIndex index(test::corridorMap(), withFields(true));
   auto snapshot = std::make_shared<MemorySnapshot>();
@@ -188,7 +222,7 @@ TEST(HealthObservation, UnknownLabelsSayNothing) {
   segment.odom = {{1, 0, 0}, {2, 0, 0}};
   segment.label = kUnknownLabel;
   snapshot->segments.push_back(segment);
-  HealthObservation observation(index, {});
+  HealthObservation observation(index, ofMemory());
   observation.set({snapshot, nullptr});
   EXPECT_TRUE(observation.isEmpty());
 }

@@ -31,6 +31,13 @@ double positionError(const PoseEstimate& estimate, const Pose2& truth) {
   return (estimate.T_world_robot->position() - truth.position()).norm();
 }
 
+/// The synthetic world has a memory and no images.
+LocalizerParams paramsOf(LocalizationMode mode) {
+  LocalizerParams params = localizerPreset(mode);
+  params.health.source = HealthSource::kMemory;
+  return params;
+}
+
 struct Outcome {
   bool settled_in_time = false;  ///< near the truth for 2 s, within the limit
   double mean_error_m = 0.0;     ///< from then to the end, losses included
@@ -65,7 +72,7 @@ TEST_P(InBothModes, FindsItselfFromAnUnknownStart) {
   int good = 0;
   for (std::uint64_t seed = 201; seed <= 210; ++seed) {
     CorridorWorld world({}, seed);
-    Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), seed);
+    Localizer localizer(paramsOf(GetParam()), test::corridorMap(), seed);
     const Outcome outcome = drive(localizer, world, 45.0, 30.0);
     good += outcome.settled_in_time && outcome.mean_error_m < 0.15;
   }
@@ -78,7 +85,7 @@ TEST(Localizer, DefaultModeSurvivesOneFalseSegmentForEveryTwo) {
   int good = 0;
   for (std::uint64_t seed = 201; seed <= 210; ++seed) {
     CorridorWorld world(params, seed);
-    Localizer localizer(localizerPreset(LocalizationMode::kDefault), test::corridorMap(), seed);
+    Localizer localizer(paramsOf(LocalizationMode::kDefault), test::corridorMap(), seed);
     const Outcome outcome = drive(localizer, world, 45.0, 30.0);
     good += outcome.settled_in_time && outcome.mean_error_m < 0.15;
   }
@@ -89,7 +96,7 @@ TEST_P(InBothModes, RecoversFromAKidnapping) {
   int good = 0;
   for (std::uint64_t seed = 221; seed <= 225; ++seed) {
     CorridorWorld world({}, seed);
-    Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), seed);
+    Localizer localizer(paramsOf(GetParam()), test::corridorMap(), seed);
     drive(localizer, world, 30.0, 30.0);
     world.kidnap();
     good += drive(localizer, world, 60.0, 60.0).settled_in_time;
@@ -101,7 +108,7 @@ TEST_P(InBothModes, SameSeedSameResult) {
   std::vector<PoseEstimate> runs[2];
   for (auto& run : runs) {
     CorridorWorld world({}, 7);
-    Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 7);
+    Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 7);
     for (int i = 0; i < 100; ++i) run.push_back(localizer.step(world.next()));
   }
   for (std::size_t i = 0; i < runs[0].size(); ++i) {
@@ -113,7 +120,7 @@ TEST_P(InBothModes, SameSeedSameResult) {
 
 TEST_P(InBothModes, ThePoseIsTheWinnersAndNeverAMeanOverRaces) {
   CorridorWorld world({}, 8);
-  Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 8);
+  Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 8);
   int with_rivals = 0;
   for (int i = 0; i < 300; ++i) {
     const PoseEstimate estimate = localizer.step(world.next());
@@ -136,7 +143,7 @@ TEST_P(InBothModes, ThePoseIsTheWinnersAndNeverAMeanOverRaces) {
 
 TEST_P(InBothModes, WeakEvidenceDoesNotMakeItConfident) {
   // One short piece of wall for 20 s: it fits in a thousand places.
-  Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 1);
+  Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 1);
   for (int i = 0; i < 100; ++i) {
     auto snapshot = std::make_shared<MemorySnapshot>();
     snapshot->stamp_us = i * 200'000;
@@ -153,7 +160,7 @@ TEST_P(InBothModes, WeakEvidenceDoesNotMakeItConfident) {
 
 TEST_P(InBothModes, BetweenTicksThePoseFollowsOdometry) {
   CorridorWorld world({}, 9);
-  Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 9);
+  Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 9);
   drive(localizer, world, 20.0, 20.0);
   const PoseEstimate before = localizer.latest();
   auto snapshot = std::make_shared<MemorySnapshot>();
@@ -170,7 +177,7 @@ TEST_P(InBothModes, BetweenTicksThePoseFollowsOdometry) {
 
 TEST_P(InBothModes, ANewEpochKeepsTheRacesButNotTheReliability) {
   CorridorWorld world({}, 10);
-  Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 10);
+  Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 10);
   drive(localizer, world, 30.0, 30.0);
   const PoseEstimate before = localizer.latest();
   ASSERT_GT(before.reliability, 0.6);
@@ -185,7 +192,7 @@ TEST_P(InBothModes, ANewEpochKeepsTheRacesButNotTheReliability) {
 
 TEST_P(InBothModes, NothingRememberedLeavesTheRacesAsTheyAre) {
   CorridorWorld world({}, 10);
-  Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 10);
+  Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 10);
   drive(localizer, world, 20.0, 20.0);
   const PoseEstimate before = localizer.latest();
   for (int i = 1; i <= 20; ++i) {
@@ -200,21 +207,26 @@ TEST_P(InBothModes, NothingRememberedLeavesTheRacesAsTheyAre) {
 
 TEST_P(InBothModes, SetPoseIsFollowedAndRelocalizeForgets) {
   CorridorWorld world({}, 11);
-  Localizer localizer(localizerPreset(GetParam()), test::corridorMap(), 11);
+  Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 11);
   for (int i = 0; i < 60; ++i) localizer.step(world.next());
+  const std::uint64_t revision = localizer.latest().revision;
   localizer.setPose(world.truth());
+  EXPECT_GT(localizer.latest().revision, revision);  // told at once, also while no images come
+  EXPECT_NEAR(positionError(localizer.latest(), world.truth()), 0.0, 1e-12);
   for (int i = 0; i < 100; ++i) {
     const PoseEstimate estimate = localizer.step(world.next());
     ASSERT_TRUE(estimate.T_world_robot);
     EXPECT_LT(positionError(estimate, world.truth()), 0.3) << i;
   }
   localizer.relocalize();
-  EXPECT_TRUE(localizer.table().races().empty());
+  EXPECT_TRUE(localizer.latest().races.empty());
+  EXPECT_FALSE(localizer.latest().T_world_robot);
+  EXPECT_EQ(localizer.latest().reliability, 0.0);
 }
 
 TEST(Localizer, AnUpdateIsNotUsedTwice) {
   CorridorWorld world({}, 12);
-  Localizer localizer(localizerPreset(LocalizationMode::kDefault), test::corridorMap(), 12);
+  Localizer localizer(paramsOf(LocalizationMode::kDefault), test::corridorMap(), 12);
   const MemoryUpdate update = world.next();
   const PoseEstimate first = localizer.step(update);
   EXPECT_EQ(localizer.step(update).revision, first.revision);

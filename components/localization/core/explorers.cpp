@@ -25,8 +25,8 @@ ConstructedExplorers::ConstructedExplorers(const MapIndex& map) : map_(map) {
 
 std::optional<Pose2> ConstructedExplorers::propose(const RobustObservation& observation,
                                                    RandomEngine& engine) const {
-  if (observation.segments.empty() || !(observation.amount > 0.0)) return std::nullopt;
-  double left = uniform(engine, 0.0, observation.amount);
+  if (observation.segments.empty() || !(observation.segment_weight > 0.0)) return std::nullopt;
+  double left = uniform(engine, 0.0, observation.segment_weight);
   std::size_t chosen = 0;
   while (chosen + 1 < observation.segments.size() && left > observation.segments[chosen].weight) {
     left -= observation.segments[chosen++].weight;

@@ -65,7 +65,7 @@ PoseEstimate Localizer::step(const MemoryUpdate& update) {
     last_tick_us_ = is_late ? snapshot.stamp_us : *last_tick_us_ + tick_us;
     iterate(update);
   }
-  report(snapshot);
+  report();
   return estimate_;
 }
 
@@ -117,17 +117,19 @@ void Localizer::setPose(const Pose2& T_world_robot) {
   table_.award(table_.winner()->id);
   table_.noteBest(table_.winner()->id);
   reliability_ = 1.0;
+  report();
 }
 
 void Localizer::relocalize() {
   table_.clear();
   reliability_ = 0.0;
+  report();
 }
 
-void Localizer::report(const MemorySnapshot& snapshot) {
-  estimate_.stamp_us = snapshot.stamp_us;
+void Localizer::report() {
+  estimate_.stamp_us = last_stamp_us_;
   ++estimate_.revision;
-  estimate_.T_odom_robot = snapshot.T_odom_robot;
+  estimate_.T_odom_robot = last_T_odom_robot_;
   estimate_.reliability = reliability_;
   estimate_.races.clear();
   const std::vector<double> weights = strategy_->weights(table_);

@@ -29,7 +29,8 @@ class Localizer {
   /// the source's time) returns the last estimate again.
   PoseEstimate step(const MemoryUpdate& update);
 
-  /// "The robot is here" (at the last update's stamp): this race alone, reliable.
+  /// "The robot is here" (at the last update's stamp): this race alone, reliable. This and relocalize() make
+  /// a new estimate at the last stamp; before the first update latest() stays without a stamp.
   void setPose(const Pose2& T_world_robot);
   /// "Forget where you were": no race, explore everywhere.
   void relocalize();
@@ -40,7 +41,7 @@ class Localizer {
  private:
   void iterate(const MemoryUpdate& update);
   void beginEpoch();
-  void report(const MemorySnapshot& snapshot);
+  void report();
 
   LocalizerParams params_;
   std::unique_ptr<RaceStrategy> strategy_;

@@ -42,7 +42,9 @@ struct EvolutionParams {
 
 /// L3-L5, chapter mode.
 struct HealthParams {
-  HealthSource source = HealthSource::kMemory;
+  /// L5 needs a memory without false elements: one off-floor edge in the wrong place costs as much as a wrong
+  /// pose. L4 is the default because its points are cut to what the camera sees now.
+  HealthSource source = HealthSource::kImage;
   bool use_field = true;         ///< false: brute force over the map, the reference
   double memory_scale_m = 0.5;   ///< M of L5
   double image_scale_px = 50.0;  ///< M of L4 at 320 columns; scaled with the image's width
@@ -53,6 +55,10 @@ struct HealthParams {
 
 /// Default mode: every part can be switched off alone.
 struct RobustParams {
+  HealthSource source = HealthSource::kBoth;
+  double image_share = 0.5;    ///< of the effective points that the image may take when both are used, 0..1
+  double image_range_m = 4.0;  ///< floor points of the image further away than this are not used
+  double camera_sigma_rad = 0.01;   ///< of the camera's pitch and heading: what floor points inherit
   double point_step_m = 0.10;       ///< spacing of sampling points along remembered segments
   int maximum_points = 160;         ///< per observation; the spacing grows where there would be more
   double range_m = 5.0;             ///< remembered points further away than this are not used

@@ -19,7 +19,7 @@ struct RaceReport {
   double health = 0.0;   ///< 0..1
   double weight = 0.0;   ///< share of belief, sums to 1 over the races
   int victories = 0;
-  int age = 0;           ///< iterations
+  int age = 0;  ///< iterations
   bool winner = false;
 };
 
@@ -28,10 +28,10 @@ struct PoseEstimate {
   std::uint64_t revision = 0;  ///< counts up by one per update that was used
   /// The winner's pose; empty while there is no race at all.
   std::optional<Pose2> T_world_robot;
-  Pose2 T_odom_robot;          ///< at stamp_us: carries the pose forward as odometry moves on
+  Pose2 T_odom_robot;  ///< at stamp_us: carries the pose forward as odometry moves on
   /// Of (x, y, theta) [m^2, m rad, rad^2].
   Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
-  double reliability = 0.0;    ///< 0 lost .. 1 sure
+  double reliability = 0.0;  ///< 0 lost .. 1 sure
   std::vector<RaceReport> races;
 };
 
@@ -42,7 +42,8 @@ class LocalizationControl {
   /// The newest estimate; empty before the first.
   virtual std::optional<PoseEstimate> latest() const = 0;
   /// The newest estimate with a revision above `after_revision`; waits at most `timeout`; empty if none came.
-  virtual std::optional<PoseEstimate> next(std::uint64_t after_revision, std::chrono::milliseconds timeout) = 0;
+  virtual std::optional<PoseEstimate> next(std::uint64_t after_revision,
+                                           std::chrono::milliseconds timeout) = 0;
   /// "The robot is here": one race there, reliable.
   virtual PortReply setPose(const Pose2& T_world_robot) = 0;
   /// "Forget where you were": no race, explore everywhere.

@@ -5,9 +5,15 @@
 #include <cmath>
 
 #include "common/geometry/angles.h"
+#include "common/geometry/projection.h"
 
 namespace vismem {
 namespace {
+
+/// Image segments are sampled this finely, but in no more pieces than that: a fixed cost per segment.
+constexpr double kPiece_px = 6.0;
+constexpr int kMaximumPieces = 12;
+constexpr double kLongestPiece_m = 0.2;  // towards the horizon pixels stand for ever longer pieces of floor
 
 constexpr double kMinimumLength_m = 0.05;  // a shorter remembered segment has no usable direction
 
@@ -22,6 +28,12 @@ constexpr double kLongestTurn_rad = 0.4;
 double variancesAcross(const Eigen::Matrix3d& P, const Eigen::Vector2d& along_odom) {
   const Eigen::Vector2d across(-along_odom.y(), along_odom.x());
   return across.dot(P.topLeftCorner<2, 2>() * across);
+}
+
+void capWeights(RobustObservation& observation, double effective_points) {
+  if (observation.amount <= effective_points) return;
+  const double scale = effective_points / observation.amount;
+  for (EvidencePoint& point : observation.points) point.weight *= scale;
 }
 
 }  // namespace
@@ -80,11 +92,73 @@ RobustObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& 
     observation.segments.push_back({piece.robot, piece.label, weight});
     observation.amount += weight;
   }
-  if (observation.amount > params.effective_points) {
-    const double scale = params.effective_points / observation.amount;
-    for (EvidencePoint& point : observation.points) point.weight *= scale;
-  }
+  observation.segment_weight = observation.amount;
+  capWeights(observation, params.effective_points);
   return observation;
+}
+
+RobustObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map,
+                               const RobustParams& params) {
+  RobustObservation observation;
+  const Eigen::Vector2d camera = analysis.T_robot_camera.translation().head<2>();
+  const double height = analysis.T_robot_camera.translation().z();
+  if (!(height > 0.0)) return observation;
+  for (const ImageSegment& segment : analysis.observed) {
+    const auto label = map.floorLabelId(segment.label);
+    if (!label) continue;
+    const int pieces = std::clamp(static_cast<int>(segment.px.length() / kPiece_px), 1, kMaximumPieces);
+    std::optional<Eigen::Vector2d> last;
+    for (int i = 0; i <= pieces; ++i) {
+      const double fraction = static_cast<double>(i) / pieces;
+      const Eigen::Vector2d px = segment.px.a + fraction * (segment.px.b - segment.px.a);
+      const auto floor =
+          backProjectToGround(analysis.intrinsics, analysis.T_robot_camera, px, params.image_range_m);
+      const std::optional<Eigen::Vector2d> before = last;
+      last = floor ? std::optional<Eigen::Vector2d>(floor->head<2>()) : std::nullopt;
+      if (!before || !last) continue;
+      const Segment2 piece{*before, *last};
+      if (piece.length() < 1e-3) continue;
+      EvidencePoint point;
+      point.p_robot = piece.middle();
+      point.direction_robot = piece.direction();
+      point.label = *label;
+      // An error of the camera's pitch moves a floor point along the ray, one of its heading across it.
+      const Eigen::Vector2d ray = point.p_robot - camera;
+      const double range = std::max(ray.norm(), 1e-3);
+      const Eigen::Vector2d along = (piece.b - piece.a) / piece.length();
+      const double across_ray = std::abs(along.x() * ray.y() - along.y() * ray.x()) / range;
+      const double along_ray = std::abs(along.dot(ray)) / range;
+      const double std_range = (range * range + height * height) / height * params.camera_sigma_rad;
+      const double std_bearing = range * params.camera_sigma_rad;
+      point.sigma_m = std::min(params.maximum_sigma_m,
+                               std::hypot(params.sigma_m, across_ray * std_range, along_ray * std_bearing));
+      point.weight = params.points_per_metre * std::min(piece.length(), kLongestPiece_m);
+      observation.amount += point.weight;
+      observation.points.push_back(point);
+    }
+  }
+  capWeights(observation, params.effective_points);
+  return observation;
+}
+
+RobustObservation observe(const MemoryUpdate& update, const MapIndex& map, const RobustParams& params) {
+  RobustParams of_memory = params;
+  RobustParams of_image = params;
+  if (params.source == HealthSource::kBoth) {
+    of_memory.effective_points *= 1.0 - params.image_share;
+    of_image.effective_points *= params.image_share;
+  }
+  RobustObservation all;
+  if (params.source != HealthSource::kImage && update.snapshot) {
+    all = observeMemory(*update.snapshot, map, of_memory);
+  }
+  if (params.source != HealthSource::kMemory && update.analysis) {
+    const RobustObservation image = observeImage(*update.analysis, map, of_image);
+    all.points.insert(all.points.end(), image.points.begin(), image.points.end());
+    // What the memory has of this image is no second observation for "is there enough to see".
+    all.amount = std::max(all.amount, image.amount);
+  }
+  return all;
 }
 
 std::optional<FieldSample> RobustLikelihood::sample(const EvidencePoint& point,

@@ -29,14 +29,22 @@ struct EvidenceSegment {
 
 struct RobustObservation {
   std::vector<EvidencePoint> points;
-  std::vector<EvidenceSegment> segments;
-  double amount = 0.0;  ///< sum of the weights before the cap of `effective_points`
+  std::vector<EvidenceSegment> segments;  ///< of the memory
+  double segment_weight = 0.0;            ///< sum over the segments
+  double amount = 0.0;                    ///< sum of the points' weights before the cap of `effective_points`
 };
 
 /// What the memory says, as weighted points (see RobustParams). Labels that the map does not have are left
 /// out; segments without extent in plan view too.
 RobustObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& map,
                                 const RobustParams& params);
+
+/// What one image says: points on its labelled segments that fall on the floor within `image_range_m`.
+RobustObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map,
+                               const RobustParams& params);
+
+/// Memory, image or both, as `source` says; both must be of one stamp.
+RobustObservation observe(const MemoryUpdate& update, const MapIndex& map, const RobustParams& params);
 
 struct Rating {
   double log_likelihood = 0.0;  ///< sum of weight * log((1 - eps) exp(-d^2 / 2 sigma^2) + eps), <= 0

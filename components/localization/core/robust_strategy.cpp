@@ -45,8 +45,7 @@ class RobustStrategy : public RaceStrategy {
         likelihood_(map_, params_.robust) {}
 
   bool observe(const MemoryUpdate& update) override {
-    observation_ =
-        update.snapshot ? observeMemory(*update.snapshot, map_, params_.robust) : RobustObservation{};
+    observation_ = vismem::observe(update, map_, params_.robust);
     return !observation_.points.empty();
   }
 

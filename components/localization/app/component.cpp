@@ -1,0 +1,87 @@
+#include "localization/app/component.h"
+
+#include <utility>
+
+#include "active_visual_memory/ice/visual_memory_ice.h"
+#include "localization/app/localization_loop.h"
+#include "localization/ice/localization_ice.h"
+
+namespace vismem {
+namespace {
+
+class LocalizationComponent final : public Component, public LocalizationControl {
+ public:
+  LocalizationComponent(LocalizationConfig config, const SegmentMap& map_edges)
+      : config_(std::move(config)), localizer_(config_.params, map_edges, config_.seed) {
+    if (config_.start) localizer_.setPose(*config_.start);
+  }
+
+  void start(ComponentHost& host) override {
+    const auto proxy = host.communicator()->stringToProxy(config_.visual_memory_proxy);
+    auto link = std::make_shared<PeerLink>("VisualMemory", proxy, host.status(), host.log());
+    memory_ = std::make_unique<VisualMemoryClient>(Ice::uncheckedCast<avm::VisualMemoryPrx>(proxy),
+                                                   [link](const std::string& failure) {
+                                                     if (failure.empty()) {
+                                                       link->succeeded();
+                                                     } else {
+                                                       link->failed(failure);
+                                                     }
+                                                   });
+    loop_ = std::make_unique<LocalizationLoop>(std::move(localizer_), *memory_);
+    host.serve("Localization",
+               std::make_shared<LocalizationServant>(*this, estimates_, config_.pose3d_scale));
+    loop_->start(
+        [this, &host](const PoseEstimate& estimate, double step_s) {
+          host.status().count("estimates");
+          host.status().latency("step", step_s);
+          estimates_.publish(estimate);
+        },
+        [this](SourceState state, const std::string& why) {
+          if (state == SourceState::kRunning) return;  // the next estimate tells
+          estimates_.setState(state, "no visual memory: " + why);
+        },
+        [&host](std::exception_ptr failure) { host.fail(std::move(failure)); });
+  }
+
+  void stop() override {
+    if (loop_) loop_->stop();
+    estimates_.stop();
+  }
+
+  std::optional<PoseEstimate> latest() const override { return estimates_.latest(); }
+  std::optional<PoseEstimate> next(std::uint64_t after_revision, std::chrono::milliseconds timeout) override {
+    return estimates_.next(after_revision, timeout);
+  }
+  PortReply setPose(const Pose2& T_world_robot) override { return loop_->setPose(T_world_robot); }
+  PortReply relocalize() override { return loop_->relocalize(); }
+
+ private:
+  const LocalizationConfig config_;
+  Localizer localizer_;  ///< until start(), then the loop's
+  EstimateBroadcaster estimates_;
+  std::unique_ptr<VisualMemoryClient> memory_;
+  std::unique_ptr<LocalizationLoop> loop_;  ///< last member: its thread uses all of the above
+};
+
+}  // namespace
+
+std::unique_ptr<Component> makeLocalization(const LocalizationConfig& config) {
+  return std::make_unique<LocalizationComponent>(config, loadMapEdges(config.map, config.palette));
+}
+
+ComponentSpec localizationSpec() {
+  ComponentSpec spec;
+  spec.name = "localization";
+  spec.prefix = "Localization";
+  spec.summary = "Tells where in the map the robot is, from what its visual memory holds.";
+  spec.default_endpoints = "tcp -h 127.0.0.1 -p 9971:ws -h 127.0.0.1 -p 11005";
+  spec.configure = [](ConfigReader& root) -> std::unique_ptr<Component> {
+    ConfigReader reader = root.group("Localization");
+    const LocalizationConfig config = readLocalizationConfig(reader);
+    if (!reader.good()) return nullptr;
+    return makeLocalization(config);
+  };
+  return spec;
+}
+
+}  // namespace vismem

@@ -1,0 +1,150 @@
+#include "localization/app/config.h"
+
+#include <vector>
+
+#include "common/geometry/angles.h"
+#include "common/vision/palette.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kFar = 1e4;
+
+HealthSource readSource(ConfigReader& r, HealthSource fallback) {
+  return r.choice(
+      "Source", fallback,
+      {{"memory", HealthSource::kMemory}, {"image", HealthSource::kImage}, {"both", HealthSource::kBoth}});
+}
+
+int count(ConfigReader& r, const char* name, int fallback, int minimum, int maximum) {
+  return static_cast<int>(r.integer(name, fallback, minimum, maximum));
+}
+
+void readRaces(ConfigReader r, RaceParams& p) {
+  p.maximum = count(r, "Maximum", p.maximum, 1, 64);
+  p.same_place_m = r.real("SamePlace_m", p.same_place_m, 0.01, 10.0);
+  p.same_place_rad = r.angleDeg("SamePlace_deg", radToDeg(p.same_place_rad), 0.5, 180.0);
+  p.create_health = r.real("CreateHealth", p.create_health, 0.0, 1.0);
+  p.delete_health = r.real("DeleteHealth", p.delete_health, 0.0, 1.0);
+  p.protected_age = count(r, "ProtectedAge", p.protected_age, 0, 1000);
+  p.protected_after_best = count(r, "ProtectedAfterBest", p.protected_after_best, 0, 1000);
+  p.maximum_victories = count(r, "MaximumVictories", p.maximum_victories, 1, 1000);
+}
+
+void readExplorers(ConfigReader r, ExplorerParams& p) {
+  p.count_lost = count(r, "CountLost", p.count_lost, 0, 100'000);
+  p.count_reliable = count(r, "CountReliable", p.count_reliable, 0, 100'000);
+  p.period_reliable = count(r, "PeriodReliable", p.period_reliable, 1, 1000);
+  p.reliable_above = r.real("ReliableAbove", p.reliable_above, 0.0, 1.0);
+  p.candidates = count(r, "Candidates", p.candidates, 1, 64);
+  p.list_health = r.real("ListHealth", p.list_health, 0.0, 1.0);
+  p.margin_m = r.real("Margin_m", p.margin_m, 0.0, kFar);
+}
+
+void readEvolution(ConfigReader r, EvolutionParams& p) {
+  p.individuals = count(r, "Individuals", p.individuals, 1, 10'000);
+  p.elitism = r.real("Elitism", p.elitism, 0.0, 1.0);
+  p.crossover = r.real("Crossover", p.crossover, 0.0, 1.0);
+  p.noise_m = r.real("Noise_m", p.noise_m, 0.0, 10.0);
+  p.noise_rad = r.angleDeg("Noise_deg", radToDeg(p.noise_rad), 0.0, 180.0);
+  if (p.elitism + p.crossover > 1.0) r.problem("Crossover", "must not be more than 1 - " + r.key("Elitism"));
+}
+
+void readHealth(ConfigReader r, HealthParams& p) {
+  p.source = readSource(r, p.source);
+  p.use_field = r.boolean("UseField", p.use_field);
+  p.memory_scale_m = r.real("MemoryScale_m", p.memory_scale_m, 0.01, kFar);
+  p.image_scale_px = r.real("ImageScale_px", p.image_scale_px, 1.0, kFar);
+  p.memory_range_m = r.real("MemoryRange_m", p.memory_range_m, 0.1, kFar);
+  p.grid_top_px = r.real("GridTop_px", p.grid_top_px, 2.0, 240.0);
+  p.grid_bottom_px = r.real("GridBottom_px", p.grid_bottom_px, 2.0, 240.0);
+  if (p.grid_top_px > p.grid_bottom_px) {
+    r.problem("GridTop_px", "must not be more than " + r.key("GridBottom_px"));
+  }
+}
+
+void readRobust(ConfigReader r, RobustParams& p) {
+  p.source = readSource(r, p.source);
+  p.image_share = r.real("ImageShare", p.image_share, 0.0, 1.0);
+  p.image_range_m = r.real("ImageRange_m", p.image_range_m, 0.1, kFar);
+  p.camera_sigma_rad = r.angleDeg("CameraSigma_deg", radToDeg(p.camera_sigma_rad), 0.0, 20.0);
+  p.point_step_m = r.real("PointStep_m", p.point_step_m, 0.01, 10.0);
+  p.maximum_points = count(r, "MaximumPoints", p.maximum_points, 10, 100'000);
+  p.range_m = r.real("Range_m", p.range_m, 0.1, kFar);
+  p.half_life_s = r.real("HalfLife_s", p.half_life_s, 0.0, 1e6);
+  p.unconfirmed_weight = r.real("UnconfirmedWeight", p.unconfirmed_weight, 0.0, 1.0);
+  p.effective_points = r.real("EffectivePoints", p.effective_points, 1.0, 1e6);
+  p.points_per_metre = r.real("PointsPerMetre", p.points_per_metre, 0.01, 1e4);
+  p.sigma_m = r.real("Sigma_m", p.sigma_m, 0.001, 10.0);
+  p.maximum_sigma_m = r.real("MaximumSigma_m", p.maximum_sigma_m, 0.001, 10.0);
+  if (p.maximum_sigma_m < p.sigma_m) r.problem("MaximumSigma_m", "must not be less than " + r.key("Sigma_m"));
+  p.drift_sigma_mps = r.real("DriftSigma_mps", p.drift_sigma_mps, 0.0, 10.0);
+  p.outlier_share = r.real("OutlierShare", p.outlier_share, 1e-6, 0.9);
+  p.direction_gate = r.boolean("DirectionGate", p.direction_gate);
+  p.direction_gate_rad = r.angleDeg("DirectionGate_deg", radToDeg(p.direction_gate_rad), 1.0, 90.0);
+  p.use_field = r.boolean("UseField", p.use_field);
+  p.refinement_steps = count(r, "RefinementSteps", p.refinement_steps, 0, 100);
+  p.kalman = r.boolean("Kalman", p.kalman);
+  p.odometry_share = r.real("OdometryShare", p.odometry_share, 0.0, 10.0);
+  p.odometry_turn_share = r.real("OdometryTurnShare", p.odometry_turn_share, 0.0, 10.0);
+  p.odometry_turn_per_m = r.angleDeg("OdometryTurn_degpm", radToDeg(p.odometry_turn_per_m), 0.0, 180.0);
+  p.walk_m = r.real("Walk_m", p.walk_m, 0.0, 1.0);
+  p.walk_rad = r.angleDeg("Walk_deg", radToDeg(p.walk_rad), 0.0, 90.0);
+  p.information_share = r.real("InformationShare", p.information_share, 1e-4, 1.0);
+  p.forgetting = r.real("Forgetting", p.forgetting, 0.0, 0.9999);
+  p.lead = r.real("Lead", p.lead, 0.0, 1e6);
+  p.birth_penalty = r.real("BirthPenalty", p.birth_penalty, 0.0, 1e6);
+  p.delete_behind = r.real("DeleteBehind", p.delete_behind, 0.0, 1e6);
+  p.constructed_share = r.real("ConstructedShare", p.constructed_share, 0.0, 1.0);
+  p.refined_explorers = count(r, "RefinedExplorers", p.refined_explorers, 1, 1000);
+  p.reliability_time_s = r.real("ReliabilityTime_s", p.reliability_time_s, 0.01, 1e4);
+  p.enough_points = r.real("EnoughPoints", p.enough_points, 0.01, 1e6);
+  p.explained_low = r.real("ExplainedLow", p.explained_low, 0.0, 1.0);
+  p.explained_high = r.real("ExplainedHigh", p.explained_high, 0.0, 1.0);
+  if (p.explained_low >= p.explained_high) {
+    r.problem("ExplainedLow", "must be less than " + r.key("ExplainedHigh"));
+  }
+}
+
+}  // namespace
+
+LocalizerParams readLocalizerParams(ConfigReader& reader) {
+  const auto mode =
+      reader.choice("Mode", LocalizationMode::kDefault,
+                    {{"default", LocalizationMode::kDefault}, {"chapter", LocalizationMode::kChapter}});
+  LocalizerParams params = localizerPreset(mode);
+  params.tick_s = reader.real("Tick_s", params.tick_s, 0.001, 60.0);
+  params.cell_m = reader.real("Cell_m", params.cell_m, 0.005, 1.0);
+  readRaces(reader.group("Races"), params.races);
+  readExplorers(reader.group("Explorers"), params.explorers);
+  readEvolution(reader.group("Evolution"), params.evolution);
+  readHealth(reader.group("Health"), params.health);
+  readRobust(reader.group("Robust"), params.robust);
+  return params;
+}
+
+LocalizationConfig readLocalizationConfig(ConfigReader& reader) {
+  LocalizationConfig config;
+  config.visual_memory_proxy = reader.requiredText(
+      "VisualMemory.Proxy", "the proxy of a visual memory, such as VisualMemory:tcp -h 127.0.0.1 -p 9970");
+  config.map = reader.requirePath("Map", "a map of labelled segments, such as cfg/maps/corridor.csv");
+  config.palette = reader.existingPath("Palette");
+  config.seed = static_cast<std::uint64_t>(reader.integer("Seed", 1, 0, 2'000'000'000));
+  if (reader.isSet("Start.Position_m") || reader.isSet("Start.Heading_deg")) {
+    const std::vector<double> position = reader.reals("Start.Position_m", {0.0, 0.0}, -kFar, kFar);
+    config.start = Pose2{position[0], position[1], reader.angleDeg("Start.Heading_deg", 0.0, -360.0, 360.0)};
+  }
+  reader.known("Start.Position_m");
+  reader.known("Start.Heading_deg");
+  config.pose3d_scale = reader.boolean("Pose3D.MillimetreScale", false) ? 1000.0 : 1.0;
+  config.params = readLocalizerParams(reader);
+  return config;
+}
+
+SegmentMap loadMapEdges(const std::filesystem::path& map, const std::filesystem::path& palette) {
+  const SegmentMap rows = loadSegmentMap(map);
+  if (palette.empty()) return expandStripes(rows, {});
+  return expandStripes(rows, loadPalette(palette).stripes());
+}
+
+}  // namespace vismem

@@ -1,0 +1,38 @@
+/// @file Configuration of localization: every key, checked once at start. Pure but for looking files up.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "common/config/config_reader.h"
+#include "common/geometry/pose.h"
+#include "common/segment_map/segment_map.h"
+#include "localization/core/params.h"
+
+namespace vismem {
+
+/// SPEC C2. All keys begin with "Localization."; the table is in the component's README.
+struct LocalizationConfig {
+  std::string visual_memory_proxy;
+  std::filesystem::path map;
+  std::filesystem::path palette;  ///< of the map's stripes; empty: the map has no stripes
+  std::uint64_t seed = 1;
+  std::optional<Pose2> start;  ///< known from outside; empty: unknown
+  double pose3d_scale = 1.0;   ///< of JdeRobot positions: 1 metres, 1000 for old millimetre clients
+  LocalizerParams params;
+};
+
+/// Reads and checks every key of the component but the process's own. Problems are collected in `reader`;
+/// the caller finishes it. @param reader at the prefix "Localization".
+LocalizationConfig readLocalizationConfig(ConfigReader& reader);
+
+/// The part that lock-step tools share: mode and parameters. Keys and prefix as above.
+LocalizerParams readLocalizerParams(ConfigReader& reader);
+
+/// The map with its stripes expanded to edges, as the Localizer takes it.
+/// @param palette may be empty. @throws ConfigError: what is wrong in either file.
+SegmentMap loadMapEdges(const std::filesystem::path& map, const std::filesystem::path& palette);
+
+}  // namespace vismem

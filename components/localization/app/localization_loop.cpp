@@ -1,0 +1,105 @@
+#include "localization/app/localization_loop.h"
+
+#include <chrono>
+#include <cmath>
+
+namespace vismem {
+namespace {
+
+/// A command waits at most this long for a memory that says nothing.
+constexpr std::chrono::milliseconds kWait{100};
+
+}  // namespace
+
+LocalizationLoop::LocalizationLoop(Localizer localizer, VisualMemorySource& source)
+    : localizer_(std::move(localizer)), source_(source) {}
+
+LocalizationLoop::~LocalizationLoop() {
+  stop();
+}
+
+void LocalizationLoop::start(Publish publish, SourceChanged source_changed, Failed failed) {
+  publish_ = std::move(publish);
+  source_changed_ = std::move(source_changed);
+  failed_ = std::move(failed);
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    try {
+      run(stop);
+    } catch (...) {
+      failed_(std::current_exception());
+    }
+  });
+}
+
+void LocalizationLoop::stop() {
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+}
+
+PortReply LocalizationLoop::setPose(const Pose2& T_world_robot) {
+  if (!isFinite(T_world_robot)) return PortReply::rejected("the pose is not finite");
+  return enqueue(T_world_robot);
+}
+
+PortReply LocalizationLoop::relocalize() {
+  return enqueue(std::nullopt);
+}
+
+PortReply LocalizationLoop::enqueue(const Command& command) {
+  const std::lock_guard lock(mutex_);
+  if (commands_.size() >= kMaximumCommands) {
+    return PortReply::rejected(std::to_string(commands_.size()) + " commands are waiting already");
+  }
+  commands_.push_back(command);
+  return PortReply::accepted();
+}
+
+bool LocalizationLoop::runCommands() {
+  std::deque<Command> commands;
+  {
+    const std::lock_guard lock(mutex_);
+    commands.swap(commands_);
+  }
+  for (const Command& command : commands) {
+    if (command) {
+      localizer_.setPose(*command);
+    } else {
+      localizer_.relocalize();
+    }
+  }
+  return !commands.empty();
+}
+
+void LocalizationLoop::run(const std::stop_token& stop) {
+  std::uint64_t memory_revision = 0;
+  std::optional<SourceState> known_state;
+  std::string known_why;
+  while (!stop.stop_requested()) {
+    // Nobody asks for an estimate that has no stamp: commands before the first update show with it.
+    if (runCommands() && memory_revision != 0) publish_(localizer_.latest(), 0.0);
+    const MemoryResult result = source_.next(memory_revision, kWait);
+    const bool has_update =
+        result.state == SourceState::kRunning && result.update.snapshot && result.update.analysis;
+    // A wait that ended without news says nothing about a source that runs.
+    const bool is_quiet = result.state == SourceState::kWaiting && known_state == SourceState::kRunning &&
+                          result.message.empty();
+    if (!is_quiet && (known_state != result.state || known_why != result.message)) {
+      known_state = result.state;
+      known_why = result.message;
+      source_changed_(result.state, result.message);
+    }
+    if (!has_update) {
+      if (result.state == SourceState::kFinished) std::this_thread::sleep_for(kWait);
+      continue;
+    }
+    memory_revision = result.update.snapshot->revision;
+    const std::uint64_t before = localizer_.latest().revision;
+    const auto begin = std::chrono::steady_clock::now();
+    const PoseEstimate estimate = localizer_.step(result.update);
+    const double step_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (estimate.revision != before) publish_(estimate, step_s);
+  }
+}
+
+}  // namespace vismem

@@ -1,0 +1,55 @@
+/// @file The thread that owns the Localizer: updates in, estimates out, commands through a bounded queue.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "common/visual_memory/memory_snapshot.h"
+#include "localization/core/localizer.h"
+
+namespace vismem {
+
+/// *Thread-safe*: commands come from any thread, the Localizer is used by the loop's thread alone.
+class LocalizationLoop {
+ public:
+  using Publish = std::function<void(const PoseEstimate&, double step_s)>;
+  using SourceChanged = std::function<void(SourceState, const std::string& why)>;
+  using Failed = std::function<void(std::exception_ptr)>;
+
+  /// @param source must outlive the loop; its waits should end within a second.
+  LocalizationLoop(Localizer localizer, VisualMemorySource& source);
+  ~LocalizationLoop();
+
+  /// Called from the loop's thread: every new estimate, and every change of the source's state.
+  void start(Publish publish, SourceChanged source_changed, Failed failed);
+  void stop();
+
+  /// Taken by the loop before its next update. Rejected: not finite, or too many wait.
+  PortReply setPose(const Pose2& T_world_robot);
+  PortReply relocalize();
+
+ private:
+  /// Empty: relocalize.
+  using Command = std::optional<Pose2>;
+  static constexpr std::size_t kMaximumCommands = 16;
+
+  PortReply enqueue(const Command& command);
+  bool runCommands();
+  void run(const std::stop_token& stop);
+
+  Localizer localizer_;
+  VisualMemorySource& source_;
+  Publish publish_;
+  SourceChanged source_changed_;
+  Failed failed_;
+  std::mutex mutex_;
+  std::deque<Command> commands_;
+  std::jthread thread_;  ///< last member: it uses all of the above
+};
+
+}  // namespace vismem

@@ -1,0 +1,103 @@
+// Configuration of localization: presets, overrides, shipped files and messages (SPEC C2).
+#include "localization/app/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "common/config/config_error.h"
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+const std::string kSource = VISMEM_SOURCE_DIR;
+const std::string kNeeded =
+    "Localization.VisualMemory.Proxy = VisualMemory:tcp -p 9970\n"
+    "Localization.Map = " +
+    kSource + "/cfg/maps/corridor.csv\n";
+
+LocalizationConfig parse(const std::string& text) {
+  const Properties properties = Properties::parse(text, "test.cfg");
+  ConfigReader root(properties);
+  ConfigReader reader = root.group("Localization");
+  LocalizationConfig config = readLocalizationConfig(reader);
+  reader.finish();
+  return config;
+}
+
+std::vector<std::string> problemsOf(const std::string& text) {
+  try {
+    parse(text);
+  } catch (const ConfigError& error) {
+    return error.problems();
+  }
+  return {};
+}
+
+TEST(LocalizationConfig, DefaultsAreThePresets) {
+  const LocalizationConfig ours = parse(kNeeded);
+  EXPECT_EQ(ours.params.mode, LocalizationMode::kDefault);
+  EXPECT_FALSE(ours.start);
+  EXPECT_EQ(ours.params.explorers.count_lost,
+            localizerPreset(LocalizationMode::kDefault).explorers.count_lost);
+  const LocalizationConfig chapter = parse(kNeeded + "Localization.Mode = chapter\n");
+  EXPECT_EQ(chapter.params.mode, LocalizationMode::kChapter);
+  EXPECT_EQ(chapter.params.explorers.count_lost, 1000);
+  EXPECT_DOUBLE_EQ(chapter.params.races.delete_health, 0.6);
+}
+
+TEST(LocalizationConfig, AKeyOverridesThePreset) {
+  const LocalizationConfig config = parse(kNeeded +
+                                          "Localization.Races.SamePlace_deg = 20\n"
+                                          "Localization.Health.Source = image\n"
+                                          "Localization.Robust.Kalman = no\n"
+                                          "Localization.Start.Position_m = 1.5 -2\n"
+                                          "Localization.Start.Heading_deg = 90\n");
+  EXPECT_NEAR(config.params.races.same_place_rad, degToRad(20), 1e-12);
+  EXPECT_EQ(config.params.health.source, HealthSource::kImage);
+  EXPECT_FALSE(config.params.robust.kalman);
+  ASSERT_TRUE(config.start);
+  EXPECT_DOUBLE_EQ(config.start->y, -2.0);
+  EXPECT_NEAR(config.start->theta, degToRad(90), 1e-12);
+}
+
+TEST(LocalizationConfig, AllProblemsAreReportedWithTheirLines) {
+  const std::vector<std::string> problems = problemsOf(
+      "Localization.Races.Maximum = 0\n"
+      "Localization.Mode = best\n"
+      "Localization.Evolution.Elitsm = 0.2\n"
+      "Localization.Robust.ExplainedLow = 0.9\n");
+  EXPECT_THAT(problems, Contains(HasSubstr("test.cfg:1: Localization.Races.Maximum = 0")));
+  EXPECT_THAT(problems, Contains(HasSubstr("test.cfg:2: Localization.Mode = best")));
+  EXPECT_THAT(problems, Contains(HasSubstr("Localization.Evolution.Elitsm")));
+  EXPECT_THAT(problems, Contains(HasSubstr("Localization.Robust.ExplainedLow")));
+  EXPECT_THAT(problems, Contains(HasSubstr("Localization.VisualMemory.Proxy")));
+  EXPECT_THAT(problems, Contains(HasSubstr("Localization.Map")));
+}
+
+TEST(LocalizationConfig, TheShippedSetupOfTheSimulatorLoads) {
+  const Properties properties = Properties::load(kSource + "/cfg/sim/localization.cfg");
+  ConfigReader root(properties);
+  ConfigReader reader = root.group("Localization");
+  const LocalizationConfig config = readLocalizationConfig(reader);
+  EXPECT_TRUE(reader.good());
+  EXPECT_GT(loadMapEdges(config.map, config.palette).segments.size(), 10u);
+}
+
+TEST(LocalizationConfig, StripesOfTheFieldBecomeTheirEdges) {
+  const std::filesystem::path map = std::filesystem::temp_directory_path() / "vismem_config_test_map.csv";
+  std::ofstream(map) << "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label,width_m\n0,0,0,2,0,0,line,0.05\n";
+  const SegmentMap edges = loadMapEdges(map, kSource + "/cfg/maps/field.palette");
+  std::filesystem::remove(map);
+  ASSERT_EQ(edges.segments.size(), 2u);
+  EXPECT_EQ(edges.segments[0].label, "stripe_edge");
+}
+
+}  // namespace
+}  // namespace vismem
