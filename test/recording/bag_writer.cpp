@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace vismem::testing {
+namespace vismem {
 namespace {
 
 ros::Time toTime(std::int64_t stamp_us) {
@@ -107,4 +107,4 @@ void BagWriter::transform(const std::string& topic, std::int64_t stamp_us, const
   impl_->bag.write(topic, recordedAt(stamp_us), message);
 }
 
-}  // namespace vismem::testing
+}  // namespace vismem

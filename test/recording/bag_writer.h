@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace vismem::testing {
+namespace vismem {
 
 class BagWriter {
  public:
@@ -35,4 +35,4 @@ class BagWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace vismem::testing
+}  // namespace vismem

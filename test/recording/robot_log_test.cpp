@@ -20,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
-using testing::BagWriter;
 using ::testing::HasSubstr;
 
 /// A folder of its own for every test, gone with it.

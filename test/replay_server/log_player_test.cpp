@@ -14,7 +14,6 @@ namespace vismem {
 namespace {
 
 using std::chrono::milliseconds;
-using testing::BagWriter;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 

@@ -214,6 +214,18 @@ TEST_F(RobotLoopback, AbsentPeersAreReasonsNotExceptions) {
   EXPECT_FALSE(read_only.samplesSince(kBeforeAllStamps, 2s).samples.empty());
 }
 
+/// A peer that takes connections but never answers costs a control loop at most the command's bound.
+TEST_F(RobotLoopback, FrozenPeersAreCutOff) {
+  LoopbackServer frozen;  // never activated: the system accepts the connection, nobody speaks on it
+  RemotePanTiltUnit remote(client.proxy<avm::PanTiltPrx>("PanTilt", frozen.port()));
+  const auto began = std::chrono::steady_clock::now();
+  const PortReply reply = remote.command({});
+  EXPECT_LT(std::chrono::steady_clock::now() - began, 2s);  // the bound is 1 s; the rest is a busy machine
+  EXPECT_EQ(reply.kind, PortReply::Kind::kRejected);
+  EXPECT_THAT(reply.message, HasSubstr("no answer within 1000 ms"));
+  EXPECT_EQ(remote.samplesSince(0, 10ms).state, SourceState::kWaiting);
+}
+
 class FakeSimulation : public SimulationControl {
  public:
   SimulationStatus status() const override { return {"corridor", 5, 1000, paused, speed, 0.9}; }

@@ -34,7 +34,7 @@ struct Problem {
 /// set twice are problems, which are kept here until ConfigReader::finish or throwIfBad reports them together
 /// with all others. Syntax: `KEY = VALUE`, the rest of a line after '#' is a comment, blanks around key and
 /// value do not count; `\#`, `\=`, `\\` and `\ ` stand for the character itself, any other backslash for
-/// itself. A value may be empty. Value type.
+/// itself. Unlike Ice's reader it keeps blanks that follow an escaped one. A value may be empty. Value type.
 class Properties {
  public:
   struct Entry {

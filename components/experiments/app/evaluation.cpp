@@ -1,0 +1,214 @@
+#include "experiments/app/evaluation.h"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "common/geometry/angles.h"
+#include "experiments/app/evaluation_setup.h"
+#include "experiments/core/lockstep.h"
+#include "experiments/core/map_projection.h"
+#include "experiments/core/metrics.h"
+#include "experiments/core/route.h"
+#include "experiments/core/route_follower.h"
+#include "experiments/core/trajectory_io.h"
+#include "replay_server/core/stepped_log.h"
+
+namespace vismem {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What is kept of a run.
+struct Record {
+  std::vector<PublishedPose> published;
+  std::vector<PoseEstimate> estimates;
+  Trajectory estimate;  // world -> robot
+  Trajectory odometry;
+  Trajectory truth;
+  std::vector<JudgedImage> judged;
+  MemoryUpdate last;
+  GazeStatus gaze;
+  double run_s = 0.0;  // of computing
+
+  void add(const LockstepFrame& frame, bool judge) {
+    const RobotObservation& observation = frame.observation;
+    const StampUs stamp_us = observation.frame.stamp_us;
+    last = frame.memory.update;
+    gaze = frame.memory.gaze;
+    append(odometry, {stamp_us, observation.T_odom_robot});
+    // The estimate belongs to its own image; odometry carries it to this one where that was not analysed.
+    std::optional<Pose2> pose;
+    if (frame.estimate.T_world_robot) {
+      pose = *frame.estimate.T_world_robot * inverse(frame.estimate.T_odom_robot) * observation.T_odom_robot;
+      append(estimate, {stamp_us, *pose});
+    }
+    published.push_back({stamp_us, pose, frame.estimate.reliability});
+    if (estimates.empty() || estimates.back().revision != frame.estimate.revision) {
+      estimates.push_back(frame.estimate);
+    }
+    if (judge && last.analysis && last.analysis->stamp_us == stamp_us) {
+      judged.push_back(
+          {last.analysis->observed, last.analysis->intrinsics, observation.T_robot_camera, pose});
+    }
+  }
+};
+
+template <typename Write>
+void writeWith(const fs::path& file, Write write) {
+  std::ostringstream text;
+  write(text);
+  writeTextFile(file, text.str());
+}
+
+void writeFiles(const Record& record, const fs::path& out) {
+  fs::create_directories(out);
+  writeWith(out / "trajectory.tum", [&](std::ostream& text) { writeTum(record.estimate, text); });
+  writeWith(out / "odometry.tum", [&](std::ostream& text) { writeTum(record.odometry, text); });
+  if (!record.truth.empty()) {
+    writeWith(out / "truth.tum", [&](std::ostream& text) { writeTum(record.truth, text); });
+  }
+  writeWith(out / "races.csv", [&](std::ostream& text) { writeRacesCsv(record.estimates, text); });
+  writeWith(out / "memory.csv", [&](std::ostream& text) { writeMemoryCsv(*record.last.snapshot, text); });
+}
+
+template <typename Value>
+nlohmann::json orNull(const std::optional<Value>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+nlohmann::json summarise(const Record& record, const Lockstep& run, const EvaluationOptions& options,
+                         const SegmentMap& map_edges) {
+  nlohmann::json json;
+  json["mode"] = options.chapter ? "chapter" : "default";
+  json["seed"] = options.seed;
+  json["frames"] = run.framesProcessed();
+  json["frames_dropped"] = run.framesDropped();
+  json["memory_segments"] = record.last.snapshot->segments.size();
+  json["gaze_visits"] = record.gaze.visits;
+  json["races"] = record.estimates.back().races.size();
+  json["reliability"] = record.estimates.back().reliability;
+  const double robot_s = toSeconds(record.odometry.back().stamp_us - record.odometry.front().stamp_us);
+  json["robot_s"] = robot_s;
+  json["path_m"] = pathLength(record.odometry);
+  const auto estimates = static_cast<double>(record.estimates.size());
+  json["memory_hz"] = robot_s > 0.0 ? estimates / robot_s : 0.0;
+  if (!record.truth.empty()) {
+    const LocalizationScore score = scoreLocalization(record.published, record.truth);
+    json["settled_after_s"] = orNull(score.settled_after_s);
+    json["position_error_m"] = orNull(score.position_error_m);
+    json["heading_error_deg"] =
+        score.heading_error_rad ? nlohmann::json(radToDeg(*score.heading_error_rad)) : nlohmann::json();
+    json["recovered"] = score.recovered;
+  }
+  if (!record.judged.empty()) {
+    const MapProjectionScore score = scoreMapProjection(record.judged, map_edges);
+    json["map_projection_px"] = orNull(score.detected_to_map_px);
+    json["map_to_detected_px"] = orNull(score.map_to_detected_px);
+    json["images_judged"] = score.images;
+    json["images_without_lines"] = score.images_without_lines;
+    json["images_without_pose"] = score.images_without_pose;
+  }
+  return json;
+}
+
+std::optional<StampUs> duration(const EvaluationOptions& options) {
+  if (!options.seconds) return std::nullopt;
+  return toStampUs(*options.seconds);
+}
+
+/// Tells localization where the run begins, once, after its first frame.
+class KnownStart {
+ public:
+  KnownStart(Localizer& localizer, std::optional<Pose2> start)
+      : localizer_(localizer), start_(std::move(start)) {}
+  void afterFrame() {
+    if (start_) localizer_.setPose(*std::exchange(start_, std::nullopt));
+  }
+
+ private:
+  Localizer& localizer_;
+  std::optional<Pose2> start_;
+};
+
+nlohmann::json finish(Record& record, const Lockstep& run, const EvaluationOptions& options,
+                      const EvaluationParams& params, const std::string& input) {
+  if (!record.last.snapshot) {
+    throw std::runtime_error(input + ": no frame could be used: odometry or camera poses cover none of them");
+  }
+  writeFiles(record, options.out);
+  return summarise(record, run, options, params.map_edges);
+}
+
+nlohmann::json evaluateBag(const EvaluationOptions& options) {
+  SteppedLog robot(RobotLog::open(options.bag.string()));
+  const EvaluationParams params = loadParams(options, !robot.log().knowsCameraPose());
+  Record record;
+  if (!options.truth.empty()) record.truth = loadTruth(options.truth);
+  MemoryPipeline memory(params.pipeline, params.palette);
+  Localizer localizer(params.localizer, params.map_edges, options.seed);
+  KnownStart start(localizer, options.start);
+  Lockstep run(robot, params.assembler, memory, localizer);
+  run.run(
+      [&](const LockstepFrame& frame) {
+        start.afterFrame();
+        const std::uint64_t image = frame.observation.frame.seq;
+        record.add(frame, image >= options.judge_first && image <= options.judge_last);
+      },
+      duration(options));
+  return finish(record, run, options, params, options.bag.string());
+}
+
+std::optional<Route> findRoute(const EvaluationOptions& options) {
+  fs::path file = options.route;
+  if (file.empty()) {
+    file = options.world;
+    file.replace_extension(".route");
+    if (!fs::exists(file)) return std::nullopt;
+  }
+  return routeFromFile(file);
+}
+
+nlohmann::json evaluateWorld(const EvaluationOptions& options) {
+  const EvaluationParams params = loadParams(options, true);
+  std::optional<Route> route = findRoute(options);
+  std::optional<Pose2> place = options.start;
+  if (route && !place) {
+    const RouteStart drawn = startOnRoute(*route, options.seed);
+    place = drawn.T_world_robot;
+    if (drawn.backwards) route = reversed(*route);
+  }
+  const auto robot = makeSimulation(options, params.assembler.mount, place);
+  Record record;
+  MemoryPipeline memory(params.pipeline, params.palette);
+  Localizer localizer(params.localizer, params.map_edges, options.seed);
+  KnownStart start(localizer, options.start);
+  Lockstep run(*robot, params.assembler, memory, localizer);
+  std::optional<SimulatedOperator> driver;
+  if (route) {
+    driver.emplace(*route, RouteFollowerParams{});
+    run.setDriver([&](MobileBase& base) {
+      const DriveCommand command = driver->drive(robot->truth().T_world_robot);
+      base.setVelocity(command.v_mps, command.w_radps);
+    });
+  }
+  run.run(
+      [&](const LockstepFrame& frame) {
+        start.afterFrame();
+        const TruthSample truth = robot->truth();
+        append(record.truth, {truth.stamp_us, truth.T_world_robot});
+        record.add(frame, false);
+      },
+      duration(options));
+  return finish(record, run, options, params, options.world.string());
+}
+
+}  // namespace
+
+nlohmann::json evaluate(const EvaluationOptions& options) {
+  return options.bag.empty() ? evaluateWorld(options) : evaluateBag(options);
+}
+
+}  // namespace vismem

@@ -1,0 +1,38 @@
+/// @file One evaluation: a recording or a simulated drive through memory and localization in lock-step, its
+/// files and its figures of merit. DESIGN 11.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "common/geometry/pose.h"
+
+namespace vismem {
+
+struct EvaluationOptions {
+  std::filesystem::path bag;  ///< exactly one of bag and world is set
+  std::filesystem::path world;
+  std::filesystem::path map;
+  std::filesystem::path out;
+  std::filesystem::path palette;  ///< empty: beside the map, else the configuration's
+  std::filesystem::path config;   ///< empty: cfg/replay or cfg/sim/active_visual_memory.cfg
+  std::filesystem::path truth;    ///< of a bag: t_s,x_m,y_m,theta_rad
+  std::filesystem::path route;    ///< of a world: empty: beside it, with the ending .route, if there is one
+  bool chapter = false;
+  std::uint64_t seed = 1;
+  std::optional<Pose2> start;  ///< known start in world; without it the robot must find out
+  std::optional<double> seconds;
+  double camera_rate_hz = 10.0;  ///< of a world
+  /// Images of a bag, counted from 0, into which the map is projected for map_projection_px.
+  std::uint64_t judge_first = 0;
+  std::uint64_t judge_last = UINT64_MAX;
+};
+
+/// Runs it, writes all files into options.out and gives the summary.
+/// @throws ConfigError, RecordingError, std::runtime_error with what is wrong with the input.
+nlohmann::json evaluate(const EvaluationOptions& options);
+
+}  // namespace vismem

@@ -1,0 +1,137 @@
+#include "experiments/app/evaluation_setup.h"
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "active_visual_memory/app/config.h"
+#include "common/config/config_error.h"
+#include "common/config/config_reader.h"
+#include "common/config/properties.h"
+
+namespace vismem {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string readText(const fs::path& file) {
+  std::ifstream stream(file);
+  if (!stream) throw ConfigError({file.string() + ": cannot be read"});
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+fs::path configFile(const EvaluationOptions& options) {
+  if (!options.config.empty()) return options.config;
+  return projectFile(options.bag.empty() ? "cfg/sim/active_visual_memory.cfg"
+                                         : "cfg/replay/active_visual_memory.cfg");
+}
+
+/// The palette named, else the one that lies beside the map (DESIGN 14), else the configuration's.
+fs::path paletteFile(const EvaluationOptions& options, const fs::path& configured) {
+  if (!options.palette.empty()) return options.palette;
+  fs::path beside = options.map;
+  beside.replace_extension(".palette");
+  return fs::exists(beside) ? beside : configured;
+}
+
+}  // namespace
+
+fs::path projectFile(const fs::path& relative) {
+  if (fs::exists(relative)) return relative;
+  std::error_code failed;
+  const fs::path program = fs::read_symlink("/proc/self/exe", failed);
+  for (fs::path folder = program.parent_path(); !failed && folder.has_relative_path();
+       folder = folder.parent_path()) {
+    if (fs::exists(folder / relative)) return folder / relative;
+  }
+  return relative;
+}
+
+EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt) {
+  Properties properties = Properties::load(configFile(options));
+  // The peers of the component are in this process; its other keys count here as they do there.
+  properties.set("ActiveVisualMemory.Camera.Proxy", "here");
+  properties.set("ActiveVisualMemory.Odometry.Proxy", "here");
+  properties.set("ActiveVisualMemory.PanTilt.Proxy", has_pan_tilt ? "here" : "");
+  if (options.chapter) properties.set("ActiveVisualMemory.Mode", "chapter");
+  ConfigReader config(properties);
+  ConfigReader memory = config.group("ActiveVisualMemory");
+  for (const char* process_key : {"Endpoints", "LogLevel", "EndWithParent"}) memory.known(process_key);
+  const ActiveVisualMemoryConfig component = readActiveVisualMemoryConfig(memory);
+  config.finish();
+
+  EvaluationParams params;
+  params.pipeline = component.pipeline;
+  params.pipeline.memory.attention.seed = options.seed;
+  params.assembler = component.assembler;
+  params.localizer =
+      localizerPreset(options.chapter ? LocalizationMode::kChapter : LocalizationMode::kDefault);
+  params.palette_file = paletteFile(options, component.palette);
+  if (params.palette_file.empty()) {
+    throw ConfigError({options.map.string() + ": no palette: expected --palette, a file beside the map, or " +
+                       memory.key("Palette") + " in " + configFile(options).string()});
+  }
+  params.palette = std::make_shared<const Palette>(loadPalette(params.palette_file));
+  params.map = loadSegmentMap(options.map);
+  params.map_edges = expandStripes(params.map, params.palette->stripes());
+  return params;
+}
+
+Trajectory loadTruth(const fs::path& file) {
+  std::istringstream lines(readText(file));
+  std::vector<std::string> problems;
+  Trajectory truth;
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.empty() || line.front() == '#' || line == "t_s,x_m,y_m,theta_rad") continue;
+    std::array<double, 4> values{};
+    std::istringstream fields(line);
+    std::string field;
+    std::size_t count = 0;
+    bool good = true;
+    while (std::getline(fields, field, ',')) {
+      char* end = nullptr;
+      const double value = std::strtod(field.c_str(), &end);
+      good = good && end != field.c_str() && *end == '\0' && std::isfinite(value) && count < values.size();
+      if (count < values.size()) values[count] = value;
+      ++count;
+    }
+    const bool later = truth.empty() || toStampUs(values[0]) > truth.back().stamp_us;
+    if (!good || count != values.size() || !later) {
+      problems.push_back(file.string() + ":" + std::to_string(number) + ": \"" + line +
+                         "\" (expected t_s,x_m,y_m,theta_rad: four numbers, later than the line before)");
+      continue;
+    }
+    truth.push_back({toStampUs(values[0]), {values[1], values[2], values[3]}});
+  }
+  if (problems.empty() && truth.size() < 2) {
+    problems.push_back(file.string() + ": " + std::to_string(truth.size()) +
+                       " poses (expected at least two)");
+  }
+  if (!problems.empty()) throw ConfigError(std::move(problems));
+  return truth;
+}
+
+Route routeFromFile(const fs::path& file) {
+  return parseRoute(readText(file), file.string());
+}
+
+std::unique_ptr<Simulation> makeSimulation(const EvaluationOptions& options, const CameraMount& mount,
+                                           const std::optional<Pose2>& start) {
+  SimulationConfig config;
+  config.world = loadWorld(options.world).world;
+  config.seed = options.seed;
+  config.camera_rate_hz = options.camera_rate_hz;
+  config.mount = mount;
+  if (start) config.start = *start;
+  return std::make_unique<Simulation>(std::move(config));
+}
+
+}  // namespace vismem

@@ -1,0 +1,10 @@
+/// @file The process `replay_server`: a recording behind the interfaces of a robot. SPEC C1, C2.
+#pragma once
+
+#include "common/process/component.h"
+
+namespace vismem {
+
+ComponentSpec replayServerSpec();
+
+}  // namespace vismem
