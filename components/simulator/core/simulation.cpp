@@ -156,6 +156,7 @@ Simulation::Simulation(SimulationConfig config)
   // The state at time 0 is known too, and the first frame falls due there.
   keep(pan_tilt_samples_, PanTiltSample{});
   keep(odometry_samples_, OdometrySample{});
+  keep(truth_samples_, truth());
   due_frame_ = DueFrame{0, frames_++, toPose3(base_.pose()) * cameraPose(config_.mount, 0.0, 0.0)};
 }
 
@@ -183,6 +184,7 @@ void Simulation::step() {
   const PanTilt angles = pan_tilt_.angles();
   keep(pan_tilt_samples_, PanTiltSample{now_us_, steps_, angles.pan_rad, angles.tilt_rad});
   keep(odometry_samples_, OdometrySample{now_us_, steps_, odometry_.pose(), base_.speed(), base_.turnRate()});
+  keep(truth_samples_, truth());
 
   const auto due_us = static_cast<StampUs>(static_cast<double>(frames_) * 1e6 / config_.camera_rate_hz);
   if (due_us <= now_us_) {
@@ -206,6 +208,14 @@ bool Simulation::advanceToNextFrame() {
 
 TruthSample Simulation::truth() const {
   return {now_us_, steps_, base_.pose(), base_.inCollision(), kidnaps_};
+}
+
+std::vector<TruthSample> Simulation::truthSince(StampUs after_us) const {
+  return since(truth_samples_, after_us).samples;
+}
+
+void Simulation::advance(StampUs dt_us) {
+  for (const StampUs until_us = now_us_ + dt_us; now_us_ < until_us;) step();
 }
 
 PortReply Simulation::kidnap(const Pose2& T_world_robot) {

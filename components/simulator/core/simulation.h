@@ -4,6 +4,7 @@
 #include <deque>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/robot/control_ports.h"
 #include "common/robot/ports.h"
@@ -48,6 +49,10 @@ class Simulation : public SteppedRobot {
   void step();
   StampUs now() const { return now_us_; }
   TruthSample truth() const;
+  /// The truth of every step that is newer, of the last 5 s, oldest first.
+  std::vector<TruthSample> truthSince(StampUs after_us) const;
+  /// As many steps of 10 ms as reach now() + dt or go just past it. For the real-time process and tests.
+  void advance(StampUs dt_us);
   /// Puts the robot elsewhere; its odometry notices nothing. Rejected inside an obstacle or if not finite.
   PortReply kidnap(const Pose2& T_world_robot);
   /// True when a frame fell due since the last one was taken.
@@ -84,6 +89,7 @@ class Simulation : public SteppedRobot {
   std::optional<DueFrame> due_frame_;
   std::deque<PanTiltSample> pan_tilt_samples_;
   std::deque<OdometrySample> odometry_samples_;
+  std::deque<TruthSample> truth_samples_;
   std::vector<std::int8_t> noise_;
   std::unique_ptr<CameraPort> camera_port_;
   std::unique_ptr<PanTiltPort> pan_tilt_port_;

@@ -1,0 +1,313 @@
+#include "simulator/app/real_time_simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace vismem {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t kMaxCommands = 64;
+/// A command waits at most for one frame to be rendered; longer means that the machine is lost.
+constexpr auto kCommandPatience = 2s;
+/// Behind by more than this the clock is set back instead of catching up.
+constexpr StampUs kMaxLag_us = 100'000;
+constexpr StampUs kKept_us = 5 * kSecondUs;
+
+template <typename Sample>
+void append(std::deque<Sample>& ring, const Sample& sample) {
+  ring.push_back(sample);
+  while (ring.front().stamp_us + kKept_us < sample.stamp_us) ring.pop_front();
+}
+
+template <typename Sample>
+StampUs newestOf(const std::deque<Sample>& ring) {
+  return ring.empty() ? -1 : ring.back().stamp_us;
+}
+
+}  // namespace
+
+class RealTimeSimulation::CameraPort : public FrameSource {
+ public:
+  explicit CameraPort(RealTimeSimulation& owner) : owner_(owner) {}
+  // What the camera is never changes: these need no lock.
+  FrameCapabilities capabilities() const override { return owner_.simulation_->camera().capabilities(); }
+  PortReply configure(const FrameRequest& request) override {
+    return owner_.simulation_->camera().configure(request);
+  }
+  PortReply start() override { return PortReply::accepted(); }
+  FrameResult next(std::chrono::milliseconds timeout) override {
+    std::unique_lock lock(owner_.mutex_);
+    const auto fresh = [&] { return owner_.frame_.has_value() || !owner_.running_; };
+    owner_.published_.wait_for(lock, timeout, fresh);
+    if (!owner_.frame_) {
+      return {SourceState::kWaiting, std::nullopt,
+              owner_.status_.paused ? "the simulation is paused" : "no new frame yet"};
+    }
+    return {SourceState::kRunning, std::exchange(owner_.frame_, std::nullopt), ""};
+  }
+  void stop() override {}
+
+ private:
+  RealTimeSimulation& owner_;
+};
+
+class RealTimeSimulation::PanTiltPort : public PanTiltUnit {
+ public:
+  explicit PanTiltPort(RealTimeSimulation& owner) : owner_(owner) {}
+  PanTiltLimits limits() const override { return owner_.simulation_->panTilt().limits(); }
+  PortReply start() override { return PortReply::accepted(); }
+  PortReply command(const PanTiltCommand& command) override {
+    return owner_.execute([command](Simulation& s) { return s.panTilt().command(command); });
+  }
+  SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
+    return owner_.since(owner_.pan_tilt_samples_, after_us, timeout);
+  }
+  void stop() override {}
+
+ private:
+  RealTimeSimulation& owner_;
+};
+
+class RealTimeSimulation::BasePort : public MobileBase {
+ public:
+  explicit BasePort(RealTimeSimulation& owner) : owner_(owner) {}
+  BaseLimits limits() const override { return owner_.simulation_->base().limits(); }
+  PortReply start() override { return PortReply::accepted(); }
+  PortReply setVelocity(double v_mps, double w_radps) override {
+    return owner_.execute([=](Simulation& s) { return s.base().setVelocity(v_mps, w_radps); });
+  }
+  SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
+    return owner_.since(owner_.odometry_samples_, after_us, timeout);
+  }
+  void stop() override { setVelocity(0.0, 0.0); }
+
+ private:
+  RealTimeSimulation& owner_;
+};
+
+RealTimeSimulation::RealTimeSimulation(SimulationConfig config, double speed, Hooks hooks)
+    : hooks_(std::move(hooks)),
+      simulation_(std::make_unique<Simulation>(std::move(config))),
+      camera_(std::make_unique<CameraPort>(*this)),
+      pan_tilt_(std::make_unique<PanTiltPort>(*this)),
+      base_(std::make_unique<BasePort>(*this)) {
+  status_.world = simulation_->config().world.name;
+  status_.seed = simulation_->config().seed;
+  status_.speed = speed;
+}
+
+RealTimeSimulation::~RealTimeSimulation() {
+  stop();
+}
+
+FrameSource& RealTimeSimulation::camera() {
+  return *camera_;
+}
+PanTiltUnit& RealTimeSimulation::panTilt() {
+  return *pan_tilt_;
+}
+MobileBase& RealTimeSimulation::base() {
+  return *base_;
+}
+
+void RealTimeSimulation::start() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (running_) return;
+    running_ = true;
+  }
+  thread_ = std::jthread([this](const std::stop_token& stop) { loop(stop); });
+}
+
+void RealTimeSimulation::stop() {
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+}
+
+void RealTimeSimulation::loop(const std::stop_token& stop) {
+  std::exception_ptr failure;
+  try {
+    publishSamples();
+    while (!stop.stop_requested()) {
+      const auto next = advance();
+      std::unique_lock lock(mutex_);
+      wake_loop_.wait_until(lock, stop, next, [&] { return !commands_.empty(); });
+    }
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  std::deque<Command> unanswered;
+  {
+    const std::lock_guard lock(mutex_);
+    running_ = false;
+    unanswered.swap(commands_);
+  }
+  // Dropping a packaged task answers its waiter with broken_promise.
+  unanswered.clear();
+  published_.notify_all();
+  if (failure && hooks_.on_failure) hooks_.on_failure(failure);
+}
+
+void RealTimeSimulation::runCommands() {
+  std::deque<Command> commands;
+  {
+    const std::lock_guard lock(mutex_);
+    commands.swap(commands_);
+  }
+  for (Command& command : commands) command(*simulation_);
+}
+
+RealTimeSimulation::Clock::time_point RealTimeSimulation::advance() {
+  runCommands();
+  const auto now = Clock::now();
+  double speed = 1.0;
+  bool paused = false;
+  {
+    const std::lock_guard lock(mutex_);
+    speed = status_.speed;
+    paused = status_.paused;
+  }
+  const auto setOrigin = [&] {
+    origin_wall_ = now;
+    origin_us_ = simulation_->now();
+  };
+  if (std::exchange(clock_changed_, false)) setOrigin();
+  measureSpeed(now);
+  if (!paused) {
+    const double elapsed_s = std::chrono::duration<double>(now - origin_wall_).count();
+    const StampUs wanted_us = origin_us_ + toStampUs(elapsed_s * speed);
+    while (simulation_->now() + Simulation::kStep_us <= wanted_us && !simulation_->frameDue()) {
+      simulation_->step();
+    }
+    if (static_cast<double>(wanted_us - simulation_->now()) > static_cast<double>(kMaxLag_us) * speed) {
+      setOrigin();
+    }
+  }
+  publishSamples();
+  if (simulation_->frameDue()) {
+    auto frame = simulation_->takeFrame();
+    {
+      const std::lock_guard lock(mutex_);
+      frame_ = std::move(frame);
+    }
+    published_.notify_all();
+    if (hooks_.on_frame) hooks_.on_frame();
+  }
+  if (paused) return now + 100ms;
+  const double next_s = toSeconds(simulation_->now() + Simulation::kStep_us - origin_us_) / speed;
+  return origin_wall_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(next_s));
+}
+
+void RealTimeSimulation::measureSpeed(Clock::time_point now) {
+  const double elapsed_s = std::chrono::duration<double>(now - measured_wall_).count();
+  if (measured_wall_ != Clock::time_point() && elapsed_s < 1.0) return;
+  const double simulated_s = toSeconds(simulation_->now() - measured_us_);
+  const bool first = measured_wall_ == Clock::time_point();
+  measured_wall_ = now;
+  measured_us_ = simulation_->now();
+  if (first) return;
+  const std::lock_guard lock(mutex_);
+  status_.real_speed = simulated_s / elapsed_s;
+}
+
+void RealTimeSimulation::publishSamples() {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto joints = simulation_->panTilt().samplesSince(newestOf(pan_tilt_samples_), 0ms);
+    for (const auto& sample : joints.samples) append(pan_tilt_samples_, sample);
+    const auto odometry = simulation_->base().samplesSince(newestOf(odometry_samples_), 0ms);
+    for (const auto& sample : odometry.samples) append(odometry_samples_, sample);
+    // The truth of every step since the last round; a kidnapping shows in the next one.
+    for (const auto& sample : simulation_->truthSince(newestOf(truth_samples_)))
+      append(truth_samples_, sample);
+    status_.stamp_us = simulation_->now();
+  }
+  published_.notify_all();
+}
+
+template <typename Sample>
+SampleBatch<Sample> RealTimeSimulation::since(const std::deque<Sample>& ring, StampUs after_us,
+                                              std::chrono::milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  published_.wait_for(lock, timeout, [&] { return newestOf(ring) > after_us || !running_; });
+  SampleBatch<Sample> batch;
+  const auto first = std::find_if(ring.begin(), ring.end(),
+                                  [&](const Sample& sample) { return sample.stamp_us > after_us; });
+  batch.samples.assign(first, ring.end());
+  if (!batch.samples.empty()) {
+    batch.state = SourceState::kRunning;
+  } else {
+    batch.message = status_.paused ? "the simulation is paused" : "no newer sample yet";
+  }
+  return batch;
+}
+
+PortReply RealTimeSimulation::execute(std::function<PortReply(Simulation&)> work) {
+  Command command(std::move(work));
+  auto answer = command.get_future();
+  {
+    const std::lock_guard lock(mutex_);
+    if (!running_) return PortReply::rejected("the simulation does not run");
+    if (commands_.size() >= kMaxCommands) {
+      return PortReply::rejected("more than " + std::to_string(kMaxCommands) + " commands are waiting");
+    }
+    commands_.push_back(std::move(command));
+  }
+  wake_loop_.notify_all();
+  if (answer.wait_for(kCommandPatience) != std::future_status::ready) {
+    return PortReply::rejected("the simulation did not answer in time");
+  }
+  try {
+    return answer.get();
+  } catch (const std::future_error&) {
+    return PortReply::rejected("the simulation has ended");
+  }
+}
+
+SimulationStatus RealTimeSimulation::status() const {
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+SampleBatch<TruthSample> RealTimeSimulation::truthSince(StampUs after_us, std::chrono::milliseconds timeout) {
+  return since(truth_samples_, after_us, timeout);
+}
+
+PortReply RealTimeSimulation::kidnap(const Pose2& T_world_robot) {
+  return execute([=](Simulation& s) { return s.kidnap(T_world_robot); });
+}
+
+PortReply RealTimeSimulation::pause() {
+  return execute([this](Simulation&) {
+    const std::lock_guard lock(mutex_);
+    status_.paused = true;
+    return PortReply::accepted();
+  });
+}
+
+PortReply RealTimeSimulation::resume() {
+  return execute([this](Simulation&) {
+    clock_changed_ = true;
+    const std::lock_guard lock(mutex_);
+    status_.paused = false;
+    return PortReply::accepted();
+  });
+}
+
+PortReply RealTimeSimulation::setSpeed(double speed) {
+  if (!(speed >= 0.01 && speed <= 1000.0)) {
+    return PortReply::rejected("speed " + std::to_string(speed) + " (must be 0.01..1000)");
+  }
+  return execute([this, speed](Simulation&) {
+    clock_changed_ = true;
+    const std::lock_guard lock(mutex_);
+    status_.speed = speed;
+    return PortReply::accepted();
+  });
+}
+
+}  // namespace vismem
