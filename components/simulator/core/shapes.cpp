@@ -90,6 +90,7 @@ TriangleMesh prismMesh(std::vector<Eigen::Vector2d> outline, double height) {
     return u.x() * v.y() - u.y() * v.x();
   };
   if (outline.size() > 1 && (outline.front() - outline.back()).norm() < 1e-9) outline.pop_back();
+  if (outline.size() < 3) return {};
   double area = 0.0;
   for (std::size_t i = 0; i < outline.size(); ++i) {
     area += cross(Eigen::Vector2d::Zero(), outline[i], outline[(i + 1) % outline.size()]);

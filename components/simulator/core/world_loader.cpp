@@ -5,10 +5,10 @@
 
 #include <assimp/Importer.hpp>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <regex>
 #include <sdf/sdf.hh>
-#include <sstream>
 
 #include "common/config/config_error.h"
 #include "simulator/core/shapes.h"
@@ -258,11 +258,10 @@ class WorldBuilder {
 
 std::string readText(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  if (!stream || !(text << stream.rdbuf())) {
+  if (!stream || fs::is_directory(file)) {
     throw ConfigError({file.string() + ": cannot be read (expected a world in SDF)"});
   }
-  return text.str();
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 }  // namespace
@@ -273,6 +272,8 @@ LoadedWorld loadWorld(const fs::path& file, const std::vector<fs::path>& model_p
   search.push_back(file.parent_path());
   WorldBuilder builder(file, search);
 
+  // Its complaints come back as values; on the console they would stand there twice.
+  sdf::Console::Instance()->SetQuiet(true);
   sdf::Root root;
   sdf::ParserConfig config;
   config.SetFindCallback([&](const std::string& uri) { return builder.resolve(uri).string(); });

@@ -1,0 +1,220 @@
+// Motion, odometry, determinism and kidnapping of the simulated robot (DESIGN 6).
+#include "simulator/core/simulation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "simulator/core/renderer.h"
+
+namespace vismem {
+namespace {
+
+using namespace std::chrono_literals;
+
+const World& corridor() {
+  static const World world = loadWorld(VISMEM_SOURCE_DIR "/cfg/worlds/corridor.world").world;
+  return world;
+}
+
+SimulationConfig inCorridor() {
+  SimulationConfig config;
+  config.world = corridor();
+  config.start = {-3.0, 2.25, 0.0};
+  config.camera_rate_hz = 10.0;
+  return config;
+}
+
+/// Drives a while with a curve at its end.
+void drive(Simulation& simulation, double seconds, double v, double w) {
+  for (const StampUs until = simulation.now() + toStampUs(seconds); simulation.now() < until;) {
+    simulation.base().setVelocity(v, w);
+    simulation.step();
+  }
+}
+
+std::uint64_t hashOf(const cv::Mat& image) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  for (const std::uint8_t* p = image.data; p != image.data + image.total() * image.elemSize(); ++p) {
+    hash = (hash ^ *p) * 0x100000001b3ULL;
+  }
+  return hash;
+}
+
+TEST(ArcMotion, QuarterCircleOfOneMetre) {
+  // v = w = pi/2 for 1 s: a quarter of the circle of radius 1 about (0, 1).
+  const double quarter = std::numbers::pi / 2;
+  const Pose2 end = arcMotion(quarter, quarter, 1.0);
+  EXPECT_NEAR(end.x, 1.0, 1e-12);
+  EXPECT_NEAR(end.y, 1.0, 1e-12);
+  EXPECT_NEAR(end.theta, quarter, 1e-12);
+}
+
+TEST(SimulatedBase, KeepsSpeedAndAccelerationLimitsAndStopsWithoutCommands) {
+  SimulatedBase base(BaseParams{}, {}, {});
+  base.command(5.0, 0.0, 0);
+  base.step(10'000, 0.01);
+  EXPECT_NEAR(base.speed(), 0.8 * 0.01, 1e-12) << "one step of acceleration";
+  for (int i = 2; i <= 50; ++i) base.step(i * 10'000, 0.01);
+  EXPECT_NEAR(base.speed(), 0.4, 1e-9);
+  for (int i = 51; i <= 200; ++i) base.step(i * 10'000, 0.01);
+  EXPECT_EQ(base.speed(), 0.0) << "the watchdog stopped it after 0.5 s";
+  base.command(5.0, 0.0, 2'000'000);
+  for (int i = 201; i <= 300; ++i) {
+    base.command(5.0, 0.0, i * 10'000);
+    base.step(i * 10'000, 0.01);
+  }
+  EXPECT_NEAR(base.speed(), 0.6, 1e-9);
+}
+
+TEST(SimulatedBase, StopsBeforeAWallAndCanTurnAndLeave) {
+  Simulation simulation(inCorridor());
+  ASSERT_TRUE(simulation.kidnap({-3.0, 2.25, std::numbers::pi / 2}).ok());
+  drive(simulation, 5.0, 0.5, 0.0);
+  EXPECT_TRUE(simulation.truth().in_collision);
+  // The wall stands at y = 3, the robot's radius is 0.22 m; it stops within one step of 6 mm.
+  EXPECT_NEAR(simulation.truth().T_world_robot.y, 2.78, 0.006);
+  drive(simulation, 2.0, 0.0, 1.0);  // now it looks away from the wall
+  drive(simulation, 1.0, 0.3, 0.0);
+  EXPECT_FALSE(simulation.truth().in_collision);
+  EXPECT_LT(simulation.truth().T_world_robot.y, 2.76);
+}
+
+TEST(SimulatedPanTilt, ReachesPositionsWithinItsLimitsAndRates) {
+  SimulatedPanTilt unit{PanTiltParams{}};
+  PanTiltCommand command;
+  command.kind = PanTiltCommand::Kind::kPosition;
+  command.pan_rad = degToRad(200.0);
+  command.tilt_rad = degToRad(-20.0);
+  unit.command(command);
+  double last = 0.0;
+  double fastest = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    unit.step(0.01);
+    fastest = std::max(fastest, std::abs(unit.angles().pan_rad - last) / 0.01);
+    last = unit.angles().pan_rad;
+    EXPECT_GE(unit.angles().tilt_rad, degToRad(-20.1)) << "no overshoot";
+  }
+  EXPECT_NEAR(radToDeg(unit.angles().pan_rad), 159.0, 0.01);
+  EXPECT_NEAR(radToDeg(unit.angles().tilt_rad), -20.0, 0.01);
+  EXPECT_LE(radToDeg(fastest), 150.0 + 1e-6);
+  command.kind = PanTiltCommand::Kind::kVelocity;
+  command.pan_rate_radps = 0.0;
+  command.tilt_rate_radps = -1.0;
+  unit.command(command);
+  for (int i = 0; i < 300; ++i) unit.step(0.01);
+  EXPECT_NEAR(radToDeg(unit.angles().tilt_rad), -31.0, 1e-6);
+}
+
+TEST(Odometry, WithoutErrorIsTheTruth) {
+  auto config = inCorridor();
+  config.odometry = noOdometryError();
+  Simulation simulation(config);
+  drive(simulation, 8.0, 0.4, 0.0);
+  drive(simulation, 2.0, 0.1, -0.7);
+  const Pose2 odometry = simulation.base().samplesSince(-1, 0ms).samples.back().T_odom_robot;
+  const Pose2 moved = inverse(config.start) * simulation.truth().T_world_robot;
+  EXPECT_GT(moved.position().norm(), 2.0);
+  EXPECT_NEAR(odometry.x, moved.x, 1e-9);
+  EXPECT_NEAR(odometry.y, moved.y, 1e-9);
+  EXPECT_NEAR(angleDifference(odometry.theta, moved.theta), 0.0, 1e-9);
+}
+
+TEST(Odometry, DefaultErrorGrowsWithTheWay) {
+  // Mean over runs on a free floor, one metre a time.
+  std::vector<double> error(11, 0.0);
+  constexpr int kRuns = 40;
+  for (int run = 0; run < kRuns; ++run) {
+    SimulatedOdometry odometry(defaultOdometryError(), 0.33, subStream(run, "odometry"));
+    for (int metre = 1; metre <= 10; ++metre) {
+      for (int i = 0; i < 250; ++i) odometry.add({0.004, 0.004});
+      error[metre] += (odometry.pose().position() - Eigen::Vector2d(metre, 0.0)).norm() / kRuns;
+    }
+  }
+  EXPECT_GT(error[1], 0.002);
+  EXPECT_LT(error[1], 0.05);
+  EXPECT_GT(error[10], 5.0 * error[1]);
+  EXPECT_LT(error[10], 3.0) << "usable: about a tenth of the way";
+}
+
+TEST(Simulation, SameSeedGivesTheSameBytesAnotherSeedOtherNoiseInTheSameWorld) {
+  const auto run = [](std::uint64_t seed, double noise) {
+    auto config = inCorridor();
+    config.seed = seed;
+    config.image_noise = noise;
+    Simulation simulation(config);
+    std::vector<std::uint64_t> result;
+    for (int i = 0; i < 8; ++i) {
+      simulation.base().setVelocity(0.4, 0.1);
+      simulation.panTilt().command({PanTiltCommand::Kind::kPosition, 0.3, -0.3, 0.0, 0.0});
+      EXPECT_TRUE(simulation.advanceToNextFrame());
+      const auto frame = simulation.camera().next(0ms);
+      EXPECT_TRUE(frame.frame.has_value());
+      if (!frame.frame) return result;
+      EXPECT_EQ(frame.frame->stamp_us, i * 100'000);
+      EXPECT_EQ(frame.frame->seq, static_cast<std::uint64_t>(i));
+      result.push_back(hashOf(frame.frame->image));
+    }
+    const auto odometry = simulation.base().samplesSince(-1, 0ms).samples.back().T_odom_robot;
+    result.push_back(static_cast<std::uint64_t>(odometry.x * 1e12));
+    return result;
+  };
+  EXPECT_EQ(run(5, 2.0), run(5, 2.0));
+  const auto one = run(5, 2.0);
+  const auto other = run(6, 2.0);
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_NE(one[i], other[i]) << i;
+  auto clean_one = run(5, 0.0);
+  auto clean_other = run(6, 0.0);
+  EXPECT_NE(clean_one.back(), clean_other.back()) << "odometry";
+  clean_one.pop_back();
+  clean_other.pop_back();
+  EXPECT_EQ(clean_one, clean_other) << "images without noise";
+}
+
+TEST(Simulation, SamplesCoverEveryFrame) {
+  Simulation simulation(inCorridor());
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(simulation.advanceToNextFrame());
+    const auto frame = simulation.camera().next(0ms);
+    ASSERT_TRUE(frame.frame);
+    EXPECT_GE(simulation.panTilt().samplesSince(-1, 0ms).samples.back().stamp_us, frame.frame->stamp_us);
+    EXPECT_GE(simulation.base().samplesSince(-1, 0ms).samples.back().stamp_us, frame.frame->stamp_us);
+    EXPECT_FALSE(simulation.camera().next(0ms).frame) << "one frame, taken once";
+  }
+}
+
+TEST(Simulation, KidnapMovesTheTruthAndNotTheOdometry) {
+  Simulation simulation(inCorridor());
+  drive(simulation, 1.0, 0.3, 0.0);
+  const Pose2 before = simulation.base().samplesSince(-1, 0ms).samples.back().T_odom_robot;
+  EXPECT_TRUE(simulation.kidnap({4.2, 0.0, 1.0}).ok());
+  simulation.step();
+  EXPECT_EQ(simulation.truth().T_world_robot, (Pose2{4.2, 0.0, 1.0}));
+  EXPECT_EQ(simulation.truth().kidnaps, 1U);
+  EXPECT_EQ(simulation.base().samplesSince(-1, 0ms).samples.back().T_odom_robot, before);
+  EXPECT_EQ(simulation.kidnap({0.0, 0.0, 0.0}).message, "that place is inside an obstacle");
+  EXPECT_FALSE(simulation.kidnap({std::nan(""), 0.0, 0.0}).ok());
+  EXPECT_EQ(simulation.truth().kidnaps, 1U);
+}
+
+TEST(Simulation, RefusesWhatIsNotFiniteAndWhatCannotBe) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Simulation simulation(inCorridor());
+  EXPECT_FALSE(simulation.base().setVelocity(nan, 0.0).ok());
+  EXPECT_FALSE(simulation.panTilt().command({PanTiltCommand::Kind::kPosition, 0.0, nan, 0.0, 0.0}).ok());
+  EXPECT_EQ(simulation.base().setVelocity(9.0, 0.0).kind, PortReply::Kind::kAdjusted);
+  auto config = inCorridor();
+  config.start = {0.0, 0.0, 0.0};
+  EXPECT_THROW(Simulation{config}, std::invalid_argument);
+  config = inCorridor();
+  config.intrinsics.width = 0;
+  EXPECT_THROW(Simulation{config}, std::invalid_argument);
+  config = inCorridor();
+  config.camera_rate_hz = 0.0;
+  EXPECT_THROW(Simulation{config}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace vismem

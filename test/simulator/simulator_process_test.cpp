@@ -1,0 +1,96 @@
+// The process simulator over Ice: its ports, kidnapping, pausing, and its messages (SPEC C2).
+#include <Ice/Ice.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "common/robot_ice/base_ice.h"
+#include "common/robot_ice/camera_ice.h"
+#include "common/robot_ice/pantilt_ice.h"
+#include "common/robot_ice/simulation_ice.h"
+#include "support/component_process.h"
+
+namespace vismem {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+const std::string kConfig = "--Ice.Config=" VISMEM_SOURCE_DIR "/cfg/sim/simulator.cfg";
+const std::string kWorld = "--Simulator.World=" VISMEM_SOURCE_DIR "/cfg/worlds/corridor.world";
+const std::string kEndpoint = "--Simulator.Endpoints=tcp -h 127.0.0.1 -p 0";
+
+template <typename Condition>
+bool waitFor(Condition&& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (std::chrono::steady_clock::now() < deadline) {
+    if (condition()) return true;
+  }
+  return false;
+}
+
+TEST(SimulatorProcess, ServesARobotThatSeesMovesAndCanBeKidnapped) {
+  ComponentProcess process("simulator", {kConfig, kWorld, kEndpoint});
+  ASSERT_TRUE(process.waitUntilReady());
+  Ice::CommunicatorHolder ice(Ice::initialize());
+  const auto proxy = [&](const std::string& identity) { return ice->stringToProxy(process.proxy(identity)); };
+  RemoteFrameSource camera(Ice::uncheckedCast<avm::CameraPrx>(proxy("cameraA")));
+  RemotePanTiltUnit pan_tilt(Ice::uncheckedCast<avm::PanTiltPrx>(proxy("PanTilt")));
+  RemoteMobileBase base(Ice::uncheckedCast<avm::BasePrx>(proxy("Motors")),
+                        Ice::uncheckedCast<avm::OdometryPrx>(proxy("Encoders")));
+  RemoteSimulation simulation(Ice::uncheckedCast<avm::SimulationPrx>(proxy("Simulation")));
+
+  FrameResult first;
+  ASSERT_TRUE(waitFor([&] { return (first = camera.next(500ms)).frame.has_value(); })) << first.message;
+  EXPECT_EQ(first.frame->image.cols, 320);
+  EXPECT_EQ(first.frame->image.rows, 240);
+  FrameResult second;
+  ASSERT_TRUE(waitFor([&] { return (second = camera.next(500ms)).frame.has_value(); }));
+  EXPECT_GT(second.frame->stamp_us, first.frame->stamp_us);
+
+  ASSERT_TRUE(pan_tilt.command({PanTiltCommand::Kind::kPosition, 0.5, -0.3, 0.0, 0.0}).ok());
+  EXPECT_TRUE(waitFor([&] {
+    const auto batch = pan_tilt.samplesSince(-1, 500ms);
+    return !batch.samples.empty() && std::abs(batch.samples.back().pan_rad - 0.5) < 1e-3;
+  }));
+  EXPECT_TRUE(waitFor([&] {
+    EXPECT_TRUE(base.setVelocity(0.3, 0.0).ok());
+    const auto batch = base.samplesSince(-1, 500ms);
+    return !batch.samples.empty() && batch.samples.back().T_odom_robot.x > 0.05;
+  }));
+
+  EXPECT_FALSE(simulation.kidnap({0.0, 0.0, 0.0}).ok()) << "inside the core";
+  ASSERT_TRUE(simulation.kidnap({4.25, 0.0, 1.0}).ok());
+  EXPECT_TRUE(waitFor([&] {
+    const auto truth = simulation.truthSince(-1, 500ms);
+    return !truth.samples.empty() && truth.samples.back().kidnaps == 1 &&
+           std::abs(truth.samples.back().T_world_robot.x - 4.25) < 0.5;
+  }));
+
+  ASSERT_TRUE(simulation.pause().ok());
+  const auto paused = simulation.status();
+  EXPECT_TRUE(paused.paused);
+  EXPECT_EQ(paused.world, "corridor");
+  EXPECT_EQ(simulation.status().stamp_us, paused.stamp_us);
+  EXPECT_FALSE(simulation.setSpeed(0.0).ok());
+  EXPECT_TRUE(simulation.resume().ok());
+  EXPECT_TRUE(waitFor([&] { return simulation.status().stamp_us > paused.stamp_us; }));
+
+  ASSERT_TRUE(process.signal(SIGTERM));
+  EXPECT_EQ(process.waitForExit(kPatience), 0) << process.error();
+}
+
+TEST(SimulatorProcess, NamesWhatIsWrongWithItsConfiguration) {
+  ComponentProcess keys("simulator",
+                        {kConfig, kWorld, kEndpoint, "--Simulator.Speed=0", "--Simulator.Sed=1"});
+  EXPECT_EQ(keys.waitForExit(kPatience), 2);
+  EXPECT_THAT(keys.error(), HasSubstr("command line: Simulator.Speed = 0 (must be 0.01..1000)"));
+  EXPECT_THAT(keys.error(), HasSubstr("unknown key \"Simulator.Sed\""));
+  ComponentProcess start("simulator", {kConfig, kWorld, kEndpoint, "--Simulator.Start.Position_m=0 0"});
+  EXPECT_EQ(start.waitForExit(kPatience), 2);
+  EXPECT_THAT(start.error(), HasSubstr("the start pose lies inside an obstacle of world \"corridor\""));
+}
+
+}  // namespace
+}  // namespace vismem
