@@ -1,5 +1,6 @@
 #include "active_visual_memory/app/component.h"
 
+#include <optional>
 #include <utility>
 
 #include "active_visual_memory/app/perception_loop.h"
@@ -74,8 +75,9 @@ class ActiveVisualMemory final : public Component {
     memory_.publish(result.update);
     if (!config_.overlay) return;
     const StampUs now = observation.frame.stamp_us;
-    const StampUs due = overlay_stamp_us_ + toStampUs(1.0 / config_.overlay_rate_hz);
-    if (now >= overlay_stamp_us_ && now < due) return;
+    const StampUs interval = toStampUs(1.0 / config_.overlay_rate_hz);
+    const bool time_went_back = overlay_stamp_us_ && now < *overlay_stamp_us_;
+    if (overlay_stamp_us_ && !time_went_back && now < *overlay_stamp_us_ + interval) return;
     overlay_stamp_us_ = now;
     Frame view = observation.frame;
     view.image = drawAnalysis(view.image, *result.update.analysis, config_.overlay_scale);
@@ -98,9 +100,9 @@ class ActiveVisualMemory final : public Component {
   std::unique_ptr<RemoteFrameSource> camera_;
   std::unique_ptr<RemoteMobileBase> base_;
   std::unique_ptr<RemotePanTiltUnit> pan_tilt_;
-  std::uint64_t published_ = 0;  ///< of the loop's thread
-  StampUs overlay_stamp_us_ = 0;
-  std::unique_ptr<PerceptionLoop> loop_;  ///< last member: its threads use all of the above
+  std::uint64_t published_ = 0;              ///< of the loop's thread
+  std::optional<StampUs> overlay_stamp_us_;  ///< of the last one drawn; of the loop's thread
+  std::unique_ptr<PerceptionLoop> loop_;     ///< last member: its threads use all of the above
 };
 
 }  // namespace
