@@ -26,7 +26,8 @@ void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& argum
   app.add_option("--out", options.out, "folder for all that is written")->required();
   app.add_option("--palette", options.palette, "colours (default: beside the map, else the configuration's)");
   app.add_option("--config", options.config,
-                 "keys ActiveVisualMemory.* (default: cfg/replay or cfg/sim/active_visual_memory.cfg)");
+                 "keys ActiveVisualMemory.* and Localization.* (default: the components' files in cfg/replay "
+                 "or cfg/sim)");
   app.add_option("--mode", arguments.mode, "default or chapter")
       ->check(CLI::IsMember({"default", "chapter"}));
   app.add_option("--seed", options.seed, "of all that is random");

@@ -18,7 +18,7 @@ struct EvaluationOptions {
   std::filesystem::path map;
   std::filesystem::path out;
   std::filesystem::path palette;  ///< empty: beside the map, else the configuration's
-  std::filesystem::path config;   ///< empty: cfg/replay or cfg/sim/active_visual_memory.cfg
+  std::filesystem::path config;   ///< of both components; empty: their files in cfg/replay or cfg/sim
   std::filesystem::path truth;    ///< of a bag: t_s,x_m,y_m,theta_rad
   std::filesystem::path route;    ///< of a world: empty: beside it, with the ending .route, if there is one
   bool chapter = false;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <initializer_list>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "common/config/config_error.h"
 #include "common/config/config_reader.h"
 #include "common/config/properties.h"
+#include "localization/app/config.h"
 
 namespace vismem {
 namespace {
@@ -26,10 +28,44 @@ std::string readText(const fs::path& file) {
   return text.str();
 }
 
-fs::path configFile(const EvaluationOptions& options) {
+/// The one named, else that of the component in the setup that fits the input.
+fs::path configFile(const EvaluationOptions& options, const std::string& component) {
   if (!options.config.empty()) return options.config;
-  return projectFile(options.bag.empty() ? "cfg/sim/active_visual_memory.cfg"
-                                         : "cfg/replay/active_visual_memory.cfg");
+  return projectFile((options.bag.empty() ? "cfg/sim/" : "cfg/replay/") + component + ".cfg");
+}
+
+void knowKeys(ConfigReader& reader, std::initializer_list<const char*> names) {
+  for (const char* name : names) reader.known(name);
+}
+
+ActiveVisualMemoryConfig readMemory(const EvaluationOptions& options, bool has_pan_tilt) {
+  Properties properties = Properties::load(configFile(options, "active_visual_memory"));
+  // The peers of the component are in this process; its other keys count here as they do there.
+  properties.set("ActiveVisualMemory.Camera.Proxy", "here");
+  properties.set("ActiveVisualMemory.Odometry.Proxy", "here");
+  properties.set("ActiveVisualMemory.PanTilt.Proxy", has_pan_tilt ? "here" : "");
+  if (options.chapter) properties.set("ActiveVisualMemory.Mode", "chapter");
+  ConfigReader config(properties);
+  config.known("Localization.*");
+  ConfigReader reader = config.group("ActiveVisualMemory");
+  knowKeys(reader, {"Endpoints", "LogLevel", "EndWithParent"});
+  ActiveVisualMemoryConfig component = readActiveVisualMemoryConfig(reader);
+  config.finish();
+  return component;
+}
+
+LocalizerParams readLocalizer(const EvaluationOptions& options) {
+  Properties properties = Properties::load(configFile(options, "localization"));
+  if (options.chapter) properties.set("Localization.Mode", "chapter");
+  ConfigReader config(properties);
+  config.known("ActiveVisualMemory.*");
+  ConfigReader reader = config.group("Localization");
+  // Map, palette, seed and start are the evaluation's own.
+  knowKeys(reader, {"Endpoints", "LogLevel", "EndWithParent", "VisualMemory.Proxy", "Map", "Palette", "Seed",
+                    "Start.*", "Pose3D.*"});
+  const LocalizerParams params = readLocalizerParams(reader);
+  config.finish();
+  return params;
 }
 
 /// The palette named, else the one that lies beside the map (DESIGN 14), else the configuration's.
@@ -54,28 +90,18 @@ fs::path projectFile(const fs::path& relative) {
 }
 
 EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt) {
-  Properties properties = Properties::load(configFile(options));
-  // The peers of the component are in this process; its other keys count here as they do there.
-  properties.set("ActiveVisualMemory.Camera.Proxy", "here");
-  properties.set("ActiveVisualMemory.Odometry.Proxy", "here");
-  properties.set("ActiveVisualMemory.PanTilt.Proxy", has_pan_tilt ? "here" : "");
-  if (options.chapter) properties.set("ActiveVisualMemory.Mode", "chapter");
-  ConfigReader config(properties);
-  ConfigReader memory = config.group("ActiveVisualMemory");
-  for (const char* process_key : {"Endpoints", "LogLevel", "EndWithParent"}) memory.known(process_key);
-  const ActiveVisualMemoryConfig component = readActiveVisualMemoryConfig(memory);
-  config.finish();
-
+  const ActiveVisualMemoryConfig component = readMemory(options, has_pan_tilt);
   EvaluationParams params;
   params.pipeline = component.pipeline;
   params.pipeline.memory.attention.seed = options.seed;
   params.assembler = component.assembler;
-  params.localizer =
-      localizerPreset(options.chapter ? LocalizationMode::kChapter : LocalizationMode::kDefault);
+  params.localizer = readLocalizer(options);
   params.palette_file = paletteFile(options, component.palette);
   if (params.palette_file.empty()) {
-    throw ConfigError({options.map.string() + ": no palette: expected --palette, a file beside the map, or " +
-                       memory.key("Palette") + " in " + configFile(options).string()});
+    throw ConfigError(
+        {options.map.string() +
+         ": no palette: expected --palette, a file beside the map, or ActiveVisualMemory.Palette in " +
+         configFile(options, "active_visual_memory").string()});
   }
   params.palette = std::make_shared<const Palette>(loadPalette(params.palette_file));
   params.map = loadSegmentMap(options.map);
