@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/vision/label_split.h"
+
 namespace vismem {
 
 SegmentExtractor::SegmentExtractor(ExtractorParams params, std::shared_ptr<const Palette> palette)
@@ -24,12 +26,17 @@ std::vector<ImageSegment> SegmentExtractor::extract(const cv::Mat& image,
   std::vector<ImageSegment> segments;
   segments.reserve(raw_.size());
   for (const RawSegment& raw : raw_) {
-    ImageSegment segment{raw.px_raw, kUnknownLabel, raw.strength};
-    if (palette_) segment.label = labelSegment(image, raw.px_raw, *palette_, params_.labeller).label;
-    if (intrinsics.hasDistortion()) {
-      segment.px = {undistortPixel(intrinsics, raw.px_raw.a), undistortPixel(intrinsics, raw.px_raw.b)};
+    std::vector<LabelledPiece> pieces{{raw.px_raw, kUnknownLabel}};
+    if (palette_) {
+      pieces = splitByLabel(image, raw.px_raw, *palette_, params_.labeller, params_.minimum_length_px);
     }
-    segments.push_back(std::move(segment));
+    for (const LabelledPiece& piece : pieces) {
+      ImageSegment segment{piece.px_raw, piece.label, raw.strength};
+      if (intrinsics.hasDistortion()) {
+        segment.px = {undistortPixel(intrinsics, segment.px.a), undistortPixel(intrinsics, segment.px.b)};
+      }
+      segments.push_back(std::move(segment));
+    }
   }
   // Collinear is a matter of ideal pixels: a straight edge is bent by the lens.
   segments = mergeSegments(std::move(segments), params_.merge);

@@ -1,0 +1,62 @@
+#include "common/vision/label_split.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+namespace vismem {
+namespace {
+
+const Palette& palette() {
+  static const Palette p = Palette::parse(
+      "class.floor = saturation 0..30 value 0..30\nclass.door = hue 15..50 saturation 50..100 value 30..100\n"
+      "class.wall = saturation 0..30 value 38..100\npair.skirting = floor wall\npair.door_foot = floor "
+      "door\n",
+      "test.palette");
+  return p;
+}
+
+/// Floor below row 60, above it wall with a door from column `from` to `to`.
+cv::Mat corridor(int from, int to) {
+  cv::Mat image(120, 200, CV_8UC3, cv::Scalar(45, 47, 45));
+  image.rowRange(0, 60).setTo(cv::Scalar(200, 196, 180));
+  if (to > from) image(cv::Rect(from, 0, to - from, 60)).setTo(cv::Scalar(180, 106, 37));
+  return image;
+}
+
+const Segment2 kFoot{{5, 59.5}, {195, 59.5}};  // the brighter side above: left of a walk to the right
+
+TEST(LabelSplit, CutsWhereADoorBeginsAndEnds) {
+  const auto pieces = splitByLabel(corridor(70, 120), kFoot, palette(), {}, 10.0);
+  ASSERT_EQ(pieces.size(), 3u);
+  EXPECT_EQ(pieces[0].label, "skirting");
+  EXPECT_EQ(pieces[1].label, "door_foot");
+  EXPECT_EQ(pieces[2].label, "skirting");
+  // Windows are 2 px apart: a cut is right within that.
+  EXPECT_NEAR(pieces[1].px_raw.a.x(), 69.5, 2.0);
+  EXPECT_NEAR(pieces[1].px_raw.b.x(), 119.5, 2.0);
+  EXPECT_EQ(pieces[0].px_raw.a, kFoot.a);
+  EXPECT_EQ(pieces[2].px_raw.b, kFoot.b);
+}
+
+TEST(LabelSplit, LeavesASegmentOfOneLabelWhole) {
+  const auto pieces = splitByLabel(corridor(0, 0), kFoot, palette(), {}, 10.0);
+  ASSERT_EQ(pieces.size(), 1u);
+  EXPECT_EQ(pieces[0].label, "skirting");
+  EXPECT_EQ(pieces[0].px_raw.b, kFoot.b);
+}
+
+TEST(LabelSplit, ALabelThatHoldsTooShortlyDoesNotCount) {
+  const auto pieces = splitByLabel(corridor(90, 94), kFoot, palette(), {}, 10.0);
+  ASSERT_EQ(pieces.size(), 1u);
+  EXPECT_EQ(pieces[0].label, "skirting");
+}
+
+TEST(LabelSplit, UnknownStretchesNeitherCutNorJoinOtherLabels) {
+  cv::Mat image = corridor(0, 0);
+  image(cv::Rect(90, 0, 20, 60)).setTo(cv::Scalar(0, 0, 255));  // a class of its own: none
+  EXPECT_EQ(splitByLabel(image, kFoot, palette(), {}, 10.0).size(), 1u);
+}
+
+}  // namespace
+}  // namespace vismem
