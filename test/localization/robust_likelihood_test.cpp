@@ -77,7 +77,7 @@ TEST(ObserveMemory, LeavesOutLabelsThatTheMapDoesNotHave) {
 
 TEST(ObserveImage, PointsOnAFloorLineLieOnIt) {
   // Camera at 1 m, 45 degrees down: its middle row shows the floor 1 m ahead; range noise there is
-  // (1^2 + 1^2) / 1 * 0.01 = 0.02 m across this line, beside the 0.06 m of every point.
+  // (1^2 + 1^2) / 1 * 0.01 = 0.02 m across this line, beside the 0.04 m of every point.
   SegmentMap one;
   one.segments = {wall(1, -3, 1, 3)};
   const MapIndex map(one, {});
@@ -93,7 +93,7 @@ TEST(ObserveImage, PointsOnAFloorLineLieOnIt) {
   for (const EvidencePoint& point : observation.points) {
     EXPECT_NEAR(point.p_robot.x(), 1.0, 1e-9);
     EXPECT_NEAR(lineAngleDifference(point.direction_robot, degToRad(90)), 0.0, 1e-9);
-    EXPECT_NEAR(point.sigma_m, std::hypot(0.06, 0.02), 2e-3);
+    EXPECT_NEAR(point.sigma_m, std::hypot(0.04, 0.02), 2e-3);
   }
   // 40 px at f = 277 px and 1.414 m: 0.204 m of floor at 5 points a metre.
   EXPECT_NEAR(observation.amount, 5.0 * 40 / 277.13 * std::sqrt(2.0), 1e-3);
@@ -105,13 +105,24 @@ TEST(Observe, MemoryAndImageShareTheEffectivePoints) {
   for (int i = 0; i < 30; ++i) many.push_back(remembered(0, 0.1 * i, 3, 0.1 * i));
   RobustParams params;
   params.image_share = 0.4;
-  const MemoryUpdate update{std::make_shared<MemorySnapshot>(snapshotOf(many)),
-                            std::make_shared<ImageAnalysis>()};
-  double sum = 0.0;
-  for (const EvidencePoint& point : observe(update, map, params).points) sum += point.weight;
-  EXPECT_NEAR(sum, 0.6 * 30.0, 1e-9);
+  const auto sumOf = [&](const MemoryUpdate& update) {
+    double sum = 0.0;
+    for (const EvidencePoint& point : observe(update, map, params).points) sum += point.weight;
+    return sum;
+  };
+  const auto snapshot = std::make_shared<MemorySnapshot>(snapshotOf(many));
+  // A camera that sees nothing leaves all 30 points to the memory.
+  EXPECT_NEAR(sumOf({snapshot, std::make_shared<ImageAnalysis>()}), 30.0, 1e-9);
+  // With a short line in the image (0.2 m, one point at 5 a metre) the memory is held to its 60 %.
+  CameraMount mount;
+  mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 1, 0, 0, 0);
+  auto analysis = std::make_shared<ImageAnalysis>();
+  analysis->intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+  analysis->T_robot_camera = cameraPose(mount, 0.0, degToRad(-45));
+  analysis->observed = {{{{140, 119.5}, {180, 119.5}}, "skirting", 30.0}};
+  EXPECT_NEAR(sumOf({snapshot, analysis}), 0.6 * 30.0 + 5.0 * 40 / 277.13 * std::sqrt(2.0), 1e-3);
   params.source = HealthSource::kImage;
-  EXPECT_TRUE(observe(update, map, params).points.empty());
+  EXPECT_EQ(sumOf({snapshot, std::make_shared<ImageAnalysis>()}), 0.0);
 }
 
 TEST(RobustLikelihood, HandWorkedExample) {

@@ -56,8 +56,9 @@ struct HealthParams {
 /// Default mode: every part can be switched off alone.
 struct RobustParams {
   HealthSource source = HealthSource::kBoth;
-  double image_share = 0.5;    ///< of the effective points that the image may take when both are used, 0..1
-  double image_range_m = 4.0;  ///< floor points of the image further away than this are not used
+  double image_share =
+      0.85;  ///< of the effective points where both have some: what is seen now is not yet bent
+  double image_range_m = 4.0;       ///< floor points of the image further away than this are not used
   double camera_sigma_rad = 0.01;   ///< of the camera's pitch and heading: what floor points inherit
   double point_step_m = 0.10;       ///< spacing of sampling points along remembered segments
   int maximum_points = 160;         ///< per observation; the spacing grows where there would be more
@@ -66,7 +67,7 @@ struct RobustParams {
   double unconfirmed_weight = 0.4;  ///< of elements not yet seen from a second viewpoint (M1)
   double effective_points = 30.0;   ///< the points of one observation are worth at most this many
   double points_per_metre = 5.0;    ///< what a metre of fresh, confirmed segment is worth
-  double sigma_m = 0.06;            ///< least standard deviation of a point across its line
+  double sigma_m = 0.04;            ///< least standard deviation of a point across its line
   double maximum_sigma_m = 0.25;
   double drift_sigma_mps = 0.01;  ///< growth of it with time unseen (odometry drift)
   double outlier_share = 0.05;    ///< eps of the bounded likelihood
@@ -80,7 +81,7 @@ struct RobustParams {
   double odometry_turn_per_m = 0.10;  ///< heading, per metre travelled
   double walk_m = 0.01;  ///< of the pose per square root of an iteration: what odometry does not know
   double walk_rad = 0.01;
-  double information_share = 0.06;  ///< of one observation that is new since the last iteration
+  double information_share = 0.3;   ///< of one observation that is new since the last iteration
   double forgetting = 0.95;         ///< of evidence per iteration; 0: the last observation alone
   double lead = 1.5;                ///< evidence [nats] by which a rival must lead to become the winner
   double birth_penalty = 1.0;       ///< evidence [nats] a new race starts behind a reliable winner
@@ -97,8 +98,8 @@ enum class LocalizationMode { kDefault, kChapter };
 
 struct LocalizerParams {
   LocalizationMode mode = LocalizationMode::kDefault;
-  double tick_s = 0.2;   ///< of stamps between iterations; odometry moves the races with every update
-  double cell_m = 0.05;  ///< of the distance fields
+  double tick_s = 0.2;    ///< of stamps between iterations; odometry moves the races with every update
+  double cell_m = 0.025;  ///< of the distance fields
   RaceParams races;
   ExplorerParams explorers;
   EvolutionParams evolution;

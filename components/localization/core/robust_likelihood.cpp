@@ -30,10 +30,12 @@ double variancesAcross(const Eigen::Matrix3d& P, const Eigen::Vector2d& along_od
   return across.dot(P.topLeftCorner<2, 2>() * across);
 }
 
-void capWeights(RobustObservation& observation, double effective_points) {
-  if (observation.amount <= effective_points) return;
-  const double scale = effective_points / observation.amount;
-  for (EvidencePoint& point : observation.points) point.weight *= scale;
+/// Scales the points' weights so that they sum to at most `effective_points`; the amount stays as it was.
+void capPoints(RobustObservation& observation, double effective_points) {
+  double sum = 0.0;
+  for (const EvidencePoint& point : observation.points) sum += point.weight;
+  if (sum <= effective_points) return;
+  for (EvidencePoint& point : observation.points) point.weight *= effective_points / sum;
 }
 
 }  // namespace
@@ -93,7 +95,7 @@ RobustObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& 
     observation.amount += weight;
   }
   observation.segment_weight = observation.amount;
-  capWeights(observation, params.effective_points);
+  capPoints(observation, params.effective_points);
   return observation;
 }
 
@@ -137,27 +139,28 @@ RobustObservation observeImage(const ImageAnalysis& analysis, const MapIndex& ma
       observation.points.push_back(point);
     }
   }
-  capWeights(observation, params.effective_points);
+  capPoints(observation, params.effective_points);
   return observation;
 }
 
 RobustObservation observe(const MemoryUpdate& update, const MapIndex& map, const RobustParams& params) {
-  RobustParams of_memory = params;
-  RobustParams of_image = params;
-  if (params.source == HealthSource::kBoth) {
-    of_memory.effective_points *= 1.0 - params.image_share;
-    of_image.effective_points *= params.image_share;
-  }
-  RobustObservation all;
+  RobustObservation memory;
+  RobustObservation image;
   if (params.source != HealthSource::kImage && update.snapshot) {
-    all = observeMemory(*update.snapshot, map, of_memory);
+    memory = observeMemory(*update.snapshot, map, params);
   }
   if (params.source != HealthSource::kMemory && update.analysis) {
-    const RobustObservation image = observeImage(*update.analysis, map, of_image);
-    all.points.insert(all.points.end(), image.points.begin(), image.points.end());
-    // What the memory has of this image is no second observation for "is there enough to see".
-    all.amount = std::max(all.amount, image.amount);
+    image = observeImage(*update.analysis, map, params);
   }
+  // A covered camera leaves all to the memory, an empty memory all to the image.
+  if (!memory.points.empty() && !image.points.empty()) {
+    capPoints(memory, (1.0 - params.image_share) * params.effective_points);
+    capPoints(image, params.image_share * params.effective_points);
+  }
+  RobustObservation all = std::move(memory);
+  all.points.insert(all.points.end(), image.points.begin(), image.points.end());
+  // What the memory has of this image is no second observation for "is there enough to see".
+  all.amount = std::max(all.amount, image.amount);
   return all;
 }
 
