@@ -243,7 +243,12 @@ cv::Mat drawTopView(const TopView& view) {
   canvas.restrictTo(frame.low_px, frame.high_px);
   const std::map<Label, Rgb> label_colors = labelColors(view.map);
   if (view.robot && view.view) drawView(canvas, frame, *view.robot, *view.view);
-  for (const MapSegment& s : view.map.segments) {
+  // What stands on the floor hides what is above it: door feet their lintels.
+  std::vector<MapSegment> from_above = view.map.segments;
+  std::stable_sort(from_above.begin(), from_above.end(), [](const MapSegment& a, const MapSegment& b) {
+    return a.world.middle().z() > b.world.middle().z();
+  });
+  for (const MapSegment& s : from_above) {
     canvas.line(frame.toPx(s.world.a.head<2>()), frame.toPx(s.world.b.head<2>()), label_colors.at(s.label),
                 std::max(4.0, s.width_m * frame.px_per_m));
   }

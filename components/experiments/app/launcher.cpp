@@ -1,0 +1,166 @@
+#include "experiments/app/launcher.h"
+
+#include <algorithm>
+#include <deque>
+#include <iomanip>
+#include <regex>
+#include <sstream>
+
+#include "common/config/properties.h"
+#include "common/geometry/angles.h"
+#include "common/process/ready_line.h"
+#include "experiments/app/run_inputs.h"
+#include "experiments/core/route.h"
+
+namespace vismem {
+namespace {
+
+constexpr std::size_t kShownLines = 12;
+
+bool endsWith(const std::string& text, std::string_view end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+std::filesystem::path configOf(const RunOptions& options, const std::string& name) {
+  return options.root / "cfg" / folderOf(options.setup) / (name + ".cfg");
+}
+
+ComponentCommand commandOf(const RunOptions& options, const std::string& name) {
+  const std::filesystem::path file = configOf(options, name);
+  ComponentCommand command{name, {"--Ice.Config=" + file.string()}};
+  const Properties properties = Properties::load(file);
+  properties.throwIfBad();
+  if (options.port_offset == 0) return command;
+  for (const auto& [key, entry] : properties.entries()) {
+    if (!endsWith(key, "Proxy") && !endsWith(key, "Endpoints")) continue;
+    command.arguments.push_back("--" + key + "=" + shiftPorts(entry.value, options.port_offset));
+  }
+  return command;
+}
+
+}  // namespace
+
+std::string shiftPorts(const std::string& text, int offset) {
+  static const std::regex kPort("-p +([0-9]+)");
+  std::string shifted;
+  std::size_t done = 0;
+  for (std::sregex_iterator match(text.begin(), text.end(), kPort), end; match != end; ++match) {
+    const int port = std::stoi((*match)[1]);
+    const auto at = static_cast<std::size_t>(match->position(1));
+    shifted += text.substr(done, at - done) + std::to_string(port == 0 ? 0 : port + offset);
+    done = at + (*match)[1].length();
+  }
+  return shifted + text.substr(done);
+}
+
+std::filesystem::path paletteOf(const RunOptions& options) {
+  if (!options.palette.empty()) return options.palette;
+  const Properties properties = Properties::load(configOf(options, "active_visual_memory"));
+  const Properties::Entry* entry = properties.find("ActiveVisualMemory.Palette");
+  return entry == nullptr || entry->value.empty() ? std::filesystem::path{} : options.root / entry->value;
+}
+
+// Time stands still until all components are there: nothing of a recording is missed, and a simulated run
+// counts from its first moment.
+std::vector<ComponentCommand> commandsOf(const RunOptions& options) {
+  std::vector<ComponentCommand> commands;
+  const auto add = [&](const std::string& name) -> std::vector<std::string>& {
+    commands.push_back(commandOf(options, name));
+    return commands.back().arguments;
+  };
+  const std::string seed = std::to_string(options.seed);
+  if (options.setup == Setup::kSimulation) {
+    const Pose2 start = startOnRoute(loadRoute(options.route), options.seed).T_world_robot;
+    std::ostringstream position, heading_deg;
+    position << std::setprecision(12) << start.x << ' ' << start.y;
+    heading_deg << std::setprecision(12) << radToDeg(start.theta);
+    auto& arguments = add("simulator");
+    arguments.push_back("--Simulator.World=" + options.world.string());
+    arguments.push_back("--Simulator.Seed=" + seed);
+    arguments.push_back("--Simulator.Start.Position_m=" + position.str());
+    arguments.push_back("--Simulator.Start.Heading_deg=" + heading_deg.str());
+    arguments.push_back("--Simulator.Paused=yes");
+  } else {
+    auto& arguments = add("replay_server");
+    arguments.push_back("--ReplayServer.File=" + options.bag.string());
+    arguments.push_back("--ReplayServer.Start=paused");
+  }
+  auto& memory = add("active_visual_memory");
+  if (!options.palette.empty()) memory.push_back("--ActiveVisualMemory.Palette=" + options.palette.string());
+  auto& localization = add("localization");
+  localization.push_back("--Localization.Map=" + options.map.string());
+  localization.push_back("--Localization.Seed=" + seed);
+  if (const auto palette = paletteOf(options); !palette.empty()) {
+    localization.push_back("--Localization.Palette=" + palette.string());
+  }
+  return commands;
+}
+
+Launcher::Launcher(const RunOptions& options, const std::vector<ComponentCommand>& commands) {
+  for (const ComponentCommand& command : commands) {
+    std::vector<std::string> line{(options.bin / command.name).string()};
+    line.insert(line.end(), command.arguments.begin(), command.arguments.end());
+    ChildProcess::Options child_options;
+    child_options.working_directory = options.root;
+    child_options.kept_lines = 200;
+    try {
+      children_.push_back(
+          {command.name, std::make_unique<ChildProcess>(std::move(line), std::move(child_options))});
+    } catch (const std::exception& error) {
+      throw ComponentFailure(error.what());
+    }
+  }
+}
+
+void Launcher::fail(const Child& child, const std::string& what) {
+  std::istringstream text(child.process->error());
+  std::deque<std::string> last;
+  for (std::string line; std::getline(text, line);) {
+    last.push_back(line);
+    if (last.size() > kShownLines) last.pop_front();
+  }
+  std::string message = child.name + " " + what;
+  for (const std::string& line : last) message += "\n  " + line;
+  throw ComponentFailure(message);
+}
+
+void Launcher::checkAlive() const {
+  for (const Child& child : children_) {
+    if (const auto code = child.process->exitCode()) fail(child, "ended with code " + std::to_string(*code));
+  }
+}
+
+bool Launcher::waitUntilReady(std::chrono::seconds timeout, const std::function<bool()>& interrupted) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  for (const Child& child : children_) {
+    while (!child.process->waitForLine(child.name + " ready: ", std::chrono::milliseconds(100))) {
+      if (interrupted()) return false;
+      checkAlive();
+      if (std::chrono::steady_clock::now() > deadline) {
+        fail(child, "was not ready within " + std::to_string(timeout.count()) + " s");
+      }
+    }
+  }
+  return true;
+}
+
+std::string Launcher::proxy(const std::string& component, const std::string& identity) const {
+  for (const Child& child : children_) {
+    if (child.name != component) continue;
+    const auto line = child.process->waitForLine(component + " ready: ", std::chrono::milliseconds(0));
+    const auto endpoints = line ? readyEndpoints(*line) : std::nullopt;
+    if (!endpoints) fail(child, "is not ready");
+    return identity + ":" + *endpoints;
+  }
+  throw std::logic_error("no component " + component + " in this setup");
+}
+
+void Launcher::stopAll() {
+  // Sinks before sources: nobody logs that its peer is gone.
+  while (!children_.empty()) {
+    children_.back().process->stop(std::chrono::seconds(2));
+    children_.pop_back();
+  }
+}
+
+}  // namespace vismem

@@ -1,0 +1,67 @@
+/// @file The components of a setup as child processes.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/process/child_process.h"
+#include "experiments/app/options.h"
+
+namespace vismem {
+
+/// One program with its configuration and what this run sets over it.
+struct ComponentCommand {
+  std::string name;  ///< of the program, and in its ready line
+  std::vector<std::string> arguments;
+};
+
+/// Adds an offset to every port ("-p N") of endpoints or proxies; an ephemeral port (0) stays.
+std::string shiftPorts(const std::string& text, int offset);
+
+/// The commands of a setup: `NAME --Ice.Config=cfg/SETUP/NAME.cfg --Key=Value ...`.
+/// @throws ConfigError when a configuration cannot be read.
+std::vector<ComponentCommand> commandsOf(const RunOptions& options);
+
+/// The palette that perception uses in this run: beside the map, else of its configuration; empty for none.
+std::filesystem::path paletteOf(const RunOptions& options);
+
+/// A component ended or did not become ready; what() holds its last lines.
+class ComponentFailure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Runs the components. They end with this object, whatever happens. *Single-threaded*, and the thread that
+/// makes it must outlive it (see ChildProcess).
+class Launcher {
+ public:
+  Launcher(const RunOptions& options, const std::vector<ComponentCommand>& commands);
+  ~Launcher() { stopAll(); }
+  Launcher(const Launcher&) = delete;
+  Launcher& operator=(const Launcher&) = delete;
+
+  /// @param interrupted asked now and then: true ends the waiting. @return false when interrupted.
+  /// @throws ComponentFailure when one ends or is not ready within the time.
+  bool waitUntilReady(std::chrono::seconds timeout, const std::function<bool()>& interrupted);
+  /// @throws ComponentFailure when one has ended.
+  void checkAlive() const;
+  /// A proxy to an object of a component: "cameraA:tcp -h 127.0.0.1 -p 9999".
+  std::string proxy(const std::string& component, const std::string& identity) const;
+  /// Ends all in the reverse order of their start; kills what does not end by itself within 2 s.
+  void stopAll();
+
+ private:
+  struct Child {
+    std::string name;
+    std::unique_ptr<ChildProcess> process;
+  };
+  [[noreturn]] static void fail(const Child& child, const std::string& what);
+
+  std::vector<Child> children_;
+};
+
+}  // namespace vismem
