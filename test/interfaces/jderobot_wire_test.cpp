@@ -45,7 +45,8 @@ class Wire : public ::testing::Test {
     return std::search(bytes.begin(), bytes.end(), part.begin(), part.end()) != bytes.end();
   }
 
-  Ice::CommunicatorHolder communicator;
+  // A holder made without arguments would be empty.
+  Ice::CommunicatorHolder communicator{Ice::InitializationData()};
 };
 
 TEST_F(Wire, KeepsJdeRobotTypeIds) {
