@@ -112,14 +112,44 @@ TEST(TopView, KeepsFarPathsOutsideThePlot) {
   EXPECT_EQ(distanceTo(picture, {3.0, 300.0}, colors::kPaper, 0), 0) << "the margin stays clean";
 }
 
-TEST(CarriedMemory, MovesSegmentsIntoWorld) {
+TEST(TopView, DrawsWhatWasNotSeenLatelyPaler) {
+  TopView view = corridorView();
+  view.memory[2].unseen_us = 10 * kSecondUs;
+  const TopViewFrame frame = topViewFrame(view);
+  const cv::Mat picture = drawTopView(view);
+  EXPECT_GT(distanceTo(picture, frame.toPx({8.0, 0.02}), colors::kMemory), 60);
+  EXPECT_LT(distanceTo(picture, frame.toPx({8.0, 0.02}), {233, 154, 190}), 20) << "mixed with the paper";
+  EXPECT_LT(distanceTo(picture, frame.toPx({9.5, 3.4}), colors::kMemory), 20);
+}
+
+MemorySnapshot memoryOfOne(StampUs last_seen_us) {
   MemorySnapshot memory;
-  memory.segments.push_back({.id = 1, .odom = {{1.0, 0.0, 0.0}, {2.0, 0.0, 0.0}}, .label = "line"});
-  const auto carried = carriedMemory(memory, {5.0, 5.0, degToRad(90.0)});
+  memory.stamp_us = 10 * kSecondUs;
+  memory.segments.push_back(
+      {.id = 1, .odom = {{1.0, 0.0, 0.0}, {2.0, 0.0, 0.0}}, .label = "line", .last_seen_us = last_seen_us});
+  return memory;
+}
+
+TEST(CarriedMemory, MovesSegmentsIntoWorld) {
+  const auto carried = carriedMemory(memoryOfOne(4 * kSecondUs), {{0, {5.0, 5.0, degToRad(90.0)}}});
   ASSERT_EQ(carried.size(), 1u);
   EXPECT_NEAR(carried[0].world.a.x(), 5.0, 1e-12);
   EXPECT_NEAR(carried[0].world.a.y(), 6.0, 1e-12);
   EXPECT_NEAR(carried[0].world.b.y(), 7.0, 1e-12);
+  EXPECT_EQ(carried[0].unseen_us, 6 * kSecondUs);
+  EXPECT_TRUE(carriedMemory(memoryOfOne(0), {}).empty()) << "nobody knows where";
+}
+
+TEST(CarriedMemory, PlacesEachSegmentByTheBeliefWhenItWasLastSeen) {
+  // Odometry turned by a quarter between 3 s and 4 s.
+  const Trajectory T_world_odom{{3 * kSecondUs, {0, 0, 0}}, {4 * kSecondUs, {0, 0, degToRad(90.0)}}};
+  const auto x = [&](StampUs last_seen_us) {
+    return carriedMemory(memoryOfOne(last_seen_us), T_world_odom).at(0).world.a.x();
+  };
+  EXPECT_NEAR(x(0), 1.0, 1e-12) << "before the first";
+  EXPECT_NEAR(x(3'400'000), 1.0, 1e-12);
+  EXPECT_NEAR(x(3'600'000), 0.0, 1e-12) << "the nearest, not one in between";
+  EXPECT_NEAR(x(9 * kSecondUs), 0.0, 1e-12);
 }
 
 TEST(ErrorFigure, DrawsCurvesLimitsAndTheSettlingTime) {

@@ -100,6 +100,23 @@ TEST(RunRecord, CarriesOdometryAndMemoryIntoWorld) {
   EXPECT_NEAR(view.robot.value().x, 1.0, 1e-9);
 }
 
+TEST(RunRecord, PlacesTheMemoryByNoGuessFromBeforeSettling) {
+  // Until 2 s the published poses lie 5 m off; the segment was last seen at 1 s.
+  RunRecord record = straightRun();
+  for (PoseEstimate& e : record.estimates) {
+    if (e.stamp_us < 2 * kSecondUs) e.T_world_robot->x += 5.0;
+  }
+  MemorySnapshot memory = *record.memory;
+  memory.segments[0].last_seen_us = kSecondUs;
+  record.memory = record.shown_memory = std::make_shared<MemorySnapshot>(memory);
+  const TopView settled = topViewOf(record, summarize(record, {}), {}, "title");
+  EXPECT_NEAR(settled.memory.at(0).world.a.x(), 2.0, 1e-9);
+  // Without a truth nobody knows that they were guesses.
+  record.truth.clear();
+  const TopView unknown = topViewOf(record, summarize(record, {}), {}, "title");
+  EXPECT_NEAR(unknown.memory.at(0).world.a.x(), 7.0, 1e-9);
+}
+
 TEST(RunRecord, ShowsNothingPastTheShownMemory) {
   RunRecord record = straightRun();
   MemorySnapshot earlier = *record.memory;

@@ -19,6 +19,7 @@ namespace vismem {
 struct LabelledSegment {
   Segment3 world;  ///< [m]
   Label label;
+  StampUs unseen_us = 0;  ///< time since it was last seen
 };
 
 /// What the camera sees of the floor: a sector from the robot.
@@ -61,8 +62,11 @@ struct TopViewFrame {
 TopViewFrame topViewFrame(const TopView& view);
 cv::Mat drawTopView(const TopView& view);
 
-/// Segments of a memory carried into world: T_world_odom * segment.
-std::vector<LabelledSegment> carriedMemory(const MemorySnapshot& memory, const Pose2& T_world_odom);
+/// Segments of a memory carried into world, each by where odom was believed to lie when it was last seen.
+/// The memory lives in odom, whose drift since then would turn and shift what was seen early.
+/// @param T_world_odom over time; the entry nearest in time is taken, because between two of them the belief
+///                     may have jumped. Without any, nothing can be placed.
+std::vector<LabelledSegment> carriedMemory(const MemorySnapshot& memory, const Trajectory& T_world_odom);
 
 /// --- error over time -----------------------------------------------------------------------------
 

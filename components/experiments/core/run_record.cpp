@@ -37,12 +37,16 @@ ViewCone viewOf(const Pose2& T_world_robot, const ImageAnalysis& analysis) {
   return {std::atan2(axis.y(), axis.x()), opening, 2.0};
 }
 
-Trajectory upTo(const Trajectory& trajectory, StampUs until_us) {
+Trajectory between(const Trajectory& trajectory, StampUs from_us, StampUs until_us) {
   Trajectory part;
   for (const StampedPose& p : trajectory) {
-    if (p.stamp_us <= until_us) part.push_back(p);
+    if (p.stamp_us >= from_us && p.stamp_us <= until_us) part.push_back(p);
   }
   return part;
+}
+
+Trajectory upTo(const Trajectory& trajectory, StampUs until_us) {
+  return between(trajectory, std::numeric_limits<StampUs>::min(), until_us);
 }
 
 }  // namespace
@@ -78,11 +82,15 @@ Trajectory publishedTrajectory(const RunRecord& record) {
   return trajectory;
 }
 
-std::optional<Pose2> odomInWorld(const RunRecord& record, StampUs stamp_us) {
-  for (auto e = record.estimates.rbegin(); e != record.estimates.rend(); ++e) {
-    if (e->stamp_us <= stamp_us && e->T_world_robot) return *e->T_world_robot * inverse(e->T_odom_robot);
+Trajectory odomInWorld(const RunRecord& record, std::optional<StampUs> settled_us, StampUs until_us) {
+  Trajectory T_world_odom;
+  for (const PoseEstimate& e : record.estimates) {
+    if (e.stamp_us > until_us || !e.T_world_robot) continue;
+    append(T_world_odom, {e.stamp_us, *e.T_world_robot * inverse(e.T_odom_robot)});
   }
-  return std::nullopt;
+  if (!settled_us) return T_world_odom;
+  const Trajectory settled = between(T_world_odom, *settled_us, until_us);
+  return settled.empty() ? T_world_odom : settled;
 }
 
 RunSummary summarize(const RunRecord& record, const SegmentMap& map_edges, bool judge_projection) {
@@ -123,10 +131,11 @@ TopView topViewOf(const RunRecord& record, const RunSummary& summary, const Segm
   const LocalizationScore& score = summary.score;
   if (score.settled_after_s) view.settled_us = score.start_us + toStampUs(*score.settled_after_s);
 
-  const std::optional<Pose2> T_world_odom = odomInWorld(record, until_us);
+  const Trajectory T_world_odom = odomInWorld(record, view.settled_us, until_us);
   // Where the truth is known odometry is shown from the true start, as its user would have it without
   // localization; otherwise where localization puts it at the end.
-  std::optional<Pose2> T_world_odometry = T_world_odom;
+  std::optional<Pose2> T_world_odometry;
+  if (!T_world_odom.empty()) T_world_odometry = T_world_odom.back().pose;
   for (const StampedPose& p : record.odometry) {
     if (const auto truth = poseAt(record.truth, p.stamp_us)) {
       T_world_odometry = *truth * inverse(p.pose);
@@ -134,7 +143,7 @@ TopView topViewOf(const RunRecord& record, const RunSummary& summary, const Segm
     }
   }
   if (T_world_odometry) view.odometry = transform(*T_world_odometry, upTo(record.odometry, until_us));
-  if (T_world_odom && record.shown_memory) view.memory = carriedMemory(*record.shown_memory, *T_world_odom);
+  if (record.shown_memory) view.memory = carriedMemory(*record.shown_memory, T_world_odom);
   if (!view.truth.empty()) view.true_robot = view.truth.back().pose;
   const auto last = std::find_if(record.estimates.rbegin(), record.estimates.rend(),
                                  [&](const PoseEstimate& e) { return e.stamp_us <= until_us; });

@@ -80,8 +80,9 @@ RunSummary summarize(const RunRecord& record, const SegmentMap& map_edges, bool 
 
 /// The trajectory of the published poses: world -> robot.
 Trajectory publishedTrajectory(const RunRecord& record);
-/// Where odom lies in world by the last estimate with a pose at or before a stamp; empty if there is none.
-std::optional<Pose2> odomInWorld(const RunRecord& record, StampUs stamp_us);
+/// Where odom lies in world over time, by the estimates with a pose at or before a stamp. Where settling is
+/// known, the time before it is left out: those poses are guesses; unless nothing else is there.
+Trajectory odomInWorld(const RunRecord& record, std::optional<StampUs> settled_us, StampUs until_us);
 
 /// Shows the run up to the shown memory. @param map with its stripes as they are.
 TopView topViewOf(const RunRecord& record, const RunSummary& summary, const SegmentMap& map,

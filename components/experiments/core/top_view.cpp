@@ -13,11 +13,15 @@ namespace {
 
 constexpr double kMargin_px = 56.0;
 constexpr double kHeader_px = 74.0;
-constexpr double kLegend_px = 232.0;
+constexpr double kLegend_px = 268.0;
 constexpr double kPlotWidth_px = 1000.0;
 constexpr double kPlotHeight_px = 820.0;
 /// The published pose jumps when another race wins: that is no way the robot drove.
 constexpr double kJump_m = 0.5;
+/// Remembered segments not seen for longer are drawn paler: what is in view or was a moment ago stands out.
+constexpr StampUs kRecentlySeen_us = 3 * kSecondUs;
+/// Of the memory's colour where a segment was not seen lately.
+constexpr double kPale = 0.45;
 
 class Box {
  public:
@@ -133,6 +137,32 @@ void drawView(Canvas& canvas, const TopViewFrame& frame, const Pose2& robot, con
   canvas.fill(sector, {250, 205, 60}, 0.30);
 }
 
+Rgb mixed(Rgb color, Rgb with, double share) {
+  const auto mix = [share](int a, int b) {
+    return static_cast<int>(std::lround(share * a + (1.0 - share) * b));
+  };
+  return {mix(color.r, with.r), mix(color.g, with.g), mix(color.b, with.b)};
+}
+
+Rgb memoryColor(const LabelledSegment& segment) {
+  return segment.unseen_us <= kRecentlySeen_us ? colors::kMemory
+                                               : mixed(colors::kMemory, colors::kPaper, kPale);
+}
+
+/// The longest unseen first, so that it lies below what was seen since.
+void drawMemory(Canvas& canvas, const TopViewFrame& frame, std::vector<LabelledSegment> memory) {
+  std::stable_sort(memory.begin(), memory.end(), [](const LabelledSegment& a, const LabelledSegment& b) {
+    return a.unseen_us > b.unseen_us;
+  });
+  for (const LabelledSegment& s : memory) {
+    const Eigen::Vector2d a = frame.toPx(s.world.a.head<2>());
+    const Eigen::Vector2d b = frame.toPx(s.world.b.head<2>());
+    canvas.line(a, b, memoryColor(s), 2.0);
+    canvas.disc(a, 2.2, memoryColor(s));
+    canvas.disc(b, 2.2, memoryColor(s));
+  }
+}
+
 class Legend {
  public:
   Legend(Canvas& canvas, const Eigen::Vector2d& at) : canvas_(canvas), at_(at) {}
@@ -144,6 +174,11 @@ class Legend {
   }
   void stroke(const std::string& text, Rgb color, double width) {
     canvas_.line(at_, at_ + Eigen::Vector2d(30, 0), color, width);
+    label(text);
+  }
+  /// The rest of the last label.
+  void more(const std::string& text) {
+    at_.y() -= 5.0;
     label(text);
   }
   void mark(const std::string& text, Rgb color, double opacity) {
@@ -190,7 +225,12 @@ void drawLegend(Canvas& canvas, const TopViewFrame& frame, const TopView& view,
   }
   legend.heading("AT THE END");
   if (!view.memory.empty()) {
-    legend.stroke("memory (" + std::to_string(view.memory.size()) + ")", colors::kMemory, 2.5);
+    legend.stroke("memory (" + std::to_string(view.memory.size()) + "), placed", colors::kMemory, 2.5);
+    legend.more("when last seen");
+    const bool any_pale = std::any_of(view.memory.begin(), view.memory.end(), [](const LabelledSegment& s) {
+      return s.unseen_us > kRecentlySeen_us;
+    });
+    if (any_pale) legend.stroke("more than 3 s ago", mixed(colors::kMemory, colors::kPaper, kPale), 2.5);
   }
   if (view.robot) legend.mark("robot, estimated", colors::kEstimate, 1.0);
   if (view.true_robot) legend.mark("robot, true", colors::kTruth, 1.0);
@@ -255,13 +295,7 @@ cv::Mat drawTopView(const TopView& view) {
   drawPath(canvas, frame, view.truth, colors::kTruth, 3.0, kJump_m);
   drawPath(canvas, frame, view.odometry, colors::kOdometry, 1.5, kJump_m);
   drawEstimate(canvas, frame, view);
-  for (const LabelledSegment& s : view.memory) {
-    const Eigen::Vector2d a = frame.toPx(s.world.a.head<2>());
-    const Eigen::Vector2d b = frame.toPx(s.world.b.head<2>());
-    canvas.line(a, b, colors::kMemory, 2.0);
-    canvas.disc(a, 2.2, colors::kMemory);
-    canvas.disc(b, 2.2, colors::kMemory);
-  }
+  drawMemory(canvas, frame, view.memory);
   for (const RaceReport& race : view.races) {
     if (!race.winner)
       drawPose(canvas, frame, race.T_world_robot, 10.0, colors::kLost, 0.3 + 0.5 * race.weight);
@@ -275,10 +309,13 @@ cv::Mat drawTopView(const TopView& view) {
   return canvas.finish();
 }
 
-std::vector<LabelledSegment> carriedMemory(const MemorySnapshot& memory, const Pose2& T_world_odom) {
+std::vector<LabelledSegment> carriedMemory(const MemorySnapshot& memory, const Trajectory& T_world_odom) {
   std::vector<LabelledSegment> carried;
-  for (const MemorySegment& s : memory.segments)
-    carried.push_back({transform(T_world_odom, s.odom), s.label});
+  for (const MemorySegment& s : memory.segments) {
+    const StampedPose* nearest = nearestTo(T_world_odom, s.last_seen_us);
+    if (nearest == nullptr) break;
+    carried.push_back({transform(nearest->pose, s.odom), s.label, memory.stamp_us - s.last_seen_us});
+  }
   return carried;
 }
 

@@ -3,6 +3,14 @@
 #include <algorithm>
 
 namespace vismem {
+namespace {
+
+Trajectory::const_iterator firstNotBefore(const Trajectory& trajectory, StampUs stamp_us) {
+  return std::lower_bound(trajectory.begin(), trajectory.end(), stamp_us,
+                          [](const StampedPose& p, StampUs stamp) { return p.stamp_us < stamp; });
+}
+
+}  // namespace
 
 bool append(Trajectory& trajectory, const StampedPose& pose) {
   if (!trajectory.empty() && pose.stamp_us <= trajectory.back().stamp_us) return false;
@@ -11,8 +19,7 @@ bool append(Trajectory& trajectory, const StampedPose& pose) {
 }
 
 std::optional<Pose2> poseAt(const Trajectory& trajectory, StampUs stamp_us, StampUs max_gap_us) {
-  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), stamp_us,
-                                      [](const StampedPose& p, StampUs stamp) { return p.stamp_us < stamp; });
+  const auto after = firstNotBefore(trajectory, stamp_us);
   if (after == trajectory.end()) return std::nullopt;
   if (after->stamp_us == stamp_us) return after->pose;
   if (after == trajectory.begin()) return std::nullopt;
@@ -21,6 +28,14 @@ std::optional<Pose2> poseAt(const Trajectory& trajectory, StampUs stamp_us, Stam
   if (gap > max_gap_us) return std::nullopt;
   const double fraction = static_cast<double>(stamp_us - before->stamp_us) / static_cast<double>(gap);
   return interpolate(before->pose, after->pose, fraction);
+}
+
+const StampedPose* nearestTo(const Trajectory& trajectory, StampUs stamp_us) {
+  const auto after = firstNotBefore(trajectory, stamp_us);
+  if (after == trajectory.begin()) return trajectory.empty() ? nullptr : &*after;
+  const auto before = std::prev(after);
+  if (after == trajectory.end()) return &*before;
+  return stamp_us - before->stamp_us <= after->stamp_us - stamp_us ? &*before : &*after;
 }
 
 Trajectory transform(const Pose2& T_a_b, const Trajectory& trajectory_b) {

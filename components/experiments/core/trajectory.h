@@ -25,6 +25,9 @@ bool append(Trajectory& trajectory, const StampedPose& pose);
 /// @return empty before the first and after the last pose and inside a gap.
 std::optional<Pose2> poseAt(const Trajectory& trajectory, StampUs stamp_us, StampUs max_gap_us = kSecondUs);
 
+/// The entry nearest in time; of two equally near ones the earlier. Null for an empty trajectory.
+const StampedPose* nearestTo(const Trajectory& trajectory, StampUs stamp_us);
+
 /// Moves every pose: result = T_a_b * pose.
 Trajectory transform(const Pose2& T_a_b, const Trajectory& trajectory_b);
 
