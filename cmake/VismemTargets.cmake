@@ -47,6 +47,9 @@ function(vismem_test name)
   if(NOT A_TIMEOUT)
     set(A_TIMEOUT 60)
   endif()
+  if(VISMEM_SANITIZE)
+    math(EXPR A_TIMEOUT "5 * ${A_TIMEOUT}")
+  endif()
   # The paths in cfg/ are relative to the project, where components are started.
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(${name} PROPERTIES LABELS "${A_LABEL}" TIMEOUT ${A_TIMEOUT}
