@@ -14,6 +14,7 @@ namespace vismem {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 const std::string kSource = VISMEM_SOURCE_DIR;
@@ -88,6 +89,29 @@ TEST(LocalizationConfig, TheShippedSetupOfTheSimulatorLoads) {
   const LocalizationConfig config = readLocalizationConfig(reader);
   EXPECT_TRUE(reader.good());
   EXPECT_GT(loadMapEdges(config.map, config.palette).segments.size(), 10u);
+}
+
+TEST(LocalizationConfig, TheShippedSetupOfARecordingLacksOnlyTheMap) {
+  const std::string file = kSource + "/cfg/replay/localization.cfg";
+  Properties properties = Properties::load(file);
+  {
+    ConfigReader root(properties);
+    ConfigReader reader = root.group("Localization");
+    reader.known("Endpoints");
+    readLocalizationConfig(reader);
+    try {
+      root.finish();
+      ADD_FAILURE() << "accepted without a map";
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.problems(), ElementsAre(HasSubstr(file + ": missing key \"Localization.Map\"")));
+    }
+  }
+  properties.set("Localization.Map", kSource + "/cfg/maps/room.csv");
+  ConfigReader root(properties);
+  ConfigReader reader = root.group("Localization");
+  reader.known("Endpoints");
+  readLocalizationConfig(reader);
+  EXPECT_NO_THROW(root.finish());
 }
 
 TEST(LocalizationConfig, StripesOfTheFieldBecomeTheirEdges) {
