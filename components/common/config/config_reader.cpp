@@ -151,7 +151,7 @@ std::optional<double> ConfigReader::optionalReal(std::string_view name, double m
 
 double ConfigReader::angleDeg(std::string_view name, double fallback_deg, double minimum_deg,
                               double maximum_deg) {
-  assert(name.ends_with("_deg"));
+  assert(name.substr(name.rfind('_') + 1).starts_with("deg"));
   return degToRad(real(name, fallback_deg, minimum_deg, maximum_deg));
 }
 

@@ -48,8 +48,8 @@ class ConfigReader {
   /// A finite number in [minimum, maximum]; an infinite bound is none.
   double real(std::string_view name, double fallback, double minimum, double maximum);
   std::optional<double> optionalReal(std::string_view name, double minimum, double maximum);
-  /// An angle written in degrees, with a name that ends in _deg; all parameters in degrees.
-  /// @return radians.
+  /// An angle written in degrees, or its rate, with a name that says so (_deg, _degps, _degpm); all parameters
+  /// in degrees. @return radians.
   double angleDeg(std::string_view name, double fallback_deg, double minimum_deg, double maximum_deg);
   /// As many numbers as `fallback` has, separated by blanks or commas, each in [minimum, maximum].
   std::vector<double> reals(std::string_view name, std::vector<double> fallback, double minimum,
