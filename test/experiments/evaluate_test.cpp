@@ -82,7 +82,7 @@ TEST_F(EvaluateTest, KeepsAKnownStart) {
 
 TEST_F(EvaluateTest, RunsInChapterMode) {
   EvaluationOptions options = corridor("chapter", 1);
-  options.chapter = true;
+  options.mode = "chapter";
   options.start = Pose2{0.0, 2.25, 0.0};
   const auto json = evaluate(options);
   EXPECT_EQ(json.at("mode"), "chapter");
@@ -93,9 +93,11 @@ TEST_F(EvaluateTest, ReadsTheKeysOfBothComponentsFromOneFile) {
   fs::create_directories(out_);
   EvaluationOptions options = corridor("config", 1);
   options.config = out_ / "both.cfg";
-  std::ofstream(options.config) << "ActiveVisualMemory.Gaze.Mode = off\nLocalization.Races.Maximum = 2\n";
+  std::ofstream(options.config) << "ActiveVisualMemory.Gaze.Mode = off\nLocalization.Races.Maximum = 2\n"
+                                << "Localization.Mode = chapter\n";
   const auto json = evaluate(options);
   EXPECT_EQ(json.at("gaze_visits"), 0);
+  EXPECT_EQ(json.at("mode"), "chapter");
   EXPECT_LE(json.at("races").get<int>(), 2);
   std::ofstream(options.config) << "ActiveVisualMemory.Gaze.Mode = off\nLocalization.Races.Maximun = 2\n";
   EXPECT_THAT([&] { evaluate(options); }, ::testing::ThrowsMessage<ConfigError>(HasSubstr(

@@ -12,7 +12,6 @@
 namespace {
 
 struct Arguments {
-  std::string mode = "default";
   std::vector<double> start;
   double seconds = 0.0;
   std::vector<std::uint64_t> judge;
@@ -28,7 +27,7 @@ void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& argum
   app.add_option("--config", options.config,
                  "keys ActiveVisualMemory.* and Localization.* (default: the components' files in cfg/replay "
                  "or cfg/sim)");
-  app.add_option("--mode", arguments.mode, "default or chapter")
+  app.add_option("--mode", options.mode, "default or chapter, for both components (default: as configured)")
       ->check(CLI::IsMember({"default", "chapter"}));
   app.add_option("--seed", options.seed, "of all that is random");
   app.add_option("--start", arguments.start, "known start x,y,theta [m, m, rad]; without it, unknown")
@@ -64,7 +63,6 @@ int main(int argc, char** argv) {
     std::cerr << "evaluate: expected one of --bag FILE and --world FILE\n";
     return 2;
   }
-  options.chapter = arguments.mode == "chapter";
   if (!arguments.start.empty()) {
     options.start = vismem::Pose2{arguments.start[0], arguments.start[1], arguments.start[2]};
   }

@@ -80,9 +80,9 @@ nlohmann::json orNull(const std::optional<Value>& value) {
 }
 
 nlohmann::json summarise(const Record& record, const Lockstep& run, const EvaluationOptions& options,
-                         const SegmentMap& map_edges) {
+                         const EvaluationParams& params) {
   nlohmann::json json;
-  json["mode"] = options.chapter ? "chapter" : "default";
+  json["mode"] = params.localizer.mode == LocalizationMode::kChapter ? "chapter" : "default";
   json["seed"] = options.seed;
   json["frames"] = run.framesProcessed();
   json["frames_dropped"] = run.framesDropped();
@@ -104,7 +104,7 @@ nlohmann::json summarise(const Record& record, const Lockstep& run, const Evalua
     json["recovered"] = score.recovered;
   }
   if (!record.judged.empty()) {
-    const MapProjectionScore score = scoreMapProjection(record.judged, map_edges);
+    const MapProjectionScore score = scoreMapProjection(record.judged, params.map_edges);
     json["map_projection_px"] = orNull(score.detected_to_map_px);
     json["map_to_detected_px"] = orNull(score.map_to_detected_px);
     json["images_judged"] = score.images;
@@ -139,7 +139,7 @@ nlohmann::json finish(Record& record, const Lockstep& run, const EvaluationOptio
     throw std::runtime_error(input + ": no frame could be used: odometry or camera poses cover none of them");
   }
   writeFiles(record, options.out);
-  return summarise(record, run, options, params.map_edges);
+  return summarise(record, run, options, params);
 }
 
 nlohmann::json evaluateBag(const EvaluationOptions& options) {

@@ -21,7 +21,7 @@ struct EvaluationOptions {
   std::filesystem::path config;   ///< of both components; empty: their files in cfg/replay or cfg/sim
   std::filesystem::path truth;    ///< of a bag: t_s,x_m,y_m,theta_rad
   std::filesystem::path route;    ///< of a world: empty: beside it, with the ending .route, if there is one
-  bool chapter = false;
+  std::string mode;  ///< "default" or "chapter", for both components; empty: as each is configured
   std::uint64_t seed = 1;
   std::optional<Pose2> start;  ///< known start in world; without it the robot must find out
   std::optional<double> seconds;

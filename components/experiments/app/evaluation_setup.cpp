@@ -44,7 +44,7 @@ ActiveVisualMemoryConfig readMemory(const EvaluationOptions& options, bool has_p
   properties.set("ActiveVisualMemory.Camera.Proxy", "here");
   properties.set("ActiveVisualMemory.Odometry.Proxy", "here");
   properties.set("ActiveVisualMemory.PanTilt.Proxy", has_pan_tilt ? "here" : "");
-  if (options.chapter) properties.set("ActiveVisualMemory.Mode", "chapter");
+  if (!options.mode.empty()) properties.set("ActiveVisualMemory.Mode", options.mode);
   ConfigReader config(properties);
   config.known("Localization.*");
   ConfigReader reader = config.group("ActiveVisualMemory");
@@ -56,7 +56,7 @@ ActiveVisualMemoryConfig readMemory(const EvaluationOptions& options, bool has_p
 
 LocalizerParams readLocalizer(const EvaluationOptions& options) {
   Properties properties = Properties::load(configFile(options, "localization"));
-  if (options.chapter) properties.set("Localization.Mode", "chapter");
+  if (!options.mode.empty()) properties.set("Localization.Mode", options.mode);
   ConfigReader config(properties);
   config.known("ActiveVisualMemory.*");
   ConfigReader reader = config.group("Localization");
