@@ -11,6 +11,13 @@ function(vismem_library name)
   target_link_libraries(${name} PUBLIC ${A_PUBLIC} PRIVATE ${A_PRIVATE} project_warnings)
 endfunction()
 
+# vismem_driver(NAME SOURCES file... [PUBLIC lib...] [PRIVATE lib...])
+# As vismem_library; headers are included from the project's root: "drivers/camera_files/file_camera.h".
+function(vismem_driver name)
+  vismem_library(${name} ${ARGN})
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+endfunction()
+
 # vismem_program(NAME SOURCES file... LIBRARIES lib...)
 function(vismem_program name)
   cmake_parse_arguments(A "" "" "SOURCES;LIBRARIES" ${ARGN})

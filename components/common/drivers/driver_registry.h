@@ -1,0 +1,87 @@
+/// @file Which drivers of a port there are, by the names that configurations use. Pure.
+#pragma once
+
+#include <cassert>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/config/config_reader.h"
+#include "common/config/nearest_name.h"
+
+namespace vismem {
+
+/// Maps the name of a driver to what makes it (STYLE 3). A server fills it explicitly, by one function a
+/// kind:
+///
+///   void registerCameraDrivers(DriverRegistry<FrameSource>& registry) {
+///     registry.add("files", "images, videos and network streams", makeFileCamera);
+///   }
+///   ...
+///   ConfigReader group = config.group("CameraServer.cameraA");
+///   std::unique_ptr<FrameSource> camera = registry.make(group);   // reads CameraServer.cameraA.Driver
+///   if (!group.good()) return nullptr;
+///
+/// Self-registering globals would vanish from static libraries. *Single-threaded* while it is filled; const
+/// functions are then thread-safe.
+template <typename Port>
+class DriverRegistry {
+ public:
+  /// Reads the driver's own keys from the group and makes the port. Wrong values are left in the reader,
+  /// which gives defaults for them, so that all problems are found at once; it may return nullptr when the
+  /// reader is not good(). It opens no device: that is the port's start().
+  using Factory = std::function<std::unique_ptr<Port>(ConfigReader& group)>;
+
+  /// @param name     as in configurations: "files"; each only once. @param summary for people, a few words.
+  void add(std::string name, std::string summary, Factory factory) {
+    const bool is_new =
+        drivers_.emplace(std::move(name), Driver{std::move(summary), std::move(factory)}).second;
+    assert(is_new && "two drivers of one name");
+    static_cast<void>(is_new);
+  }
+
+  /// Makes the driver that a key of the group names. @return nullptr with a problem in the reader that lists
+  /// the known drivers if the key is absent or names none; the group's other keys then count as known,
+  /// because nobody can tell whether they are right.
+  std::unique_ptr<Port> make(ConfigReader& group, std::string_view key = "Driver") const {
+    const std::string name = group.requiredText(key, "a driver: " + namesText());
+    const auto driver = drivers_.find(name);
+    if (driver != drivers_.end()) return driver->second.factory(group);
+    group.known("*");
+    if (!name.empty()) {
+      const auto all = names();
+      group.problem(key, "unknown driver" + suggestion(name, {all.begin(), all.end()}) +
+                             "; must be one of: " + namesText());
+    }
+    return nullptr;
+  }
+
+  /// Sorted.
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& [name, driver] : drivers_) all.push_back(name);
+    return all;
+  }
+  /// Of a driver that is there.
+  const std::string& summary(const std::string& name) const { return drivers_.at(name).summary; }
+
+ private:
+  struct Driver {
+    std::string summary;
+    Factory factory;
+  };
+
+  std::string namesText() const {
+    std::string text;
+    for (const auto& [name, driver] : drivers_) text += (text.empty() ? "" : ", ") + name;
+    return text.empty() ? "none is built in" : text;
+  }
+
+  std::map<std::string, Driver> drivers_;
+};
+
+}  // namespace vismem
