@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "common/kinematics/kinematics.h"
 #include "common/robot/control_ports.h"
 #include "common/robot/ports.h"
-#include "simulator/core/kinematics.h"
 #include "simulator/core/world.h"
 
 namespace vismem {

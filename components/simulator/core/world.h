@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/geometry/pose.h"
+#include "common/kinematics/obstacle.h"
 
 namespace vismem {
 
@@ -17,12 +18,6 @@ struct WorldBody {
   Eigen::Vector3f color{0.7f, 0.7f, 0.7f};  ///< diffuse, R G B in 0..1
   std::vector<Eigen::Vector3f> vertices;
   std::vector<Eigen::Vector3<std::uint32_t>> triangles;  ///< counter-clockwise seen from outside
-};
-
-/// Outline of a collision shape at the robot's height, convex, counter-clockwise, world plan view [m].
-struct WorldObstacle {
-  std::string name;
-  std::vector<Eigen::Vector2d> outline;
 };
 
 struct Sun {

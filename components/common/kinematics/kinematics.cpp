@@ -1,4 +1,4 @@
-#include "simulator/core/kinematics.h"
+#include "common/kinematics/kinematics.h"
 
 #include <algorithm>
 #include <cmath>

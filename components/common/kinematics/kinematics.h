@@ -1,4 +1,5 @@
-/// @file Motion of the simulated robot: differential base, pan-tilt unit, wheel odometry. Pure. DESIGN 6.
+/// @file Motion of a simulated robot: differential base, pan-tilt unit, wheel odometry. Pure: the simulator
+/// and the drivers base_simulated and pantilt_simulated move by it. DESIGN 6.
 #pragma once
 
 #include <random>
@@ -7,8 +8,8 @@
 #include "common/geometry/angles.h"
 #include "common/geometry/camera.h"
 #include "common/geometry/pose.h"
+#include "common/kinematics/obstacle.h"
 #include "common/robot/ports.h"
-#include "simulator/core/world.h"
 
 namespace vismem {
 
