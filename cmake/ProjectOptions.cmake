@@ -1,6 +1,7 @@
 # Language level, warnings, sanitizers, ccache and output folders for the whole tree.
 option(VISMEM_WERROR "Treat warnings as errors" OFF)
 set(VISMEM_SANITIZE "" CACHE STRING "Value of -fsanitize=, empty for none")
+option(VISMEM_FUZZ "Build libFuzzer targets (needs clang)" OFF)
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -25,6 +26,9 @@ set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O1 -g1")
 if(VISMEM_SANITIZE)
   add_compile_options(-fsanitize=${VISMEM_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${VISMEM_SANITIZE})
+endif()
+if(VISMEM_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
 add_library(project_warnings INTERFACE)

@@ -1,9 +1,10 @@
 # How every library, program and test of the project is declared, so that they all agree.
 find_package(Threads REQUIRED)
 find_package(GTest REQUIRED)
+find_package(benchmark REQUIRED)
 
 # vismem_library(NAME SOURCES file... [PUBLIC lib...] [PRIVATE lib...])
-# Headers are included from the folder components/: "common/geometry/pose2.h".
+# Headers are included from the folder components/: "common/geometry/pose.h".
 function(vismem_library name)
   cmake_parse_arguments(A "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${A_SOURCES})
@@ -27,12 +28,12 @@ function(vismem_program name)
 endfunction()
 
 # Building tests_LABEL builds the tests of one label and nothing that they do not need.
-set(VISMEM_TEST_LABELS unit property golden contract component system)
+set(VISMEM_TEST_LABELS unit property golden contract component system faults)
 foreach(label IN LISTS VISMEM_TEST_LABELS)
   add_custom_target(tests_${label})
 endforeach()
 
-# vismem_test(NAME LABEL unit|property|golden|contract|component|system SOURCES file... LIBRARIES lib...
+# vismem_test(NAME LABEL unit|property|golden|contract|component|system|faults SOURCES file... LIBRARIES lib...
 #             [TIMEOUT seconds] [PROGRAMS target...])
 # One CTest entry per test program. PROGRAMS are built first: tests that start real processes name them.
 # VISMEM_SOURCE_DIR and VISMEM_BIN_DIR are defined for tests that need test/data, cfg/ or the programs.
@@ -61,4 +62,45 @@ function(vismem_test name)
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(${name} PROPERTIES LABELS "${A_LABEL}" TIMEOUT ${A_TIMEOUT}
                        ENVIRONMENT "TSAN_OPTIONS=ignore_noninstrumented_modules=1;UBSAN_OPTIONS=print_stacktrace=1")
+endfunction()
+
+# vismem_benchmark(NAME SOURCES file... LIBRARIES lib... [PROGRAMS target...])
+# The program behind `scripts/bench NAME`: build/PRESET/bench/NAME. It has its own main, so that it can print
+# tables beside what Google Benchmark prints.
+function(vismem_benchmark name)
+  cmake_parse_arguments(A "" "" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
+  set(target bench_${name})
+  add_executable(${target} ${A_SOURCES})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/components ${PROJECT_SOURCE_DIR}/test)
+  target_compile_definitions(${target} PRIVATE VISMEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                               VISMEM_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  target_link_libraries(${target} PRIVATE ${A_LIBRARIES} benchmark::benchmark project_warnings)
+  set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bench OUTPUT_NAME ${name})
+  if(A_PROGRAMS)
+    add_dependencies(${target} ${A_PROGRAMS})
+  endif()
+endfunction()
+
+# vismem_fuzzer(NAME SOURCES file... LIBRARIES lib...)
+# A libFuzzer target (its sources define LLVMFuzzerTestOneInput). Under the preset `fuzz` it is the program
+# behind `scripts/fuzz NAME`; in every other build it is a unit test that runs the target over its seeds,
+# test/fuzz/seeds/NAME/, so that a crash once found stays fixed.
+function(vismem_fuzzer name)
+  cmake_parse_arguments(A "" "" "SOURCES;LIBRARIES" ${ARGN})
+  set(target fuzz_${name})
+  if(VISMEM_FUZZ)
+    add_executable(${target} ${A_SOURCES})
+    target_link_options(${target} PRIVATE -fsanitize=fuzzer)
+    set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/fuzz OUTPUT_NAME ${name})
+  else()
+    add_executable(${target} ${A_SOURCES} ${PROJECT_SOURCE_DIR}/test/fuzz/run_seeds.cpp)
+    set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test)
+    add_dependencies(tests_unit ${target})
+    add_test(NAME ${target} COMMAND ${target} ${PROJECT_SOURCE_DIR}/test/fuzz/seeds/${name}
+             WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+    set_tests_properties(${target} PROPERTIES LABELS unit TIMEOUT 300)
+  endif()
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/components ${PROJECT_SOURCE_DIR}/test)
+  target_compile_definitions(${target} PRIVATE VISMEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${target} PRIVATE ${A_LIBRARIES} project_warnings)
 endfunction()
