@@ -1,0 +1,42 @@
+#include "common/kinematics/kinematics_config.h"
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+
+void readBaseParams(ConfigReader r, BaseParams& p) {
+  p.limits.max_speed_mps = r.real("MaximumSpeed_mps", p.limits.max_speed_mps, 0.01, 5.0);
+  p.limits.max_turn_rate_radps =
+      degToRad(r.real("MaximumTurnRate_degps", radToDeg(p.limits.max_turn_rate_radps), 1.0, 720.0));
+  p.limits.watchdog_s = r.real("Watchdog_s", p.limits.watchdog_s, 0.05, 60.0);
+  p.acceleration_mps2 = r.real("Acceleration_mps2", p.acceleration_mps2, 0.01, 50.0);
+  p.turn_acceleration_radps2 =
+      degToRad(r.real("TurnAcceleration_degps2", radToDeg(p.turn_acceleration_radps2), 1.0, 10000.0));
+  p.radius_m = r.real("Radius_m", p.radius_m, 0.01, 2.0);
+  p.wheel_base_m = r.real("WheelBase_m", p.wheel_base_m, 0.01, 2.0);
+}
+
+void readPanTiltParams(ConfigReader r, PanTiltParams& p) {
+  PanTiltLimits& l = p.limits;
+  l.max_pan_rad = r.angleDeg("Pan.Maximum_deg", radToDeg(l.max_pan_rad), 0.0, 180.0);
+  l.min_pan_rad = r.angleDeg("Pan.Minimum_deg", radToDeg(l.min_pan_rad), -180.0, 0.0);
+  l.max_tilt_rad = r.angleDeg("Tilt.Maximum_deg", radToDeg(l.max_tilt_rad), 0.0, 90.0);
+  l.min_tilt_rad = r.angleDeg("Tilt.Minimum_deg", radToDeg(l.min_tilt_rad), -90.0, 0.0);
+  l.max_pan_rate_radps = degToRad(r.real("Pan.Rate_degps", radToDeg(l.max_pan_rate_radps), 1.0, 2000.0));
+  l.max_tilt_rate_radps = degToRad(r.real("Tilt.Rate_degps", radToDeg(l.max_tilt_rate_radps), 1.0, 2000.0));
+  p.acceleration_radps2 =
+      degToRad(r.real("Acceleration_degps2", radToDeg(p.acceleration_radps2), 1.0, 100000.0));
+}
+
+void readOdometryErrorParams(ConfigReader r, OdometryErrorParams& p) {
+  enum class Preset { kNone, kDefault };
+  const Preset preset =
+      r.choice("Preset", Preset::kDefault, {{"none", Preset::kNone}, {"default", Preset::kDefault}});
+  p = preset == Preset::kNone ? noOdometryError() : defaultOdometryError();
+  p.radius_sigma = r.real("RadiusError", p.radius_sigma, 0.0, 0.2);
+  p.base_sigma = r.real("BaseError", p.base_sigma, 0.0, 0.2);
+  p.travel_sigma_sqrtm = r.real("TravelNoise_m", p.travel_sigma_sqrtm, 0.0, 0.2);
+  p.tick_m = r.real("Tick_m", p.tick_m, 0.0, 0.1);
+}
+
+}  // namespace vismem
