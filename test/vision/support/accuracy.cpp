@@ -2,10 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-#include <optional>
 #include <tuple>
 
 #include "common/geometry/angles.h"
@@ -13,20 +9,15 @@
 namespace vismem {
 namespace {
 
-constexpr double kAnnotationShift_px = 0.75;  // clicks are 1-based; every detector fits best with this
+constexpr double kMaximumAngle_rad = degToRad(10.0);
 constexpr double kMinimumAnnotated_px = 10.0;
 constexpr double kFragmentTolerance_px = 2.0;
 constexpr double kFragmentLine_px = 30.0;
 constexpr double kFragmentPart_px = 3.0;
 constexpr double kStructural_px = 5.0;
 
-struct Interval {
-  double begin = 0.0;  // fractions of a -> b
-  double end = 0.0;
-};
-
 /// Restricts [t.begin, t.end] to where low <= c0 + c1 t <= high.
-bool restrict(double c0, double c1, double low, double high, Interval& t) {
+bool restrictTo(double c0, double c1, double low, double high, Interval& t) {
   if (std::abs(c1) < 1e-12) return c0 >= low && c0 <= high;
   double first = (low - c0) / c1;
   double second = (high - c0) / c1;
@@ -36,35 +27,37 @@ bool restrict(double c0, double c1, double low, double high, Interval& t) {
   return t.begin < t.end;
 }
 
-std::optional<Interval> matchedPart(const Segment2& d, const Segment2& g, double tolerance_px) {
-  if (lineAngleDifference(d.direction(), g.direction()) > degToRad(10.0)) return std::nullopt;
-  const Eigen::Vector2d u = (g.b - g.a).normalized();
-  const Eigen::Vector2d n(-u.y(), u.x());
-  const Eigen::Vector2d a = d.a - g.a;
-  const Eigen::Vector2d ab = d.b - d.a;
-  Interval t{0.0, 1.0};
-  if (!restrict(a.dot(n), ab.dot(n), -tolerance_px, tolerance_px, t)) return std::nullopt;
-  if (!restrict(a.dot(u), ab.dot(u), 0.0, g.length(), t)) return std::nullopt;
-  return t;
-}
+/// How much of a segment others match: fractions of its length.
+struct Cover {
+  double united = 0.0;
+  double summed = 0.0;
+};
 
-double unionLength(std::vector<Interval>& parts) {
-  std::sort(parts.begin(), parts.end(), [](const auto& x, const auto& y) { return x.begin < y.begin; });
-  double length = 0.0;
-  double reached = 0.0;
-  for (const auto& part : parts) {
-    length += std::max(0.0, part.end - std::max(part.begin, reached));
-    reached = std::max(reached, part.end);
-  }
-  return length;
-}
-
-double matchedShare(const Segment2& segment, const std::vector<Segment2>& others, double tolerance_px) {
+Cover coverOf(const Segment2& segment, const std::vector<Segment2>& others, double tolerance_px) {
   std::vector<Interval> parts;
   for (const auto& other : others) {
     if (const auto part = matchedPart(segment, other, tolerance_px)) parts.push_back(*part);
   }
-  return unionLength(parts);
+  std::sort(parts.begin(), parts.end(), [](const auto& x, const auto& y) { return x.begin < y.begin; });
+  Cover cover;
+  double reached = 0.0;
+  for (const auto& part : parts) {
+    cover.united += std::max(0.0, part.end - std::max(part.begin, reached));
+    cover.summed += part.end - part.begin;
+    reached = std::max(reached, part.end);
+  }
+  return cover;
+}
+
+double coveredShare(const std::vector<Segment2>& segments, const std::vector<Segment2>& others,
+                    double tolerance_px) {
+  double matched_px = 0.0;
+  double total_px = 0.0;
+  for (const auto& segment : segments) {
+    matched_px += segment.length() * coverOf(segment, others, tolerance_px).united;
+    total_px += segment.length();
+  }
+  return total_px > 0.0 ? matched_px / total_px : 0.0;
 }
 
 std::vector<Segment2> longEnough(const std::vector<Segment2>& segments, double minimum_px) {
@@ -74,66 +67,7 @@ std::vector<Segment2> longEnough(const std::vector<Segment2>& segments, double m
   return out;
 }
 
-}  // namespace
-
-std::vector<AnnotatedImage> loadAnnotated(const std::filesystem::path& folder, bool half) {
-  std::vector<AnnotatedImage> images;
-  if (!std::filesystem::is_directory(folder)) return images;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() != ".jpg") continue;
-    AnnotatedImage image;
-    image.name = entry.path().stem().string();
-    cv::cvtColor(cv::imread(entry.path().string()), image.rgb, cv::COLOR_BGR2RGB);
-    // Halving moves centres too: the middle of pixels 0 and 1 becomes pixel 0.
-    const double scale = half ? 0.5 : 1.0;
-    if (half) cv::resize(image.rgb, image.rgb, image.rgb.size() / 2, 0, 0, cv::INTER_AREA);
-    std::ifstream in(folder / (image.name + "_gt.txt"));
-    Segment2 segment;
-    while (in >> segment.a.x() >> segment.a.y() >> segment.b.x() >> segment.b.y()) {
-      for (Eigen::Vector2d* end : {&segment.a, &segment.b}) {
-        *end = ((*end).array() - kAnnotationShift_px) * scale;
-      }
-      if (segment.length() > 0.0) image.annotated.push_back(segment);
-    }
-    images.push_back(std::move(image));
-  }
-  std::sort(images.begin(), images.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
-  return images;
-}
-
-Coverage coverage(const std::vector<Segment2>& segments, const std::vector<Segment2>& others,
-                  double tolerance_px) {
-  Coverage sum;
-  for (const auto& segment : segments) {
-    sum.matched_px += segment.length() * matchedShare(segment, others, tolerance_px);
-    sum.total_px += segment.length();
-  }
-  return sum;
-}
-
-void AccuracyMeter::add(const std::vector<Segment2>& detected, const std::vector<Segment2>& annotated) {
-  precision_sum_ += coverage(detected, annotated, tolerance_px_).share();
-  recall_sum_ += coverage(longEnough(annotated, kMinimumAnnotated_px), detected, tolerance_px_).share();
-  ++images_;
-}
-
-AccuracyFigures AccuracyMeter::figures() const {
-  return images_ == 0 ? AccuracyFigures{} : AccuracyFigures{precision_sum_ / images_, recall_sum_ / images_};
-}
-
-void FragmentMeter::add(const std::vector<Segment2>& detected, const std::vector<Segment2>& annotated) {
-  for (const auto& line : longEnough(annotated, kFragmentLine_px)) {
-    if (matchedShare(line, detected, kFragmentTolerance_px) < 0.5) continue;
-    ++lines_;
-    for (const auto& segment : detected) {
-      const auto part = matchedPart(segment, line, kFragmentTolerance_px);
-      if (part && (part->end - part->begin) * segment.length() >= kFragmentPart_px) ++fragments_;
-    }
-  }
-}
-
-void StructuralMeter::add(const std::vector<Segment2>& detected, const std::vector<Segment2>& annotated) {
-  const auto lines = longEnough(annotated, kMinimumAnnotated_px);
+PrecisionRecall structuralMatch(const std::vector<Segment2>& detected, const std::vector<Segment2>& lines) {
   std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
   for (std::size_t i = 0; i < detected.size(); ++i) {
     for (std::size_t j = 0; j < lines.size(); ++j) {
@@ -152,14 +86,80 @@ void StructuralMeter::add(const std::vector<Segment2>& detected, const std::vect
     used_detected[i] = used_line[j] = true;
     ++matched;
   }
-  precision_sum_ +=
-      detected.empty() ? 0.0 : static_cast<double>(matched) / static_cast<double>(detected.size());
-  recall_sum_ += lines.empty() ? 0.0 : static_cast<double>(matched) / static_cast<double>(lines.size());
-  ++images_;
+  const auto share = [&](std::size_t of) {
+    return of == 0 ? 0.0 : static_cast<double>(matched) / static_cast<double>(of);
+  };
+  return {share(detected.size()), share(lines.size())};
 }
 
-AccuracyFigures StructuralMeter::figures() const {
-  return images_ == 0 ? AccuracyFigures{} : AccuracyFigures{precision_sum_ / images_, recall_sum_ / images_};
+}  // namespace
+
+std::optional<Interval> matchedPart(const Segment2& d, const Segment2& g, double tolerance_px) {
+  const double length = g.length();
+  if (length <= 0.0 || d.length() <= 0.0) return std::nullopt;
+  if (lineAngleDifference(d.direction(), g.direction()) > kMaximumAngle_rad) return std::nullopt;
+  const Eigen::Vector2d u = (g.b - g.a) / length;
+  const Eigen::Vector2d n(-u.y(), u.x());
+  const Eigen::Vector2d a = d.a - g.a;
+  const Eigen::Vector2d ab = d.b - d.a;
+  Interval t{0.0, 1.0};
+  if (!restrictTo(a.dot(n), ab.dot(n), -tolerance_px, tolerance_px, t)) return std::nullopt;
+  if (!restrictTo(a.dot(u), ab.dot(u), 0.0, length, t)) return std::nullopt;
+  return t;
+}
+
+PrecisionRecall lengthMatch(const std::vector<Segment2>& detected, const std::vector<Segment2>& annotated,
+                            double tolerance_px) {
+  return {coveredShare(detected, annotated, tolerance_px),
+          coveredShare(longEnough(annotated, kMinimumAnnotated_px), detected, tolerance_px)};
+}
+
+ImageScore scoreImage(const std::vector<Segment2>& detected, const std::vector<Segment2>& annotated) {
+  ImageScore score;
+  score.segments = static_cast<long>(detected.size());
+  for (std::size_t i = 0; i < kTolerances_px.size(); ++i) {
+    score.at[i] = lengthMatch(detected, annotated, kTolerances_px[i]);
+  }
+  const auto lines = longEnough(annotated, kMinimumAnnotated_px);
+  score.structural = structuralMatch(detected, lines);
+  for (const auto& line : lines) {
+    const Cover cover = coverOf(line, detected, kFragmentTolerance_px);
+    score.recalled_px += cover.united * line.length();
+    score.covering_px += cover.summed * line.length();
+    if (line.length() < kFragmentLine_px || cover.united < 0.5) continue;
+    ++score.lines;
+    for (const auto& segment : detected) {
+      const auto part = matchedPart(segment, line, kFragmentTolerance_px);
+      if (part && (part->end - part->begin) * segment.length() >= kFragmentPart_px) ++score.fragments;
+    }
+  }
+  return score;
+}
+
+AccuracySummary summarize(const std::vector<ImageScore>& images) {
+  AccuracySummary sum;
+  if (images.empty()) return sum;
+  const auto n = static_cast<double>(images.size());
+  long lines = 0;
+  long fragments = 0;
+  double recalled_px = 0.0;
+  double covering_px = 0.0;
+  for (const ImageScore& image : images) {
+    for (std::size_t i = 0; i < kTolerances_px.size(); ++i) {
+      sum.at[i].precision += image.at[i].precision / n;
+      sum.at[i].recall += image.at[i].recall / n;
+    }
+    sum.structural.precision += image.structural.precision / n;
+    sum.structural.recall += image.structural.recall / n;
+    lines += image.lines;
+    fragments += image.fragments;
+    recalled_px += image.recalled_px;
+    covering_px += image.covering_px;
+    sum.segments += static_cast<double>(image.segments) / n;
+  }
+  sum.fragments = lines > 0 ? static_cast<double>(fragments) / static_cast<double>(lines) : 0.0;
+  sum.redundancy = recalled_px > 0.0 ? covering_px / recalled_px : 0.0;
+  return sum;
 }
 
 }  // namespace vismem

@@ -1,36 +1,23 @@
-/// @file The accuracy measure of york_urban_half: detections against annotated segments.
+/// @file The accuracy measure of york_urban_half: detections against annotated segments. Pure.
+///
 /// Two segments can match only if their directions differ by at most 10 degrees. The part of d that matches g
-/// at tolerance t: its points at most t from g's line whose projection falls inside g.
+/// at tolerance t: its points at most t from g's line whose projection falls inside g. `P_t` is the matched
+/// share of the length detected, `R_t` that of the annotated length (segments of at least 10 px); both are
+/// averaged over images, `F_t = 2 P R / (P + R)`.
 #pragma once
 
-#include <filesystem>
-#include <opencv2/core/mat.hpp>
-#include <string>
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "common/geometry/segment.h"
 
 namespace vismem {
 
-struct AnnotatedImage {
-  std::string name;
-  cv::Mat rgb;                      ///< brought to the evaluated size by area averaging
-  std::vector<Segment2> annotated;  ///< in pixels of that size, centres on integers
-};
+/// [px] of the evaluated size.
+constexpr std::array<double, 3> kTolerances_px{1.0, 2.0, 5.0};
 
-/// @param half 320x240 instead of 640x480. @return empty when the folder is absent.
-std::vector<AnnotatedImage> loadAnnotated(const std::filesystem::path& folder, bool half);
-
-/// Share of the length of `segments` that is matched by `others` (union of matched parts); weights for means.
-struct Coverage {
-  double matched_px = 0.0;
-  double total_px = 0.0;
-  double share() const { return total_px > 0.0 ? matched_px / total_px : 0.0; }
-};
-Coverage coverage(const std::vector<Segment2>& segments, const std::vector<Segment2>& others,
-                  double tolerance_px);
-
-struct AccuracyFigures {
+struct PrecisionRecall {
   double precision = 0.0;
   double recall = 0.0;
   double f() const {
@@ -38,42 +25,43 @@ struct AccuracyFigures {
   }
 };
 
-/// Sums over images; recall counts annotated segments of at least 10 px.
-class AccuracyMeter {
- public:
-  explicit AccuracyMeter(double tolerance_px) : tolerance_px_(tolerance_px) {}
-  void add(const std::vector<Segment2>& detected, const std::vector<Segment2>& annotated);
-  AccuracyFigures figures() const;
-
- private:
-  double tolerance_px_;
-  double precision_sum_ = 0.0;
-  double recall_sum_ = 0.0;
-  int images_ = 0;
+/// Fractions of a -> b.
+struct Interval {
+  double begin = 0.0;
+  double end = 0.0;
 };
 
-/// Mean number of detections with a matched part of at least 3 px on an annotated segment of at least 30 px
-/// that is recalled by at least half (tolerance 2 px).
-class FragmentMeter {
- public:
-  void add(const std::vector<Segment2>& detected, const std::vector<Segment2>& annotated);
-  double mean() const { return lines_ > 0 ? static_cast<double>(fragments_) / lines_ : 0.0; }
+/// The part of `d` that matches `g`; empty where there is none.
+std::optional<Interval> matchedPart(const Segment2& d, const Segment2& g, double tolerance_px);
 
- private:
-  long fragments_ = 0;
-  long lines_ = 0;
+/// By length, for one image. @return 0 and 0 without any segment.
+PrecisionRecall lengthMatch(const std::vector<Segment2>& detected, const std::vector<Segment2>& annotated,
+                            double tolerance_px);
+
+/// What one image says about a detector.
+struct ImageScore {
+  std::array<PrecisionRecall, 3> at;  ///< by length, at kTolerances_px
+  /// sF5: one-to-one greedy matching on the mean end-point distance (best order), at most 5 px, no angle
+  /// test.
+  PrecisionRecall structural;
+  /// Annotated segments of at least 30 px that are recalled by half (2 px), and the detections with a matched
+  /// part of at least 3 px on them.
+  long lines = 0;
+  long fragments = 0;
+  /// Recalled annotated length (2 px), and the summed length of all the parts that cover it.
+  double recalled_px = 0.0;
+  double covering_px = 0.0;
+  long segments = 0;
 };
+ImageScore scoreImage(const std::vector<Segment2>& detected, const std::vector<Segment2>& annotated);
 
-/// Structural: one-to-one greedy matching on the mean end-point distance (best order of ends), at most 5 px.
-class StructuralMeter {
- public:
-  void add(const std::vector<Segment2>& detected, const std::vector<Segment2>& annotated);
-  AccuracyFigures figures() const;
-
- private:
-  double precision_sum_ = 0.0;
-  double recall_sum_ = 0.0;
-  int images_ = 0;
+struct AccuracySummary {
+  std::array<PrecisionRecall, 3> at;
+  PrecisionRecall structural;
+  double fragments = 0.0;   ///< mean detections per recalled annotated line
+  double redundancy = 0.0;  ///< mean detections covering a recalled annotated pixel
+  double segments = 0.0;    ///< per image
 };
+AccuracySummary summarize(const std::vector<ImageScore>& images);
 
 }  // namespace vismem
