@@ -14,7 +14,8 @@ double towards(double value, double wanted, double max_change) {
   return value + std::clamp(wanted - value, -max_change, max_change);
 }
 
-/// Distance from a point to a convex, counter-clockwise outline; 0 inside.
+}  // namespace
+
 double distanceToOutline(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& outline) {
   bool inside = true;
   double nearest = 1e9;
@@ -26,15 +27,6 @@ double distanceToOutline(const Eigen::Vector2d& p, const std::vector<Eigen::Vect
     nearest = std::min(nearest, distanceToSegment(p, side));
   }
   return inside ? 0.0 : nearest;
-}
-
-}  // namespace
-
-OdometryErrorParams noOdometryError() {
-  return {};
-}
-OdometryErrorParams defaultOdometryError() {
-  return {0.005, 0.01, 0.005, 0.0002};
 }
 
 Pose2 arcMotion(double v_mps, double w_radps, double dt_s) {
@@ -52,8 +44,8 @@ SimulatedBase::SimulatedBase(const BaseParams& params, const Pose2& T_world_robo
 
 void SimulatedBase::command(double v_mps, double w_radps, StampUs now_us) {
   const BaseLimits& limits = params_.limits;
-  wanted_v_ = std::clamp(v_mps, -limits.max_speed_mps, limits.max_speed_mps);
-  wanted_w_ = std::clamp(w_radps, -limits.max_turn_rate_radps, limits.max_turn_rate_radps);
+  wanted_ = {std::clamp(v_mps, -limits.max_speed_mps, limits.max_speed_mps),
+             std::clamp(w_radps, -limits.max_turn_rate_radps, limits.max_turn_rate_radps)};
   command_us_ = now_us;
 }
 
@@ -63,12 +55,27 @@ bool SimulatedBase::collidesAt(const Pose2& pose) const {
   });
 }
 
+bool SimulatedBase::timedOut(StampUs now_us) const {
+  return toSeconds(now_us - command_us_) > params_.limits.watchdog_s;
+}
+
+BaseSpeeds SimulatedBase::wanted(StampUs now_us) const {
+  return timedOut(now_us) ? BaseSpeeds{} : wanted_;
+}
+
 WheelTravel SimulatedBase::step(StampUs now_us, double dt_s) {
-  if (toSeconds(now_us - command_us_) > params_.limits.watchdog_s) wanted_v_ = wanted_w_ = 0.0;
-  v_ = towards(v_, wanted_v_, params_.acceleration_mps2 * dt_s);
-  w_ = towards(w_, wanted_w_, params_.turn_acceleration_radps2 * dt_s);
-  const Pose2 next = pose_ * arcMotion(v_, w_, dt_s);
-  in_collision_ = v_ != 0.0 && collidesAt(next);
+  const BaseSpeeds speeds = wanted(now_us);
+  const bool emergency = timedOut(now_us);
+  const double a = emergency ? params_.emergency_deceleration_mps2 : params_.acceleration_mps2;
+  const double turn_a =
+      emergency ? params_.emergency_turn_deceleration_radps2 : params_.turn_acceleration_radps2;
+  return moveAt({towards(v_, speeds.v_mps, a * dt_s), towards(w_, speeds.w_radps, turn_a * dt_s)}, dt_s);
+}
+
+WheelTravel SimulatedBase::moveAt(const BaseSpeeds& speeds, double dt_s) {
+  v_ = speeds.v_mps;
+  w_ = speeds.w_radps;
+  in_collision_ = v_ != 0.0 && collidesAt(pose_ * arcMotion(v_, w_, dt_s));
   if (in_collision_) v_ = 0.0;  // a round robot may still turn on the spot
   pose_ = pose_ * arcMotion(v_, w_, dt_s);
   const double half_base = 0.5 * params_.wheel_base_m;
@@ -77,34 +84,8 @@ WheelTravel SimulatedBase::step(StampUs now_us, double dt_s) {
 
 void SimulatedBase::place(const Pose2& T_world_robot) {
   pose_ = T_world_robot;
-  v_ = w_ = wanted_v_ = wanted_w_ = 0.0;
-}
-
-SimulatedOdometry::SimulatedOdometry(const OdometryErrorParams& errors, double wheel_base_m,
-                                     std::uint64_t seed)
-    : errors_(errors), engine_(seed) {
-  std::normal_distribution<double> normal(0.0, 1.0);
-  left_scale_ = 1.0 + errors.radius_sigma * normal(engine_);
-  right_scale_ = 1.0 + errors.radius_sigma * normal(engine_);
-  wheel_base_m_ = wheel_base_m * (1.0 + errors.base_sigma * normal(engine_));
-}
-
-double SimulatedOdometry::quantise(double travel, double& rest) const {
-  if (errors_.tick_m <= 0.0) return travel;
-  const double total = travel + rest;
-  const double whole = std::floor(total / errors_.tick_m) * errors_.tick_m;
-  rest = total - whole;
-  return whole;
-}
-
-void SimulatedOdometry::add(const WheelTravel& travel) {
-  std::normal_distribution<double> normal(0.0, 1.0);
-  const auto noisy = [&](double d, double scale) {
-    return d * scale + errors_.travel_sigma_sqrtm * std::sqrt(std::abs(d)) * normal(engine_);
-  };
-  const double left = quantise(noisy(travel.left, left_scale_), left_rest_);
-  const double right = quantise(noisy(travel.right, right_scale_), right_rest_);
-  pose_ = pose_ * arcMotion(0.5 * (left + right), (right - left) / wheel_base_m_, 1.0);
+  v_ = w_ = 0.0;
+  wanted_ = {};
 }
 
 void SimulatedPanTilt::command(const PanTiltCommand& command) {

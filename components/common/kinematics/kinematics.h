@@ -2,41 +2,33 @@
 /// and the drivers base_simulated and pantilt_simulated move by it. DESIGN 6.
 #pragma once
 
-#include <random>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/angles.h"
 #include "common/geometry/camera.h"
 #include "common/geometry/pose.h"
 #include "common/kinematics/obstacle.h"
+#include "common/kinematics/odometry.h"
 #include "common/robot/ports.h"
 
 namespace vismem {
 
 struct BaseParams {
-  BaseLimits limits{0.6, degToRad(100.0), 0.5};
+  BaseLimits limits{0.6, degToRad(100.0), 0.3};
   double acceleration_mps2 = 0.8;
   double turn_acceleration_radps2 = degToRad(300.0);
+  /// With these it brakes when its watchdog fires: from full speed it stands 0.45 s after the last command.
+  double emergency_deceleration_mps2 = 4.0;
+  double emergency_turn_deceleration_radps2 = degToRad(1000.0);
   double radius_m = 0.22;      ///< of the round body, for collisions
   double wheel_base_m = 0.33;  ///< between the wheels
 };
 
-/// Where wheel odometry goes wrong. Errors are of the wheels, not of the pose: no filter assumes them (DESIGN
-/// 6).
-struct OdometryErrorParams {
-  double radius_sigma = 0.0;        ///< relative error of each wheel's radius, drawn once per run
-  double base_sigma = 0.0;          ///< relative error of the wheel base, drawn once per run
-  double travel_sigma_sqrtm = 0.0;  ///< standard deviation of a wheel's noise after one metre [m]
-  double tick_m = 0.0;              ///< travel of a wheel per encoder tick; 0: no quantisation
-};
-OdometryErrorParams noOdometryError();
-/// Radii within 0.5 %, base within 1 %, 5 mm after a metre, ticks of 0.2 mm.
-OdometryErrorParams defaultOdometryError();
-
-/// The travel of both wheels in one step [m].
-struct WheelTravel {
-  double left = 0.0;
-  double right = 0.0;
+/// Speeds of a base: forward, and turning counter-clockwise.
+struct BaseSpeeds {
+  double v_mps = 0.0;
+  double w_radps = 0.0;
 };
 
 /// True motion of a round differential-drive robot among obstacles. *Single-threaded*.
@@ -46,9 +38,16 @@ class SimulatedBase {
 
   /// Takes effect at once; forgotten when limits().watchdog_s passed without another. Must be finite.
   void command(double v_mps, double w_radps, StampUs now_us);
-  /// One step of exact arc motion. A step into an obstacle is not made: the robot stops there.
+  /// What is wanted now: within the limits, and nothing once the watchdog has fired.
+  BaseSpeeds wanted(StampUs now_us) const;
+  /// One step of exact arc motion within the accelerations. A step into an obstacle is not made: the robot
+  /// stops there.
   WheelTravel step(StampUs now_us, double dt_s);
+  /// The same with speeds that somebody else shapes (a gait).
+  WheelTravel moveAt(const BaseSpeeds& speeds, double dt_s);
   void place(const Pose2& T_world_robot);
+  /// Obstacles may move: the robot is held while one stands in its way.
+  void setObstacles(std::vector<WorldObstacle> obstacles) { obstacles_ = std::move(obstacles); }
   bool collidesAt(const Pose2& T_world_robot) const;
 
   const Pose2& pose() const { return pose_; }
@@ -58,36 +57,16 @@ class SimulatedBase {
   const BaseParams& params() const { return params_; }
 
  private:
+  bool timedOut(StampUs now_us) const;
+
   BaseParams params_;
   Pose2 pose_;
   std::vector<WorldObstacle> obstacles_;
-  double wanted_v_ = 0.0;
-  double wanted_w_ = 0.0;
+  BaseSpeeds wanted_;
   StampUs command_us_ = 0;
   double v_ = 0.0;
   double w_ = 0.0;
   bool in_collision_ = false;
-};
-
-/// Pose by adding up wheel ticks, with the wheels' errors. *Single-threaded*.
-class SimulatedOdometry {
- public:
-  SimulatedOdometry(const OdometryErrorParams& errors, double wheel_base_m, std::uint64_t seed);
-  void add(const WheelTravel& travel);
-  const Pose2& pose() const { return pose_; }
-
- private:
-  /// Travel in whole ticks; the rest waits for the next step.
-  double quantise(double travel, double& rest) const;
-
-  OdometryErrorParams errors_;
-  double left_scale_;
-  double right_scale_;
-  double wheel_base_m_;
-  double left_rest_ = 0.0;
-  double right_rest_ = 0.0;
-  Pose2 pose_;
-  std::mt19937_64 engine_;
 };
 
 struct PanTiltParams {
@@ -123,5 +102,8 @@ class SimulatedPanTilt {
 
 /// The motion of a unicycle over dt with constant speeds: an exact arc.
 Pose2 arcMotion(double v_mps, double w_radps, double dt_s);
+
+/// Distance from a point to a convex, counter-clockwise outline; 0 inside.
+double distanceToOutline(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& outline);
 
 }  // namespace vismem

@@ -1,5 +1,7 @@
 #include "common/kinematics/kinematics_config.h"
 
+#include <algorithm>
+
 #include "common/geometry/angles.h"
 
 namespace vismem {
@@ -12,6 +14,10 @@ void readBaseParams(ConfigReader r, BaseParams& p) {
   p.acceleration_mps2 = r.real("Acceleration_mps2", p.acceleration_mps2, 0.01, 50.0);
   p.turn_acceleration_radps2 =
       degToRad(r.real("TurnAcceleration_degps2", radToDeg(p.turn_acceleration_radps2), 1.0, 10000.0));
+  p.emergency_deceleration_mps2 =
+      r.real("EmergencyDeceleration_mps2", p.emergency_deceleration_mps2, 0.01, 50.0);
+  p.emergency_turn_deceleration_radps2 = degToRad(r.real(
+      "EmergencyTurnDeceleration_degps2", radToDeg(p.emergency_turn_deceleration_radps2), 1.0, 10000.0));
   p.radius_m = r.real("Radius_m", p.radius_m, 0.01, 2.0);
   p.wheel_base_m = r.real("WheelBase_m", p.wheel_base_m, 0.01, 2.0);
 }
@@ -29,14 +35,24 @@ void readPanTiltParams(ConfigReader r, PanTiltParams& p) {
 }
 
 void readOdometryErrorParams(ConfigReader r, OdometryErrorParams& p) {
-  enum class Preset { kNone, kDefault };
-  const Preset preset =
-      r.choice("Preset", Preset::kDefault, {{"none", Preset::kNone}, {"default", Preset::kDefault}});
-  p = preset == Preset::kNone ? noOdometryError() : defaultOdometryError();
+  using Preset = OdometryErrorParams (*)();
+  const Preset preset = r.choice<Preset>("Preset", defaultOdometryError,
+                                         {{"none", noOdometryError},
+                                          {"default", defaultOdometryError},
+                                          {"stage", stageOdometryError},
+                                          {"thrun", thrunOdometryError}});
+  p = preset();
   p.radius_sigma = r.real("RadiusError", p.radius_sigma, 0.0, 0.2);
   p.base_sigma = r.real("BaseError", p.base_sigma, 0.0, 0.2);
   p.travel_sigma_sqrtm = r.real("TravelNoise_m", p.travel_sigma_sqrtm, 0.0, 0.2);
   p.tick_m = r.real("Tick_m", p.tick_m, 0.0, 0.1);
+  const auto stage = r.reals("Stage", {p.stage_forward, p.stage_turn}, 0.0, 1.0);
+  p.stage_forward = stage[0];
+  p.stage_turn = stage[1];
+  const auto thrun = r.reals("Thrun", {p.thrun.begin(), p.thrun.end()}, 0.0, 10.0);
+  std::copy(thrun.begin(), thrun.end(), p.thrun.begin());
+  p.slips_per_m = r.real("Slip.PerMetre", p.slips_per_m, 0.0, 100.0);
+  p.slip_m = r.real("Slip.Size_m", p.slip_m, 0.0, 1.0);
 }
 
 }  // namespace vismem

@@ -11,8 +11,8 @@
 #include "experiments/core/lockstep.h"
 #include "experiments/core/map_projection.h"
 #include "experiments/core/metrics.h"
-#include "experiments/core/route.h"
-#include "experiments/core/route_follower.h"
+#include "common/routes/route.h"
+#include "common/routes/route_follower.h"
 #include "experiments/core/trajectory_io.h"
 #include "replay_server/core/stepped_log.h"
 

@@ -9,7 +9,7 @@
 #include "common/segment_map/segment_map.h"
 #include "common/vision/palette.h"
 #include "experiments/app/evaluation.h"
-#include "experiments/core/route.h"
+#include "common/routes/route.h"
 #include "experiments/core/trajectory.h"
 #include "localization/core/params.h"
 #include "simulator/core/simulation.h"

@@ -10,7 +10,7 @@
 #include "common/geometry/angles.h"
 #include "common/process/ready_line.h"
 #include "experiments/app/run_inputs.h"
-#include "experiments/core/route.h"
+#include "common/routes/route.h"
 
 namespace vismem {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "common/segment_map/segment_map.h"
 #include "experiments/app/options.h"
-#include "experiments/core/route.h"
+#include "common/routes/route.h"
 #include "experiments/core/run_record.h"
 
 namespace vismem {

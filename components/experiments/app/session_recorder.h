@@ -12,7 +12,7 @@
 #include "common/robot/control_ports.h"
 #include "common/robot/ports.h"
 #include "common/visual_memory/memory_snapshot.h"
-#include "experiments/core/route_follower.h"
+#include "common/routes/route_follower.h"
 #include "experiments/core/run_record.h"
 #include "localization/core/pose_estimate.h"
 

@@ -37,16 +37,6 @@ void keep(std::deque<Sample>& kept, Sample sample) {
 
 }  // namespace
 
-std::uint64_t subStream(std::uint64_t seed, const std::string& name) {
-  // FNV-1a over the name, then the splitmix64 finaliser over both.
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (const unsigned char c : name) hash = (hash ^ c) * 0x100000001b3ULL;
-  std::uint64_t z = hash + seed * 0x9e3779b97f4a7c15ULL;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
-
 SimulationConfig::SimulationConfig() {
   mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 0.45, 0, 0, 0);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/kinematics/kinematics.h"
+#include "common/kinematics/random_stream.h"
 #include "common/robot/control_ports.h"
 #include "common/robot/ports.h"
 #include "simulator/core/world.h"
@@ -95,8 +96,5 @@ class Simulation : public SteppedRobot {
   std::unique_ptr<PanTiltPort> pan_tilt_port_;
   std::unique_ptr<BasePort> base_port_;
 };
-
-/// Seed of one named source of randomness: adding a source changes no other.
-std::uint64_t subStream(std::uint64_t seed, const std::string& name);
 
 }  // namespace vismem

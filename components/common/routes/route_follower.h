@@ -4,7 +4,7 @@
 /// no estimator reads, and exists for simulations only.
 #pragma once
 
-#include "experiments/core/route.h"
+#include "common/routes/route.h"
 
 namespace vismem {
 

@@ -1,4 +1,4 @@
-#include "experiments/core/route.h"
+#include "common/routes/route.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "experiments/core/route.h"
+#include "common/routes/route.h"
 
 #include <gmock/gmock.h>
 
@@ -7,7 +7,7 @@
 
 #include "common/config/config_error.h"
 #include "common/geometry/angles.h"
-#include "experiments/core/route_follower.h"
+#include "common/routes/route_follower.h"
 
 namespace vismem {
 namespace {

@@ -1,4 +1,4 @@
-#include "experiments/core/route_follower.h"
+#include "common/routes/route_follower.h"
 
 #include <algorithm>
 #include <cmath>
