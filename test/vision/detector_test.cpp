@@ -212,7 +212,7 @@ TEST_P(EveryDetector, RemembersNothing) {
 
 TEST_P(EveryDetector, PartsOfLargerImagesAndGrayInColourAreTheSame) {
   const auto detector = makeSegmentDetector(GetParam());
-  cv::Mat large(300, 400, CV_8UC1, cv::Scalar(10));
+  cv::Mat large(300, 400, CV_8UC1, cv::Scalar(255));
   const cv::Mat image = squareImage(squareAt({150, 110}, 100, 0.2));
   cv::Mat part = large(cv::Rect(40, 30, 320, 240));
   image.copyTo(part);

@@ -20,7 +20,8 @@ class HoughDetector final : public SegmentDetector {
     const cv::Mat gray = toGray(image);
     if (gray.cols < 16 || gray.rows < 16) return;
     cv::Mat edges;
-    cv::GaussianBlur(gray, edges, cv::Size(5, 5), 0);
+    // Isolated: of a part of a larger image, the smoothing must not look at what lies around it.
+    cv::GaussianBlur(gray, edges, cv::Size(5, 5), 0, 0, cv::BORDER_REFLECT_101 | cv::BORDER_ISOLATED);
     cv::Canny(edges, edges, params_.canny_low, params_.canny_high);
     // OpenCV seeds its own generator the same way in every call: the same image gives the same lines.
     std::vector<cv::Vec4i> lines;

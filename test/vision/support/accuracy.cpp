@@ -71,6 +71,7 @@ PrecisionRecall structuralMatch(const std::vector<Segment2>& detected, const std
   std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
   for (std::size_t i = 0; i < detected.size(); ++i) {
     for (std::size_t j = 0; j < lines.size(); ++j) {
+      if ((detected[i].middle() - lines[j].middle()).lpNorm<Eigen::Infinity>() > kStructural_px) continue;
       const double straight = (detected[i].a - lines[j].a).norm() + (detected[i].b - lines[j].b).norm();
       const double crossed = (detected[i].a - lines[j].b).norm() + (detected[i].b - lines[j].a).norm();
       const double mean = 0.5 * std::min(straight, crossed);
@@ -95,13 +96,19 @@ PrecisionRecall structuralMatch(const std::vector<Segment2>& detected, const std
 }  // namespace
 
 std::optional<Interval> matchedPart(const Segment2& d, const Segment2& g, double tolerance_px) {
+  const Eigen::Vector2d ab = d.b - d.a;
+  const Eigen::Vector2d along = g.b - g.a;
+  // Most pairs are far apart or of other directions: those go without a root or an arc tangent.
+  static const double kMaximumTangent = std::tan(kMaximumAngle_rad);
+  const double dot = along.dot(ab);
+  const double cross = along.x() * ab.y() - along.y() * ab.x();
+  if (dot == 0.0 || std::abs(cross) > kMaximumTangent * std::abs(dot)) return std::nullopt;
+  const double reach = 0.5 * (ab.lpNorm<1>() + along.lpNorm<1>()) + tolerance_px;
+  if ((d.middle() - g.middle()).squaredNorm() > reach * reach) return std::nullopt;
   const double length = g.length();
-  if (length <= 0.0 || d.length() <= 0.0) return std::nullopt;
-  if (lineAngleDifference(d.direction(), g.direction()) > kMaximumAngle_rad) return std::nullopt;
-  const Eigen::Vector2d u = (g.b - g.a) / length;
+  const Eigen::Vector2d u = along / length;
   const Eigen::Vector2d n(-u.y(), u.x());
   const Eigen::Vector2d a = d.a - g.a;
-  const Eigen::Vector2d ab = d.b - d.a;
   Interval t{0.0, 1.0};
   if (!restrictTo(a.dot(n), ab.dot(n), -tolerance_px, tolerance_px, t)) return std::nullopt;
   if (!restrictTo(a.dot(u), ab.dot(u), 0.0, length, t)) return std::nullopt;

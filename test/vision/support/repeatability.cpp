@@ -85,6 +85,10 @@ void count(const std::vector<Segment2>& from, const std::vector<Segment2>& to, R
     double structural = std::numeric_limits<double>::infinity();
     double orthogonal = structural;
     for (const Segment2& other : to) {
+      // Beyond this nothing counts: spares the roots below.
+      const double reach = 0.5 * ((segment.b - segment.a).lpNorm<1>() + (other.b - other.a).lpNorm<1>()) +
+                           2.0 * kStructural_px;
+      if ((segment.middle() - other.middle()).squaredNorm() > reach * reach) continue;
       structural = std::min(structural, structuralDistance(segment, other));
       orthogonal = std::min(orthogonal, orthogonalDistance(segment, other));
     }
