@@ -127,8 +127,11 @@ TEST_F(Wire, OwnInterfacesAreJdeRobotsToo) {
   EXPECT_TRUE((std::is_base_of_v<jderobot::Camera, avm::Camera>));
   EXPECT_TRUE((std::is_base_of_v<jderobot::PTMotors, avm::PanTilt>));
   EXPECT_TRUE((std::is_base_of_v<jderobot::PTEncoders, avm::PanTilt>));
+  EXPECT_TRUE((std::is_base_of_v<jderobot::Pose3DMotors, avm::PanTilt>));
+  EXPECT_TRUE((std::is_base_of_v<jderobot::Pose3DEncoders, avm::PanTilt>));
   EXPECT_TRUE((std::is_base_of_v<jderobot::Motors, avm::Base>));
   EXPECT_TRUE((std::is_base_of_v<jderobot::Encoders, avm::Odometry>));
+  EXPECT_TRUE((std::is_base_of_v<jderobot::Pose3D, avm::Odometry>));
   EXPECT_TRUE((std::is_base_of_v<jderobot::replayControl, avm::Replay>));
 }
 

@@ -88,7 +88,8 @@ class RobotLoopback : public ::testing::Test {
   ObedientPanTilt unit;
   RecordingBase base;
   std::atomic<std::chrono::steady_clock::time_point> now{std::chrono::steady_clock::time_point(1h)};
-  std::shared_ptr<PanTiltServant> pan_tilt = std::make_shared<PanTiltServant>(unit);
+  std::shared_ptr<PanTiltServant> pan_tilt =
+      std::make_shared<PanTiltServant>(unit, Eigen::Vector3d(0.05, 0.0, 0.45));
   std::shared_ptr<OdometryServant> odometry = std::make_shared<OdometryServant>(base);
   LoopbackServer server;
   LoopbackClient client;
@@ -152,6 +153,56 @@ TEST_F(RobotLoopback, PanTiltSpeaksDegreesToJdeRobot) {
   EXPECT_EQ(motors->setPTMotorsData(nullptr), -1);
 }
 
+TEST_F(RobotLoopback, PanTiltIsJdeRobotsPoseIn3DToo) {
+  const auto motors = Ice::checkedCast<jderobot::Pose3DMotorsPrx>(proxy<Ice::ObjectPrx>("PanTilt"));
+  const auto encoders = Ice::checkedCast<jderobot::Pose3DEncodersPrx>(proxy<Ice::ObjectPrx>("PanTilt"));
+  ASSERT_TRUE(motors && encoders);
+  // Without a position command the motors tell what is measured.
+  EXPECT_TRUE(eventually([&] {
+    try {
+      return motors->getPose3DMotorsData()->pan == 0.F;
+    } catch (const Ice::UnknownException&) {
+      return false;  // no sample yet
+    }
+  }));
+  // A client changes what it has read and sends it back.
+  const auto data = motors->getPose3DMotorsData();
+  EXPECT_FLOAT_EQ(data->x, 0.05F);
+  EXPECT_FLOAT_EQ(data->z, 0.45F);
+  EXPECT_EQ(data->roll, 0.F);
+  data->pan = 30.F;
+  data->tilt = -10.F;
+  data->panSpeed = 20.F;
+  EXPECT_EQ(motors->setPose3DMotorsData(data), 0);
+  {
+    const std::lock_guard lock(unit.mutex);
+    EXPECT_NEAR(unit.last.pan_rad, degToRad(30), 1e-6);
+    EXPECT_NEAR(unit.last.tilt_rad, degToRad(-10), 1e-6);
+    EXPECT_NEAR(unit.last.pan_rate_radps, degToRad(20), 1e-6);
+    EXPECT_EQ(unit.last.tilt_rate_radps, 0.0);
+  }
+  EXPECT_NEAR(motors->getPose3DMotorsData()->pan, 30.F, 1e-4);
+  EXPECT_NEAR(motors->getPose3DMotorsData()->panSpeed, 20.F, 1e-4);
+  EXPECT_TRUE(eventually([&] { return std::abs(encoders->getPose3DEncodersData()->pan - 30.F) < 1e-3; }));
+  const auto measured = encoders->getPose3DEncodersData();
+  EXPECT_NEAR(measured->tilt, -10.F, 1e-3);
+  EXPECT_FLOAT_EQ(measured->x, 0.05F);
+  EXPECT_FLOAT_EQ(measured->maxPan, 159.F);
+  EXPECT_FLOAT_EQ(measured->minPan, -159.F);
+  EXPECT_FLOAT_EQ(measured->maxTilt, 31.F);
+  EXPECT_FLOAT_EQ(measured->minTilt, -31.F);
+  EXPECT_EQ(measured->clock, 7);
+  EXPECT_FLOAT_EQ(motors->getPose3DMotorsParams()->minTilt, -31.F);
+  EXPECT_FLOAT_EQ(motors->getPose3DMotorsParams()->maxTiltSpeed, 90.F);
+  // Out of reach: taken to the limit, and the motors say so.
+  data->pan = 170.F;
+  EXPECT_EQ(motors->setPose3DMotorsData(data), 0);
+  EXPECT_NEAR(motors->getPose3DMotorsData()->pan, 159.F, 1e-4);
+  data->x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(motors->setPose3DMotorsData(data), -1);
+  EXPECT_EQ(motors->setPose3DMotorsData(nullptr), -1);
+}
+
 TEST_F(RobotLoopback, SamplesFollowEachOther) {
   RemotePanTiltUnit remote(proxy<avm::PanTiltPrx>("PanTilt"));
   StampUs newest_us = kBeforeAllStamps;
@@ -180,6 +231,14 @@ TEST_F(RobotLoopback, BaseTakesSpeedsAndServesJdeRobotsEncoders) {
   const auto encoders = Ice::checkedCast<jderobot::EncodersPrx>(proxy<Ice::ObjectPrx>("Encoders"));
   EXPECT_FLOAT_EQ(encoders->getEncodersData()->robotx, 1500.F);
   EXPECT_FLOAT_EQ(encoders->getEncodersData()->robottheta, 270.F);
+  // The same pose in metres, with a quaternion of -45 degrees; dead reckoning cannot be set.
+  const auto pose = Ice::checkedCast<jderobot::Pose3DPrx>(proxy<Ice::ObjectPrx>("Encoders"));
+  ASSERT_TRUE(pose);
+  EXPECT_FLOAT_EQ(pose->getPose3DData()->x, 1.5F);
+  EXPECT_FLOAT_EQ(pose->getPose3DData()->y, -0.5F);
+  EXPECT_NEAR(pose->getPose3DData()->q0, std::sqrt(0.5), 1e-6);
+  EXPECT_NEAR(pose->getPose3DData()->q3, -std::sqrt(0.5), 1e-6);
+  EXPECT_EQ(pose->setPose3DData(pose->getPose3DData()), -1);
 }
 
 TEST_F(RobotLoopback, JdeRobotsMotorsKeepTheOtherSpeedUntilTheWatchdog) {

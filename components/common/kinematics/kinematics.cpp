@@ -105,6 +105,13 @@ void SimulatedPanTilt::command(const PanTiltCommand& command) {
       limits.max_tilt_rate_radps);
 }
 
+void SimulatedPanTilt::halt() {
+  for (Joint* joint : {&pan_, &tilt_}) {
+    joint->to_position = false;
+    joint->rate = joint->wanted = 0.0;
+  }
+}
+
 void SimulatedPanTilt::stepJoint(Joint& joint, double low, double high, double dt_s) const {
   const double a = params_.acceleration_radps2;
   double rate = joint.wanted;

@@ -82,6 +82,8 @@ class SimulatedPanTilt {
   /// Adjusted to the limits; must be finite.
   void command(const PanTiltCommand& command);
   void step(double dt_s);
+  /// Stands at once, and until the next command.
+  void halt();
   PanTilt angles() const { return {pan_.angle, tilt_.angle}; }
   const PanTiltParams& params() const { return params_; }
 

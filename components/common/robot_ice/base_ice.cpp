@@ -6,6 +6,7 @@
 
 #include "common/geometry/angles.h"
 #include "common/robot_ice/conversions.h"
+#include "common/robot_ice/pose3d_ice.h"
 
 namespace vismem {
 namespace {
@@ -115,9 +116,17 @@ void OdometryServant::samplesSinceAsync(Ice::Long after_us,
 }
 
 std::shared_ptr<jderobot::EncodersData> OdometryServant::getEncodersData(const Ice::Current&) {
+  return std::make_shared<jderobot::EncodersData>(toEncoders(newestPose()));
+}
+
+std::shared_ptr<jderobot::Pose3DData> OdometryServant::getPose3DData(const Ice::Current&) {
+  return std::make_shared<jderobot::Pose3DData>(toPose3D(newestPose()));
+}
+
+Pose2 OdometryServant::newestPose() const {
   const auto newest = samples_.newest();
   if (!newest) throw Ice::UnknownException(__FILE__, __LINE__, "the base has given no odometry yet");
-  return std::make_shared<jderobot::EncodersData>(toEncoders(newest->T_odom_robot));
+  return newest->T_odom_robot;
 }
 
 RemoteMobileBase::RemoteMobileBase(const std::shared_ptr<avm::BasePrx>& motors,

@@ -62,21 +62,30 @@ class BaseServant : public avm::Base {
   std::optional<std::chrono::steady_clock::time_point> last_time_;
 };
 
-/// avm::Odometry and with it jderobot::Encoders, as PanTiltServant does it for its samples. *Thread-safe.*
+/// avm::Odometry and with it jderobot::Encoders and Pose3D, as PanTiltServant does it for its samples.
+/// *Thread-safe.*
 class OdometryServant : public avm::Odometry {
  public:
+  using Samples = SampleBroadcaster<OdometrySample>;
+
   explicit OdometryServant(MobileBase& base);
 
-  void start() { samples_.start(); }
+  void start(Samples::Report report = {}) { samples_.start(std::move(report)); }
   void stop() { samples_.stop(); }
 
   void samplesSinceAsync(Ice::Long after_us, std::function<void(const avm::OdometryBatch&)> response,
                          std::function<void(std::exception_ptr)> exception, const Ice::Current&) override;
-  /// Throws Ice::UnknownException before the first sample: JdeRobot declares no failure here.
+  // JdeRobot declares no failure for reading: before the first sample Ice::UnknownException is thrown.
   std::shared_ptr<jderobot::EncodersData> getEncodersData(const Ice::Current&) override;
+  /// In odom, metres.
+  std::shared_ptr<jderobot::Pose3DData> getPose3DData(const Ice::Current&) override;
+  /// Refused: dead reckoning goes on from where it is.
+  int setPose3DData(std::shared_ptr<jderobot::Pose3DData>, const Ice::Current&) override { return -1; }
 
  private:
-  SampleBroadcaster<OdometrySample> samples_;
+  Pose2 newestPose() const;
+
+  Samples samples_;
 };
 
 /// A remote base as a port; either proxy may be null: without motors commands are rejected, without encoders

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/geometry/angles.h"
+#include "common/robot/command_limits.h"
 #include "common/robot_ice/conversions.h"
 
 namespace vismem {
@@ -13,9 +14,13 @@ namespace {
 /// A position command counts as reached this close to it on both axes.
 const double kReached_rad = degToRad(0.5);
 
-/// The wire's floats round: a bound slightly above the unit's maximum means the maximum.
 float toFloatDeg(double angle_rad) {
   return static_cast<float>(radToDeg(angle_rad));
+}
+
+/// JdeRobot's counter of samples: positive and 31 bits wide.
+int toClock(std::uint64_t seq) {
+  return static_cast<int>(seq & 0x7fffffff);
 }
 
 void requireRateBound(const char* name, double value) {
@@ -43,8 +48,8 @@ PanTiltLimits fromIce(const avm::PanTiltLimits& l) {
   return {l.minPanRad, l.maxPanRad, l.minTiltRad, l.maxTiltRad, l.maxPanRateRadps, l.maxTiltRateRadps};
 }
 
-PanTiltServant::PanTiltServant(PanTiltUnit& unit)
-    : unit_(unit), samples_([&unit](StampUs after_us, std::chrono::milliseconds timeout) {
+PanTiltServant::PanTiltServant(PanTiltUnit& unit, const Eigen::Vector3d& p_robot)
+    : unit_(unit), p_robot_(p_robot), samples_([&unit](StampUs after_us, std::chrono::milliseconds timeout) {
         return unit.samplesSince(after_us, timeout);
       }) {}
 
@@ -52,15 +57,17 @@ PortReply PanTiltServant::command(const PanTiltCommand& command) {
   const std::lock_guard lock(commands_);
   PortReply reply = unit_.command(command);
   if (!reply.ok()) return reply;
-  goal_.reset();
+  position_.reset();
   if (command.kind == PanTiltCommand::Kind::kPosition) {
+    position_ = command;
+    // A unit that is itself remote and was not reached yet has no limits to tell.
     const PanTiltLimits limits = unit_.limits();
-    const auto inside = [](double value, double low, double high) {
-      return low < high ? std::clamp(value, low, high) : value;
-    };
-    last_goal_ = {inside(command.pan_rad, limits.min_pan_rad, limits.max_pan_rad),
-                  inside(command.tilt_rad, limits.min_tilt_rad, limits.max_tilt_rad)};
-    goal_ = last_goal_;
+    if (limits.min_pan_rad < limits.max_pan_rad || limits.min_tilt_rad < limits.max_tilt_rad) {
+      const PanTiltCommand followed = limitCommand(limits, command).command;
+      position_->pan_rad = followed.pan_rad;
+      position_->tilt_rad = followed.tilt_rad;
+    }
+    last_goal_ = {position_->pan_rad, position_->tilt_rad};
   }
   return reply;
 }
@@ -89,8 +96,8 @@ avm::CommandReply PanTiltServant::setRates(double pan_rate_radps, double tilt_ra
 avm::PanTiltStatus PanTiltServant::getPanTiltStatus(const Ice::Current&) {
   const auto newest = samples_.newest();
   const std::lock_guard lock(commands_);
-  const bool done = goal_ && newest && std::abs(newest->pan_rad - goal_->pan_rad) <= kReached_rad &&
-                    std::abs(newest->tilt_rad - goal_->tilt_rad) <= kReached_rad;
+  const bool done = position_ && newest && std::abs(newest->pan_rad - position_->pan_rad) <= kReached_rad &&
+                    std::abs(newest->tilt_rad - position_->tilt_rad) <= kReached_rad;
   return {done, toIce(last_goal_)};
 }
 
@@ -113,10 +120,15 @@ void PanTiltServant::samplesSinceAsync(Ice::Long after_us,
 }
 
 int PanTiltServant::setPTMotorsData(std::shared_ptr<jderobot::PTMotorsData> data, const Ice::Current&) {
-  if (!data || !allFinite({data->pan, data->tilt, data->panSpeed, data->tiltSpeed})) return -1;
-  if (data->panSpeed < 0 || data->tiltSpeed < 0) return -1;
-  const PanTiltCommand wanted{PanTiltCommand::Kind::kPosition, degToRad(data->pan), degToRad(data->tilt),
-                              degToRad(data->panSpeed), degToRad(data->tiltSpeed)};
+  return data ? moveToDegrees(data->pan, data->tilt, data->panSpeed, data->tiltSpeed) : -1;
+}
+
+int PanTiltServant::moveToDegrees(double pan_deg, double tilt_deg, double pan_bound_degps,
+                                  double tilt_bound_degps) {
+  if (!allFinite({pan_deg, tilt_deg, pan_bound_degps, tilt_bound_degps})) return -1;
+  if (pan_bound_degps < 0 || tilt_bound_degps < 0) return -1;
+  const PanTiltCommand wanted{PanTiltCommand::Kind::kPosition, degToRad(pan_deg), degToRad(tilt_deg),
+                              degToRad(pan_bound_degps), degToRad(tilt_bound_degps)};
   return command(wanted).ok() ? 0 : -1;
 }
 
@@ -129,10 +141,56 @@ std::shared_ptr<jderobot::PTMotorsParams> PanTiltServant::getPTMotorsParams(cons
 }
 
 std::shared_ptr<jderobot::PTEncodersData> PanTiltServant::getPTEncodersData(const Ice::Current&) {
+  const PanTiltSample newest = newestSample();
+  return std::make_shared<jderobot::PTEncodersData>(toFloatDeg(newest.pan_rad), toFloatDeg(newest.tilt_rad),
+                                                    toClock(newest.seq));
+}
+
+PanTiltSample PanTiltServant::newestSample() const {
   const auto newest = samples_.newest();
   if (!newest) throw Ice::UnknownException(__FILE__, __LINE__, "the pan-tilt unit has given no sample yet");
-  return std::make_shared<jderobot::PTEncodersData>(toFloatDeg(newest->pan_rad), toFloatDeg(newest->tilt_rad),
-                                                    static_cast<int>(newest->seq & 0x7fffffff));
+  return *newest;
+}
+
+int PanTiltServant::setPose3DMotorsData(std::shared_ptr<jderobot::Pose3DMotorsData> data,
+                                        const Ice::Current&) {
+  if (!data || !allFinite({data->x, data->y, data->z, data->roll})) return -1;
+  return moveToDegrees(data->pan, data->tilt, data->panSpeed, data->tiltSpeed);
+}
+
+std::shared_ptr<jderobot::Pose3DMotorsData> PanTiltServant::getPose3DMotorsData(const Ice::Current&) {
+  std::optional<PanTiltCommand> position;
+  {
+    const std::lock_guard lock(commands_);
+    position = position_;
+  }
+  if (!position) {
+    const PanTiltSample newest = newestSample();
+    position.emplace();
+    position->pan_rad = newest.pan_rad;
+    position->tilt_rad = newest.tilt_rad;
+  }
+  const Eigen::Vector3f p = p_robot_.cast<float>();
+  return std::make_shared<jderobot::Pose3DMotorsData>(
+      p.x(), p.y(), p.z(), toFloatDeg(position->pan_rad), toFloatDeg(position->tilt_rad), 0.F,
+      toFloatDeg(position->pan_rate_radps), toFloatDeg(position->tilt_rate_radps));
+}
+
+std::shared_ptr<jderobot::Pose3DMotorsParams> PanTiltServant::getPose3DMotorsParams(
+    const Ice::Current& current) {
+  const auto p = getPTMotorsParams(current);
+  return std::make_shared<jderobot::Pose3DMotorsParams>(p->maxPan, p->minPan, p->maxTilt, p->minTilt,
+                                                        p->maxPanSpeed, p->maxTiltSpeed);
+}
+
+std::shared_ptr<jderobot::Pose3DEncodersData> PanTiltServant::getPose3DEncodersData(const Ice::Current&) {
+  const PanTiltSample newest = newestSample();
+  const PanTiltLimits l = unit_.limits();
+  const Eigen::Vector3f p = p_robot_.cast<float>();
+  return std::make_shared<jderobot::Pose3DEncodersData>(
+      p.x(), p.y(), p.z(), toFloatDeg(newest.pan_rad), toFloatDeg(newest.tilt_rad), 0.F, toClock(newest.seq),
+      toFloatDeg(l.max_pan_rad), toFloatDeg(l.max_tilt_rad), toFloatDeg(l.min_pan_rad),
+      toFloatDeg(l.min_tilt_rad));
 }
 
 RemotePanTiltUnit::RemotePanTiltUnit(const std::shared_ptr<avm::PanTiltPrx>& proxy, LinkReport report)

@@ -4,6 +4,7 @@
 
 #include <avm/pantilt.h>
 
+#include <Eigen/Core>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -20,15 +21,20 @@ PanTiltSample fromIce(const avm::PanTiltSample& sample);
 avm::PanTiltLimits toIce(const PanTiltLimits& limits);
 PanTiltLimits fromIce(const avm::PanTiltLimits& limits);
 
-/// avm::PanTilt and with it jderobot::PTMotors and PTEncoders. *Thread-safe* over a unit that takes commands
-/// while samplesSince waits; commands exclude each other here. The unit must be started and outlive stop()
-/// and the adapter.
+/// avm::PanTilt and with it jderobot::PTMotors, PTEncoders, Pose3DMotors and Pose3DEncoders. *Thread-safe*
+/// over a unit that takes commands while samplesSince waits; commands exclude each other here. The unit must
+/// be started and outlive stop() and the adapter.
 class PanTiltServant : public avm::PanTilt {
  public:
-  explicit PanTiltServant(PanTiltUnit& unit);
+  using Samples = SampleBroadcaster<PanTiltSample>;
+
+  /// @param p_robot where the axes cross on the robot [m]; told to clients of Pose3DMotors and
+  /// Pose3DEncoders.
+  explicit PanTiltServant(PanTiltUnit& unit, const Eigen::Vector3d& p_robot = Eigen::Vector3d::Zero());
 
   /// Begins and ends the polling of the unit; stop answers all waiting requests.
-  void start() { samples_.start(); }
+  /// @param report is told of each answer of the unit.
+  void start(Samples::Report report = {}) { samples_.start(std::move(report)); }
   void stop() { samples_.stop(); }
 
   avm::PanTiltLimits getLimits(const Ice::Current&) override;
@@ -39,19 +45,30 @@ class PanTiltServant : public avm::PanTilt {
   void samplesSinceAsync(Ice::Long after_us, std::function<void(const avm::PanTiltBatch&)> response,
                          std::function<void(std::exception_ptr)> exception, const Ice::Current&) override;
 
+  // JdeRobot declares no failure for reading: before the first sample Ice::UnknownException is thrown.
   int setPTMotorsData(std::shared_ptr<jderobot::PTMotorsData> data, const Ice::Current&) override;
   std::shared_ptr<jderobot::PTMotorsParams> getPTMotorsParams(const Ice::Current&) override;
-  /// Throws Ice::UnknownException before the first sample: JdeRobot declares no failure here.
   std::shared_ptr<jderobot::PTEncodersData> getPTEncodersData(const Ice::Current&) override;
+  /// Follows pan and tilt; x, y, z and roll must be finite, no more.
+  int setPose3DMotorsData(std::shared_ptr<jderobot::Pose3DMotorsData> data, const Ice::Current&) override;
+  /// The position command that is followed, with its bounds of the rates; where there is none, the angles as
+  /// measured.
+  std::shared_ptr<jderobot::Pose3DMotorsData> getPose3DMotorsData(const Ice::Current&) override;
+  std::shared_ptr<jderobot::Pose3DMotorsParams> getPose3DMotorsParams(const Ice::Current&) override;
+  std::shared_ptr<jderobot::Pose3DEncodersData> getPose3DEncodersData(const Ice::Current&) override;
 
  private:
   PortReply command(const PanTiltCommand& command);
+  /// A position in JdeRobot's degrees. @return 0 when taken, -1 when refused.
+  int moveToDegrees(double pan_deg, double tilt_deg, double pan_bound_degps, double tilt_bound_degps);
+  PanTiltSample newestSample() const;
 
   PanTiltUnit& unit_;
+  const Eigen::Vector3d p_robot_;
   std::mutex commands_;
-  std::optional<vismem::PanTilt> goal_;  ///< of the position command being followed
+  std::optional<PanTiltCommand> position_;  ///< the position command that is followed, within the limits
   vismem::PanTilt last_goal_;
-  SampleBroadcaster<PanTiltSample> samples_;
+  Samples samples_;
 };
 
 /// A remote pan-tilt unit as a port. Commands block for at most a second; a peer that is away gives kWaiting

@@ -39,14 +39,18 @@ class SampleBroadcaster {
   using Batch = SampleBatch<Sample>;
   using Poll = std::function<Batch(StampUs after_us, std::chrono::milliseconds timeout)>;
   using Answer = std::function<void(const Batch&)>;
+  using Report = std::function<void(const Batch&)>;
 
   explicit SampleBroadcaster(Poll poll) : poll_(std::move(poll)) {}
   ~SampleBroadcaster() { stop(); }
   SampleBroadcaster(const SampleBroadcaster&) = delete;
   SampleBroadcaster& operator=(const SampleBroadcaster&) = delete;
 
-  void start() {
-    if (!thread_.joinable()) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  /// @param report is told of each answer of the port, on the broadcaster's thread.
+  void start(Report report = {}) {
+    if (thread_.joinable()) return;
+    report_ = std::move(report);
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
 
   /// Answers all who wait, now and from now on, and ends the thread.
@@ -109,6 +113,7 @@ class SampleBroadcaster {
         }
       }
       const bool got_some = !batch.samples.empty();
+      if (report_) report_(batch);
       const bool just_finished = accept(batch, restarted);
       if (got_some) {
         newest_us = batch.samples.back().stamp_us;
@@ -150,6 +155,7 @@ class SampleBroadcaster {
   }
 
   Poll poll_;
+  Report report_;
   mutable std::mutex mutex_;
   std::deque<Sample> samples_;
   SourceState state_ = SourceState::kWaiting;

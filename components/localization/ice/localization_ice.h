@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "common/robot_ice/latest_value.h"
+#include "common/robot_ice/pose3d_ice.h"
 #include "common/robot_ice/remote.h"
 #include "localization/core/pose_estimate.h"
 
@@ -16,10 +17,6 @@ namespace vismem {
 
 avm::PoseEstimate toIce(const PoseEstimate& estimate);
 PoseEstimate fromIce(const avm::PoseEstimate& estimate);
-/// JdeRobot's pose: position in metres times `scale`, quaternion w x y z.
-jderobot::Pose3DData toPose3D(const Pose2& T_world_robot, double scale);
-/// @return the pose in the plane; empty for numbers that are not finite or no quaternion.
-std::optional<Pose2> fromPose3D(const jderobot::Pose3DData& data, double scale);
 
 /// Gives the newest estimate to any number of local and remote readers. The component's loop publishes.
 /// Revisions begin at 1. *Thread-safe.*

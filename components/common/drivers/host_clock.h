@@ -1,0 +1,19 @@
+/// @file The clock that stamps what devices deliver (DESIGN 14).
+#pragma once
+
+#include <chrono>
+
+#include "common/robot/samples.h"
+
+namespace vismem {
+
+/// The host's CLOCK_REALTIME [us]. It may be set back: who keeps samples by their stamps says what then
+/// happens (SampleBuffer).
+inline StampUs hostClock_us() {
+  // system_clock is CLOCK_REALTIME on Linux.
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace vismem

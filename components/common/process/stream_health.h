@@ -1,0 +1,36 @@
+/// @file Whether what should come steadily from a device does come, for the status of its server. No Ice.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "common/process/metrics.h"
+
+namespace vismem {
+
+class StatusBoard;
+
+/// Counts what comes and makes a fault of its absence: when nothing came for `patience`. *Single-threaded*
+/// (owner: who reads the stream). The board must outlive it.
+class StreamHealth {
+ public:
+  /// @param stream counted under this name: "odometry". @param device for the fault: "base".
+  StreamHealth(StatusBoard& status, std::string stream, std::string device,
+               std::chrono::milliseconds patience = std::chrono::seconds(1))
+      : status_(status), stream_(std::move(stream)), device_(std::move(device)), patience_(patience) {}
+
+  void came(std::size_t count, SteadyTime now);
+  /// @param why what the device's driver says.
+  void nothing(const std::string& why, SteadyTime now);
+
+ private:
+  StatusBoard& status_;
+  const std::string stream_;
+  const std::string device_;
+  const std::chrono::milliseconds patience_;
+  SteadyTime last_{};
+};
+
+}  // namespace vismem

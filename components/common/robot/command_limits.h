@@ -1,0 +1,29 @@
+/// @file What a part of a robot does with a command that asks too much: one rule, and the same words, for
+/// every driver, the simulator and the servants. Pure.
+#pragma once
+
+#include "common/robot/ports.h"
+
+namespace vismem {
+
+struct LimitedPanTiltCommand {
+  /// To be followed if `reply` is ok; then all of it is finite and within the limits.
+  PanTiltCommand command;
+  PortReply reply;
+};
+
+/// Rejected: a value that is not finite; a negative bound of a rate. Adjusted, with both values in the
+/// message: angles and signed rates outside the limits. A bound of a rate above the maximum is no adjustment:
+/// it becomes the maximum, as 0 does.
+LimitedPanTiltCommand limitCommand(const PanTiltLimits& limits, const PanTiltCommand& command);
+
+struct LimitedVelocity {
+  double v_mps = 0.0;
+  double w_radps = 0.0;
+  PortReply reply;
+};
+
+/// Rejected: a value that is not finite. Adjusted: speeds above the limits.
+LimitedVelocity limitVelocity(const BaseLimits& limits, double v_mps, double w_radps);
+
+}  // namespace vismem

@@ -1,0 +1,10 @@
+/// @file The process `pantilt_server`: a pan-tilt unit of any driver behind the robot's interface. SPEC C1.
+#pragma once
+
+#include "common/process/component.h"
+
+namespace vismem {
+
+ComponentSpec panTiltServerSpec();
+
+}  // namespace vismem

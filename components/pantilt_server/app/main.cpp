@@ -1,0 +1,5 @@
+#include "pantilt_server/app/component.h"
+
+int main(int argc, char** argv) {
+  return vismem::runComponent(argc, argv, vismem::panTiltServerSpec());
+}
