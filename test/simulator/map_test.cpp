@@ -52,7 +52,7 @@ Eigen::Vector3d colorAt(const cv::Mat& image, const Eigen::Vector2d& px) {
 TEST_P(WorldMap, LiesOnRenderedEdgesWithinOnePixel) {
   Renderer renderer(world_);
   const SimulationConfig robot;
-  const SimulatedBase base(robot.base, {}, world_.obstacles);
+  const SimulatedBase base(robot.base, {}, obstaclesOf(world_));
   std::mt19937_64 engine(20);
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(engine);

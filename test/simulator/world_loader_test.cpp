@@ -64,18 +64,26 @@ TEST_F(WorldLoader, NamesFileAndReasonOfWhatItCannotLoad) {
 TEST_F(WorldLoader, PlacesABoxWithItsColourAndOutline) {
   // A box of 2 x 1 x 1 m, turned by 90 degrees at (3, 0, 0.5): x from 2.5 to 3.5, y from -1 to 1.
   const auto loaded = loadWorld(world(model("<box><size>2 1 1</size></box>", "3 0 0.5 0 0 1.5707963")));
-  ASSERT_EQ(loaded.world.bodies.size(), 1U);
-  const WorldBody& body = loaded.world.bodies[0];
-  EXPECT_EQ(body.name, "m/l/v");
+  ASSERT_EQ(loaded.world.bodyCount(), 1);
+  const WorldModel& placed = loaded.world.models[0];
+  EXPECT_EQ(placed.name, "m");
+  const WorldBody& body = placed.bodies[0];
+  EXPECT_EQ(body.name, "l/v");
   EXPECT_EQ(body.triangles.size(), 12U);
   EXPECT_TRUE(body.color.isApprox(Eigen::Vector3f(0.5F, 0.25F, 1.0F)));
   Eigen::AlignedBox3f box;
-  for (const auto& v : body.vertices) box.extend(v);
+  for (const auto& v : body.vertices) box.extend(placed.pose.cast<float>() * v);
   EXPECT_TRUE(box.min().isApprox(Eigen::Vector3f(2.5F, -1, 0), 1e-4F) ||
               (box.min() - Eigen::Vector3f(2.5F, -1, 0)).norm() < 1e-4F);
   EXPECT_LT((box.max() - Eigen::Vector3f(3.5F, 1, 1)).norm(), 1e-4F);
-  ASSERT_EQ(loaded.world.obstacles.size(), 1U);
-  EXPECT_EQ(loaded.world.obstacles[0].outline.size(), 4U);
+  const auto obstacles = obstaclesOf(loaded.world);
+  ASSERT_EQ(obstacles.size(), 1U);
+  EXPECT_EQ(obstacles[0].name, "m/l/c");
+  Eigen::AlignedBox2d outline;
+  for (const auto& p : obstacles[0].outline) outline.extend(p);
+  EXPECT_EQ(obstacles[0].outline.size(), 4U);
+  EXPECT_LT((outline.min() - Eigen::Vector2d(2.5, -1)).norm(), 1e-4);
+  EXPECT_LT((outline.max() - Eigen::Vector2d(3.5, 1)).norm(), 1e-4);
 }
 
 TEST_F(WorldLoader, WarnsOfWhatItLeavesOut) {
@@ -83,27 +91,28 @@ TEST_F(WorldLoader, WarnsOfWhatItLeavesOut) {
       world("<include><uri>model://ground_plane</uri></include><include><uri>model://sun</uri></include>" +
             model("<mesh><uri>model://lost/lost.dae</uri></mesh>") +
             "<light name='lamp' type='point'><pose>0 0 1 0 0 0</pose></light>"));
-  EXPECT_EQ(loaded.world.bodies.size(), 1U) << "the built-in ground plane";
-  EXPECT_NEAR(loaded.world.sun.diffuse, 0.8F, 1e-5F) << "the built-in sun";
+  EXPECT_EQ(loaded.world.bodyCount(), 1) << "the built-in ground plane";
+  ASSERT_EQ(loaded.world.lights.size(), 1U);
+  EXPECT_NEAR(loaded.world.lights[0].color.x(), 0.8F, 1e-5F) << "the built-in sun";
   EXPECT_THAT(loaded.warnings, Contains(HasSubstr("\"m/l/v\": mesh model://lost/lost.dae not found")));
   EXPECT_THAT(loaded.warnings, Contains(HasSubstr("light \"lamp\" is not directional")));
 }
 
 TEST_F(WorldLoader, ObstaclesAreOnlyWhatTheBodyOfTheRobotCanMeet) {
   const auto marking = loadWorld(world(model("<box><size>1 1 0.002</size></box>", "0 0 0.001 0 0 0")));
-  EXPECT_TRUE(marking.world.obstacles.empty());
+  EXPECT_TRUE(obstaclesOf(marking.world).empty());
   const auto lamp = loadWorld(world(model("<box><size>1 1 0.1</size></box>", "0 0 2 0 0 0")));
-  EXPECT_TRUE(lamp.world.obstacles.empty());
+  EXPECT_TRUE(obstaclesOf(lamp.world).empty());
 }
 
 TEST_F(WorldLoader, ReadsMeshesBesideTheWorld) {
   std::ofstream(folder_ / "wedge.obj")
       << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
   const auto loaded = loadWorld(world(model("<mesh><uri>wedge.obj</uri><scale>2 2 2</scale></mesh>")));
-  ASSERT_EQ(loaded.world.bodies.size(), 1U) << testing::PrintToString(loaded.warnings);
-  EXPECT_EQ(loaded.world.bodies[0].triangles.size(), 4U);
+  ASSERT_EQ(loaded.world.bodyCount(), 1) << testing::PrintToString(loaded.warnings);
+  EXPECT_EQ(loaded.world.models[0].bodies[0].triangles.size(), 4U);
   float highest = 0;
-  for (const auto& v : loaded.world.bodies[0].vertices) highest = std::max(highest, v.z());
+  for (const auto& v : loaded.world.models[0].bodies[0].vertices) highest = std::max(highest, v.z());
   EXPECT_FLOAT_EQ(highest, 2.0F);
 }
 

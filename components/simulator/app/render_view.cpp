@@ -30,10 +30,14 @@ cv::Mat renderRobotView(Renderer& renderer, const Pose2& T_world_robot, double p
 
 cv::Mat renderTopView(Renderer& renderer, const World& world, int width) {
   Eigen::AlignedBox2d bounds;
-  for (const auto& body : world.bodies) {
-    Eigen::AlignedBox2d body_bounds;
-    for (const auto& vertex : body.vertices) body_bounds.extend(vertex.head<2>().cast<double>());
-    if (body_bounds.sizes().maxCoeff() < kMaxBodySize_m) bounds.extend(body_bounds);
+  for (const auto& model : world.models) {
+    for (const auto& body : model.bodies) {
+      Eigen::AlignedBox2d body_bounds;
+      for (const auto& vertex : body.vertices) {
+        body_bounds.extend((model.pose * vertex.cast<double>()).head<2>());
+      }
+      if (body_bounds.sizes().maxCoeff() < kMaxBodySize_m) bounds.extend(body_bounds);
+    }
   }
   if (bounds.isEmpty()) bounds = Eigen::AlignedBox2d(Eigen::Vector2d(-5, -5), Eigen::Vector2d(5, 5));
   const Eigen::Vector2d size = bounds.sizes() + Eigen::Vector2d::Constant(2 * kBorder_m);
@@ -83,7 +87,7 @@ int runRenderCommand(int argc, char** argv) {
     std::cout << nlohmann::json{{"file", out},
                                 {"width", rgb.cols},
                                 {"height", rgb.rows},
-                                {"bodies", loaded.world.bodies.size()},
+                                {"bodies", loaded.world.bodyCount()},
                                 {"warnings", loaded.warnings.size()},
                                 {"first_frame_cpu_ms", cpu_ms}}
                      .dump()

@@ -24,44 +24,55 @@ constexpr double kMinAcross = 0.7;
 
 /// A line where two faces of a body meet, or where a face ends.
 struct Crease {
+  int model = 0;
   int body = 0;
   Segment3 line;
 };
 
+void findCreasesOf(const WorldBody& body, const Crease& whose, const Pose3& T_world_model,
+                   double min_angle_rad, std::vector<Crease>& creases) {
+  std::vector<Eigen::Vector3d> vertices;
+  for (const auto& v : body.vertices) {
+    vertices.push_back((T_world_model.cast<float>() * v).cast<double>());
+  }
+  // Vertices are repeated per face: equal places (to 0.1 mm) are one corner.
+  using Corner = std::tuple<long, long, long>;
+  const auto corner = [&](std::uint32_t i) {
+    const Eigen::Vector3d& v = vertices[i];
+    return Corner{std::lround(v.x() * 1e4), std::lround(v.y() * 1e4), std::lround(v.z() * 1e4)};
+  };
+  struct Side {
+    Segment3 line;
+    std::vector<Eigen::Vector3d> normals;
+  };
+  std::map<std::pair<Corner, Corner>, Side> sides;
+  for (const auto& t : body.triangles) {
+    const std::array<Eigen::Vector3d, 3> p{vertices[t[0]], vertices[t[1]], vertices[t[2]]};
+    const Eigen::Vector3d normal = (p[1] - p[0]).cross(p[2] - p[0]);
+    if (normal.norm() < 1e-12) continue;
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3;
+      const Corner from = corner(t[i]);
+      const Corner to = corner(t[j]);
+      Side& side = sides[{std::min(from, to), std::max(from, to)}];
+      side.line = {p[i], p[j]};
+      side.normals.push_back(normal.normalized());
+    }
+  }
+  for (const auto& [key, side] : sides) {
+    const auto& n = side.normals;
+    const bool smooth = n.size() == 2 && n[0].dot(n[1]) > std::cos(min_angle_rad);
+    if (!smooth && side.line.length() > 0.0) creases.push_back({whose.model, whose.body, side.line});
+  }
+}
+
 std::vector<Crease> findCreases(const World& world, double min_angle_rad) {
   std::vector<Crease> creases;
-  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
-    const WorldBody& body = world.bodies[b];
-    // Vertices are repeated per face: equal places (to 0.1 mm) are one corner.
-    using Corner = std::tuple<long, long, long>;
-    const auto corner = [&](std::uint32_t i) {
-      const Eigen::Vector3f& v = body.vertices[i];
-      return Corner{std::lround(v.x() * 1e4), std::lround(v.y() * 1e4), std::lround(v.z() * 1e4)};
-    };
-    struct Side {
-      Segment3 line;
-      std::vector<Eigen::Vector3d> normals;
-    };
-    std::map<std::pair<Corner, Corner>, Side> sides;
-    for (const auto& t : body.triangles) {
-      const std::array<Eigen::Vector3d, 3> p{body.vertices[t[0]].cast<double>(),
-                                             body.vertices[t[1]].cast<double>(),
-                                             body.vertices[t[2]].cast<double>()};
-      const Eigen::Vector3d normal = (p[1] - p[0]).cross(p[2] - p[0]);
-      if (normal.norm() < 1e-12) continue;
-      for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3;
-        const Corner from = corner(t[i]);
-        const Corner to = corner(t[j]);
-        Side& side = sides[{std::min(from, to), std::max(from, to)}];
-        side.line = {p[i], p[j]};
-        side.normals.push_back(normal.normalized());
-      }
-    }
-    for (const auto& [key, side] : sides) {
-      const auto& n = side.normals;
-      const bool smooth = n.size() == 2 && n[0].dot(n[1]) > std::cos(min_angle_rad);
-      if (!smooth && side.line.length() > 0.0) creases.push_back({static_cast<int>(b), side.line});
+  for (std::size_t m = 0; m < world.models.size(); ++m) {
+    const WorldModel& model = world.models[m];
+    for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+      const Crease whose{static_cast<int>(m), static_cast<int>(b), {}};
+      findCreasesOf(model.bodies[b], whose, model.pose, min_angle_rad, creases);
     }
   }
   return creases;
@@ -87,7 +98,7 @@ class EdgeLooker {
           const double azimuth = 2.0 * std::numbers::pi * (i + 0.37) / kEyeAzimuths;
           const Eigen::Vector3d eye(p.x() + range * std::cos(azimuth), p.y() + range * std::sin(azimuth),
                                     height);
-          if (const auto label = seenFrom(eye, crease.body, p, along)) ++votes[*label];
+          if (const auto label = seenFrom(eye, crease, p, along)) ++votes[*label];
         }
       }
     }
@@ -98,7 +109,7 @@ class EdgeLooker {
   }
 
  private:
-  std::optional<Label> seenFrom(const Eigen::Vector3d& eye, int body, const Eigen::Vector3d& p,
+  std::optional<Label> seenFrom(const Eigen::Vector3d& eye, const Crease& crease, const Eigen::Vector3d& p,
                                 const Eigen::Vector3d& along) const {
     const Eigen::Vector3d across = along.cross((p - eye).normalized());
     if (across.norm() < kMinAcross) return std::nullopt;
@@ -114,7 +125,7 @@ class EdgeLooker {
       const Eigen::Vector3d met = eye + hit->distance_m * (target - eye).normalized();
       if ((met - p).norm() > params_.contact_m) return std::nullopt;
       nearest = std::min(nearest, std::abs(hit->distance_m - depth));
-      own_body = own_body || hit->body == body;
+      own_body = own_body || (hit->model == crease.model && hit->body == crease.body);
       const auto byte = [&](int c) {
         return static_cast<std::uint8_t>(std::clamp(255.0f * hit->color[c] + 0.5f, 0.0f, 255.0f));
       };

@@ -1,259 +1,311 @@
 #include "simulator/core/renderer.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <span>
+#include <list>
 #include <stdexcept>
-#include <tuple>
-#include <vector>
+
+#include "simulator/core/renderer_scene.h"
+#include "simulator/core/renderer_shading.h"
 
 namespace vismem {
 namespace {
 
-constexpr int kPacket = 8;
 constexpr float kRayStart_m = 0.01f;
-constexpr float kFar_m = 1000.0f;
-/// Lifts the start of shadow rays off the surface they start from [m].
-constexpr float kShadowLift_m = 1e-3f;
 /// Neighbours that differ by more than this are refined [grey levels].
 constexpr float kContrast = 8.0f;
-constexpr unsigned kSkyId = RTC_INVALID_GEOMETRY_ID;
-const Eigen::Vector3f kSkyColor(0.75f, 0.82f, 0.9f);
 /// Rotated grid of the refined pixels [px].
-constexpr std::array<std::array<double, 2>, 4> kSubPixels{
-    {{-0.375, -0.125}, {0.125, -0.375}, {0.375, 0.125}, {-0.125, 0.375}}};
-
-struct Shaded {
-  Eigen::Vector3f color = kSkyColor;  // 0..1, may exceed 1 before clamping
-  unsigned id = kSkyId;
-};
+constexpr std::array<std::array<float, 2>, 4> kSubPixels{
+    {{-0.375f, -0.125f}, {0.125f, -0.375f}, {0.375f, 0.125f}, {-0.125f, 0.375f}}};
+constexpr int kSamples = static_cast<int>(kSubPixels.size());
+static_assert(kPacket % kSamples == 0);
+/// Packets are blocks of the image: their rays stay together longer than those of a row.
+constexpr int kBlockWidth = 4;
+constexpr int kBlockHeight = 2;
+/// Rows of one task. Tasks never depend on how many threads there are.
+constexpr int kBandRows = 8;
+static_assert(kBandRows % kBlockHeight == 0);
+/// Cameras whose rays are kept.
+constexpr std::size_t kCameras = 8;
 
 std::uint8_t toByte(float value) {
   return static_cast<std::uint8_t>(std::clamp(value * 255.0f + 0.5f, 0.0f, 255.0f));
 }
 
-}  // namespace
+/// The viewing rays of a camera, of unit length, in its own frame.
+struct RayTable {
+  CameraIntrinsics intrinsics;
+  std::vector<Eigen::Vector3f> rays;  ///< of the pixels' centres, row by row
+  float pixel_rad = 0.0f;             ///< that a pixel covers in the image's middle
 
-struct Renderer::Impl {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-  std::vector<Eigen::Vector3f> colors;
-  Sun sun;
-
-  // Directions in the camera frame: the pixel centres, and the four refined ones of every pixel.
-  CameraIntrinsics table_for;
-  std::vector<Eigen::Vector3f> centre_rays;
-  std::vector<Eigen::Vector3f> fine_rays;
-  std::vector<Shaded> shaded;
-  std::vector<int> refined;
-  std::vector<Eigen::Vector3f> directions;
-
-  explicit Impl(const World& world) : sun(world.sun) {
-    device = rtcNewDevice("threads=1,set_affinity=0");
-    if (device == nullptr) throw std::runtime_error("Embree gives no device");
-    scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    for (const auto& body : world.bodies) {
-      RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-      auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
-          geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), body.vertices.size()));
-      for (const auto& v : body.vertices) vertices = std::copy_n(v.data(), 3, vertices);
-      auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-          geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), body.triangles.size()));
-      for (const auto& t : body.triangles) indices = std::copy_n(t.data(), 3, indices);
-      rtcCommitGeometry(geometry);
-      rtcAttachGeometry(scene, geometry);
-      rtcReleaseGeometry(geometry);
-      colors.push_back(body.color);
-    }
-    rtcCommitScene(scene);
-    if (rtcGetDeviceError(device) != RTC_ERROR_NONE) throw std::runtime_error("Embree refuses the world");
-  }
-
-  ~Impl() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
-
-  void makeTables(const CameraIntrinsics& k) {
-    if (k == table_for) return;
-    table_for = k;
-    const auto ray = [&](double u, double v) {
-      return Eigen::Vector3f(idealPixelRay(k, undistortPixel(k, {u, v})).normalized().cast<float>());
-    };
-    centre_rays.clear();
-    fine_rays.clear();
+  explicit RayTable(const CameraIntrinsics& k)
+      : intrinsics(k), pixel_rad(static_cast<float>(1.0 / std::max(k.fx, k.fy))) {
+    rays.reserve(static_cast<std::size_t>(k.width) * k.height);
     for (int v = 0; v < k.height; ++v) {
       for (int u = 0; u < k.width; ++u) {
-        centre_rays.push_back(ray(u, v));
-        for (const auto& [du, dv] : kSubPixels) fine_rays.push_back(ray(u + du, v + dv));
+        const Eigen::Vector3d ray = idealPixelRay(k, undistortPixel(k, Eigen::Vector2d(u, v)));
+        rays.emplace_back(ray.normalized().cast<float>());
       }
     }
-    shaded.resize(centre_rays.size());
   }
 
-  /// @param sunlit whether nothing stands between the surface and the sun.
-  float lightOn(const Eigen::Vector3f& normal, bool sunlit) const {
-    // A sky above and a darker floor below: tops, walls and undersides differ a little in the shade.
-    const float light = sun.ambient * (0.85f + 0.15f * normal.z());
-    return sunlit ? light + sun.diffuse * std::max(0.0f, -normal.dot(sun.direction)) : light;
+  const Eigen::Vector3f& at(int u, int v) const {
+    return rays[static_cast<std::size_t>(v) * intrinsics.width + u];
   }
-
-  /// Colours of up to eight rays from one origin.
-  void shadePacket(const Eigen::Vector3f& origin, std::span<const Eigen::Vector3f> d, Shaded* out) {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    alignas(32) std::array<int, kPacket> valid{};
-    RTCRayHit8 rays;
-    const int n = static_cast<int>(d.size());
-    for (int i = 0; i < kPacket; ++i) {
-      const Eigen::Vector3f& direction = d[std::min(i, n - 1)];
-      valid[i] = i < n ? -1 : 0;
-      rays.ray.org_x[i] = origin.x();
-      rays.ray.org_y[i] = origin.y();
-      rays.ray.org_z[i] = origin.z();
-      rays.ray.dir_x[i] = direction.x();
-      rays.ray.dir_y[i] = direction.y();
-      rays.ray.dir_z[i] = direction.z();
-      rays.ray.tnear[i] = kRayStart_m;
-      rays.ray.tfar[i] = kFar_m;
-      rays.ray.mask[i] = ~0u;
-      rays.ray.time[i] = 0.0f;
-      rays.ray.flags[i] = 0;
-      rays.hit.geomID[i] = kSkyId;
-      rays.hit.instID[0][i] = kSkyId;
-    }
-    rtcIntersect8(valid.data(), scene, &context, &rays);
-
-    RTCRay8 shadow;
-    std::array<Eigen::Vector3f, kPacket> normals;
-    alignas(32) std::array<int, kPacket> lit{};
-    for (int i = 0; i < n; ++i) {
-      if (rays.hit.geomID[i] == kSkyId) continue;
-      Eigen::Vector3f normal(rays.hit.Ng_x[i], rays.hit.Ng_y[i], rays.hit.Ng_z[i]);
-      normal.normalize();
-      if (normal.dot(d[i]) > 0.0f) normal = -normal;
-      normals[i] = normal;
-      if (normal.dot(sun.direction) >= 0.0f) continue;
-      lit[i] = -1;
-      const Eigen::Vector3f p = origin + rays.ray.tfar[i] * d[i] + kShadowLift_m * normal;
-      shadow.org_x[i] = p.x();
-      shadow.org_y[i] = p.y();
-      shadow.org_z[i] = p.z();
-      shadow.dir_x[i] = -sun.direction.x();
-      shadow.dir_y[i] = -sun.direction.y();
-      shadow.dir_z[i] = -sun.direction.z();
-      shadow.tnear[i] = kShadowLift_m;
-      shadow.tfar[i] = kFar_m;
-      shadow.mask[i] = ~0u;
-      shadow.time[i] = 0.0f;
-      shadow.flags[i] = 0;
-    }
-    rtcOccluded8(lit.data(), scene, &context, &shadow);
-
-    for (int i = 0; i < n; ++i) {
-      out[i] = {};
-      const unsigned id = rays.hit.geomID[i];
-      if (id == kSkyId) continue;
-      out[i] = {lightOn(normals[i], lit[i] != 0 && shadow.tfar[i] >= 0.0f) * colors[id], id};
-    }
+  /// By how much the ray turns from a pixel to the next one to the right and below.
+  Eigen::Vector3f toRight(int u, int v) const {
+    const int low = std::max(u - 1, 0);
+    const int high = std::min(u + 1, intrinsics.width - 1);
+    return high == low ? Eigen::Vector3f::Zero().eval()
+                       : ((at(high, v) - at(low, v)) / static_cast<float>(high - low)).eval();
   }
-
-  void shadeAll(const Eigen::Vector3f& origin, const std::vector<Eigen::Vector3f>& d,
-                std::vector<Shaded>& out) {
-    out.resize(d.size());
-    for (std::size_t i = 0; i < d.size(); i += kPacket) {
-      const std::size_t n = std::min<std::size_t>(kPacket, d.size() - i);
-      shadePacket(origin, std::span(d).subspan(i, n), out.data() + i);
-    }
+  Eigen::Vector3f below(int u, int v) const {
+    const int low = std::max(v - 1, 0);
+    const int high = std::min(v + 1, intrinsics.height - 1);
+    return high == low ? Eigen::Vector3f::Zero().eval()
+                       : ((at(u, high) - at(u, low)) / static_cast<float>(high - low)).eval();
   }
 };
 
-Renderer::Renderer(const World& world) : impl_(std::make_unique<Impl>(world)) {}
+}  // namespace
+
+struct Renderer::Impl {
+  RendererOptions options;
+  RenderScene scene;
+  Shader shader;
+  std::list<RayTable> tables;  ///< the last used first
+  /// Colour and body of every pixel's centre, kept from frame to frame for their memory.
+  std::array<std::vector<float>, 3> colors;
+  std::vector<int> slots;
+
+  Impl(const World& world, RendererOptions o) : options(std::move(o)), scene(world), shader(world, scene) {}
+
+  const RayTable& tableFor(const CameraIntrinsics& k) {
+    if (const auto problem = checkIntrinsics(k); !problem.empty()) {
+      throw std::invalid_argument("camera to render: " + problem);
+    }
+    const auto known =
+        std::find_if(tables.begin(), tables.end(), [&](const auto& table) { return table.intrinsics == k; });
+    if (known != tables.end()) {
+      tables.splice(tables.begin(), tables, known);
+    } else {
+      tables.emplace_front(k);
+      if (tables.size() > kCameras) tables.pop_back();
+    }
+    return tables.front();
+  }
+
+  /// Rows [first, last) of every band, maybe on other threads.
+  void forBands(int height, const std::function<void(int first, int last)>& rows) const {
+    const int bands = (height + kBandRows - 1) / kBandRows;
+    const auto task = [&](int band) { rows(band * kBandRows, std::min(height, (band + 1) * kBandRows)); };
+    if (options.parallel_for) {
+      options.parallel_for(bands, task);
+    } else {
+      for (int band = 0; band < bands; ++band) task(band);
+    }
+  }
+
+  /// Intersects the pixels' centre rays of some rows, block by block.
+  /// @param use takes a packet, how many lanes it has, and the pixels' indices.
+  template <typename Use>
+  void traceRows(const RayTable& table, const Pose3& T_world_camera, int first, int last,
+                 const Use& use) const {
+    const Eigen::Matrix3f R = T_world_camera.linear().cast<float>();
+    const Eigen::Vector3f origin = T_world_camera.translation().cast<float>();
+    const int width = table.intrinsics.width;
+    RayPacket packet;
+    std::array<int, kPacket> pixels;
+    for (int v0 = first; v0 < last; v0 += kBlockHeight) {
+      for (int u0 = 0; u0 < width; u0 += kBlockWidth) {
+        int n = 0;
+        for (int v = v0; v < std::min(v0 + kBlockHeight, last); ++v) {
+          for (int u = u0; u < std::min(u0 + kBlockWidth, width); ++u) {
+            const Eigen::Vector3f d = R * table.at(u, v);
+            packet.set(n, origin, d.x(), d.y(), d.z(), kRayStart_m);
+            pixels[n++] = v * width + u;
+          }
+        }
+        packet.finish(n);
+        scene.intersect(packet);
+        use(packet, n, pixels);
+      }
+    }
+  }
+
+  /// Marks pixels of one row or of two where they differ from their neighbour `step` further on.
+  void markSteps(int from, int count, int step, char* here, char* there) const {
+    const int* slot = slots.data() + from;
+    const float* r = colors[0].data() + from;
+    const float* g = colors[1].data() + from;
+    const float* b = colors[2].data() + from;
+    constexpr float kStep = kContrast / 255.0f;
+    for (int i = 0; i < count; ++i) {
+      const int j = i + step;
+      const int differs =
+          static_cast<int>(slot[i] != slot[j]) | static_cast<int>(std::abs(r[i] - r[j]) > kStep) |
+          static_cast<int>(std::abs(g[i] - g[j]) > kStep) | static_cast<int>(std::abs(b[i] - b[j]) > kStep);
+      here[i] = static_cast<char>(here[i] | differs);
+      there[i] = static_cast<char>(there[i] | differs);
+    }
+  }
+  /// For the pixels of some rows: whether they differ from a direct neighbour, whichever packet it was in.
+  void findSteps(int first, int last, int width, int height, std::vector<char>& marks) const {
+    marks.assign(static_cast<std::size_t>(last - first + 2) * width, 0);  // a row more above and below
+    for (int v = std::max(first - 1, 0); v < last; ++v) {
+      char* row = marks.data() + static_cast<std::size_t>(v - first + 1) * width;
+      markSteps(v * width, width - 1, 1, row, row + 1);
+      if (v + 1 < height) markSteps(v * width, width, width, row, row + width);
+    }
+  }
+
+  /// Writes some rows of the image, with four rays for those pixels that need them.
+  void refineRows(const RayTable& table, const Pose3& T_world_camera, int first, int last,
+                  cv::Mat& image) const {
+    const Eigen::Matrix3f R = T_world_camera.linear().cast<float>();
+    const Eigen::Vector3f origin = T_world_camera.translation().cast<float>();
+    const int width = table.intrinsics.width;
+    const int height = table.intrinsics.height;
+    const auto write = [&](int pixel, const Eigen::Vector3f& color) {
+      std::uint8_t* bytes = image.data + 3 * static_cast<std::size_t>(pixel);
+      for (int c = 0; c < 3; ++c) bytes[c] = toByte(color[c]);
+    };
+    std::vector<char> marks;
+    findSteps(first, last, width, height, marks);
+    RayPacket packet;
+    std::array<Shaded, kPacket> fine;
+    std::array<int, kPacket / kSamples> waiting;
+    int count = 0;
+    const auto flush = [&] {
+      if (count == 0) return;
+      packet.finish(count * kSamples);
+      scene.intersect(packet);
+      shader.shade(packet, count * kSamples, 0.5f * table.pixel_rad, fine.data());
+      for (int p = 0; p < count; ++p) {
+        Eigen::Vector3f color = Eigen::Vector3f::Zero();
+        for (int s = 0; s < kSamples; ++s) {
+          color += fine[p * kSamples + s].color.cwiseMin(1.0f) / static_cast<float>(kSamples);
+        }
+        write(waiting[p], color);
+      }
+      count = 0;
+    };
+    for (int v = first; v < last; ++v) {
+      for (int u = 0; u < width; ++u) {
+        const int pixel = v * width + u;
+        if (marks[static_cast<std::size_t>(pixel - (first - 1) * width)] == 0) {
+          write(pixel, {colors[0][pixel], colors[1][pixel], colors[2][pixel]});
+          continue;
+        }
+        const Eigen::Vector3f centre = R * table.at(u, v);
+        const Eigen::Vector3f right = R * table.toRight(u, v);
+        const Eigen::Vector3f down = R * table.below(u, v);
+        for (int s = 0; s < kSamples; ++s) {
+          const Eigen::Vector3f d = centre + kSubPixels[s][0] * right + kSubPixels[s][1] * down;
+          packet.set(count * kSamples + s, origin, d.x(), d.y(), d.z(), kRayStart_m);
+        }
+        waiting[count++] = pixel;
+        if (count == static_cast<int>(waiting.size())) flush();
+      }
+    }
+    flush();
+  }
+
+  void prepare(const Pose3& T_world_camera) {
+    if (!T_world_camera.matrix().allFinite()) {
+      throw std::invalid_argument("camera to render: its pose is not finite");
+    }
+    scene.commit();
+  }
+};
+
+Renderer::Renderer(const World& world, RendererOptions options)
+    : impl_(std::make_unique<Impl>(world, std::move(options))) {}
 Renderer::~Renderer() = default;
+
+int Renderer::addModel(const WorldModel& model) {
+  const int index = impl_->scene.addModel(model);
+  impl_->shader.addSlots();
+  return index;
+}
+
+int Renderer::modelCount() const {
+  return impl_->scene.modelCount();
+}
+
+void Renderer::setModelPose(int model, const Pose3& T_world_model) {
+  impl_->scene.setPose(model, T_world_model);
+}
+
+void Renderer::setModelVisible(int model, bool visible) {
+  impl_->scene.setVisible(model, visible);
+}
 
 cv::Mat Renderer::render(const CameraIntrinsics& k, const Pose3& T_world_camera) {
   Impl& m = *impl_;
-  m.makeTables(k);
-  const Eigen::Matrix3f R = T_world_camera.linear().cast<float>();
-  const Eigen::Vector3f origin = T_world_camera.translation().cast<float>();
-
-  m.directions.resize(m.centre_rays.size());
-  for (std::size_t i = 0; i < m.centre_rays.size(); ++i) m.directions[i] = R * m.centre_rays[i];
-  m.shadeAll(origin, m.directions, m.shaded);
-
-  // Pixels that differ from the one to the right or below: both get refined.
-  const auto differs = [&](int i, int j) {
-    const Shaded& a = m.shaded[i];
-    const Shaded& b = m.shaded[j];
-    return a.id != b.id || (a.color - b.color).cwiseAbs().maxCoeff() * 255.0f > kContrast;
-  };
-  std::vector<char> refine(m.shaded.size(), 0);
-  for (int v = 0; v < k.height; ++v) {
-    for (int u = 0; u < k.width; ++u) {
-      const int i = v * k.width + u;
-      if (u + 1 < k.width && differs(i, i + 1)) refine[i] = refine[i + 1] = 1;
-      if (v + 1 < k.height && differs(i, i + k.width)) refine[i] = refine[i + k.width] = 1;
-    }
-  }
-
-  cv::Mat image(k.height, k.width, CV_8UC3);
-  std::array<Eigen::Vector3f, 2 * kSubPixels.size()> fine;
-  std::array<Shaded, 2 * kSubPixels.size()> fine_shaded;
-  for (int i = 0; i < static_cast<int>(m.shaded.size()); ++i) {
-    Eigen::Vector3f color = m.shaded[i].color;
-    if (refine[i] != 0) {
-      for (std::size_t s = 0; s < kSubPixels.size(); ++s)
-        fine[s] = R * m.fine_rays[i * kSubPixels.size() + s];
-      m.shadePacket(origin, std::span(fine).first(kSubPixels.size()), fine_shaded.data());
-      color.setZero();
-      for (std::size_t s = 0; s < kSubPixels.size(); ++s) {
-        color += fine_shaded[s].color.cwiseMin(1.0f) / static_cast<float>(kSubPixels.size());
+  const RayTable& table = m.tableFor(k);
+  m.prepare(T_world_camera);
+  for (auto& plane : m.colors) plane.resize(table.rays.size());
+  m.slots.resize(table.rays.size());
+  m.forBands(k.height, [&](int first, int last) {
+    std::array<Shaded, kPacket> colors;
+    m.traceRows(table, T_world_camera, first, last, [&](const RayPacket& packet, int n, const auto& pixels) {
+      m.shader.shade(packet, n, table.pixel_rad, colors.data());
+      for (int i = 0; i < n; ++i) {
+        m.slots[pixels[i]] = colors[i].slot;
+        for (int c = 0; c < 3; ++c) m.colors[c][pixels[i]] = colors[i].color[c];
       }
-    }
-    std::uint8_t* pixel = image.data + 3 * static_cast<std::size_t>(i);
-    for (int c = 0; c < 3; ++c) pixel[c] = toByte(color[c]);
-  }
+    });
+  });
+  cv::Mat image(k.height, k.width, CV_8UC3);
+  m.forBands(k.height, [&](int first, int last) { m.refineRows(table, T_world_camera, first, last, image); });
   return image;
 }
 
+TruthImages Renderer::renderTruth(const CameraIntrinsics& k, const Pose3& T_world_camera) {
+  Impl& m = *impl_;
+  const RayTable& table = m.tableFor(k);
+  m.prepare(T_world_camera);
+  TruthImages truth{cv::Mat(k.height, k.width, CV_32F), cv::Mat(k.height, k.width, CV_32S),
+                    cv::Mat(k.height, k.width, CV_32S)};
+  auto* depth = truth.depth_m.ptr<float>();
+  auto* model = truth.model.ptr<std::int32_t>();
+  auto* body = truth.body.ptr<std::int32_t>();
+  m.forBands(k.height, [&](int first, int last) {
+    m.traceRows(table, T_world_camera, first, last, [&](const RayPacket& packet, int n, const auto& pixels) {
+      for (int i = 0; i < n; ++i) {
+        const int at = pixels[i];
+        const bool hit = packet.slot[i] != kNoSlot;
+        depth[at] =
+            hit ? packet.rays.ray.tfar[i] * table.rays[at].z() : std::numeric_limits<float>::infinity();
+        model[at] = hit ? m.scene.slot(packet.slot[i]).model : TruthImages::kNothing;
+        body[at] = hit ? m.scene.slot(packet.slot[i]).body : TruthImages::kNothing;
+      }
+    });
+  });
+  return truth;
+}
+
 std::optional<RayHit> Renderer::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  Impl& m = *impl_;
+  m.scene.commit();
   const Eigen::Vector3f d = direction.normalized().cast<float>();
-  const Eigen::Vector3f o = origin.cast<float>();
-  RTCRayHit ray{};
-  std::tie(ray.ray.org_x, ray.ray.org_y, ray.ray.org_z) = std::tuple(o.x(), o.y(), o.z());
-  std::tie(ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z) = std::tuple(d.x(), d.y(), d.z());
-  ray.ray.tnear = 0.0f;
-  ray.ray.tfar = kFar_m;
-  ray.ray.mask = ~0u;
-  ray.hit.geomID = kSkyId;
-  ray.hit.instID[0] = kSkyId;
-  rtcIntersect1(impl_->scene, &context, &ray);
-  if (ray.hit.geomID == kSkyId) return std::nullopt;
-  Eigen::Vector3f normal(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z);
+  RayPacket packet;
+  packet.set(0, origin.cast<float>(), d.x(), d.y(), d.z(), 0.0f);
+  packet.finish(1);
+  m.scene.intersect(packet);
+  if (packet.slot[0] == kNoSlot) return std::nullopt;
+  Shaded shaded;
+  m.shader.shade(packet, 1, 0.0f, &shaded);
+  const BodySlot& slot = m.scene.slot(packet.slot[0]);
+  Eigen::Vector3f normal(packet.nx[0], packet.ny[0], packet.nz[0]);
   normal.normalize();
   const bool from_inside = normal.dot(d) > 0.0f;
   if (from_inside) normal = -normal;
-
-  const Eigen::Vector3f p = o + ray.ray.tfar * d + kShadowLift_m * normal;
-  const Eigen::Vector3f to_sun = -impl_->sun.direction;
-  RTCRay shadow{};
-  std::tie(shadow.org_x, shadow.org_y, shadow.org_z) = std::tuple(p.x(), p.y(), p.z());
-  std::tie(shadow.dir_x, shadow.dir_y, shadow.dir_z) = std::tuple(to_sun.x(), to_sun.y(), to_sun.z());
-  shadow.tnear = kShadowLift_m;
-  shadow.tfar = kFar_m;
-  shadow.mask = ~0u;
-  rtcOccluded1(impl_->scene, &context, &shadow);
-  const bool sunlit = shadow.tfar >= 0.0f;
-  return RayHit{ray.ray.tfar, static_cast<int>(ray.hit.geomID), normal.cast<double>(),
-                impl_->lightOn(normal, sunlit) * impl_->colors[ray.hit.geomID], from_inside};
+  return RayHit{packet.rays.ray.tfar[0], slot.model,   slot.body,
+                normal.cast<double>(),   shaded.color, from_inside};
 }
 
 }  // namespace vismem

@@ -121,7 +121,7 @@ class Simulation::BasePort : public MobileBase {
 Simulation::Simulation(SimulationConfig config)
     : config_(std::move(config)),
       renderer_(std::make_unique<Renderer>(config_.world)),
-      base_(config_.base, config_.start, config_.world.obstacles),
+      base_(config_.base, config_.start, obstaclesOf(config_.world)),
       odometry_(config_.odometry, config_.base.wheel_base_m, subStream(config_.seed, "odometry")),
       pan_tilt_(config_.pan_tilt),
       camera_port_(std::make_unique<CameraPort>(*this)),

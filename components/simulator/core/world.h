@@ -1,10 +1,13 @@
-/// @file A world to simulate: bodies of triangles, their outlines on the floor, a sun. Pure values.
+/// @file A world to simulate: named models of triangles, their outlines on the floor, lights. Pure values.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/geometry/pose.h"
@@ -12,28 +15,81 @@
 
 namespace vismem {
 
-/// A rigid body of one colour. Vertices are in world coordinates [m]: nothing moves but the robot.
+/// An image to put on a surface. Invariant: rgb has 3 * width * height bytes, rows from the top.
+struct Texture {
+  std::string name;  ///< its file
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// A rigid body of one material, in the coordinates of its model [m].
 struct WorldBody {
-  std::string name;                         ///< "model/link/visual"
-  Eigen::Vector3f color{0.7f, 0.7f, 0.7f};  ///< diffuse, R G B in 0..1
-  std::vector<Eigen::Vector3f> vertices;
+  std::string name;                                    ///< "link/visual"
+  Eigen::Vector3f color{0.7f, 0.7f, 0.7f};             ///< diffuse, R G B in 0..1; times the texture's
+  Eigen::Vector3f emissive = Eigen::Vector3f::Zero();  ///< its own light, R G B in 0..1
+  std::shared_ptr<const Texture> texture;              ///< may be null
+  std::vector<Eigen::Vector3f> vertices;               ///< finite
+  std::vector<Eigen::Vector2f> uvs;      ///< one a vertex, or empty; (0, 0) is the image's top left
+  std::vector<Eigen::Vector3f> normals;  ///< one a vertex, or empty: every triangle is flat
   std::vector<Eigen::Vector3<std::uint32_t>> triangles;  ///< counter-clockwise seen from outside
 };
 
-struct Sun {
-  /// Unit vector of the travelling light.
-  Eigen::Vector3f direction = Eigen::Vector3f(-0.4f, 0.25f, -0.9f).normalized();
-  float diffuse = 0.55f;
-  float ambient = 0.45f;
+/// Outline of a collision shape in plan view, convex, counter-clockwise [m].
+struct ModelOutline {
+  std::string name;                      ///< "link/collision"
+  std::vector<Eigen::Vector2d> outline;  ///< in the frame toPose2(pose) of its model
+  double low_m = 0.0;                    ///< its lowest and highest point above the model's origin
+  double high_m = 0.0;
 };
 
-/// Invariant: at least one body with a triangle.
+/// Whatever moves as one. Bodies keep their places in it.
+struct WorldModel {
+  std::string name;
+  Pose3 pose = Pose3::Identity();  ///< T_world_model
+  std::vector<WorldBody> bodies;
+  /// Of the model as it stands: right for any pose that differs in position and heading only.
+  std::vector<ModelOutline> outlines;
+};
+
+struct Light {
+  enum class Kind { kDirectional, kPoint, kSpot };
+  std::string name;
+  Kind kind = Kind::kDirectional;
+  Eigen::Vector3f color{0.55f, 0.55f, 0.55f};  ///< diffuse, R G B
+  /// Unit vector of the travelling light (directional, spot).
+  Eigen::Vector3f direction = Eigen::Vector3f(-0.4f, 0.25f, -0.9f).normalized();
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< in the world [m] (point, spot)
+  bool shadows = true;
+  // Of point and spot lights: weaker by 1 / (constant + linear d + quadratic d^2), nothing beyond range_m.
+  float range_m = 10.0f;
+  float constant = 1.0f;
+  float linear = 0.0f;
+  float quadratic = 0.0f;
+  // Of spot lights: full inside the inner cone, nothing outside the outer one (whole angles).
+  float inner_angle_rad = 0.6f;
+  float outer_angle_rad = 1.0f;
+  float falloff = 1.0f;
+};
+
+/// Invariant: at least one model has a body with a triangle. Names of models differ.
 struct World {
   std::string name;
-  std::vector<WorldBody> bodies;
-  std::vector<WorldObstacle> obstacles;
-  Sun sun;
+  std::vector<WorldModel> models;
+  std::vector<Light> lights;
+  Eigen::Vector3f ambient{0.45f, 0.45f, 0.45f};
+  Eigen::Vector3f sky{0.75f, 0.82f, 0.9f};  ///< where no surface is
+
+  /// @return index of the model of that name; empty if there is none.
+  std::optional<int> modelNamed(std::string_view wanted) const;
+  int bodyCount() const;
 };
+
+/// The outlines of a model at a pose that a robot's body (3 to 50 cm above the floor) can meet. Names are
+/// "model/link/collision".
+std::vector<WorldObstacle> obstaclesAt(const WorldModel& model, const Pose3& T_world_model);
+/// Those of all models where they stand.
+std::vector<WorldObstacle> obstaclesOf(const World& world);
 
 struct LoadedWorld {
   World world;

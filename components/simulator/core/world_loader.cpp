@@ -6,6 +6,7 @@
 #include <assimp/Importer.hpp>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <regex>
 #include <sdf/sdf.hh>
@@ -20,9 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using ignition::math::Pose3d;
 
-/// Obstacles matter where the robot's body is [m above the floor].
-constexpr double kRobotBodyBottom_m = 0.03;
-constexpr double kRobotBodyTop_m = 0.5;
 /// An sdf plane is infinite; its picture is not.
 constexpr double kGroundPlaneSize_m = 200.0;
 
@@ -69,20 +67,22 @@ class WorldBuilder {
     return {};
   }
 
-  void addModel(const sdf::Model& model, const Pose3& T_world_parent) {
-    Pose3d pose;
-    if (!model.SemanticPose().Resolve(pose).empty()) pose = model.RawPose();
-    const Pose3 T_world_model = T_world_parent * toPose3(pose);
-    for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
-      const sdf::Link& link = *model.LinkByIndex(i);
-      Pose3d link_pose;
-      if (!link.SemanticPose().Resolve(link_pose).empty()) link_pose = link.RawPose();
-      addLink(model.Name() + "/" + link.Name(), link, T_world_model * toPose3(link_pose));
+  void addModel(const sdf::Model& model) {
+    WorldModel result;
+    result.name = freeName(model.Name());
+    result.pose = poseOf(model);
+    addParts(model, "", Pose3::Identity(), result);
+    for (auto& obstacle : result.outlines) {
+      // Outlines are kept in the plan frame of the model as it stands.
+      const Pose2 T_plan_world = inverse(toPose2(result.pose));
+      for (auto& p : obstacle.outline) p = transform(T_plan_world, p);
     }
-    for (std::uint64_t i = 0; i < model.ModelCount(); ++i) addModel(*model.ModelByIndex(i), T_world_model);
+    if (!result.bodies.empty() || !result.outlines.empty()) {
+      loaded_.world.models.push_back(std::move(result));
+    }
   }
 
-  void addSun(const sdf::Light& light) {
+  void addLight(const sdf::Light& light) {
     if (light.Type() != sdf::LightType::DIRECTIONAL) {
       warn("light \"" + light.Name() + "\" is not directional: only a sun is simulated");
       return;
@@ -95,69 +95,96 @@ class WorldBuilder {
       warn("light \"" + light.Name() + "\" has a direction of no length: ignored");
       return;
     }
-    const auto color = light.Diffuse();
-    loaded_.world.sun.direction = d.normalized().cast<float>();
-    loaded_.world.sun.diffuse = (color.R() + color.G() + color.B()) / 3.0f;
+    Light result;
+    result.name = light.Name();
+    result.direction = d.normalized().cast<float>();
+    result.color = toColor(light.Diffuse());
+    result.shadows = true;
+    loaded_.world.lights.push_back(result);
   }
 
-  void setScene(const sdf::Scene& scene) {
-    const auto ambient = scene.Ambient();
-    loaded_.world.sun.ambient = (ambient.R() + ambient.G() + ambient.B()) / 3.0f;
-  }
+  void setScene(const sdf::Scene& scene) { loaded_.world.ambient = toColor(scene.Ambient()); }
 
   LoadedWorld take(std::string name) {
     loaded_.world.name = std::move(name);
-    if (loaded_.world.bodies.empty()) {
+    if (loaded_.world.bodyCount() == 0) {
       throw ConfigError({file_.string() + ": the world has nothing to show (no visual with triangles)"});
     }
+    // A world that says nothing about light is not dark.
+    if (loaded_.world.lights.empty()) loaded_.world.lights.emplace_back();
     return std::move(loaded_);
   }
 
  private:
-  void addLink(const std::string& name, const sdf::Link& link, const Pose3& T_world_link) {
-    for (std::uint64_t i = 0; i < link.VisualCount(); ++i) {
-      const sdf::Visual& visual = *link.VisualByIndex(i);
-      Pose3d pose;
-      if (!visual.SemanticPose().Resolve(pose).empty()) pose = visual.RawPose();
-      const std::string body_name = name + "/" + visual.Name();
-      const auto mesh = meshOf(body_name, visual.Geom());
-      if (!mesh || mesh->triangles.empty()) continue;
-      WorldBody body;
-      body.name = body_name;
-      if (const sdf::Material* material = visual.Material()) {
-        const auto color = material->Diffuse();
-        body.color = {color.R(), color.G(), color.B()};
-      }
-      const Eigen::Isometry3f T = (T_world_link * toPose3(pose)).cast<float>();
-      body.vertices.reserve(mesh->vertices.size());
-      for (const auto& vertex : mesh->vertices) body.vertices.push_back(T * vertex);
-      body.triangles = mesh->triangles;
-      loaded_.world.bodies.push_back(std::move(body));
+  static Eigen::Vector3f toColor(const ignition::math::Color& color) {
+    return {color.R(), color.G(), color.B()};
+  }
+  /// In the frame of what it is part of.
+  template <typename Part>
+  static Pose3 poseOf(const Part& part) {
+    Pose3d pose;
+    if (!part.SemanticPose().Resolve(pose).empty()) pose = part.RawPose();
+    return toPose3(pose);
+  }
+  /// Names of models are how scenarios name them: each only once.
+  std::string freeName(const std::string& wanted) const {
+    std::string name = wanted;
+    for (int i = 1; loaded_.world.modelNamed(name); ++i) name = wanted + "_" + std::to_string(i);
+    return name;
+  }
+
+  /// Links of a model and of the models nested in it. @param T_model_parts of its frame in the whole model.
+  void addParts(const sdf::Model& model, const std::string& prefix, const Pose3& T_model_parts,
+                WorldModel& out) {
+    for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
+      const sdf::Link& link = *model.LinkByIndex(i);
+      addLink(prefix + link.Name(), link, T_model_parts * poseOf(link), out);
     }
-    for (std::uint64_t i = 0; i < link.CollisionCount(); ++i) {
-      const sdf::Collision& collision = *link.CollisionByIndex(i);
-      Pose3d pose;
-      if (!collision.SemanticPose().Resolve(pose).empty()) pose = collision.RawPose();
-      const std::string body_name = name + "/" + collision.Name();
-      if (collision.Geom() != nullptr && collision.Geom()->Type() == sdf::GeometryType::PLANE) continue;
-      const auto mesh = meshOf(body_name, collision.Geom());
-      if (mesh) addObstacle(body_name, *mesh, T_world_link * toPose3(pose));
+    for (std::uint64_t i = 0; i < model.ModelCount(); ++i) {
+      const sdf::Model& nested = *model.ModelByIndex(i);
+      addParts(nested, prefix + nested.Name() + "/", T_model_parts * poseOf(nested), out);
     }
   }
 
-  void addObstacle(const std::string& name, const TriangleMesh& mesh, const Pose3& T_world_shape) {
+  void addLink(const std::string& name, const sdf::Link& link, const Pose3& T_model_link, WorldModel& out) {
+    for (std::uint64_t i = 0; i < link.VisualCount(); ++i) {
+      const sdf::Visual& visual = *link.VisualByIndex(i);
+      WorldBody body;
+      body.name = name + "/" + visual.Name();
+      const auto mesh = meshOf(out.name + "/" + body.name, visual.Geom());
+      if (!mesh || mesh->triangles.empty()) continue;
+      if (const sdf::Material* material = visual.Material()) body.color = toColor(material->Diffuse());
+      const Eigen::Isometry3f T = (T_model_link * poseOf(visual)).template cast<float>();
+      body.vertices.reserve(mesh->vertices.size());
+      for (const auto& vertex : mesh->vertices) body.vertices.push_back(T * vertex);
+      body.triangles = mesh->triangles;
+      out.bodies.push_back(std::move(body));
+    }
+    for (std::uint64_t i = 0; i < link.CollisionCount(); ++i) {
+      const sdf::Collision& collision = *link.CollisionByIndex(i);
+      const std::string shape_name = name + "/" + collision.Name();
+      if (collision.Geom() != nullptr && collision.Geom()->Type() == sdf::GeometryType::PLANE) continue;
+      const auto mesh = meshOf(out.name + "/" + shape_name, collision.Geom());
+      if (mesh) addObstacle(shape_name, *mesh, out.pose * T_model_link * poseOf(collision), out);
+    }
+  }
+
+  /// The outline in the world's plan view; addModel turns it into the model's.
+  static void addObstacle(const std::string& name, const TriangleMesh& mesh, const Pose3& T_world_shape,
+                          WorldModel& out) {
+    if (mesh.vertices.empty()) return;
     std::vector<Eigen::Vector2d> points;
-    double low = 1e9;
-    double high = -1e9;
+    double low = std::numeric_limits<double>::max();
+    double high = std::numeric_limits<double>::lowest();
     for (const auto& vertex : mesh.vertices) {
       const Eigen::Vector3d p = T_world_shape * vertex.cast<double>();
       points.emplace_back(p.head<2>());
       low = std::min(low, p.z());
       high = std::max(high, p.z());
     }
-    if (low > kRobotBodyTop_m || high < kRobotBodyBottom_m) return;
     auto outline = convexHull(std::move(points));
-    if (outline.size() >= 3) loaded_.world.obstacles.push_back({name, std::move(outline)});
+    const double z = out.pose.translation().z();
+    if (outline.size() >= 3) out.outlines.push_back({name, std::move(outline), low - z, high - z});
   }
 
   std::optional<TriangleMesh> meshOf(const std::string& name, const sdf::Geometry* geometry) {
@@ -290,9 +317,9 @@ LoadedWorld loadWorld(const fs::path& file, const std::vector<fs::path>& model_p
   }
   const sdf::World& world = *root.WorldByIndex(0);
   if (world.Scene() != nullptr) builder.setScene(*world.Scene());
-  for (std::uint64_t i = 0; i < world.LightCount(); ++i) builder.addSun(*world.LightByIndex(i));
+  for (std::uint64_t i = 0; i < world.LightCount(); ++i) builder.addLight(*world.LightByIndex(i));
   for (std::uint64_t i = 0; i < world.ModelCount(); ++i) {
-    builder.addModel(*world.ModelByIndex(i), Pose3::Identity());
+    builder.addModel(*world.ModelByIndex(i));
   }
   return builder.take(world.Name());
 }
