@@ -1,7 +1,6 @@
 // The Solis flow as the chapter's authors published it. Constants: DESIGN 7.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -15,11 +14,15 @@ namespace {
 constexpr double kSideDistance_px = 3.0;
 constexpr int kUndecided = -1;
 
-/// Chords are classified into eight directions of 45 degrees; one that hardly leaves its place has none.
+/// Chords are classified into eight directions: along an axis up to a slope of one half, else diagonal. One
+/// that hardly leaves its place has none.
 int directionClass(const cv::Point& chord) {
-  if (std::max(std::abs(chord.x), std::abs(chord.y)) < 3) return kUndecided;
-  const double eighths = std::atan2(chord.y, chord.x) / (std::numbers::pi / 4.0);
-  return (static_cast<int>(std::lround(eighths)) + 8) % 8;
+  const int across = std::abs(chord.x);
+  const int down = std::abs(chord.y);
+  if (std::max(across, down) < 2) return kUndecided;
+  const int x = 2 * across <= down ? 0 : chord.x > 0 ? 1 : -1;
+  const int y = 2 * down <= across ? 0 : chord.y > 0 ? 1 : -1;
+  return 3 * (y + 1) + x + 1;
 }
 
 /// Chords first..last (inclusive) of one contour that share a direction.
@@ -64,11 +67,12 @@ class ChapterDetector final : public SegmentDetector {
         found.push_back(run);
       run.direction = kUndecided;
     };
+    // Chords do not share pixels: one of six pixels spans five steps of the contour.
     const int step = params_.chord_px;
-    const int chords = (static_cast<int>(contour.size()) - 1) / step;
+    const int chords = static_cast<int>(contour.size()) / step;
     for (int i = 0; i < chords; ++i) {
       const cv::Point& begin = contour[static_cast<std::size_t>(i) * step];
-      const cv::Point& end = contour[static_cast<std::size_t>(i + 1) * step];
+      const cv::Point& end = contour[static_cast<std::size_t>(i + 1) * step - 1];
       const int direction = directionClass(end - begin);
       if (run.direction != kUndecided && direction == run.direction) {
         run.last = i;
@@ -89,7 +93,7 @@ class ChapterDetector final : public SegmentDetector {
       if (!merged.empty()) {
         Run& last = merged.back();
         const bool near = cv::norm(run.begin - last.end) <= params_.merge_distance_px;
-        if (run.direction == last.direction && run.first - last.last - 1 <= params_.merge_index_gap && near) {
+        if (run.direction == last.direction && run.first - last.last <= params_.merge_index_gap && near) {
           last.last = run.last;
           last.end = run.end;
           continue;

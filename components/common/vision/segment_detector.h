@@ -58,7 +58,7 @@ struct ChapterSolisParams {
   int minimum_contour_px = 30;      ///< shorter contours are left out
   int chord_px = 6;                 ///< contour pixels per chord
   int minimum_fragments = 3;        ///< chords of one direction that make a segment
-  int merge_index_gap = 3;          ///< consecutive segments of one contour: missing chords between them
+  int merge_index_gap = 3;          ///< consecutive segments of one contour: chords from end to begin
   double merge_distance_px = 18.0;  ///< and the distance between their ends
 };
 

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -29,6 +30,7 @@ struct Options {
   std::filesystem::path truth;
   std::filesystem::path out = "out/bench-vision";
   double truth_shift_px = kAnnotationShift_px;
+  std::vector<std::string> detectors;
   bool quick = false;
   bool speed = false;
   bool accuracy = false;
@@ -81,6 +83,12 @@ int run(const Options& options) {
   results.machine = processor() + ", 1 thread, OpenCV " CV_VERSION ", g++ " __VERSION__;
   results.images = options.images.string() + " (" + std::to_string(images.size()) + ")";
   auto detectors = measuredDetectors();
+  if (!options.detectors.empty()) {
+    std::erase_if(detectors, [&](const DetectorEntry& entry) {
+      return !entry.ours && std::find(options.detectors.begin(), options.detectors.end(), entry.name) ==
+                                options.detectors.end();
+    });
+  }
   if (options.quick) std::erase_if(detectors, [](const DetectorEntry& entry) { return entry.slow; });
   const bool both = options.speed == options.accuracy;
   if (both || options.speed) {
@@ -129,6 +137,12 @@ int main(int argc, char** argv) {
   app.add_option("--truth-shift", options.truth_shift_px, "subtracted from every annotated coordinate [px]")
       ->capture_default_str();
   app.add_option("--out", options.out, "folder for all that is written")->capture_default_str();
+  std::vector<std::string> names;
+  for (const DetectorEntry& entry : measuredDetectors()) names.push_back(entry.name);
+  app.add_option("--detectors", options.detectors,
+                 "only these beside ours, with commas between (default: all)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(names));
   app.add_flag("--quick", options.quick, "fewer images and runs: a minute instead of several");
   app.add_flag("--speed", options.speed, "only the times");
   app.add_flag("--accuracy", options.accuracy, "only the accuracy");
