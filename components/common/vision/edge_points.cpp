@@ -5,112 +5,62 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "common/vision/edge_sampling.h"
+
 namespace vismem {
 namespace {
 
-/// Binomial 3x3 without division (sum of weights 16): out has the image's size, borders replicated.
-void smoothBinomial(const cv::Mat& gray, EdgePlanes& planes) {
-  const int width = gray.cols;
-  const int height = gray.rows;
-  planes.smooth.resize(static_cast<std::size_t>(width) * height);
-  planes.column_sum.resize(width);
-  std::uint16_t* sum = planes.column_sum.data();
-  for (int y = 0; y < height; ++y) {
-    const std::uint8_t* above = gray.ptr<std::uint8_t>(std::max(y - 1, 0));
-    const std::uint8_t* here = gray.ptr<std::uint8_t>(y);
-    const std::uint8_t* below = gray.ptr<std::uint8_t>(std::min(y + 1, height - 1));
-    for (int x = 0; x < width; ++x) sum[x] = static_cast<std::uint16_t>(above[x] + 2 * here[x] + below[x]);
-    std::uint16_t* out = planes.smooth.data() + static_cast<std::size_t>(y) * width;
-    out[0] = static_cast<std::uint16_t>(3 * sum[0] + sum[1]);
-    for (int x = 1; x + 1 < width; ++x)
-      out[x] = static_cast<std::uint16_t>(sum[x - 1] + 2 * sum[x] + sum[x + 1]);
-    out[width - 1] = static_cast<std::uint16_t>(sum[width - 2] + 3 * sum[width - 1]);
-  }
+/// `first` unless it is negative. Without a branch: which neighbours exist is beyond prediction.
+std::int32_t either(std::int32_t first, std::int32_t second) {
+  const std::int32_t negative = first >> 31;
+  return (first & ~negative) | (second & negative);
 }
 
-/// Sobel on the smoothed image, halved twice so that it fits 16 bits: |gx| <= 4 * 255 * 16 / 4 = 4080.
-void sobel(EdgePlanes& planes) {
-  const int width = planes.width;
-  const int height = planes.height;
-  const std::size_t size = static_cast<std::size_t>(width) * height;
-  planes.gx.assign(size, 0);
-  planes.gy.assign(size, 0);
-  planes.magnitude.assign(size, 0.0F);
-  for (int y = 1; y + 1 < height; ++y) {
-    const std::size_t begin = static_cast<std::size_t>(y) * width;
-    const std::uint16_t* above = planes.smooth.data() + begin - width;
-    const std::uint16_t* here = planes.smooth.data() + begin;
-    const std::uint16_t* below = planes.smooth.data() + begin + width;
-    std::int16_t* gx = planes.gx.data() + begin;
-    std::int16_t* gy = planes.gy.data() + begin;
-    float* magnitude = planes.magnitude.data() + begin;
-    for (int x = 1; x + 1 < width; ++x) {
-      const int dx =
-          (above[x + 1] - above[x - 1]) + 2 * (here[x + 1] - here[x - 1]) + (below[x + 1] - below[x - 1]);
-      const int dy =
-          (below[x - 1] - above[x - 1]) + 2 * (below[x] - above[x]) + (below[x + 1] - above[x + 1]);
-      gx[x] = static_cast<std::int16_t>(dx / 4);
-      gy[x] = static_cast<std::int16_t>(dy / 4);
-    }
-    for (int x = 1; x + 1 < width; ++x) {
-      magnitude[x] = std::sqrt(static_cast<float>(gx[x] * gx[x] + gy[x] * gy[x]));
-    }
-  }
+/// For |value| < 8, without a call.
+int nearest(float value) {
+  return static_cast<int>(value + 8.5F) - 8;
 }
 
-/// Largest across the edge, along the axis nearest to the gradient: one point per row of a steep edge and per
-/// column of a flat one, so that chains are one point wide.
-void suppress(float minimum, EdgePlanes& planes) {
-  const int width = planes.width;
-  planes.is_edge.assign(planes.gx.size(), 0);
-  planes.edges.clear();
-  for (int y = 2; y + 2 < planes.height; ++y) {
-    const int begin = y * width;
-    for (int x = 2; x + 2 < width; ++x) {
-      const int i = begin + x;
-      const float m = planes.magnitude[i];
-      if (m < minimum) continue;
-      const int across = std::abs(planes.gx[i]) >= std::abs(planes.gy[i]) ? 1 : width;
-      if (m <= planes.magnitude[i - across] || m < planes.magnitude[i + across]) continue;
-      planes.is_edge[i] = 1;
-      planes.edges.push_back(i);
-    }
-  }
-}
+constexpr float kMinimumSquaredCos = 0.5F;  // between the gradients of neighbours
 
 }  // namespace
 
 double stepMagnitude() {
   // Across a step between two pixels the binomial gives 1/4, 3/4 of it beside: the Sobel difference there is
-  // 4 * 16 * (1 - 1/4) = 48, a quarter of it is kept.
-  return 12.0;
+  // 4 * 16 * (1 - 1/4).
+  return 48.0;
 }
 
 double noiseMagnitude() {
-  // gx is the convolution with [1 2 1] * [1 2 1] down and [1 2 1] * [-1 0 1] across, over 4:
-  // sqrt(1 + 16 + 36 + 16 + 1) * sqrt(1 + 4 + 0 + 4 + 1) / 4.
-  return std::sqrt(70.0) * std::sqrt(10.0) / 4.0;
+  // [1 4 6 4 1] along the edge times [-1 -2 0 2 1] across it.
+  return std::sqrt(1.0 + 16.0 + 36.0 + 16.0 + 1.0) * std::sqrt(1.0 + 4.0 + 0.0 + 4.0 + 1.0);
 }
 
-double estimateNoise(const cv::Mat& gray) {
+double estimateNoise(const cv::Mat& image) {
   // Second difference along x of the second difference along y: weights 1 -2 1 each way, deviation 6 sigma.
   constexpr double kDeviation = 6.0;
   constexpr double kLowerQuartile = 0.3186;  // of |x| for a normal x of deviation 1
-  std::array<int, 8 * 256 * 2 + 1> histogram{};
+  constexpr int kAlong = 96;                 // places in each direction, at most
+  constexpr int kDown = 48;
+  if (image.cols < 3 || image.rows < 3) return 0.0;
+  std::array<std::uint16_t, 8 * 256 + 1> histogram{};
+  const int step_x = std::max(2, (image.cols - 2) / kAlong);
+  const int step_y = std::max(2, (image.rows - 2) / kDown);
+  const int channels = image.channels();
   int total = 0;
-  for (int y = 1; y + 1 < gray.rows; y += 2) {
-    const std::uint8_t* above = gray.ptr<std::uint8_t>(y - 1);
-    const std::uint8_t* here = gray.ptr<std::uint8_t>(y);
-    const std::uint8_t* below = gray.ptr<std::uint8_t>(y + 1);
-    for (int x = 1; x + 1 < gray.cols; x += 2) {
-      const int value = above[x - 1] - 2 * above[x] + above[x + 1] -
-                        2 * (here[x - 1] - 2 * here[x] + here[x + 1]) + below[x - 1] - 2 * below[x] +
-                        below[x + 1];
-      ++histogram[std::abs(value)];
+  for (int y = 1; y + 1 < image.rows; y += step_y) {
+    const std::uint8_t* above = image.ptr<std::uint8_t>(y - 1);
+    const std::uint8_t* here = image.ptr<std::uint8_t>(y);
+    const std::uint8_t* below = image.ptr<std::uint8_t>(y + 1);
+    for (int x = 1; x + 1 < image.cols; x += step_x) {
+      const auto column = [&](int at) {
+        return brightness(above, at, channels) - 2 * brightness(here, at, channels) +
+               brightness(below, at, channels);
+      };
+      ++histogram[std::abs(column(x - 1) - 2 * column(x) + column(x + 1))];
       ++total;
     }
   }
-  if (total == 0) return 0.0;
   // The quartile between integer values, by linear interpolation inside its bin [k - 1/2, k + 1/2].
   const double wanted = 0.25 * total;
   double below_count = 0.0;
@@ -118,7 +68,7 @@ double estimateNoise(const cv::Mat& gray) {
     if (below_count + histogram[k] >= wanted) {
       const double width = k == 0 ? 0.5 : 1.0;
       const double low = k == 0 ? 0.0 : static_cast<double>(k) - 0.5;
-      return (low + width * (wanted - below_count) / std::max(histogram[k], 1)) /
+      return (low + width * (wanted - below_count) / std::max<int>(histogram[k], 1)) /
              (kDeviation * kLowerQuartile);
     }
     below_count += histogram[k];
@@ -126,12 +76,177 @@ double estimateNoise(const cv::Mat& gray) {
   return 0.0;
 }
 
-void findEdgePoints(const cv::Mat& gray, double minimum_contrast, EdgePlanes& planes) {
-  planes.width = gray.cols;
-  planes.height = gray.rows;
-  smoothBinomial(gray, planes);
-  sobel(planes);
-  suppress(static_cast<float>(minimum_contrast * stepMagnitude()), planes);
+void EdgePointFinder::prepare(const cv::Mat& image) {
+  width_ = image.cols;
+  height_ = image.rows;
+  stride_ = width_ + 2 * kEdgeRowMargin;
+  map_stride_ = width_ + 2 * kMargin;
+  count_ = 0;
+  const std::size_t pixels = image.total();
+  points_.reserve(pixels);
+  next_.reserve(pixels);
+  has_previous_.reserve(pixels);
+  smooth_.reserve(stride_);
+  difference_.reserve(stride_);
+  for (Room<std::int16_t>* rows : {&gx_, &gy_, &magnitude_}) rows->reserve(std::size_t{3} * stride_);
+  maps_.reserve(std::size_t{kMaps} * map_stride_);
+  std::fill_n(maps_.data(), std::size_t{kMaps} * map_stride_, -1);
+  mask_.reserve(width_);
+  columns_.reserve(width_);
+  if (image.channels() == 3) gray_.reserve(std::size_t{5} * width_);
+}
+
+void EdgePointFinder::find(const cv::Mat& image, double minimum_contrast, int gap_px) {
+  prepare(image);
+  reach_ = std::clamp(gap_px + 1, 1, kMaps - 1);
+  minimum_ = static_cast<std::int16_t>(std::min(32767.0, std::ceil(minimum_contrast * stepMagnitude())));
+  for (int y = 0; y < height_; ++y) {
+    gradientRow(image, y);
+    if (y > 2 && y < height_ - 1) pointsOfRow(y - 1);
+  }
+}
+
+/// Row y of the image, the nearest one beyond its borders. Rows of a colour image are converted in order.
+const std::uint8_t* EdgePointFinder::grayRow(const cv::Mat& image, int y) {
+  const int row = std::clamp(y, 0, height_ - 1);
+  return image.channels() == 1 ? image.ptr<std::uint8_t>(row)
+                               : gray_.data() + static_cast<std::size_t>(row % 5) * width_;
+}
+
+void EdgePointFinder::gradientRow(const cv::Mat& image, int y) {
+  if (image.channels() == 3) {
+    const int last = std::min(y + 2, height_ - 1);
+    for (int row = y == 0 ? 0 : y + 2; row <= last; ++row) {
+      kernel_.gray(image.ptr<std::uint8_t>(row), width_,
+                   gray_.data() + static_cast<std::size_t>(row % 5) * width_);
+    }
+  }
+  const std::uint8_t* rows[5];
+  for (int k = 0; k < 5; ++k) rows[k] = grayRow(image, y + k - 2);
+  std::int16_t* smooth = smooth_.data() + kEdgeRowMargin;
+  std::int16_t* difference = difference_.data() + kEdgeRowMargin;
+  kernel_.columns(rows, width_, smooth, difference);
+  for (std::int16_t* row : {smooth, difference}) {
+    row[-2] = row[-1] = row[0];
+    row[width_] = row[width_ + 1] = row[width_ - 1];
+  }
+  kernel_.gradient(smooth, difference, width_, ring(gx_, y), ring(gy_, y), ring(magnitude_, y));
+}
+
+void EdgePointFinder::pointsOfRow(int y) {
+  const std::int16_t* magnitude[3] = {ring(magnitude_, y - 1), ring(magnitude_, y), ring(magnitude_, y + 1)};
+  const std::int16_t* gx = ring(gx_, y);
+  const std::int16_t* gy = ring(gy_, y);
+  const int found = kernel_.maxima(magnitude, gx, gy, 2, width_ - 2, minimum_, mask_.data(), columns_.data());
+  // Neighbours across an edge, as distances in memory: of a steep one in its row, of a flat one in the next.
+  const std::ptrdiff_t up = ring(gx_, y - 1) - gx;
+  const std::ptrdiff_t down = ring(gx_, y + 1) - gx;
+  std::int32_t* here = map(y);
+  std::fill_n(here, width_, -1);
+  // Nothing in this loop depends on chance: the processor never waits for it.
+  for (int k = 0; k < found; ++k) {
+    const int x = columns_[k];
+    const int u = gx[x];
+    const int v = gy[x];
+    const bool steep = std::abs(u) >= std::abs(v);
+    const std::ptrdiff_t before_at = x + (steep ? -1 : up);
+    const std::ptrdiff_t after_at = x + (steep ? 1 : down);
+    // Top of the parabola through what the three gradients have in the direction of the middle one. Each
+    // product is at most 2 * 12240^2: the sums fit.
+    const int squared = u * u + v * v;
+    const int before = u * gx[before_at] + v * gy[before_at];
+    const int after = u * gx[after_at] + v * gy[after_at];
+    const int curvature = std::max((squared - before) + (squared - after), 1);
+    float offset = 0.5F * static_cast<float>(after - before) / static_cast<float>(curvature);
+    offset = offset < -0.6F ? -0.6F : offset;
+    offset = offset > 0.6F ? 0.6F : offset;
+    EdgePoint& point = points_[count_ + k];
+    point.x = static_cast<float>(x) + (steep ? offset : 0.0F);
+    point.y = static_cast<float>(y) + (steep ? 0.0F : offset);
+    point.gx = static_cast<std::int16_t>(u);
+    point.gy = static_cast<std::int16_t>(v);
+    point.squared = squared;
+    next_[count_ + k] = 0;
+    has_previous_[count_ + k] = 0;
+    here[x] = count_ + k;
+  }
+  for (int k = 0; k < found; ++k) link(count_ + k, columns_[k], y);
+  count_ += found;
+}
+
+/// Joins two points, if both are free on that side and of about the same direction.
+/// @param onward whether the way with the brighter side on the left goes from `other` to `here`.
+bool EdgePointFinder::connect(std::int32_t other, std::int32_t here, bool onward) {
+  if (other < 0) return false;
+  const std::int32_t from = onward ? other : here;
+  const std::int32_t to = onward ? here : other;
+  const int step = to - from;
+  if (next_[from] != 0 || has_previous_[to] != 0 || step != static_cast<std::int16_t>(step)) return false;
+  const EdgePoint& a = points_[from];
+  const EdgePoint& b = points_[to];
+  const auto dot = static_cast<float>(a.gx * b.gx + a.gy * b.gy);
+  const float limit = kMinimumSquaredCos * static_cast<float>(a.squared) * static_cast<float>(b.squared);
+  if (dot <= 0.0F || dot * dot < limit) return false;
+  next_[from] = static_cast<std::int16_t>(step);
+  has_previous_[to] = 1;
+  return true;
+}
+
+/// Looks for the neighbours among the points of this row and those above. The nearest to the direction of the
+/// edge comes first.
+void EdgePointFinder::link(std::int32_t point, int x, int y) {
+  const EdgePoint& p = points_[point];
+  const std::int32_t* here = map(y) + x;
+  const std::int32_t* above = map(y - 1) + x;
+  // Going up, an edge leans to the side that its gradient turns to.
+  const int lean = (p.gx > 0) == (p.gy > 0) ? 1 : -1;
+  if (std::abs(p.gx) >= std::abs(p.gy)) {
+    const bool onward = p.gx > 0;
+    if (connect(either(above[0], either(above[lean], above[-lean])), point, onward)) return;
+    if (connect(above[lean], point, onward) || connect(above[-lean], point, onward)) return;
+    if (connect(here[-1], point, onward == (lean < 0)) && lean < 0) return;
+    if (reach_ > 1) bridgeSteep(point, x, y);
+  } else {
+    const bool onward = p.gy < 0;
+    // Straight above is a neighbour on the side that the edge leans away from going down.
+    const std::int32_t behind = lean < 0 ? above[0] : -1;
+    const std::int32_t ahead = lean < 0 ? -1 : above[0];
+    const bool left = connect(either(here[-1], either(above[-1], behind)), point, onward) ||
+                      connect(above[-1], point, onward) || connect(behind, point, onward);
+    const bool right =
+        here[1] >= 0 || connect(either(above[1], ahead), point, !onward) || connect(ahead, point, !onward);
+    if (reach_ > 1 && !left) bridgeFlat(point, x, y, -1);
+    if (reach_ > 1 && !right && lean > 0) bridgeFlat(point, x, y, 1);
+  }
+}
+
+/// Over missing points: straight on upwards, or one pixel beside.
+void EdgePointFinder::bridgeSteep(std::int32_t point, int x, int y) {
+  const EdgePoint& p = points_[point];
+  const bool onward = p.gx > 0;
+  const float slope = static_cast<float>(p.gy) / static_cast<float>(p.gx);
+  for (int k = 2; k <= reach_; ++k) {
+    const std::int32_t* row = map(y - k) + x + nearest(slope * static_cast<float>(k));
+    if (connect(either(row[0], either(row[-1], row[1])), point, onward)) return;
+  }
+  const int lean = slope > 0.0F ? 2 : -2;
+  connect(map(y - 1)[x + lean], point, onward);
+}
+
+/// The same to the left (side -1) or right (1), in this row or above.
+void EdgePointFinder::bridgeFlat(std::int32_t point, int x, int y, int side) {
+  const EdgePoint& p = points_[point];
+  const bool onward = (p.gy < 0) == (side < 0);
+  const float slope = static_cast<float>(-side) * static_cast<float>(p.gx) / static_cast<float>(p.gy);
+  for (int k = 2; k <= reach_; ++k) {
+    const int ahead = nearest(slope * static_cast<float>(k));
+    for (const int rise : {ahead, ahead - 1, ahead + 1}) {
+      // In this row the one on the right does it.
+      if (rise > (side < 0 ? 0 : -1) || rise <= -kMaps) continue;
+      if (connect(map(y + rise)[x + side * k], point, onward)) return;
+    }
+  }
+  if (slope < 0.0F) connect(map(y - 2)[x + side], point, onward);
 }
 
 }  // namespace vismem

@@ -1,6 +1,8 @@
 #include "common/vision/segment_merge.h"
 
+#include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "common/vision/collinear_merge.h"
 
@@ -19,11 +21,20 @@ std::vector<ImageSegment> mergeSegments(std::vector<ImageSegment> segments, cons
   for (const auto& segment : segments) {
     grouped.push_back({segment.px, group_of.at(segment.label), 1.0, segment.strength});
   }
+  // The same order whatever that of the input, so that the same pairs are joined.
+  const auto in_order = [](const GroupedSegment& x, const GroupedSegment& y) {
+    const auto key = [](const GroupedSegment& segment) {
+      const Segment2& px = segment.px;
+      return std::make_tuple(px.a.x(), px.a.y(), px.b.x(), px.b.y(), segment.group, segment.value);
+    };
+    return key(x) < key(y);
+  };
+  std::sort(grouped.begin(), grouped.end(), in_order);
+  CollinearMerger().merge(grouped, {params.angle_rad, params.offset_px, params.gap_px});
+  std::sort(grouped.begin(), grouped.end(), in_order);
   std::vector<ImageSegment> merged;
-  for (const auto& segment :
-       mergeCollinear(std::move(grouped), {params.angle_rad, params.offset_px, params.gap_px})) {
-    merged.push_back({segment.px, labels[segment.group], segment.value});
-  }
+  merged.reserve(grouped.size());
+  for (const auto& segment : grouped) merged.push_back({segment.px, labels[segment.group], segment.value});
   return merged;
 }
 
