@@ -15,8 +15,6 @@ constexpr char kStopped[] = "the simulated base is stopped";
 constexpr char kNotStarted[] = "the simulated base is not started";
 /// stop() looks this often whether the base stands already.
 constexpr std::chrono::milliseconds kLook{5};
-/// A command of that age counts as forgotten whatever the watchdog's time.
-constexpr StampUs kLongAgo_us = 3600 * kSecondUs;
 
 }  // namespace
 
@@ -50,7 +48,7 @@ void SimulatedMobileBase::stop() {
     if (!running_) return;
     moveLocked();
     braking_ = true;
-    base_.command(0.0, 0.0, nowLocked_us() - kLongAgo_us);
+    base_.halt();
     while (base_.speed() != 0.0 || base_.turnRate() != 0.0) {
       lock.unlock();
       std::this_thread::sleep_for(kLook);

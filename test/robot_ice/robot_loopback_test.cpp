@@ -285,6 +285,34 @@ TEST_F(RobotLoopback, FrozenPeersAreCutOff) {
   EXPECT_EQ(remote.samplesSince(0, 10ms).state, SourceState::kWaiting);
 }
 
+/// Stopping a client ends its wait, though the peer is silent, and takes back what this client commanded.
+TEST_F(RobotLoopback, StoppedClientsWaitForNobodyAndLeaveTheRobotStanding) {
+  LoopbackServer frozen;  // never activated
+  RemoteMobileBase silent(nullptr, client.proxy<avm::OdometryPrx>("Encoders", frozen.port()));
+  std::atomic<bool> waits = false;
+  std::thread reader([&] {
+    waits = true;
+    silent.samplesSince(kBeforeAllStamps, 60s);
+  });
+  while (!waits) std::this_thread::yield();
+  silent.stop();
+  reader.join();  // far sooner than 60 s, or the test times out
+
+  RemoteMobileBase driver(proxy<avm::BasePrx>("Motors"), proxy<avm::OdometryPrx>("Encoders"));
+  RemoteMobileBase onlooker(proxy<avm::BasePrx>("Motors"), proxy<avm::OdometryPrx>("Encoders"));
+  ASSERT_TRUE(driver.setVelocity(0.3, 0.0).ok());
+  onlooker.stop();
+  EXPECT_EQ(base.v, 0.3);
+  driver.stop();
+  EXPECT_EQ(base.v, 0.0);
+  RemotePanTiltUnit remote(proxy<avm::PanTiltPrx>("PanTilt"));
+  ASSERT_TRUE(remote.command({PanTiltCommand::Kind::kVelocity, 0, 0, 0.4, 0.0}).ok());
+  remote.stop();
+  const std::lock_guard lock(unit.mutex);
+  EXPECT_EQ(unit.last.kind, PanTiltCommand::Kind::kVelocity);
+  EXPECT_EQ(unit.last.pan_rate_radps, 0.0);
+}
+
 class FakeSimulation : public SimulationControl {
  public:
   SimulationStatus status() const override { return {"corridor", 5, 1000, paused, speed, 0.9}; }

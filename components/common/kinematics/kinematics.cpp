@@ -47,6 +47,7 @@ void SimulatedBase::command(double v_mps, double w_radps, StampUs now_us) {
   wanted_ = {std::clamp(v_mps, -limits.max_speed_mps, limits.max_speed_mps),
              std::clamp(w_radps, -limits.max_turn_rate_radps, limits.max_turn_rate_radps)};
   command_us_ = now_us;
+  halted_ = false;
 }
 
 bool SimulatedBase::collidesAt(const Pose2& pose) const {
@@ -56,7 +57,7 @@ bool SimulatedBase::collidesAt(const Pose2& pose) const {
 }
 
 bool SimulatedBase::timedOut(StampUs now_us) const {
-  return toSeconds(now_us - command_us_) > params_.limits.watchdog_s;
+  return halted_ || toSeconds(now_us - command_us_) > params_.limits.watchdog_s;
 }
 
 BaseSpeeds SimulatedBase::wanted(StampUs now_us) const {

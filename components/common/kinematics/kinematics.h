@@ -38,6 +38,8 @@ class SimulatedBase {
 
   /// Takes effect at once; forgotten when limits().watchdog_s passed without another. Must be finite.
   void command(double v_mps, double w_radps, StampUs now_us);
+  /// Brakes as when the watchdog fires, and stands until the next command.
+  void halt() { halted_ = true; }
   /// What is wanted now: within the limits, and nothing once the watchdog has fired.
   BaseSpeeds wanted(StampUs now_us) const;
   /// One step of exact arc motion within the accelerations. A step into an obstacle is not made: the robot
@@ -64,6 +66,7 @@ class SimulatedBase {
   std::vector<WorldObstacle> obstacles_;
   BaseSpeeds wanted_;
   StampUs command_us_ = 0;
+  bool halted_ = false;
   double v_ = 0.0;
   double w_ = 0.0;
   bool in_collision_ = false;

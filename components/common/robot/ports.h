@@ -34,16 +34,16 @@ enum class SourceState {
 /// --- camera ---------------------------------------------------------------------------------------
 
 struct FrameRequest {
-  int width = 0;           ///< 0: the source's own choice
-  int height = 0;          ///< 0: the source's own choice
-  double rate_hz = 0.0;    ///< 0: the source's own choice
+  int width = 0;         ///< 0: the source's own choice
+  int height = 0;        ///< 0: the source's own choice
+  double rate_hz = 0.0;  ///< 0: the source's own choice
 };
 
 struct FrameCapabilities {
   std::string name;  ///< what the source is, for people: "simulated camera", "/dev/video0 (vivid)"
   int width = 0;
   int height = 0;
-  double rate_hz = 0.0;       ///< nominal
+  double rate_hz = 0.0;            ///< nominal
   bool knows_camera_pose = false;  ///< its frames carry T_robot_camera
 };
 
@@ -95,16 +95,27 @@ struct SampleBatch {
   std::string message;
 };
 
+/// A pan-tilt unit. *Thread-safe* but for lock-step implementations: commands are taken, and stop() is, while
+/// other threads wait in samplesSince. test/contract/pantilt_contract.h holds what every implementation
+/// promises.
 class PanTiltUnit {
  public:
   virtual ~PanTiltUnit() = default;
+  /// A driver knows them before start(), from its configuration; those of a device that tells its own may be
+  /// all zero before it was reached.
   virtual PanTiltLimits limits() const = 0;
+  /// Rejected only for what cannot come right by itself. A device that is away, or still finds its zero, is
+  /// "adjusted" with what is waited for; samplesSince and command then say so until it is there, and the
+  /// driver keeps trying. May be called twice.
   virtual PortReply start() = 0;
-  /// Angles outside the limits are adjusted to them; values that are not finite are rejected.
+  /// Angles and rates outside the limits are adjusted to them; values that are not finite are rejected
+  /// (command_limits.h has the rule). Rejected with the reason while the device is away, homes or is jammed.
   virtual PortReply command(const PanTiltCommand& command) = 0;
-  /// Samples with stamp_us > after_us that the unit still holds (at least its last second); waits at most
-  /// `timeout` for one.
+  /// Samples with stamp_us > after_us that the unit still holds (at least its last second), stamps and
+  /// numbers strictly rising; waits at most `timeout` for one. kWaiting says why there is none.
   virtual SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) = 0;
+  /// The unit stands, waits end at once, and commands of a device's own driver are rejected until start(),
+  /// which begins anew. May be called twice.
   virtual void stop() = 0;
 };
 
@@ -116,15 +127,20 @@ struct BaseLimits {
   double watchdog_s = 0.0;  ///< the base stops by itself when no command came for this long
 };
 
+/// A base that drives and turns; threads and the other operations as in PanTiltUnit.
+/// test/contract/mobile_base_contract.h holds what every implementation promises.
 class MobileBase {
  public:
   virtual ~MobileBase() = default;
   virtual BaseLimits limits() const = 0;
   virtual PortReply start() = 0;
-  /// Speeds above the limits are adjusted to them; values that are not finite are rejected.
+  /// Holds until the next command, or for limits().watchdog_s: then the base brakes by itself and stands, by
+  /// default within 0.5 s of the last command from full speed. Speeds above the limits are adjusted to them;
+  /// values that are not finite are rejected.
   virtual PortReply setVelocity(double v_mps, double w_radps) = 0;
   /// As PanTiltUnit::samplesSince.
   virtual SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) = 0;
+  /// As PanTiltUnit::stop: the base brakes.
   virtual void stop() = 0;
 };
 

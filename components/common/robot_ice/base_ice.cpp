@@ -159,14 +159,25 @@ BaseLimits RemoteMobileBase::limits() const {
 }
 
 PortReply RemoteMobileBase::start() {
+  samples_.allow();
+  asked_limits_.allow();
   if (!motors_) return PortReply::accepted();
   const std::string failure = askLimits(kLongPollWait);
   return failure.empty() ? PortReply::accepted() : PortReply::adjusted("waiting for the motors: " + failure);
 }
 
 PortReply RemoteMobileBase::setVelocity(double v_mps, double w_radps) {
-  return runRemote(motors_, "base with motors",
-                   [v_mps, w_radps](avm::BasePrx& base) { return base.setVelocity(v_mps, w_radps); });
+  PortReply reply = runRemote(motors_, "base with motors", [v_mps, w_radps](avm::BasePrx& base) {
+    return base.setVelocity(v_mps, w_radps);
+  });
+  if (reply.ok()) driving_ = v_mps != 0.0 || w_radps != 0.0;
+  return reply;
+}
+
+void RemoteMobileBase::stop() {
+  samples_.interrupt();
+  asked_limits_.interrupt();
+  if (driving_) setVelocity(0.0, 0.0);
 }
 
 SampleBatch<OdometrySample> RemoteMobileBase::samplesSince(StampUs after_us,

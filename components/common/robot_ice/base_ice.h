@@ -4,6 +4,7 @@
 
 #include <avm/base.h>
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -101,7 +102,8 @@ class RemoteMobileBase : public MobileBase {
   PortReply start() override;
   PortReply setVelocity(double v_mps, double w_radps) override;
   SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override;
-  void stop() override {}
+  /// The base stops if this client's last command was a speed; whoever else drives it is not disturbed.
+  void stop() override;
 
  private:
   std::string askLimits(std::chrono::milliseconds timeout) const;
@@ -112,6 +114,7 @@ class RemoteMobileBase : public MobileBase {
   mutable PendingCall<avm::BaseLimits> asked_limits_;
   mutable std::mutex mutex_;
   mutable std::optional<BaseLimits> limits_;
+  std::atomic<bool> driving_ = false;  ///< by this client's last command
 };
 
 }  // namespace vismem

@@ -222,18 +222,31 @@ PanTiltLimits RemotePanTiltUnit::limits() const {
 
 PortReply RemotePanTiltUnit::start() {
   if (!proxy_) return PortReply::rejected("no pan-tilt unit is configured");
+  samples_.allow();
+  asked_limits_.allow();
   const std::string failure = askLimits(kLongPollWait);
   return failure.empty() ? PortReply::accepted()
                          : PortReply::adjusted("waiting for the pan-tilt unit: " + failure);
 }
 
 PortReply RemotePanTiltUnit::command(const PanTiltCommand& command) {
-  return runRemote(commands_, "pan-tilt unit", [&command](avm::PanTiltPrx& unit) {
+  PortReply reply = runRemote(commands_, "pan-tilt unit", [&command](avm::PanTiltPrx& unit) {
     if (command.kind == PanTiltCommand::Kind::kVelocity) {
       return unit.setRates(command.pan_rate_radps, command.tilt_rate_radps);
     }
     return unit.moveTo({command.pan_rad, command.tilt_rad}, command.pan_rate_radps, command.tilt_rate_radps);
   });
+  if (reply.ok()) {
+    turning_ = command.kind == PanTiltCommand::Kind::kVelocity &&
+               (command.pan_rate_radps != 0.0 || command.tilt_rate_radps != 0.0);
+  }
+  return reply;
+}
+
+void RemotePanTiltUnit::stop() {
+  samples_.interrupt();
+  asked_limits_.interrupt();
+  if (turning_) command({PanTiltCommand::Kind::kVelocity, 0.0, 0.0, 0.0, 0.0});
 }
 
 SampleBatch<PanTiltSample> RemotePanTiltUnit::samplesSince(StampUs after_us,

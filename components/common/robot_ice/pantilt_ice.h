@@ -5,6 +5,7 @@
 #include <avm/pantilt.h>
 
 #include <Eigen/Core>
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -83,7 +84,8 @@ class RemotePanTiltUnit : public PanTiltUnit {
   PortReply start() override;
   PortReply command(const PanTiltCommand& command) override;
   SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override;
-  void stop() override {}
+  /// The unit stands if this client's last command was a velocity; whoever else commands it is not disturbed.
+  void stop() override;
 
  private:
   std::string askLimits(std::chrono::milliseconds timeout) const;
@@ -94,6 +96,7 @@ class RemotePanTiltUnit : public PanTiltUnit {
   mutable PendingCall<avm::PanTiltLimits> asked_limits_;
   mutable std::mutex mutex_;
   mutable std::optional<PanTiltLimits> limits_;
+  std::atomic<bool> turning_ = false;  ///< by this client's last command
 };
 
 }  // namespace vismem

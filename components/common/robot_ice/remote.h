@@ -58,7 +58,8 @@ PortReply runRemote(const std::shared_ptr<Prx>& proxy, const char* what, Call&& 
 /// One request in flight to a server. A wait that ends before the answer leaves the request pending for the
 /// next wait, so short timeouts of a caller neither lose answers nor pile up requests. After a failure the
 /// next request goes out no sooner than kRetry later, and the failed wait lasts its whole timeout: a caller
-/// that asks again at once would spin while the peer is away. *Thread-safe*: waits exclude each other.
+/// that asks again at once would spin while the peer is away. *Thread-safe*: waits exclude each other, and
+/// interrupt() may be called meanwhile.
 template <typename Result>
 class PendingCall {
  public:
@@ -80,21 +81,21 @@ class PendingCall {
     const std::lock_guard one_at_a_time(waits_);
     const auto deadline = Clock::now() + timeout;
     if (!proxy_) {
-      std::this_thread::sleep_until(deadline);
+      pauseUntil(deadline);
       return {std::nullopt, "no server is configured"};
     }
     if (!slot_) {
-      std::this_thread::sleep_until(std::min(deadline, not_before_));
-      if (Clock::now() < not_before_) return {std::nullopt, failure_};
+      pauseUntil(std::min(deadline, not_before_));
+      if (Clock::now() < not_before_ || interrupted()) return {std::nullopt, failure_};
       begin(send);
     }
     std::optional<Result> result;
     std::exception_ptr error;
     {
-      std::unique_lock lock(slot_->mutex);
-      if (!slot_->filled.wait_until(lock, deadline, [this] { return slot_->result || slot_->error; })) {
-        return {std::nullopt, failure_};
-      }
+      std::unique_lock lock(gate_->mutex);
+      const auto answered = [this] { return slot_->result || slot_->error; };
+      gate_->changed.wait_until(lock, deadline, [&] { return answered() || gate_->interrupted; });
+      if (!answered()) return {std::nullopt, failure_};
       result = std::move(slot_->result);
       error = slot_->error;
     }
@@ -107,35 +108,59 @@ class PendingCall {
     failure_ = describeFailure(*proxy_, error);
     not_before_ = Clock::now() + kRetry;
     if (report_) report_(failure_);
-    std::this_thread::sleep_until(deadline);
+    pauseUntil(deadline);
     return {std::nullopt, failure_};
   }
+
+  /// Ends the wait, and those to come, at once, until allow() is called. What is in flight stays so.
+  void interrupt() { setInterrupted(true); }
+  void allow() { setInterrupted(false); }
 
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kRetry{200};
 
-  /// Shared with the answer, which may come after this object has gone.
-  struct Slot {
+  /// What waits look at. Shared with the answer, which may come after this object has gone.
+  struct Gate {
     std::mutex mutex;
-    std::condition_variable filled;
+    std::condition_variable changed;
+    bool interrupted = false;
+  };
+  /// One request's answer; guarded by the gate.
+  struct Slot {
     std::optional<Result> result;
     std::exception_ptr error;
   };
 
+  void setInterrupted(bool value) {
+    {
+      const std::lock_guard lock(gate_->mutex);
+      gate_->interrupted = value;
+    }
+    gate_->changed.notify_all();
+  }
+  bool interrupted() const {
+    const std::lock_guard lock(gate_->mutex);
+    return gate_->interrupted;
+  }
+  void pauseUntil(Clock::time_point when) {
+    std::unique_lock lock(gate_->mutex);
+    gate_->changed.wait_until(lock, when, [this] { return gate_->interrupted; });
+  }
+
   void begin(const Send& send) {
     slot_ = std::make_shared<Slot>();
-    const auto fail = [slot = slot_](const std::exception_ptr& error) {
-      const std::lock_guard lock(slot->mutex);
+    const auto fail = [gate = gate_, slot = slot_](const std::exception_ptr& error) {
+      const std::lock_guard lock(gate->mutex);
       slot->error = error;
-      slot->filled.notify_all();
+      gate->changed.notify_all();
     };
     try {
       send(
-          [slot = slot_](Result result) {
-            const std::lock_guard lock(slot->mutex);
+          [gate = gate_, slot = slot_](Result result) {
+            const std::lock_guard lock(gate->mutex);
             slot->result = std::move(result);
-            slot->filled.notify_all();
+            gate->changed.notify_all();
           },
           fail);
     } catch (...) {
@@ -146,7 +171,8 @@ class PendingCall {
   std::shared_ptr<Ice::ObjectPrx> proxy_;
   LinkReport report_;
   std::mutex waits_;
-  std::shared_ptr<Slot> slot_;
+  const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
+  std::shared_ptr<Slot> slot_;  ///< of the waits
   Clock::time_point not_before_{};
   std::string failure_;  ///< of the last request that ended; empty when it succeeded
 };

@@ -59,30 +59,38 @@ class LogPlayer::PanTiltPort : public PanTiltUnit {
  public:
   explicit PanTiltPort(LogPlayer& player) : player_(player) {}
   PanTiltLimits limits() const override { return limitsOf(player_.log_); }
-  PortReply start() override { return PortReply::accepted(); }
+  PortReply start() override {
+    player_.setStopped(stopped_, false);
+    return PortReply::accepted();
+  }
   PortReply command(const PanTiltCommand&) override { return recordingCannotMove(); }
   SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
-    return player_.samplesSince(player_.log_.joints(), after_us, timeout);
+    return player_.samplesSince(player_.log_.joints(), stopped_, after_us, timeout);
   }
-  void stop() override {}
+  void stop() override { player_.setStopped(stopped_, true); }
 
  private:
   LogPlayer& player_;
+  bool stopped_ = false;  ///< guarded by the player's mutex
 };
 
 class LogPlayer::BasePort : public MobileBase {
  public:
   explicit BasePort(LogPlayer& player) : player_(player) {}
   BaseLimits limits() const override { return {}; }
-  PortReply start() override { return PortReply::accepted(); }
+  PortReply start() override {
+    player_.setStopped(stopped_, false);
+    return PortReply::accepted();
+  }
   PortReply setVelocity(double, double) override { return recordingCannotMove(); }
   SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
-    return player_.samplesSince(player_.log_.odometry(), after_us, timeout);
+    return player_.samplesSince(player_.log_.odometry(), stopped_, after_us, timeout);
   }
-  void stop() override {}
+  void stop() override { player_.setStopped(stopped_, true); }
 
  private:
   LogPlayer& player_;
+  bool stopped_ = false;  ///< guarded by the player's mutex
 };
 
 LogPlayer::LogPlayer(RobotLog log, const Params& params, PacingClock& clock)
@@ -189,8 +197,8 @@ FrameResult LogPlayer::nextFrame(std::chrono::milliseconds timeout) {
 }
 
 template <typename Sample>
-SampleBatch<Sample> LogPlayer::samplesSince(const std::vector<Sample>& samples, StampUs after_us,
-                                            std::chrono::milliseconds timeout) {
+SampleBatch<Sample> LogPlayer::samplesSince(const std::vector<Sample>& samples, const bool& stopped,
+                                            StampUs after_us, std::chrono::milliseconds timeout) {
   if (samples.empty()) return {SourceState::kWaiting, {}, log_.file() + " has none of these samples"};
   std::unique_lock lock(mutex_);
   const StampUs deadline_us = clock_.now() + std::chrono::microseconds(timeout).count();
@@ -210,8 +218,17 @@ SampleBatch<Sample> LogPlayer::samplesSince(const std::vector<Sample>& samples, 
     if (timeline_.state() == ReplayState::kFinished) return {SourceState::kFinished, {}, whyNothing()};
     std::optional<StampUs> due_us;
     if (end < samples.size()) due_us = samples[end].stamp_us;
+    if (stopped) return {SourceState::kWaiting, {}, "this port of the recording is stopped"};
     if (!waitLocked(lock, due_us, deadline_us)) return {SourceState::kWaiting, {}, whyNothing()};
   }
+}
+
+void LogPlayer::setStopped(bool& stopped, bool value) {
+  {
+    const std::lock_guard lock(mutex_);
+    stopped = value;
+  }
+  wake_.notify_all();
 }
 
 ReplayStatus LogPlayer::status() const {

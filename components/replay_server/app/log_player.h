@@ -72,9 +72,11 @@ class LogPlayer : public ReplayControl {
   class BasePort;
 
   FrameResult nextFrame(std::chrono::milliseconds timeout);
+  /// @param stopped of the port that asks; guarded by the mutex.
   template <typename Sample>
-  SampleBatch<Sample> samplesSince(const std::vector<Sample>& samples, StampUs after_us,
+  SampleBatch<Sample> samplesSince(const std::vector<Sample>& samples, const bool& stopped, StampUs after_us,
                                    std::chrono::milliseconds timeout);
+  void setStopped(bool& stopped, bool value);
   void updateLocked() const;
   /// Waits for the stamp (where there is one), the deadline or a change. @return false at the deadline.
   bool waitLocked(std::unique_lock<std::mutex>& lock, std::optional<StampUs> stamp_us, StampUs deadline_us);

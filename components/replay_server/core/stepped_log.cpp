@@ -39,6 +39,8 @@ SampleBatch<Sample> released(const std::vector<Sample>& samples, std::size_t cou
   batch.state = !batch.samples.empty()    ? SourceState::kRunning
                 : count == samples.size() ? SourceState::kFinished
                                           : SourceState::kWaiting;
+  if (batch.state == SourceState::kFinished) batch.message = "the recording has no more of these samples";
+  if (batch.state == SourceState::kWaiting) batch.message = "no newer sample before the next step";
   return batch;
 }
 
