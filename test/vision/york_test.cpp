@@ -4,9 +4,9 @@
 #include <iostream>
 
 #include "common/vision/segment_detector.h"
+#include "experiments/app/annotated_images.h"
+#include "experiments/core/segment_accuracy.h"
 #include "support/data_folder.h"
-#include "vision/support/accuracy.h"
-#include "vision/support/annotated_images.h"
 #include "vision/support/repeatability.h"
 #include "vision/support/synthetic_scenes.h"
 

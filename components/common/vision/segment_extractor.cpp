@@ -17,6 +17,16 @@ SegmentExtractor& SegmentExtractor::operator=(SegmentExtractor&&) noexcept = def
 
 std::vector<ImageSegment> SegmentExtractor::extract(const cv::Mat& image,
                                                     const CameraIntrinsics& intrinsics) {
+  // Collinear is a matter of ideal pixels: a straight edge is bent by the lens.
+  auto segments = mergeSegments(extractPieces(image, intrinsics), params_.merge);
+  std::erase_if(segments, [this](const ImageSegment& segment) {
+    return segment.px.length() < params_.minimum_length_px;
+  });
+  return segments;
+}
+
+std::vector<ImageSegment> SegmentExtractor::extractPieces(const cv::Mat& image,
+                                                          const CameraIntrinsics& intrinsics) {
   if (image.cols != intrinsics.width || image.rows != intrinsics.height) {
     throw std::invalid_argument("image of " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
                                 " px (its intrinsics are for " + std::to_string(intrinsics.width) + "x" +
@@ -38,11 +48,6 @@ std::vector<ImageSegment> SegmentExtractor::extract(const cv::Mat& image,
       segments.push_back(std::move(segment));
     }
   }
-  // Collinear is a matter of ideal pixels: a straight edge is bent by the lens.
-  segments = mergeSegments(std::move(segments), params_.merge);
-  std::erase_if(segments, [this](const ImageSegment& segment) {
-    return segment.px.length() < params_.minimum_length_px;
-  });
   return segments;
 }
 

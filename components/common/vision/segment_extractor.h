@@ -37,6 +37,8 @@ class SegmentExtractor {
   /// @param intrinsics of that image; its distortion is taken out of the ends.
   /// @throws std::invalid_argument when the image's size is not the intrinsics' or its type is another.
   std::vector<ImageSegment> extract(const cv::Mat& image, const CameraIntrinsics& intrinsics);
+  /// What `extract` has before it merges and drops: detected, labelled, ends undistorted (figure 10, left).
+  std::vector<ImageSegment> extractPieces(const cv::Mat& image, const CameraIntrinsics& intrinsics);
 
  private:
   ExtractorParams params_;

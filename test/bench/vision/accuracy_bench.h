@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "bench/vision/detectors.h"
-#include "vision/support/accuracy.h"
-#include "vision/support/annotated_images.h"
+#include "experiments/app/annotated_images.h"
+#include "experiments/core/segment_accuracy.h"
 #include "vision/support/repeatability.h"
 
 namespace vismem {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/vision/detectors.h"
-#include "vision/support/annotated_images.h"
+#include "experiments/app/annotated_images.h"
 
 namespace vismem {
 

@@ -1,4 +1,4 @@
-#include "vision/support/accuracy.h"
+#include "experiments/core/segment_accuracy.h"
 
 #include <algorithm>
 #include <cmath>

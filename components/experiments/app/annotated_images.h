@@ -30,6 +30,10 @@ std::vector<AnnotatedImage> loadAnnotated(const std::filesystem::path& images,
                                           const std::filesystem::path& truth,
                                           double shift_px = kAnnotationShift_px);
 
+/// One of them. @throws std::runtime_error as loadAnnotated.
+AnnotatedImage loadAnnotatedImage(const std::filesystem::path& image, const std::filesystem::path& truth,
+                                  double shift_px = kAnnotationShift_px);
+
 /// The image brought to a width by area averaging, its height in proportion, and the annotation with it: its
 /// coordinates times new width over old (york_urban_half's README: halved after the shift).
 /// @param width <= the image's.

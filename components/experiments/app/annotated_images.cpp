@@ -1,4 +1,4 @@
-#include "vision/support/annotated_images.h"
+#include "experiments/app/annotated_images.h"
 
 #include <algorithm>
 #include <cctype>
@@ -42,19 +42,24 @@ std::vector<Segment2> readAnnotation(const std::filesystem::path& file, double s
 
 }  // namespace
 
+AnnotatedImage loadAnnotatedImage(const std::filesystem::path& file, const std::filesystem::path& truth,
+                                  double shift_px) {
+  AnnotatedImage image;
+  image.name = file.stem().string();
+  const cv::Mat bgr = cv::imread(file.string(), cv::IMREAD_COLOR);
+  if (bgr.empty()) throw std::runtime_error(file.string() + ": not an image that can be read");
+  cv::cvtColor(bgr, image.rgb, cv::COLOR_BGR2RGB);
+  image.annotated = readAnnotation(truth / (image.name + "_gt.txt"), shift_px);
+  return image;
+}
+
 std::vector<AnnotatedImage> loadAnnotated(const std::filesystem::path& images,
                                           const std::filesystem::path& truth, double shift_px) {
   std::vector<AnnotatedImage> loaded;
   if (!std::filesystem::is_directory(images)) return loaded;
   for (const auto& entry : std::filesystem::directory_iterator(images)) {
     if (!isImageName(entry.path())) continue;
-    AnnotatedImage image;
-    image.name = entry.path().stem().string();
-    const cv::Mat bgr = cv::imread(entry.path().string(), cv::IMREAD_COLOR);
-    if (bgr.empty()) throw std::runtime_error(entry.path().string() + ": not an image that can be read");
-    cv::cvtColor(bgr, image.rgb, cv::COLOR_BGR2RGB);
-    image.annotated = readAnnotation(truth / (image.name + "_gt.txt"), shift_px);
-    loaded.push_back(std::move(image));
+    loaded.push_back(loadAnnotatedImage(entry.path(), truth, shift_px));
   }
   std::sort(loaded.begin(), loaded.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
   return loaded;

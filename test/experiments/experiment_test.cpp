@@ -1,0 +1,96 @@
+// The program `experiment` as a user calls it (DESIGN 11; SPEC E9).
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+namespace vismem {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class ExperimentProgram : public testing::Test {
+ protected:
+  ExperimentProgram()
+      : folder_(fs::temp_directory_path() / ("vismem_experiment_" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~ExperimentProgram() override { fs::remove_all(folder_); }
+
+  int run(const std::string& arguments) {
+    const std::string line = std::string(VISMEM_BIN_DIR) + "/experiment " + arguments + " > " +
+                             (folder_ / "stdout").string() + " 2> " + (folder_ / "stderr").string();
+    const int status = std::system(line.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  std::string content(const fs::path& name) const {
+    std::ifstream in(folder_ / name);
+    std::stringstream text;
+    text << in.rdbuf();
+    return text.str();
+  }
+  nlohmann::json lastLine() const {
+    std::istringstream out(content("stdout"));
+    std::string last;
+    for (std::string line; std::getline(out, line);) last = line;
+    return nlohmann::json::parse(last);
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ExperimentProgram, E9ComparesTheDetectorsOnSimulatedImagesWithoutAnyData) {
+  const std::string out = (folder_ / "e9").string();
+  ASSERT_EQ(run("E9 --seed 3 --data /nowhere --out " + out), 0) << content("stderr");
+  const nlohmann::json json = lastLine();
+  EXPECT_EQ(json["experiment"], "E9");
+  EXPECT_EQ(json["seed"], 3);
+  ASSERT_EQ(json["absent"].size(), 2u);
+  EXPECT_THAT(json["absent"][0].get<std::string>(), HasSubstr("/nowhere/york_urban_half"));
+  ASSERT_GE(json["images"].size(), 2u);
+  for (const auto& image : json["images"]) {
+    ASSERT_EQ(image["detectors"].size(), 3u) << image;
+    // What the chapter's figure 3 shows: Hough finds few of the lines, Solis most.
+    EXPECT_GT(image["detectors"]["solis"]["recall_2px"], image["detectors"]["hough"]["recall_2px"]) << image;
+    EXPECT_LE(image["detectors"]["solis"]["fragments_per_line"], 1.5) << image;
+    // Figure 10: merging leaves fewer.
+    EXPECT_LT(image["merging"]["chapter"]["after"]["labelled"],
+              image["merging"]["chapter"]["before"]["labelled"]);
+  }
+  for (const char* picture : {"figure3.png", "figure10.png", "figure3_room.png", "figure3_corridor.png"}) {
+    EXPECT_FALSE(cv::imread(out + "/" + picture).empty()) << picture;
+  }
+  EXPECT_THAT(content("e9/counts.csv"), HasSubstr("\nroom,hough,"));
+  EXPECT_THAT(content("e9/merging.csv"), HasSubstr("\ncorridor,chapter,after,"));
+  EXPECT_THAT(content("e9/segments.csv"), HasSubstr("\nroom,solis,"));
+  EXPECT_EQ(nlohmann::json::parse(content("e9/result.json")), json);
+
+  // The same seed gives the same bytes.
+  const std::string first = content("e9/segments.csv");
+  ASSERT_EQ(run("E9 --seed 3 --data /nowhere --out " + out), 0);
+  EXPECT_EQ(content("e9/segments.csv"), first);
+  ASSERT_EQ(run("E9 --seed 4 --data /nowhere --mode chapter --out " + out), 0);
+  EXPECT_NE(content("e9/segments.csv"), first);
+  EXPECT_FALSE(lastLine()["images"][0]["merging"].contains("solis"));
+}
+
+TEST_F(ExperimentProgram, NamesWhatIsWrongWithItsArguments) {
+  EXPECT_NE(run("E99"), 0);
+  EXPECT_THAT(content("stderr"), HasSubstr("E9"));
+  EXPECT_NE(run(""), 0);
+  EXPECT_EQ(run("E9 --out /proc/nowhere"), 1);
+  EXPECT_THAT(content("stderr"), HasSubstr("/proc/nowhere"));
+  EXPECT_EQ(run("--help"), 0);
+  EXPECT_THAT(content("stdout"), HasSubstr("E9  Canny+Hough beside Solis"));
+}
+
+}  // namespace
+}  // namespace vismem
