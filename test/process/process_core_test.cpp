@@ -11,6 +11,7 @@
 #include "common/process/peer_state.h"
 #include "common/process/ready_line.h"
 #include "common/process/status.h"
+#include "common/process/stream_health.h"
 
 namespace vismem {
 namespace {
@@ -152,6 +153,23 @@ TEST_F(StatusTest, StateFollowsFromPeersAndFaults) {
   EXPECT_EQ(stateText(), "running");
   board_.stopping();
   EXPECT_EQ(stateText(), "stopping");
+}
+
+TEST_F(StatusTest, AStreamThatDriesUpIsAFault) {
+  board_.serving();
+  StreamHealth health(board_, "samples", "base");
+  health.nothing("no sample yet", now_);
+  now_ += std::chrono::milliseconds(900);
+  health.nothing("no sample yet", now_);
+  EXPECT_EQ(stateText(), "running") << "it may take its time";
+  health.came(3, now_);
+  now_ += std::chrono::milliseconds(1100);
+  health.nothing("/dev/ttyUSB0 is gone", now_);
+  EXPECT_EQ(stateText(), "degraded: base: /dev/ttyUSB0 is gone");
+  health.came(1, now_);
+  EXPECT_EQ(stateText(), "running");
+  ASSERT_EQ(board_.report().rates.size(), 1U);
+  EXPECT_EQ(board_.report().rates[0].total, 4);
 }
 
 TEST_F(StatusTest, FaultsAreLoggedOncePerChange) {
