@@ -4,10 +4,11 @@
 #include <cctype>
 #include <cmath>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 #include <stdexcept>
+
+#include "common/vision/app/image_file.h"
 
 namespace vismem {
 namespace {
@@ -46,9 +47,8 @@ AnnotatedImage loadAnnotatedImage(const std::filesystem::path& file, const std::
                                   double shift_px) {
   AnnotatedImage image;
   image.name = file.stem().string();
-  const cv::Mat bgr = cv::imread(file.string(), cv::IMREAD_COLOR);
-  if (bgr.empty()) throw std::runtime_error(file.string() + ": not an image that can be read");
-  cv::cvtColor(bgr, image.rgb, cv::COLOR_BGR2RGB);
+  image.rgb = readImageFile(file);
+  if (image.rgb.empty()) throw std::runtime_error(file.string() + ": not an image that can be read");
   image.annotated = readAnnotation(truth / (image.name + "_gt.txt"), shift_px);
   return image;
 }

@@ -5,15 +5,12 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-#include <optional>
 #include <random>
-#include <set>
 #include <stdexcept>
 
 #include "common/recording/robot_log.h"
 #include "common/segment_map/segment_map.h"
+#include "common/vision/app/image_file.h"
 #include "common/vision/segment_extractor.h"
 #include "experiments/app/annotated_images.h"
 #include "experiments/app/evaluation_setup.h"
@@ -57,6 +54,7 @@ struct SimulatedScene {
 const SimulatedScene kSimulated[] = {
     {"room", "simulated room: white markings on a dark floor", {-2.0, -1.2, 0.4}, -22.0},
     {"corridor", "simulated corridor with doors", {-4.25, -1.5, 1.57}, -12.0},
+    {"texture", "simulated room with a textured floor", {0.0, 0.0, 0.0}, -20.0},
 };
 /// A photograph of a corridor, and a moment at which the Nao sees the field's lines and a goal.
 constexpr const char* kPhotograph = "P1040811";
@@ -73,9 +71,12 @@ void addNoise(cv::Mat& image, std::uint64_t seed) {
   }
 }
 
+fs::path worldFile(const SimulatedScene& scene) {
+  return projectFile(std::string("cfg/worlds/") + scene.name + ".world");
+}
+
 Scene simulatedScene(const SimulatedScene& from, std::uint64_t seed) {
-  const std::string world = std::string("cfg/worlds/") + from.name + ".world";
-  const LoadedWorld loaded = loadWorld(projectFile(world), {});
+  const LoadedWorld loaded = loadWorld(worldFile(from), {});
   Renderer renderer(loaded.world);
   const SimulationConfig robot;
   Scene scene{from.name, "simulated", from.title, {}, robot.intrinsics, {}, nullptr};
@@ -159,18 +160,6 @@ class CsvFile {
   fs::path file_;
   std::ofstream out_;
 };
-
-void writePicture(const cv::Mat& rgb, const fs::path& file) {
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  bool written = false;
-  try {
-    written = cv::imwrite(file.string(), bgr);
-  } catch (const cv::Exception&) {  // an ending or folder it does not know: the message below names it
-    written = false;
-  }
-  if (!written) throw std::runtime_error(file.string() + ": cannot be written");
-}
 
 /// Figure 3: what each detector finds.
 SegmentRow detectedRow(const Scene& scene, nlohmann::json& json, CsvFile& counts, CsvFile& all) {
@@ -268,8 +257,13 @@ void addMerging(const Scene& scene, const std::string& detector, SegmentRow& row
 nlohmann::json compareDetectors(const ExperimentOptions& options) {
   std::vector<Scene> scenes;
   nlohmann::json absent = nlohmann::json::array();
-  for (const SimulatedScene& simulated : kSimulated)
-    scenes.push_back(simulatedScene(simulated, options.seed));
+  for (const SimulatedScene& simulated : kSimulated) {
+    if (fs::exists(worldFile(simulated))) {
+      scenes.push_back(simulatedScene(simulated, options.seed));
+    } else {
+      absent.push_back(worldFile(simulated).string() + ": not there");
+    }
+  }
   if (fs::is_directory(options.data / "york_urban_half")) {
     scenes.push_back(photographScene(options.data));
   } else {
@@ -302,7 +296,7 @@ nlohmann::json compareDetectors(const ExperimentOptions& options) {
   for (const Scene& scene : scenes) {
     nlohmann::json json{{"image", scene.name}, {"kind", scene.kind}, {"lines_known", !scene.truth.empty()}};
     figure3.rows.push_back(detectedRow(scene, json, counts, all));
-    writePicture(
+    writeImageFile(
         drawSegmentFigure({figure3.title, figure3.subtitle, {figure3.rows.back()}, {}}, kLargePanel_px),
         options.out / ("figure3_" + scene.name + ".png"));
     if (scene.palette) {
@@ -316,8 +310,8 @@ nlohmann::json compareDetectors(const ExperimentOptions& options) {
   }
   figure10.legend = label_colors.legend();
   for (CsvFile* file : {&counts, &all, &merging}) file->close();
-  writePicture(drawSegmentFigure(figure3, kPanel_px), options.out / "figure3.png");
-  writePicture(drawSegmentFigure(figure10, kSmallPanel_px), options.out / "figure10.png");
+  writeImageFile(drawSegmentFigure(figure3, kPanel_px), options.out / "figure3.png");
+  writeImageFile(drawSegmentFigure(figure10, kSmallPanel_px), options.out / "figure10.png");
   return {{"images", images}, {"absent", absent}};
 }
 

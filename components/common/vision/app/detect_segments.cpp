@@ -7,11 +7,12 @@
 #include <fstream>
 #include <iostream>
 #include <opencv2/core/utility.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <set>
 
 #include "common/vision/app/drawing.h"
+#include "common/vision/app/image_file.h"
 #include "common/vision/segment_detector.h"
 
 namespace {
@@ -80,13 +81,12 @@ class Run {
   }
 
   void process(const std::string& name, std::ostream* csv) {
-    cv::Mat image = cv::imread(name, cv::IMREAD_COLOR);
+    cv::Mat image = vismem::readImageFile(name);
     if (image.empty()) {
       std::cerr << "detect_segments: " << name << ": not an image that can be read\n";
       ++unreadable_;
       return;
     }
-    cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
     if (size_ && image.size() != *size_) cv::resize(image, image, *size_, 0, 0, cv::INTER_AREA);
     std::vector<RawSegment> segments;
     const auto start = std::chrono::steady_clock::now();
@@ -113,18 +113,17 @@ class Run {
   void draw(const std::string& name, const cv::Mat& image, const std::vector<RawSegment>& segments) {
     cv::Mat canvas = vismem::magnifiedForDrawing(image);
     for (const RawSegment& segment : segments)
-      vismem::drawSegment(canvas, image, segment.px_raw, {0, 0, 255});
-    const auto file =
-        std::filesystem::path(options_.overlay) / (std::filesystem::path(name).stem().string() + ".png");
-    bool written = false;
+      vismem::drawSegment(canvas, image, segment.px_raw, {255, 0, 0});
+    // Images of one name from several folders keep their pictures apart: name.png, name_2.png ...
+    const std::string stem = std::filesystem::path(name).stem().string();
+    std::string unique = stem;
+    for (int n = 2; !drawn_.insert(unique).second; ++n) unique = stem + "_" + std::to_string(n);
     try {
-      written = cv::imwrite(file.string(), canvas);
-    } catch (const cv::Exception&) {
-      written = false;
+      vismem::writeImageFile(canvas, std::filesystem::path(options_.overlay) / (unique + ".png"));
+    } catch (const std::runtime_error& error) {
+      fail(error.what());
+      failed_ = true;
     }
-    if (written) return;
-    std::cerr << "detect_segments: " << file.string() << ": cannot be written\n";
-    failed_ = true;
   }
 
   Options options_;
@@ -133,6 +132,7 @@ class Run {
   std::size_t segments_ = 0;
   int images_ = 0;
   int unreadable_ = 0;
+  std::set<std::string> drawn_;
   double seconds_ = 0.0;
   bool failed_ = false;
 };
@@ -146,21 +146,19 @@ int main(int argc, char** argv) {
       "integers; the brighter side is on the left of (x1, y1) -> (x2, y2)."};
   app.add_option("--detector", options.detector, "solis (ours), chapter (published Solis) or hough")
       ->check(CLI::IsMember(vismem::segmentDetectorNames()));
-  app.add_option("--size", options.size, "WxH: images are brought to this size by area averaging");
+  app.add_option("--size", options.size, "WxH: images are brought to this size by area averaging")
+      ->check([](const std::string& text) {
+        return parseSize(text) ? std::string() : text + " (must be WxH, for example 320x240)";
+      });
   app.add_option("--min-length", options.minimum_length_px, "shorter segments are left out [px]")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--csv", options.csv, "file to write (without it and without --overlay: standard output)");
   app.add_option("--overlay", options.overlay, "folder for pictures with the segments drawn");
   app.add_option("IMAGE", options.images, "images to read")->required();
   CLI11_PARSE(app, argc, argv);
-  const auto size = parseSize(options.size);
-  if (!options.size.empty() && !size) {
-    std::cerr << "detect_segments: --size " << options.size << " (must be WxH, for example 320x240)\n";
-    return 1;
-  }
   try {
     cv::setNumThreads(1);
-    return Run(options, size)();
+    return Run(options, parseSize(options.size))();
   } catch (const std::exception& error) {
     std::cerr << "detect_segments: " << error.what() << '\n';
     return 1;

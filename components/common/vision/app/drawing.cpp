@@ -29,18 +29,22 @@ cv::Point fixedPoint(const Eigen::Vector2d& px, int scale) {
 cv::Mat magnifiedForDrawing(const cv::Mat& image) {
   const int scale = magnification(image);
   cv::Mat canvas;
-  cv::cvtColor(image, canvas, image.channels() == 1 ? cv::COLOR_GRAY2BGR : cv::COLOR_RGB2BGR);
+  if (image.channels() == 1) {
+    cv::cvtColor(image, canvas, cv::COLOR_GRAY2RGB);
+  } else {
+    canvas = image.clone();  // an image that is not enlarged must stay as it is
+  }
   cv::resize(canvas, canvas, cv::Size(), scale, scale, cv::INTER_NEAREST);
   return canvas;
 }
 
-void drawSegment(cv::Mat& canvas, const cv::Mat& image, const Segment2& px, const cv::Scalar& color_bgr) {
+void drawSegment(cv::Mat& canvas, const cv::Mat& image, const Segment2& px, const cv::Scalar& color_rgb) {
   const int scale = magnification(image);
   const Eigen::Vector2d tip = px.middle() + kTick_px * leftNormal(px);
-  cv::line(canvas, fixedPoint(px.a, scale), fixedPoint(px.b, scale), color_bgr, 1, cv::LINE_AA, kShift);
-  cv::line(canvas, fixedPoint(px.middle(), scale), fixedPoint(tip, scale), color_bgr, 1, cv::LINE_AA, kShift);
+  cv::line(canvas, fixedPoint(px.a, scale), fixedPoint(px.b, scale), color_rgb, 1, cv::LINE_AA, kShift);
+  cv::line(canvas, fixedPoint(px.middle(), scale), fixedPoint(tip, scale), color_rgb, 1, cv::LINE_AA, kShift);
   for (const Eigen::Vector2d* end : {&px.a, &px.b}) {
-    cv::circle(canvas, fixedPoint(*end, scale), 2 << kShift, color_bgr, cv::FILLED, cv::LINE_AA, kShift);
+    cv::circle(canvas, fixedPoint(*end, scale), 2 << kShift, color_rgb, cv::FILLED, cv::LINE_AA, kShift);
   }
 }
 

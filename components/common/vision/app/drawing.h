@@ -1,4 +1,4 @@
-/// @file Pictures of segments for the tools. Pure. Canvases are CV_8UC3 in OpenCV's order B, G, R.
+/// @file Pictures of segments for the tools. Pure. Canvases are CV_8UC3 (R, G, B).
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -13,6 +13,6 @@ cv::Mat magnifiedForDrawing(const cv::Mat& image);
 
 /// Draws a segment of `image` on its magnified canvas, with a short tick at its middle towards the brighter
 /// side and dots at its ends.
-void drawSegment(cv::Mat& canvas, const cv::Mat& image, const Segment2& px, const cv::Scalar& color_bgr);
+void drawSegment(cv::Mat& canvas, const cv::Mat& image, const Segment2& px, const cv::Scalar& color_rgb);
 
 }  // namespace vismem

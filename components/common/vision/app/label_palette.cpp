@@ -1,12 +1,15 @@
 // label_palette: what a palette makes of an image: its colour classes and its labelled segments (V3).
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "common/vision/app/drawing.h"
+#include "common/vision/app/image_file.h"
 #include "common/vision/palette.h"
 #include "common/vision/segment_extractor.h"
 
@@ -14,18 +17,32 @@ namespace {
 
 using namespace vismem;
 
+constexpr int kLine_px = 24;
+constexpr int kSwatch_px = 16;
+constexpr int kText_px = 8;
+const cv::Scalar kUnknownColor(150, 150, 150);
+const cv::Scalar kInk(30, 30, 30);
+
 /// Distinct colours by turning the hue by the golden angle.
 cv::Scalar colorOf(int index) {
   cv::Mat hsv(1, 1, CV_8UC3, cv::Scalar((index * 68 + 5) % 180, 230, 255));
-  cv::cvtColor(hsv, hsv, cv::COLOR_HSV2BGR);
-  const auto& bgr = hsv.at<cv::Vec3b>(0, 0);
-  return {static_cast<double>(bgr[0]), static_cast<double>(bgr[1]), static_cast<double>(bgr[2])};
+  cv::cvtColor(hsv, hsv, cv::COLOR_HSV2RGB);
+  const auto& rgb = hsv.at<cv::Vec3b>(0, 0);
+  return {static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])};
 }
 
-/// Classes as flat colours (their own mean in the image); pixels of no class dark.
-cv::Mat classPicture(const cv::Mat& image, const Palette& palette) {
-  std::vector<cv::Vec3d> sum(palette.classCount() + 1);
-  std::vector<int> count(sum.size(), 0);
+/// Classes as flat colours, each its own mean in the image; pixels of no class dark.
+struct ClassPicture {
+  cv::Mat picture;
+  std::vector<cv::Scalar> colors;  ///< by class
+  std::vector<double> shares;      ///< of the image's pixels, by class
+};
+
+ClassPicture classPicture(const cv::Mat& image, const Palette& palette) {
+  const auto count = static_cast<std::size_t>(palette.classCount()) + 1;
+  std::vector<cv::Vec3d> sum(count);
+  ClassPicture result{cv::Mat(image.size(), CV_8UC3), std::vector<cv::Scalar>(count),
+                      std::vector<double>(count, 0.0)};
   cv::Mat classes(image.size(), CV_8UC1);
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
@@ -33,93 +50,130 @@ cv::Mat classPicture(const cv::Mat& image, const Palette& palette) {
       const ColorClass found = palette.classOf(c[0], c[1], c[2]);
       classes.at<std::uint8_t>(y, x) = found;
       sum[found] += cv::Vec3d(c[0], c[1], c[2]);
-      ++count[found];
+      result.shares[found] += 1.0;
     }
   }
-  cv::Mat picture(image.size(), CV_8UC3, cv::Scalar(30, 30, 30));
+  for (std::size_t i = 0; i < count; ++i) {
+    const cv::Vec3d mean =
+        i == kNoColorClass || result.shares[i] == 0.0 ? cv::Vec3d(30, 30, 30) : sum[i] / result.shares[i];
+    result.colors[i] = cv::Scalar(mean[0], mean[1], mean[2]);
+    result.shares[i] /= static_cast<double>(image.total());
+  }
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
-      const ColorClass found = classes.at<std::uint8_t>(y, x);
-      if (found == kNoColorClass) continue;
-      const cv::Vec3d mean = sum[found] / count[found];
-      picture.at<cv::Vec3b>(y, x) =
-          cv::Vec3b(cv::saturate_cast<std::uint8_t>(mean[0]), cv::saturate_cast<std::uint8_t>(mean[1]),
-                    cv::saturate_cast<std::uint8_t>(mean[2]));
+      const cv::Scalar& color = result.colors[classes.at<std::uint8_t>(y, x)];
+      result.picture.at<cv::Vec3b>(y, x) =
+          cv::Vec3b(cv::saturate_cast<std::uint8_t>(color[0]), cv::saturate_cast<std::uint8_t>(color[1]),
+                    cv::saturate_cast<std::uint8_t>(color[2]));
     }
   }
-  return picture;
+  return result;
 }
 
-int run(const std::string& image_file, const std::string& palette_file, const std::string& detector,
-        const std::string& out) {
-  const auto palette = std::make_shared<const Palette>(loadPalette(palette_file));
-  cv::Mat image = cv::imread(image_file, cv::IMREAD_COLOR);
+/// Text beside a swatch of its colour.
+struct Entry {
+  std::string text;
+  cv::Scalar color;
+};
+
+void drawEntries(cv::Mat& canvas, const std::vector<Entry>& entries, int left, int top) {
+  for (const Entry& entry : entries) {
+    const cv::Rect swatch(left + kText_px, top + (kLine_px - kSwatch_px) / 2, kSwatch_px, kSwatch_px);
+    cv::rectangle(canvas, swatch, entry.color, cv::FILLED);
+    cv::rectangle(canvas, swatch, kInk);
+    cv::putText(canvas, entry.text, {swatch.br().x + kText_px, top + kLine_px - 7}, cv::FONT_HERSHEY_SIMPLEX,
+                0.5, kInk, 1, cv::LINE_AA);
+    top += kLine_px;
+  }
+}
+
+struct Options {
+  std::string image;
+  std::string palette = "cfg/maps/corridor.palette";
+  std::string detector = "solis";
+  std::filesystem::path out;
+};
+
+int run(const Options& options) {
+  const auto palette = std::make_shared<const Palette>(loadPalette(options.palette));
+  const cv::Mat image = readImageFile(options.image);
   if (image.empty()) {
-    std::cerr << "label_palette: " << image_file << ": not an image that can be read\n";
+    std::cerr << "label_palette: " << options.image << ": not an image that can be read\n";
     return 1;
   }
-  cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
   const auto intrinsics = intrinsicsFromFieldOfView(image.cols, image.rows, 1.0);  // no distortion: as seen
   ExtractorParams params;
-  params.detector = detector;
+  params.detector = options.detector;
   const auto segments = SegmentExtractor(params, palette).extract(image, intrinsics);
+  const ClassPicture classes = classPicture(image, *palette);
 
   cv::Mat left = magnifiedForDrawing(image);
-  cv::Mat right = magnifiedForDrawing(classPicture(image, *palette));
-  const auto labels = palette->labels();
-  std::map<Label, int> counts;
+  cv::Mat right = magnifiedForDrawing(classes.picture);
+  std::map<Label, cv::Scalar> colors{{kUnknownLabel, kUnknownColor}};
+  std::map<Label, int> counts{{kUnknownLabel, 0}};
+  for (const Label& label : palette->labels()) {
+    colors.emplace(label, colorOf(static_cast<int>(counts.size()) - 1));
+    counts.emplace(label, 0);
+  }
   for (const auto& segment : segments) {
     ++counts[segment.label];
-    cv::Scalar color(160, 160, 160);
-    for (std::size_t i = 0; i < labels.size(); ++i) {
-      if (labels[i] == segment.label) color = colorOf(static_cast<int>(i));
-    }
-    drawSegment(left, image, segment.px, color);
-    if (segment.label != kUnknownLabel) drawSegment(right, image, segment.px, color);
+    drawSegment(left, image, segment.px, colors[segment.label]);
+    if (segment.label != kUnknownLabel) drawSegment(right, image, segment.px, colors[segment.label]);
   }
-  int line_y = 20;
-  for (std::size_t i = 0; i < labels.size(); ++i, line_y += 20) {
-    cv::putText(left, labels[i] + ": " + std::to_string(counts[labels[i]]), {8, line_y},
-                cv::FONT_HERSHEY_SIMPLEX, 0.5, colorOf(static_cast<int>(i)), 1, cv::LINE_AA);
+  std::vector<Entry> labels;
+  for (const auto& [label, count] : counts)
+    labels.push_back({label + ": " + std::to_string(count), colors[label]});
+  std::vector<Entry> shares;
+  nlohmann::json class_json = nlohmann::json::object();
+  for (std::size_t i = 0; i < classes.shares.size(); ++i) {
+    const std::string& name = palette->className(static_cast<ColorClass>(i));
+    char percent[32];
+    std::snprintf(percent, sizeof percent, ": %.1f %%", 100.0 * classes.shares[i]);
+    shares.push_back({name + percent, classes.colors[i]});
+    class_json[name] = classes.shares[i];
   }
-  cv::putText(left, "unknown: " + std::to_string(counts[kUnknownLabel]), {8, line_y},
-              cv::FONT_HERSHEY_SIMPLEX, 0.5, cv::Scalar(160, 160, 160), 1, cv::LINE_AA);
-  cv::Mat both;
-  cv::hconcat(left, right, both);
-  if (!cv::imwrite(out, both)) {
-    std::cerr << "label_palette: " << out << ": cannot be written\n";
-    return 1;
-  }
-  std::cout << "{\"segments\": " << segments.size() << ", \"labels\": {";
-  const char* comma = "";
-  for (const auto& [label, count] : counts) {
-    std::cout << comma << '"' << label << "\": " << count;
-    comma = ", ";
-  }
-  std::cout << "}}\n";
+
+  cv::Mat figure;
+  cv::hconcat(left, right, figure);
+  const int text_height = kLine_px * static_cast<int>(std::max(labels.size(), shares.size())) + kText_px;
+  cv::copyMakeBorder(figure, figure, 0, text_height, 0, 0, cv::BORDER_CONSTANT, cv::Scalar::all(255));
+  drawEntries(figure, labels, 0, left.rows + kText_px / 2);
+  drawEntries(figure, shares, left.cols, left.rows + kText_px / 2);
+  std::filesystem::path out = options.out;
+  const std::string name = std::filesystem::path(options.image).stem().string() + "_labels.png";
+  if (out.empty()) out = std::filesystem::path("out/label_palette") / name;
+  if (std::filesystem::is_directory(out)) out /= name;
+  writeImageFile(figure, out);
+  std::cout << nlohmann::json{{"image", options.image}, {"palette", options.palette},
+                              {"out", out.string()},    {"segments", segments.size()},
+                              {"labels", counts},       {"class_shares", class_json}}
+                   .dump()
+            << '\n';
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string image;
-  std::string palette;
-  std::string detector = "solis";
-  std::string out;
+  Options options;
   CLI::App app{
-      "Shows an image's colour classes and labelled segments: left the image with its segments (gray: "
-      "unknown), right every class in its mean colour (dark: no class)."};
-  app.add_option("IMAGE", image, "image to read")->required();
-  app.add_option("--palette", palette, "palette file")->required();
-  app.add_option("--detector", detector, "solis, chapter or hough")
-      ->check(CLI::IsMember(vismem::segmentDetectorNames()));
-  app.add_option("--out", out, "PNG to write")->required();
+      "Shows what a palette makes of an image: left its segments in the colours of their labels (gray: "
+      "unknown, not "
+      "used for localization), right every colour class in its mean colour (dark: no class). Ticks point to "
+      "the "
+      "brighter side. A palette is a text file; see cfg/maps/*.palette."};
+  app.add_option("IMAGE", options.image, "image to read")->required();
+  app.add_option("--palette", options.palette, "palette file")->capture_default_str();
+  app.add_option("--detector", options.detector, "solis (ours), chapter (published Solis) or hough")
+      ->check(CLI::IsMember(vismem::segmentDetectorNames()))
+      ->capture_default_str();
+  app.add_option("--out", options.out,
+                 "picture to write, or a folder for it (default: out/label_palette/IMAGE_labels.png)");
   CLI11_PARSE(app, argc, argv);
   try {
-    return run(image, palette, detector, out);
+    return run(options);
   } catch (const std::exception& error) {
-    std::cerr << error.what() << '\n';
+    std::cerr << "label_palette: " << error.what() << '\n';
     return 1;
   }
 }

@@ -1,0 +1,37 @@
+#include "common/vision/app/image_file.h"
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <system_error>
+
+namespace vismem {
+
+cv::Mat readImageFile(const std::filesystem::path& file) {
+  cv::Mat image;
+  try {
+    image = cv::imread(file.string(), cv::IMREAD_COLOR);
+  } catch (const cv::Exception&) {
+    return {};  // a header that promises more pixels than OpenCV takes
+  }
+  if (!image.empty()) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
+  return image;
+}
+
+void writeImageFile(const cv::Mat& rgb, const std::filesystem::path& file) {
+  std::error_code error;
+  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), error);
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  bool written = false;
+  try {
+    written = cv::imwrite(file.string(), bgr);
+  } catch (const cv::Exception&) {
+    throw std::runtime_error(file.string() +
+                             ": cannot be written (its ending must be that of an image: .png, .jpg)");
+  }
+  if (!written) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+}  // namespace vismem
