@@ -17,7 +17,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-CameraIntrinsics testCamera() { return intrinsicsFromFieldOfView(320, 240, degToRad(60)); }
+CameraIntrinsics testCamera() {
+  return intrinsicsFromFieldOfView(320, 240, degToRad(60));
+}
 
 CameraMount mountAt(double height_m) {
   CameraMount mount;
@@ -118,6 +120,46 @@ TEST(CameraProperty, UndistortionInvertsDistortion) {
   for (int i = 0; i < 500; ++i) {
     const Eigen::Vector2d raw(u(engine), v(engine));
     EXPECT_LT((distortPixel(camera, undistortPixel(camera, raw)) - raw).norm(), 1e-5) << raw.transpose();
+  }
+}
+
+// Lenses near what the model can do at all: a fixed-point iteration creeps or oscillates there.
+TEST(CameraProperty, UndistortionInvertsStrongDistortionOverTheWholeImage) {
+  struct Lens {
+    const char* name;
+    double fov_deg, k1, k2, p1, p2, k3;
+  };
+  for (const Lens& lens :
+       {Lens{"barrel", 90, -0.19, 0.02, 0.002, -0.001, 0.0}, Lens{"wide", 110, -0.14, 0.012, 0, 0, 0},
+        Lens{"narrow barrel", 60, -0.55, 0.2, 0, 0, 0}, Lens{"pincushion", 80, 0.6, 0.3, 0.01, 0.01, 0.1},
+        Lens{"moustache", 80, -0.4, 0.4, 0, 0, -0.1}, Lens{"tangential", 70, 0, 0, 0.05, -0.04, 0}}) {
+    CameraIntrinsics camera = intrinsicsFromFieldOfView(320, 240, degToRad(lens.fov_deg));
+    camera.k1 = lens.k1;
+    camera.k2 = lens.k2;
+    camera.p1 = lens.p1;
+    camera.p2 = lens.p2;
+    camera.k3 = lens.k3;
+    for (double v = 0; v < 240; v += 7) {
+      for (double u = 0; u < 320; u += 7) {
+        const Eigen::Vector2d ideal(u, v);
+        const Eigen::Vector2d found = undistortPixel(camera, distortPixel(camera, ideal));
+        EXPECT_LT((found - ideal).norm(), 1e-5) << lens.name << " at " << ideal.transpose();
+      }
+    }
+  }
+}
+
+// Beyond the fold of a lens there is no answer; what comes back is finite and no worse than the pixel itself.
+TEST(CameraProperty, UndistortionStaysFiniteWhereThereIsNoInverse) {
+  CameraIntrinsics camera = intrinsicsFromFieldOfView(320, 240, degToRad(100));
+  camera.k1 = -0.6;
+  for (double v = -50; v < 290; v += 10) {
+    for (double u = -50; u < 370; u += 10) {
+      const Eigen::Vector2d raw(u, v);
+      const Eigen::Vector2d found = undistortPixel(camera, raw);
+      ASSERT_TRUE(found.allFinite());
+      EXPECT_LE((distortPixel(camera, found) - raw).norm(), (distortPixel(camera, raw) - raw).norm() + 1e-9);
+    }
   }
 }
 

@@ -1,5 +1,6 @@
 #include "common/geometry/camera.h"
 
+#include <Eigen/LU>
 #include <cmath>
 #include <sstream>
 
@@ -16,6 +17,20 @@ Eigen::Vector2d distortNormalised(const CameraIntrinsics& k, const Eigen::Vector
   const double radial = 1.0 + r2 * (k.k1 + r2 * (k.k2 + r2 * k.k3));
   return {x * radial + 2.0 * k.p1 * x * y + k.p2 * (r2 + 2.0 * x * x),
           y * radial + k.p1 * (r2 + 2.0 * y * y) + 2.0 * k.p2 * x * y};
+}
+
+/// Derivative of distortNormalised.
+Eigen::Matrix2d distortionSlope(const CameraIntrinsics& k, const Eigen::Vector2d& n) {
+  const double x = n.x();
+  const double y = n.y();
+  const double r2 = x * x + y * y;
+  const double radial = 1.0 + r2 * (k.k1 + r2 * (k.k2 + r2 * k.k3));
+  const double radial_slope = 2.0 * (k.k1 + r2 * (2.0 * k.k2 + r2 * 3.0 * k.k3));  // by r2, twice
+  const double mixed = radial_slope * x * y + 2.0 * k.p1 * x + 2.0 * k.p2 * y;
+  Eigen::Matrix2d slope;
+  slope << radial + radial_slope * x * x + 2.0 * k.p1 * y + 6.0 * k.p2 * x, mixed, mixed,
+      radial + radial_slope * y * y + 6.0 * k.p1 * y + 2.0 * k.p2 * x;
+  return slope;
 }
 
 Eigen::Vector2d toNormalised(const CameraIntrinsics& k, const Eigen::Vector2d& px) {
@@ -68,14 +83,32 @@ Eigen::Vector2d distortPixel(const CameraIntrinsics& k, const Eigen::Vector2d& p
 
 Eigen::Vector2d undistortPixel(const CameraIntrinsics& k, const Eigen::Vector2d& px_raw) {
   if (!k.hasDistortion()) return px_raw;
+  constexpr int kMaxIterations = 30;
+  constexpr int kMaxHalvings = 8;
+  constexpr double kTolerance = 1e-10;  // about 3e-8 px at a focal length of 300 px
   const Eigen::Vector2d target = toNormalised(k, px_raw);
   Eigen::Vector2d n = target;
-  constexpr int kMaxIterations = 50;
-  constexpr double kTolerance = 1e-10;  // about 3e-8 px at a focal length of 300 px
-  for (int i = 0; i < kMaxIterations; ++i) {
-    const Eigen::Vector2d error = distortNormalised(k, n) - target;
-    n -= error;
-    if (error.squaredNorm() < kTolerance * kTolerance) break;
+  Eigen::Vector2d error = distortNormalised(k, n) - target;
+  // Newton's steps, halved until they lessen the error: without an inverse, too, the answer is finite.
+  for (int i = 0; i < kMaxIterations && error.squaredNorm() > kTolerance * kTolerance; ++i) {
+    const Eigen::Matrix2d slope = distortionSlope(k, n);
+    const double determinant = slope.determinant();
+    Eigen::Vector2d step = error;
+    if (std::abs(determinant) > 1e-9) {
+      step = Eigen::Vector2d(slope(1, 1) * error.x() - slope(0, 1) * error.y(),
+                             slope(0, 0) * error.y() - slope(1, 0) * error.x()) /
+             determinant;
+    }
+    bool better = false;
+    for (int halvings = 0; halvings < kMaxHalvings && !better; ++halvings, step *= 0.5) {
+      const Eigen::Vector2d next = n - step;
+      const Eigen::Vector2d next_error = distortNormalised(k, next) - target;
+      better = next_error.squaredNorm() < error.squaredNorm();
+      if (!better) continue;
+      n = next;
+      error = next_error;
+    }
+    if (!better) break;
   }
   return toPixel(k, n);
 }

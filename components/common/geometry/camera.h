@@ -46,7 +46,9 @@ Eigen::Vector3d idealPixelRay(const CameraIntrinsics& intrinsics, const Eigen::V
 
 /// Where the sensor shows an ideal pixel.
 Eigen::Vector2d distortPixel(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px_ideal);
-/// Inverse of distortPixel by fixed-point iteration (to 1e-6 px inside the image of an ordinary lens).
+/// Inverse of distortPixel (to 1e-5 px wherever the lens' model has one, also for strong distortion). Beyond
+/// the fold of a model, where no ideal pixel is shown at `px_raw`: a finite pixel that is shown as near as it
+/// gets.
 Eigen::Vector2d undistortPixel(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px_raw);
 
 /// Where a pan-tilt unit stands on the robot, and where the camera sits on its moving part. SPEC G1.
