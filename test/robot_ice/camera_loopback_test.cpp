@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <deque>
+#include <Eigen/Geometry>
 #include <future>
 
 #include "common/robot_ice/camera_ice.h"
@@ -87,6 +87,60 @@ TEST_F(CameraLoopback, OneEncodingServesAllClients) {
   EXPECT_EQ(broadcaster->latest().latest()->encodings(), 1);
 }
 
+TEST_F(CameraLoopback, ManyClientsAtOnceShareOneEncoding) {
+  std::vector<std::future<Ice::Long>> answers;
+  for (int i = 0; i < 10; ++i) {
+    auto answer = std::make_shared<std::promise<Ice::Long>>();
+    answers.push_back(answer->get_future());
+    proxy()->getNextAsync("JPEG", -1,
+                          [answer](avm::FrameResult result) { answer->set_value(result.image.seq); });
+  }
+  ASSERT_TRUE(eventually([&] { return broadcaster->latest().waiting() == 10; }));
+  broadcaster->publish(frameWith(4));
+  for (auto& answer : answers) EXPECT_EQ(answer.get(), 4);
+  EXPECT_EQ(broadcaster->latest().latest()->encodings(), 1);
+}
+
+TEST_F(CameraLoopback, PassesOverAPictureThatCannotBeDecoded) {
+  std::promise<Ice::Long> answer;
+  proxy()->getNextAsync("RGB8", -1, [&](avm::FrameResult result) { answer.set_value(result.image.seq); });
+  ASSERT_TRUE(eventually([&] { return broadcaster->latest().waiting() == 1; }));
+  Frame broken;
+  broken.seq = 1;
+  broken.native = std::make_shared<NativeImage>(NativeImage{NativeFormat::kYuyv, 16, 8, 0, {1, 2, 3}});
+  broadcaster->publish(std::move(broken));
+  ASSERT_TRUE(eventually([&] { return broadcaster->latest().waiting() == 1; }));
+  EXPECT_THROW(proxy()->getImageData("RGB8"), jderobot::HardwareFailedException);
+  broadcaster->publish(frameWith(2));
+  EXPECT_EQ(answer.get_future().get(), 2);
+}
+
+TEST_F(CameraLoopback, AwaitsTheDeadlineWhenOnlyBrokenPicturesCome) {
+  Frame broken;
+  broken.seq = 1;
+  broken.native = std::make_shared<NativeImage>(NativeImage{NativeFormat::kYuyv, 16, 8, 0, {1, 2, 3}});
+  broadcaster->publish(std::move(broken));
+  const auto began = std::chrono::steady_clock::now();
+  const auto result = proxy()->getNext("RGB8", -1);
+  EXPECT_EQ(result.state, avm::SourceState::Waiting);
+  EXPECT_GE(std::chrono::steady_clock::now() - began, 900ms) << "a client would ask again at once";
+}
+
+TEST_F(CameraLoopback, DescribesTheNewestImageWithItsMd5Sum) {
+  const auto camera = Ice::uncheckedCast<jderobot::CameraPrx>(client.proxy<Ice::ObjectPrx>("cameraA", port));
+  EXPECT_EQ(camera->getImageDescription()->md5sum, "");
+  Frame frame = frameWith(5);
+  // Looks ahead from 0.5 m, turned by 0.3 rad about its axis.
+  frame.T_robot_camera = cameraPose(CameraMount{}, 0, 0) * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ());
+  frame.T_robot_camera->translation() = Eigen::Vector3d(0, 0, 0.5);
+  broadcaster->publish(std::move(frame));
+  EXPECT_EQ(camera->getImageDescription()->md5sum, camera->getImageData("RGB8")->description->md5sum);
+  EXPECT_EQ(camera->getImageDescription()->md5sum.size(), 32U);
+  EXPECT_NEAR(camera->getCameraDescription()->roll, 0.3, 1e-6);
+  EXPECT_NEAR(camera->getCameraDescription()->foax, 1.0, 1e-6);
+  EXPECT_NEAR(camera->getCameraDescription()->posz, 0.5, 1e-6);
+}
+
 TEST_F(CameraLoopback, AWaitingClientDoesNotDelayAnother) {
   broadcaster->publish(frameWith(1));
   std::promise<Ice::Long> waiting;
@@ -103,23 +157,23 @@ TEST_F(CameraLoopback, AWaitingClientDoesNotDelayAnother) {
 TEST_F(CameraLoopback, RefusesUnknownFormatsWithTheKnownOnes) {
   broadcaster->publish(frameWith(1));
   try {
-    proxy()->getNext("YUY2", -1);
+    proxy()->getNext("BGR8", -1);
     FAIL() << "must throw";
   } catch (const avm::InvalidArgument& error) {
-    EXPECT_EQ(error.reason, "unknown format \"YUY2\" (known: RGB8, GRAY8, JPEG)");
+    EXPECT_EQ(error.reason, "unknown format \"BGR8\" (known: RGB8, GRAY8, JPEG, YUY2)");
   }
   try {
-    proxy()->getImageData("YUY2");
+    proxy()->getImageData("BGR8");
     FAIL() << "must throw";
   } catch (const jderobot::DataNotExistException& error) {
-    EXPECT_THAT(error.what, HasSubstr("known: RGB8, GRAY8, JPEG"));
+    EXPECT_THAT(error.what, HasSubstr("known: RGB8, GRAY8, JPEG, YUY2"));
   }
 }
 
 TEST_F(CameraLoopback, ServesJdeRobotsClients) {
   const auto camera = Ice::checkedCast<jderobot::CameraPrx>(client.proxy<Ice::ObjectPrx>("cameraA", port));
   ASSERT_TRUE(camera);
-  EXPECT_THAT(camera->getImageFormat(), ElementsAre("RGB8", "GRAY8", "JPEG"));
+  EXPECT_THAT(camera->getImageFormat(), ElementsAre("RGB8", "GRAY8", "JPEG", "YUY2"));
   EXPECT_THROW(camera->getImageData("RGB8"), jderobot::HardwareFailedException);
   broadcaster->publish(frameWith(5, 77));
   const auto image = camera->getImageData("GRAY8");

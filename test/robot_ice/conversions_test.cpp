@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "common/geometry/angles.h"
+#include "common/image_codec/image_codec.h"
 #include "common/robot_ice/base_ice.h"
 #include "common/robot_ice/frame_codec.h"
 #include "common/robot_ice/md5.h"
@@ -188,6 +189,65 @@ TEST(FrameCodec, JpegKeepsTheOrderOfColours) {
   EXPECT_NEAR(pixel[2], 50, 4);
 }
 
+TEST(FrameCodec, Yuy2ComesBackInItsColoursAndOddWidth) {
+  Frame frame = colourFrame();
+  frame.image = frame.image.colRange(0, 5);
+  const EncodedFrame encoded(frame, 85);
+  const avm::FrameResult& result = encoded.result(FrameFormat::kYuy2);
+  EXPECT_EQ(result.image.pixels.size(), 3U * 4U * 4U);
+  const FrameResult back = decodeFrame(result);
+  ASSERT_TRUE(back.frame) << back.message;
+  ASSERT_EQ(back.frame->image.size(), cv::Size(5, 4));
+  const auto pixel = back.frame->image.at<cv::Vec3b>(3, 4);
+  EXPECT_NEAR(pixel[0], 200, 3);  // 219 steps for 256 values, twice
+  EXPECT_NEAR(pixel[1], 100, 3);
+  EXPECT_NEAR(pixel[2], 50, 3);
+}
+
+Frame nativeFrame(NativeFormat format, std::vector<std::uint8_t> bytes, int stride = 0) {
+  Frame frame;
+  frame.seq = 7;
+  frame.native = std::make_shared<NativeImage>(NativeImage{format, 6, 4, stride, std::move(bytes)});
+  return frame;
+}
+
+TEST(FrameCodec, ACapturedJpegPassesThroughAndIsDecodedOnceForAllOthers) {
+  const std::vector<std::uint8_t> captured = encodeJpeg(colourFrame().image, 95);
+  const EncodedFrame encoded(nativeFrame(NativeFormat::kJpeg, captured), 10);
+  EXPECT_EQ(encoded.width(), 6);
+  EXPECT_EQ(encoded.height(), 4);
+  EXPECT_EQ(encoded.result(FrameFormat::kJpeg).image.pixels, captured);
+  EXPECT_EQ(encoded.jderobotImage(FrameFormat::kJpeg)->pixelData, captured);
+  EXPECT_EQ(encoded.decodings(), 0);
+  const FrameResult pixels = decodeFrame(encoded.result(FrameFormat::kRgb8));
+  ASSERT_TRUE(pixels.frame) << pixels.message;
+  EXPECT_NEAR(pixels.frame->image.at<cv::Vec3b>(1, 1)[0], 200, 4);
+  encoded.result(FrameFormat::kGray8);
+  encoded.result(FrameFormat::kYuy2);
+  EXPECT_EQ(encoded.decodings(), 1);
+}
+
+TEST(FrameCodec, CapturedYuyvPassesThroughWithoutItsPadding) {
+  std::vector<std::uint8_t> captured(4 * 16, 0);
+  std::vector<std::uint8_t> tight;
+  for (std::size_t i = 0; i < captured.size(); ++i) {
+    if (i % 16 < 12) tight.push_back(captured[i] = static_cast<std::uint8_t>(100 + i));
+  }
+  const EncodedFrame encoded(nativeFrame(NativeFormat::kYuyv, captured, 16), 85);
+  EXPECT_EQ(encoded.result(FrameFormat::kYuy2).image.pixels, tight);
+  EXPECT_EQ(encoded.decodings(), 0);
+}
+
+TEST(FrameCodec, ACapturedPictureThatCannotBeDecodedIsAReason) {
+  const EncodedFrame encoded(nativeFrame(NativeFormat::kYuyv, std::vector<std::uint8_t>(20)), 85);
+  EXPECT_EQ(encoded.result(FrameFormat::kRgb8).state, avm::SourceState::Waiting);
+  EXPECT_EQ(encoded.result(FrameFormat::kRgb8).message, "the picture of the camera has 20 bytes of 48");
+  EXPECT_EQ(encoded.result(FrameFormat::kYuy2).state, avm::SourceState::Waiting);
+  EXPECT_FALSE(encoded.jderobotImage(FrameFormat::kRgb8));
+  const EncodedFrame nothing(Frame{}, 85);
+  EXPECT_EQ(nothing.result(FrameFormat::kJpeg).message, "the picture of the camera is empty");
+}
+
 TEST(FrameCodec, EncodesOncePerFormat) {
   const EncodedFrame encoded(colourFrame(), 85);
   EXPECT_EQ(encoded.encodings(), 0);
@@ -224,10 +284,23 @@ TEST(FrameCodec, RefusesFramesThatDoNotFit) {
   };
   EXPECT_THAT(messageOf([](avm::Frame& f) { f.pixels.pop_back(); }), HasSubstr("71 bytes (must be 72)"));
   EXPECT_THAT(messageOf([](avm::Frame& f) { f.width = -6; }), HasSubstr("size -6x4"));
-  EXPECT_THAT(messageOf([](avm::Frame& f) { f.format = "YUY2"; }), HasSubstr("unknown format \"YUY2\""));
+  EXPECT_THAT(messageOf([](avm::Frame& f) { f.format = "BGR8"; }), HasSubstr("unknown format \"BGR8\""));
+  EXPECT_THAT(messageOf([](avm::Frame& f) { f.format = "YUY2"; }), HasSubstr("72 bytes (must be 48)"));
   EXPECT_THAT(messageOf([](avm::Frame& f) { f.cameraModel.fx = kNaN; }), HasSubstr("not finite"));
   EXPECT_THAT(messageOf([](avm::Frame& f) { f.cameraOnRobot.qx = 3; }), HasSubstr("pose"));
-  EXPECT_THAT(messageOf([](avm::Frame& f) { f.format = "JPEG"; }), HasSubstr("cannot be read"));
+  EXPECT_THAT(messageOf([](avm::Frame& f) { f.format = "JPEG"; }), HasSubstr("is no JPEG file"));
+  const auto jpeg = encoded.result(FrameFormat::kJpeg).image.pixels;
+  EXPECT_THAT(messageOf([&](avm::Frame& f) {
+                f.format = "JPEG";
+                f.pixels.assign(jpeg.begin(), jpeg.end() - 10);
+              }),
+              HasSubstr("is a JPEG file cut short"));
+  EXPECT_THAT(messageOf([&](avm::Frame& f) {
+                f.format = "JPEG";
+                f.pixels = jpeg;
+                f.width = 5;
+              }),
+              HasSubstr("another size than announced"));
 }
 
 }  // namespace

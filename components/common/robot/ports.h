@@ -6,6 +6,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,18 @@ struct FrameRequest {
   int width = 0;         ///< 0: the source's own choice
   int height = 0;        ///< 0: the source's own choice
   double rate_hz = 0.0;  ///< 0: the source's own choice
+  /// The consumer can do with Frame::native in place of pixels (a server that passes JPEG on does).
+  bool accept_native = false;
 };
+
+/// Images larger than this on a side are absurd, and so are rates outside these.
+constexpr int kMaxImageSide_px = 16384;
+constexpr double kMinFrameRate_hz = 0.001;
+constexpr double kMaxFrameRate_hz = 10'000.0;
+
+/// @return a rejection that names value and rule for a request that makes no sense with any source: negative
+/// or huge sizes, rates that are negative, not finite or absurd. Every implementation asks this first.
+std::optional<PortReply> rejectAbsurd(const FrameRequest& request);
 
 struct FrameCapabilities {
   std::string name;  ///< what the source is, for people: "simulated camera", "/dev/video0 (vivid)"
@@ -50,10 +62,15 @@ struct FrameCapabilities {
 struct FrameResult {
   SourceState state = SourceState::kWaiting;
   std::optional<Frame> frame;  ///< present only with kRunning
+  /// kWaiting: why; a driver leaves it empty while all is well and only no frame fell due yet. kRunning: what
+  /// was lost on the way to this frame (a picture that could not be read); usually empty. kFinished: the end
+  /// of what.
   std::string message;
 };
 
-/// A camera. One consumer; *not* thread-safe unless an implementation says so.
+/// A camera. One consumer; *not* thread-safe unless an implementation says so, except that drivers let
+/// another thread call stop(), which ends a waiting next() at once. test/contract holds what every
+/// implementation promises.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
@@ -61,8 +78,10 @@ class FrameSource {
   virtual PortReply configure(const FrameRequest& request) = 0;
   virtual PortReply start() = 0;
   /// The next frame not yet delivered, the newest if several are waiting (latest wins). Waits at most
-  /// `timeout`; kWaiting when none came.
+  /// `timeout`; kWaiting when none came. Stamps and sequence numbers rise from start() to stop(), and over a
+  /// restart.
   virtual FrameResult next(std::chrono::milliseconds timeout) = 0;
+  /// next() then gives kWaiting until start() is called again. May be called twice.
   virtual void stop() = 0;
 };
 

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <vector>
 
 #include "common/geometry/camera.h"
 #include "common/geometry/pose.h"
@@ -14,20 +16,45 @@ namespace vismem {
 using StampUs = std::int64_t;
 
 constexpr StampUs kSecondUs = 1'000'000;
-constexpr double toSeconds(StampUs stamp_us) { return static_cast<double>(stamp_us) * 1e-6; }
+constexpr double toSeconds(StampUs stamp_us) {
+  return static_cast<double>(stamp_us) * 1e-6;
+}
 constexpr StampUs toStampUs(double seconds) {
   return static_cast<StampUs>(seconds * 1e6 + (seconds < 0 ? -0.5 : 0.5));
 }
 
+/// How the bytes of a picture are laid out where it was captured.
+enum class NativeFormat {
+  kRgb8,   ///< R G B
+  kGray8,  ///< one byte a pixel
+  kJpeg,   ///< a whole JPEG file
+  kYuyv,   ///< Y0 U Y1 V, BT.601 with Y in 16..235 (V4L2's YUYV, also called YUY2)
+  kUyvy,   ///< U Y0 V Y1
+  kNv12,   ///< a plane of Y, then one of U V at half the size
+};
+
+/// A picture as a device or file gave it, byte for byte: whoever asks for pixels decodes it
+/// (common/image_codec), whoever wants this very format has it for nothing.
+struct NativeImage {
+  NativeFormat format = NativeFormat::kJpeg;
+  int width = 0;   ///< [px]
+  int height = 0;  ///< [px]
+  int stride = 0;  ///< from row to row [bytes]; 0: rows follow each other without a gap; not for kJpeg
+  std::vector<std::uint8_t> bytes;
+};
+
 /// One image. The pixels are shared and must not be written after the frame was handed on.
 struct Frame {
-  StampUs stamp_us = 0;   ///< of the exposure's middle
-  std::uint64_t seq = 0;  ///< counts up by one per captured frame; gaps are frames that were dropped
-  cv::Mat image;          ///< CV_8UC3 in the order R, G, B, or CV_8UC1; raw pixels (with distortion)
-  CameraIntrinsics intrinsics;
+  StampUs stamp_us = 0;         ///< of the exposure's middle
+  std::uint64_t seq = 0;        ///< counts up by one per captured frame; gaps are frames that were dropped
+  cv::Mat image;                ///< CV_8UC3 in the order R, G, B, or CV_8UC1; raw pixels (with distortion)
+  CameraIntrinsics intrinsics;  ///< its width and height are the picture's
   /// Full pose of the camera on the robot, when the source knows it (humanoid kinematics, a log's tf).
   /// Where present it wins over mount and pan-tilt.
   std::optional<Pose3> T_robot_camera;
+  /// The picture as it was captured, immutable. Set only by a source that was configured with
+  /// FrameRequest::accept_native; `image` may then be empty. All other consumers need not know of it.
+  std::shared_ptr<const NativeImage> native;
 };
 
 /// Joint angles of the pan-tilt unit. pan > 0 looks left, tilt > 0 looks up.

@@ -1,5 +1,7 @@
 #include "common/robot_ice/camera_ice.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "common/robot_ice/conversions.h"
@@ -11,13 +13,16 @@ namespace {
 constexpr std::chrono::milliseconds kPumpWait{100};
 /// A source that answers "nothing" without waiting must not make the pump spin.
 constexpr std::chrono::milliseconds kPumpPause{10};
+/// How soon a waiting client notices that it was stopped.
+constexpr std::chrono::milliseconds kStopCheck{100};
 
 }  // namespace
 
-void FrameBroadcaster::start(FrameSource& source) {
+void FrameBroadcaster::start(FrameSource& source, Watch watch) {
   setCapabilities(source.capabilities());
   if (thread_.joinable()) return;
-  thread_ = std::jthread([this, &source](const std::stop_token& stop) { pump(source, stop); });
+  thread_ = std::jthread(
+      [this, &source, watch = std::move(watch)](const std::stop_token& stop) { pump(source, watch, stop); });
 }
 
 void FrameBroadcaster::stop() {
@@ -42,7 +47,8 @@ FrameCapabilities FrameBroadcaster::capabilities() const {
   return capabilities_;
 }
 
-void FrameBroadcaster::pump(FrameSource& source, const std::stop_token& stop) {
+void FrameBroadcaster::pump(FrameSource& source, const Watch& watch, const std::stop_token& stop) {
+  bool first = true;
   while (!stop.stop_requested()) {
     const auto began = std::chrono::steady_clock::now();
     FrameResult result;
@@ -52,12 +58,21 @@ void FrameBroadcaster::pump(FrameSource& source, const std::stop_token& stop) {
       // Sources do not throw, but a third-party driver must not end the process.
       result = {SourceState::kWaiting, std::nullopt, error.what()};
     }
-    if (result.state == SourceState::kRunning && result.frame && !result.frame->image.empty()) {
+    const bool picture = result.state == SourceState::kRunning && result.frame &&
+                         (!result.frame->image.empty() || result.frame->native);
+    if (result.state == SourceState::kRunning && !picture) {
+      result = {SourceState::kWaiting, std::nullopt, "the source gave no picture"};
+    }
+    if (watch) watch(result);
+    if (picture) {
+      // A device's size and rate may be known only now.
+      if (std::exchange(first, false)) setCapabilities(source.capabilities());
       publish(std::move(*result.frame));
       continue;
     }
-    const bool odd = result.state == SourceState::kRunning;
-    setState(odd ? SourceState::kWaiting : result.state, odd ? "the source gave no picture" : result.message);
+    // An empty reason: nothing fell due yet, and all is well.
+    if (!result.message.empty() || result.state == SourceState::kFinished)
+      setState(result.state, result.message);
     if (std::chrono::steady_clock::now() - began < kPumpPause) std::this_thread::sleep_for(kPumpPause);
   }
 }
@@ -69,19 +84,37 @@ void CameraServant::getNextAsync(std::string format, Ice::Long last_sequence,
   if (!wanted) throw avm::InvalidArgument(unknownFormat(format));
   std::optional<std::int64_t> have;
   if (last_sequence >= 0) have = last_sequence;
-  broadcaster_.latest().whenOther(
-      have, kLongPollWait,
-      [wanted, response = std::move(response), exception = std::move(exception)](const auto& reading) {
-        try {
-          if (reading.value) {
-            response(reading.value->result(*wanted));
-          } else {
-            response({toIce(reading.state), reading.message, {}});
-          }
-        } catch (...) {
-          exception(std::current_exception());
-        }
-      });
+  answerNext(*wanted, have, std::chrono::steady_clock::now() + kLongPollWait, std::move(response),
+             std::move(exception));
+}
+
+void CameraServant::answerNext(FrameFormat format, std::optional<std::int64_t> have, Deadline deadline,
+                               std::function<void(const avm::FrameResult&)> response,
+                               std::function<void(std::exception_ptr)> exception) {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+  broadcaster_.latest().whenOther(have, std::max(left, std::chrono::milliseconds(0)),
+                                  [this, format, deadline, response = std::move(response),
+                                   exception = std::move(exception)](const auto& reading) mutable {
+                                    try {
+                                      if (!reading.value) {
+                                        response({toIce(reading.state), reading.message, {}});
+                                        return;
+                                      }
+                                      const avm::FrameResult& result = reading.value->result(format);
+                                      const bool good = result.state == avm::SourceState::Running;
+                                      if (good || std::chrono::steady_clock::now() >= deadline) {
+                                        response(result);
+                                        return;
+                                      }
+                                    } catch (...) {
+                                      exception(std::current_exception());
+                                      return;
+                                    }
+                                    // A picture that cannot be decoded is passed over: the caller would only
+                                    // ask for it again at once.
+                                    answerNext(format, reading.revision, deadline, std::move(response),
+                                               std::move(exception));
+                                  });
 }
 
 avm::CameraInfo CameraServant::getInfo(const Ice::Current&) {
@@ -93,13 +126,16 @@ avm::CameraInfo CameraServant::getInfo(const Ice::Current&) {
                        capabilities.knows_camera_pose,
                        frameFormatNames()};
   if (const auto frame = broadcaster_.latest().latest()) {
-    info.width = frame->frame().image.cols;
-    info.height = frame->frame().image.rows;
+    info.width = frame->width();
+    info.height = frame->height();
   }
   return info;
 }
 
 std::shared_ptr<jderobot::ImageDescription> CameraServant::getImageDescription(const Ice::Current& current) {
+  if (const auto newest = broadcaster_.latest().latest()) {
+    if (const auto image = newest->jderobotImage(FrameFormat::kRgb8)) return image->description;
+  }
   const avm::CameraInfo info = getInfo(current);
   return std::make_shared<jderobot::ImageDescription>(info.width, info.height, info.width * info.height * 3,
                                                       "RGB8", "");
@@ -114,7 +150,9 @@ std::shared_ptr<jderobot::ImageData> CameraServant::getImageData(std::string for
   if (!wanted) throw jderobot::DataNotExistException(unknownFormat(format));
   const auto frame = broadcaster_.latest().latest();
   if (!frame) throw jderobot::HardwareFailedException(broadcaster_.latest().message());
-  return frame->jderobotImage(*wanted);
+  auto image = frame->jderobotImage(*wanted);
+  if (!image) throw jderobot::HardwareFailedException(frame->result(*wanted).message);
+  return image;
 }
 
 std::shared_ptr<jderobot::CameraDescription> CameraServant::getCameraDescription(const Ice::Current&) {
@@ -137,6 +175,9 @@ std::shared_ptr<jderobot::CameraDescription> CameraServant::getCameraDescription
     description->foax = static_cast<float>(ahead.x());
     description->foay = static_cast<float>(ahead.y());
     description->foaz = static_cast<float>(ahead.z());
+    // A level camera has its x axis level and its y axis down; turning about z (right to down) tips both.
+    const Eigen::Matrix3d R_robot_camera = frame.T_robot_camera->rotation();
+    description->roll = static_cast<float>(std::atan2(-R_robot_camera(2, 0), -R_robot_camera(2, 1)));
   }
   return description;
 }
@@ -174,9 +215,7 @@ FrameCapabilities RemoteFrameSource::capabilities() const {
 }
 
 PortReply RemoteFrameSource::configure(const FrameRequest& request) {
-  if (request.width < 0 || request.height < 0 || !(request.rate_hz >= 0)) {
-    return PortReply::rejected("width, height and rate must not be negative");
-  }
+  if (auto rejection = rejectAbsurd(request)) return *rejection;
   const FrameCapabilities known = capabilities();
   const auto as_asked = [](auto asked, auto given) { return asked == 0 || asked == given; };
   if (as_asked(request.width, known.width) && as_asked(request.height, known.height) &&
@@ -190,20 +229,34 @@ PortReply RemoteFrameSource::configure(const FrameRequest& request) {
 
 PortReply RemoteFrameSource::start() {
   if (!proxy_) return PortReply::rejected("no camera is configured");
+  stopped_ = false;
   const std::string failure = askInfo(kLongPollWait);
   return failure.empty() ? PortReply::accepted() : PortReply::adjusted("waiting for the camera: " + failure);
 }
 
 FrameResult RemoteFrameSource::next(std::chrono::milliseconds timeout) {
-  const auto outcome = frames_.wait(
-      [this](auto done, auto failed) {
-        proxy_->getNextAsync(frameFormatNames()[static_cast<std::size_t>(format_)], last_seq_,
-                             std::move(done), std::move(failed));
-      },
-      timeout);
-  if (!outcome.result) {
-    return {SourceState::kWaiting, std::nullopt, outcome.failure.empty() ? "no frame yet" : outcome.failure};
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  PendingCall<avm::FrameResult>::Outcome outcome;
+  std::string why = "no frame yet";
+  // In slices, so that stop() need not wait for the timeout; the request stays pending over them.
+  for (auto left = timeout;;) {
+    if (stopped_) return {SourceState::kWaiting, std::nullopt, "the camera's client is stopped"};
+    outcome = frames_.wait(
+        [this](auto done, auto failed) {
+          proxy_->getNextAsync(frameFormatNames()[static_cast<std::size_t>(format_)], last_seq_,
+                               std::move(done), std::move(failed));
+        },
+        std::min(left, kStopCheck));
+    if (!outcome.failure.empty()) why = outcome.failure;
+    if (outcome.result && outcome.result->state == avm::SourceState::Waiting) why = outcome.result->message;
+    left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    if (left <= std::chrono::milliseconds(0)) break;
+    if (!outcome.result) continue;
+    if (outcome.result->state != avm::SourceState::Waiting) break;
+    // The server's own wait is over, not this one. It may also be ending, and then answers at once.
+    std::this_thread::sleep_for(std::min(left, kPumpPause));
   }
+  if (!outcome.result) return {SourceState::kWaiting, std::nullopt, why};
   // Also of a frame that cannot be used: it would only come again.
   if (outcome.result->state == avm::SourceState::Running) last_seq_ = outcome.result->image.seq;
   return decodeFrame(*outcome.result);

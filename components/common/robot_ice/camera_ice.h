@@ -5,6 +5,8 @@
 #include <avm/camera.h>
 
 #include <atomic>
+#include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,12 +24,15 @@ namespace vismem {
 class FrameBroadcaster {
  public:
   using Latest = LatestValue<EncodedFrame>;
+  /// Told what the source answered to each request, before it is published; on the pump's thread.
+  using Watch = std::function<void(const FrameResult&)>;
 
   explicit FrameBroadcaster(int jpeg_quality = 85) : jpeg_quality_(jpeg_quality) {}
   ~FrameBroadcaster() { stop(); }
 
-  /// Pumps a source that was configured and started; it must outlive stop(). Its capabilities are read once.
-  void start(FrameSource& source);
+  /// Pumps a source that was configured and started; it must outlive stop(). Its capabilities are read at the
+  /// start and with its first frame. `watch` is how a server's status learns of the source.
+  void start(FrameSource& source, Watch watch = {});
   /// Ends the pump, answers all waiting requests and all later ones at once. The source is left as it is.
   void stop();
 
@@ -41,7 +46,7 @@ class FrameBroadcaster {
   std::uint64_t published() const { return published_; }
 
  private:
-  void pump(FrameSource& source, const std::stop_token& stop);
+  void pump(FrameSource& source, const Watch& watch, const std::stop_token& stop);
 
   int jpeg_quality_;
   mutable std::mutex mutex_;
@@ -63,18 +68,29 @@ class CameraServant : public avm::Camera {
                     std::function<void(std::exception_ptr)> exception, const Ice::Current&) override;
   avm::CameraInfo getInfo(const Ice::Current&) override;
 
+  /// Of the newest image as RGB8; before the first its nominal size and no md5sum.
   std::shared_ptr<jderobot::ImageDescription> getImageDescription(const Ice::Current&) override;
   jderobot::ImageFormat getImageFormat(const Ice::Current&) override;
+  /// The newest image, however old it is: its timeStamp tells.
   std::shared_ptr<jderobot::ImageData> getImageData(std::string format, const Ice::Current&) override;
+  /// Focal lengths, principal point and, where the source knows its pose, position, aim and roll. JdeRobot
+  /// has no fields for distortion: avm::Frame::cameraModel has it.
   std::shared_ptr<jderobot::CameraDescription> getCameraDescription(const Ice::Current&) override;
-  /// Refused: the description is what the source says.
+  /// -1, refused: the description is what configuration and source say.
   int setCameraDescription(std::shared_ptr<jderobot::CameraDescription>, const Ice::Current&) override;
   /// Empty: frames are asked for, not streamed.
   std::string startCameraStreaming(const Ice::Current&) override;
+  /// Nothing to stop.
   void stopCameraStreaming(const Ice::Current&) override {}
+  /// Nothing to set back: the servant keeps no state, and a source that fails is brought back by itself.
   void reset(const Ice::Current&) override {}
 
  private:
+  using Deadline = std::chrono::steady_clock::time_point;
+  void answerNext(FrameFormat format, std::optional<std::int64_t> have, Deadline deadline,
+                  std::function<void(const avm::FrameResult&)> response,
+                  std::function<void(std::exception_ptr)> exception);
+
   FrameBroadcaster& broadcaster_;
   std::string name_;
 };
@@ -95,7 +111,8 @@ class RemoteFrameSource : public FrameSource {
   /// Waits up to a second for the server; accepted even without it.
   PortReply start() override;
   FrameResult next(std::chrono::milliseconds timeout) override;
-  void stop() override {}
+  /// The server goes on; next() gives nothing until start(). Any thread; a waiting next() ends within 0.1 s.
+  void stop() override { stopped_ = true; }
 
  private:
   std::string askInfo(std::chrono::milliseconds timeout) const;
@@ -103,6 +120,7 @@ class RemoteFrameSource : public FrameSource {
   std::shared_ptr<avm::CameraPrx> proxy_;
   FrameFormat format_;
   std::int64_t last_seq_ = -1;
+  std::atomic<bool> stopped_ = false;
   PendingCall<avm::FrameResult> frames_;
   mutable PendingCall<avm::CameraInfo> infos_;
   mutable std::mutex mutex_;

@@ -4,6 +4,7 @@
 #include <avm/camera.h>
 
 #include <array>
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -14,26 +15,37 @@
 
 namespace vismem {
 
-enum class FrameFormat { kRgb8 = 0, kGray8 = 1, kJpeg = 2 };
+enum class FrameFormat { kRgb8 = 0, kGray8 = 1, kJpeg = 2, kYuy2 = 3 };
 
-/// "RGB8", "GRAY8", "JPEG", in the order of the enum.
+/// "RGB8", "GRAY8", "JPEG", "YUY2", in the order of the enum.
 const std::vector<std::string>& frameFormatNames();
 std::optional<FrameFormat> frameFormatFromName(const std::string& name);
-/// "unknown format "YUY2" (known: RGB8, GRAY8, JPEG)".
+/// "unknown format "BGR8" (known: RGB8, GRAY8, JPEG, YUY2)".
 std::string unknownFormat(const std::string& name);
 
-/// One frame with its encodings, each made at the first request and kept for the others.
-/// *Thread-safe.* Encoding throws cv::Exception for an image that OpenCV cannot encode.
+/// One frame with its encodings, each made at the first request and kept for the others. A frame that carries
+/// its picture as captured (Frame::native) is decoded at the first request for pixels, once, and not at all
+/// for a client that takes the captured format: a camera's JPEG passes through as it is. *Thread-safe.*
 class EncodedFrame {
  public:
-  /// The image must be CV_8UC3 (R, G, B) or CV_8UC1 and not be written any more.
+  /// The image must be CV_8UC3 (R, G, B) or CV_8UC1 and not be written any more; empty only with `native`.
   EncodedFrame(Frame frame, int jpeg_quality);
 
+  /// As it was published: its image may be empty.
   const Frame& frame() const { return frame_; }
+  int width() const {
+    return frame_.image.empty() && frame_.native ? frame_.native->width : frame_.image.cols;
+  }
+  int height() const {
+    return frame_.image.empty() && frame_.native ? frame_.native->height : frame_.image.rows;
+  }
+  /// kWaiting with the reason if the captured picture cannot be decoded.
   const avm::FrameResult& result(FrameFormat format) const;
+  /// Null if the captured picture cannot be decoded.
   std::shared_ptr<jderobot::ImageData> jderobotImage(FrameFormat format) const;
-  /// How many encodings were made so far.
+  /// How many encodings were made so far, and how often the captured picture was decoded.
   int encodings() const;
+  int decodings() const;
 
  private:
   struct Encoding {
@@ -41,11 +53,21 @@ class EncodedFrame {
     std::unique_ptr<const avm::FrameResult> result;
     std::shared_ptr<jderobot::ImageData> image;
   };
+  struct Pixels {
+    std::once_flag once;
+    std::atomic<int> decodings = 0;
+    cv::Mat image;  ///< empty if they cannot be had
+    std::string error;
+  };
   const avm::FrameResult& resultLocked(Encoding& encoding, FrameFormat format) const;
+  const Pixels& pixels() const;
+  /// @return empty with the reason in `error` if the captured picture cannot be decoded.
+  jderobot::ByteSeq encode(FrameFormat format, std::string& error) const;
 
   Frame frame_;
   int jpeg_quality_;
-  mutable std::array<Encoding, 3> encodings_;
+  mutable Pixels pixels_;
+  mutable std::array<Encoding, 4> encodings_;
 };
 
 /// @return the frame, or kWaiting with what is wrong: sizes that do not fit, numbers that are not finite, a
