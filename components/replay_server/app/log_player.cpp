@@ -47,12 +47,16 @@ class LogPlayer::CameraPort : public FrameSource {
   explicit CameraPort(LogPlayer& player) : player_(player) {}
   FrameCapabilities capabilities() const override { return capabilitiesOf(player_.log_); }
   PortReply configure(const FrameRequest& request) override { return configureFor(player_.log_, request); }
-  PortReply start() override { return PortReply::accepted(); }
-  FrameResult next(std::chrono::milliseconds timeout) override { return player_.nextFrame(timeout); }
-  void stop() override {}
+  PortReply start() override {
+    player_.setStopped(stopped_, false);
+    return PortReply::accepted();
+  }
+  FrameResult next(std::chrono::milliseconds timeout) override { return player_.nextFrame(stopped_, timeout); }
+  void stop() override { player_.setStopped(stopped_, true); }
 
  private:
   LogPlayer& player_;
+  bool stopped_ = false;  ///< guarded by the player's mutex
 };
 
 class LogPlayer::PanTiltPort : public PanTiltUnit {
@@ -161,11 +165,12 @@ bool LogPlayer::waitLocked(std::unique_lock<std::mutex>& lock, std::optional<Sta
   return true;
 }
 
-FrameResult LogPlayer::nextFrame(std::chrono::milliseconds timeout) {
+FrameResult LogPlayer::nextFrame(const bool& stopped, std::chrono::milliseconds timeout) {
   const auto& stamps = log_.frameStamps();
   std::unique_lock lock(mutex_);
   const StampUs deadline_us = clock_.now() + std::chrono::microseconds(timeout).count();
   while (true) {
+    if (stopped) return {SourceState::kWaiting, std::nullopt, "the camera is stopped"};
     updateLocked();
     if (seen_jumps_ != timeline_.jumps()) {
       seen_jumps_ = timeline_.jumps();

@@ -71,7 +71,7 @@ class LogPlayer : public ReplayControl {
   class PanTiltPort;
   class BasePort;
 
-  FrameResult nextFrame(std::chrono::milliseconds timeout);
+  FrameResult nextFrame(const bool& stopped, std::chrono::milliseconds timeout);
   /// @param stopped of the port that asks; guarded by the mutex.
   template <typename Sample>
   SampleBatch<Sample> samplesSince(const std::vector<Sample>& samples, const bool& stopped, StampUs after_us,

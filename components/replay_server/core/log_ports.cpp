@@ -44,6 +44,7 @@ FrameCapabilities capabilitiesOf(const RobotLog& log) {
 }
 
 PortReply configureFor(const RobotLog& log, const FrameRequest& request) {
+  if (auto rejection = rejectAbsurd(request)) return *rejection;
   const FrameCapabilities own = capabilitiesOf(log);
   const std::string size = std::to_string(own.width) + "x" + std::to_string(own.height);
   const bool other_width = request.width != 0 && request.width != own.width;

@@ -14,21 +14,26 @@ class Camera : public FrameSource {
 
   FrameCapabilities capabilities() const override { return capabilitiesOf(log_); }
   PortReply configure(const FrameRequest& request) override { return configureFor(log_, request); }
-  PortReply start() override { return PortReply::accepted(); }
+  PortReply start() override {
+    stopped_ = false;
+    return PortReply::accepted();
+  }
   FrameResult next(std::chrono::milliseconds) override {
+    if (stopped_) return {SourceState::kWaiting, std::nullopt, "the camera is stopped"};
     if (!frame) {
       return finished ? FrameResult{SourceState::kFinished, std::nullopt, "end of " + log_.file()}
                       : FrameResult{SourceState::kWaiting, std::nullopt, "no new frame before the next step"};
     }
     return {SourceState::kRunning, std::exchange(frame, std::nullopt), ""};
   }
-  void stop() override {}
+  void stop() override { stopped_ = true; }
 
   std::optional<Frame> frame;
   bool finished = false;
 
  private:
   const RobotLog& log_;
+  bool stopped_ = false;
 };
 
 /// Samples of a list up to how many have been let out.

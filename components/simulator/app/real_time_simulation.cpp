@@ -37,21 +37,33 @@ class RealTimeSimulation::CameraPort : public FrameSource {
   PortReply configure(const FrameRequest& request) override {
     return owner_.simulation_->camera().configure(request);
   }
-  PortReply start() override { return PortReply::accepted(); }
+  PortReply start() override {
+    const std::lock_guard lock(owner_.mutex_);
+    stopped_ = false;
+    return PortReply::accepted();
+  }
   FrameResult next(std::chrono::milliseconds timeout) override {
     std::unique_lock lock(owner_.mutex_);
-    const auto fresh = [&] { return owner_.frame_.has_value() || !owner_.running_; };
+    const auto fresh = [&] { return owner_.frame_.has_value() || !owner_.running_ || stopped_; };
     owner_.published_.wait_for(lock, timeout, fresh);
+    if (stopped_) return {SourceState::kWaiting, std::nullopt, "the camera is stopped"};
     if (!owner_.frame_) {
       return {SourceState::kWaiting, std::nullopt,
               owner_.status_.paused ? "the simulation is paused" : "no new frame yet"};
     }
     return {SourceState::kRunning, std::exchange(owner_.frame_, std::nullopt), ""};
   }
-  void stop() override {}
+  void stop() override {
+    {
+      const std::lock_guard lock(owner_.mutex_);
+      stopped_ = true;
+    }
+    owner_.published_.notify_all();
+  }
 
  private:
   RealTimeSimulation& owner_;
+  bool stopped_ = false;  ///< under the owner's mutex
 };
 
 class RealTimeSimulation::PanTiltPort : public PanTiltUnit {

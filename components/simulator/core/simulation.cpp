@@ -50,6 +50,7 @@ class Simulation::CameraPort : public FrameSource {
             false};
   }
   PortReply configure(const FrameRequest& request) override {
+    if (auto rejection = rejectAbsurd(request)) return *rejection;
     const auto& config = simulation_.config_;
     const bool same = (request.width == 0 || request.width == config.intrinsics.width) &&
                       (request.height == 0 || request.height == config.intrinsics.height) &&
@@ -60,16 +61,21 @@ class Simulation::CameraPort : public FrameSource {
                                      "x" + std::to_string(config.intrinsics.height) + " at " +
                                      std::to_string(config.camera_rate_hz) + " Hz");
   }
-  PortReply start() override { return PortReply::accepted(); }
+  PortReply start() override {
+    stopped_ = false;
+    return PortReply::accepted();
+  }
   FrameResult next(std::chrono::milliseconds) override {
+    if (stopped_) return {SourceState::kWaiting, std::nullopt, "the camera is stopped"};
     auto frame = simulation_.takeFrame();
     if (!frame) return {SourceState::kWaiting, std::nullopt, "no frame due: simulated time stands still"};
     return {SourceState::kRunning, std::move(frame), ""};
   }
-  void stop() override {}
+  void stop() override { stopped_ = true; }
 
  private:
   Simulation& simulation_;
+  bool stopped_ = false;
 };
 
 class Simulation::PanTiltPort : public PanTiltUnit {

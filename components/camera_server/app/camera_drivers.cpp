@@ -1,0 +1,13 @@
+#include "camera_server/app/camera_drivers.h"
+
+#include "drivers/camera_files/file_camera.h"
+#include "drivers/example_camera/pattern_camera.h"
+
+namespace vismem {
+
+void registerCameraDrivers(DriverRegistry<FrameSource>& registry) {
+  registry.add("files", "a folder of images, an image, a video file or a network stream", makeFileCamera);
+  registry.add("pattern", "a test pattern; simulated", makePatternCamera);
+}
+
+}  // namespace vismem
