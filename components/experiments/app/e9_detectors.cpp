@@ -54,7 +54,7 @@ struct SimulatedScene {
 const SimulatedScene kSimulated[] = {
     {"room", "simulated room: white markings on a dark floor", {-2.0, -1.2, 0.4}, -22.0},
     {"corridor", "simulated corridor with doors", {-4.25, -1.5, 1.57}, -12.0},
-    {"texture", "simulated room with a textured floor", {0.0, 0.0, 0.0}, -20.0},
+    {"texture", "simulated room with a textured floor", {-1.8, 0.8, -0.3}, -20.0},
 };
 /// A photograph of a corridor, and a moment at which the Nao sees the field's lines and a goal.
 constexpr const char* kPhotograph = "P1040811";

@@ -1,4 +1,5 @@
 // The figure of a run: time against accuracy, and every measure side by side.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -32,22 +33,28 @@ const PhotographTable* tableOf(const VisionResults& results, const std::string& 
   return nullptr;
 }
 
-/// Labels of points in a scatter: the right of the point, shifted down while another one is there.
+/// Places for labels of points in a scatter: right of the point, moved up or down where something is already.
 class Places {
  public:
-  Eigen::Vector2d free(Eigen::Vector2d at, double width) {
-    while (std::any_of(taken_.begin(), taken_.end(), [&](const auto& other) {
-      return std::abs(other.first.y() - at.y()) < 11.0 && other.first.x() < at.x() + width &&
-             at.x() < other.first.x() + other.second;
-    })) {
-      at.y() += 4.0;
+  void take(const Eigen::Vector2d& low, const Eigen::Vector2d& high) { taken_.emplace_back(low, high); }
+  /// @return the left end of the text's base line.
+  Eigen::Vector2d free(const Eigen::Vector2d& point, double width) {
+    for (int step = 0;; ++step) {
+      const double shift = (step % 2 == 0 ? 1.0 : -1.0) * kStep * ((step + 1) / 2);
+      const Eigen::Vector2d at = point + Eigen::Vector2d(step == 0 ? 8.0 : 16.0, 4.0 + shift);
+      const Eigen::AlignedBox2d box(at - Eigen::Vector2d(2, 9), at + Eigen::Vector2d(width + 2, 3));
+      const bool hit = std::any_of(taken_.begin(), taken_.end(),
+                                   [&](const Eigen::AlignedBox2d& other) { return other.intersects(box); });
+      if (hit && step < kSteps) continue;
+      taken_.push_back(box);
+      return at;
     }
-    taken_.emplace_back(at, width);
-    return at;
   }
 
  private:
-  std::vector<std::pair<Eigen::Vector2d, double>> taken_;
+  static constexpr double kStep = 6.0;
+  static constexpr int kSteps = 40;
+  std::vector<Eigen::AlignedBox2d> taken_;
 };
 
 /// Milliseconds on a logarithmic scale against F2.
@@ -74,8 +81,8 @@ void drawScatter(Canvas& canvas, const Eigen::Vector2d& low, const Eigen::Vector
   const double log_to = std::ceil(std::log10(to) * 2.0 + 0.6) / 2.0;
   const Eigen::Vector2d plot_low = low + Eigen::Vector2d(44, 26);
   const Eigen::Vector2d plot_high = high - Eigen::Vector2d(8, 34);
-  const double f_low = 0.2;
-  const double f_high = 0.9;
+  const double f_low = 0.25;
+  const double f_high = 0.85;
   const auto at = [&](double ms, double f2) {
     return Eigen::Vector2d(
         plot_low.x() + (std::log10(ms) - log_from) / (log_to - log_from) * (plot_high.x() - plot_low.x()),
@@ -83,7 +90,7 @@ void drawScatter(Canvas& canvas, const Eigen::Vector2d& low, const Eigen::Vector
   };
   canvas.text(speed.size + ": F at 2 px against time", {low.x(), low.y() + 12}, kTitle, colors::kInk,
               Align::kLeft, true);
-  for (double f2 = f_low; f2 <= f_high + 1e-9; f2 += 0.1) {
+  for (double f2 = f_low + 0.05; f2 <= f_high + 1e-9; f2 += 0.1) {
     canvas.line({plot_low.x(), at(1, f2).y()}, {plot_high.x(), at(1, f2).y()}, colors::kGrid);
     canvas.text(number(f2, 1), {plot_low.x() - 6, at(1, f2).y() + 4}, kText, colors::kFaintInk,
                 Align::kRight);
@@ -105,11 +112,16 @@ void drawScatter(Canvas& canvas, const Eigen::Vector2d& low, const Eigen::Vector
   Places places;
   std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.f2 > b.f2; });
   for (const auto& point : points) {
+    const Eigen::Vector2d px = at(point.ms, point.f2);
+    places.take(px - Eigen::Vector2d::Constant(5.0), px + Eigen::Vector2d::Constant(5.0));
+  }
+  for (const auto& point : points) {
     const bool ours = point.name == kOurs;
     const Eigen::Vector2d px = at(point.ms, point.f2);
     canvas.disc(px, ours ? 5.0 : 3.5, ours ? kOurColor : kPeerColor);
     const double width = canvas.textWidth(point.name, kText, ours);
-    const Eigen::Vector2d text = places.free({px.x() + 8, px.y() + 4}, width);
+    const Eigen::Vector2d text = places.free(px, width);
+    if (text.x() > px.x() + 9.0) canvas.line(px, text + Eigen::Vector2d(-2, -3), colors::kFaintInk, 0.7);
     canvas.text(point.name, text, kText, ours ? kOurColor : colors::kInk, Align::kLeft, ours);
   }
 }
@@ -189,7 +201,12 @@ cv::Mat drawFigure(const VisionResults& results) {
   constexpr int kPerRow = 6;
   constexpr double kNames = 100.0;
   std::vector<std::string> names;
-  for (const auto& entry : measuredDetectors()) names.push_back(entry.name);
+  for (const auto& entry : measuredDetectors()) {
+    const bool measured = std::any_of(columns.begin(), columns.end(), [&](const Column& column) {
+      return column.values.count(entry.name) > 0;
+    });
+    if (measured) names.push_back(entry.name);
+  }
   const double block = 34.0 + kRow * static_cast<double>(names.size()) + 22.0;
   const int blocks = static_cast<int>((columns.size() + kPerRow - 1) / kPerRow);
   const double top = 62.0;
