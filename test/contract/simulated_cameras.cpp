@@ -10,8 +10,8 @@ SimulationConfig inRoom() {
   static const World world = loadWorld(VISMEM_SOURCE_DIR "/cfg/worlds/room.world").world;
   SimulationConfig config;
   config.world = world;
-  config.intrinsics = intrinsicsFromFieldOfView(64, 48, 1.0);
-  config.camera_rate_hz = 20.0;
+  config.cameras.front().intrinsics = intrinsicsFromFieldOfView(64, 48, 1.0);
+  config.cameras.front().rate_hz = 20.0;
   return config;
 }
 

@@ -315,7 +315,7 @@ TEST_F(RobotLoopback, StoppedClientsWaitForNobodyAndLeaveTheRobotStanding) {
 
 class FakeSimulation : public SimulationControl {
  public:
-  SimulationStatus status() const override { return {"corridor", 5, 1000, paused, speed, 0.9}; }
+  SimulationStatus status() const override { return {"corridor", 5, 1000, paused, speed, 0.9, consumers}; }
   SampleBatch<TruthSample> truthSince(StampUs after_us, std::chrono::milliseconds) override {
     if (after_us >= 1000) return {};
     return {SourceState::kRunning, {{1000, 1, {1, 2, 0.5}, true, 3}}, {}};
@@ -338,9 +338,59 @@ class FakeSimulation : public SimulationControl {
     return {};
   }
 
+  PortReply step(int steps) override {
+    return paused ? PortReply::adjusted(std::to_string(steps) + " steps") : PortReply::rejected("not paused");
+  }
+  PortReply setLockStep(int value) override {
+    consumers = value;
+    return {};
+  }
+  PortReply reset(std::uint64_t value) override {
+    seed = value;
+    return {};
+  }
+  std::vector<ModelStatus> models() override { return {model}; }
+  PortReply addModel(const std::string& name, const PropShape& value, const Pose3& pose) override {
+    if (name == model.name) return PortReply::rejected("there is a model \"" + name + "\"");
+    model = {name, pose, true, false};
+    shape = value;
+    return {};
+  }
+  PortReply removeModel(const std::string& name) override {
+    model.present = name != model.name;
+    return {};
+  }
+  PortReply placeModel(const std::string&, const Pose3& pose) override {
+    model.T_world_model = pose;
+    model.present = true;
+    return {};
+  }
+  PortReply walkModel(const std::string&, const Way& value) override {
+    way = value;
+    model.walking = true;
+    return {};
+  }
+  PortReply standModel(const std::string&) override {
+    model.walking = false;
+    return {};
+  }
+  PortReply slip(double left_m, double right_m) override {
+    slipped = {left_m, right_m};
+    return {};
+  }
+  PortReply playScenario(const std::string& text) override {
+    return text == "scenario 1" ? PortReply::accepted() : PortReply::rejected("scenario:1: what is this?");
+  }
+
   std::atomic<bool> paused = false;
   std::atomic<double> speed = 1.0;
+  std::atomic<int> consumers = 0;
+  std::uint64_t seed = 5;
   Pose2 place;
+  ModelStatus model{"door", Pose3::Identity(), true, false};
+  PropShape shape;
+  Way way;
+  std::pair<double, double> slipped;
 };
 
 TEST_F(RobotLoopback, SimulationIsControlledFromAfar) {
@@ -365,6 +415,50 @@ TEST_F(RobotLoopback, SimulationIsControlledFromAfar) {
   ASSERT_EQ(truth.samples.size(), 1U) << truth.message;
   EXPECT_EQ(truth.samples[0].kidnaps, 3U);
   servant->stop();
+}
+
+TEST_F(RobotLoopback, ASimulatedWorldIsChangedFromAfar) {
+  FakeSimulation simulation;
+  server.add("Simulation", std::make_shared<SimulationServant>(simulation));
+  RemoteSimulation remote(proxy<avm::SimulationPrx>("Simulation"));
+  EXPECT_EQ(remote.step(3).message, "not paused");
+  remote.pause();
+  EXPECT_EQ(remote.step(3).message, "3 steps");
+  EXPECT_EQ(remote.step(0).message, "steps = 0 (must be 1..1000)");
+  EXPECT_TRUE(remote.setLockStep(2).ok());
+  EXPECT_EQ(remote.status().lock_step, 2);
+  EXPECT_EQ(remote.setLockStep(-1).message, "consumers = -1 (must be 0..64)");
+  EXPECT_TRUE(remote.reset(77).ok());
+  EXPECT_EQ(simulation.seed, 77U);
+
+  const Pose3 place = poseFromXyzRpy(1, 2, 3, 0.1, 0.2, 0.3);
+  const PropShape robot{PropShape::Kind::kRobot, {0.4, 0.5, 1.2}, {0.1, 0.2, 0.3}};
+  EXPECT_TRUE(remote.addModel("guest", robot, place).ok());
+  EXPECT_EQ(remote.addModel("guest", robot, place).message, "there is a model \"guest\"");
+  EXPECT_EQ(simulation.shape.kind, robot.kind);
+  EXPECT_EQ(simulation.shape.size_m, robot.size_m);
+  EXPECT_EQ(simulation.shape.color, robot.color);
+  ASSERT_EQ(remote.models().size(), 1U);
+  EXPECT_EQ(remote.models()[0].name, "guest");
+  EXPECT_TRUE(remote.models()[0].T_world_model.isApprox(place, 1e-12));
+  Pose3 nowhere = place;
+  nowhere.translation().x() = kNaN;
+  EXPECT_THAT(remote.placeModel("guest", nowhere).message, HasSubstr("must be finite"));
+  EXPECT_TRUE(remote.walkModel("guest", {{{0, 0}, {1, 0}}, false, WayEnd::kStand, 0.7}).ok());
+  EXPECT_TRUE(remote.models()[0].walking);
+  ASSERT_EQ(simulation.way.points.size(), 2U);
+  EXPECT_EQ(simulation.way.points[1], Eigen::Vector2d(1, 0));
+  EXPECT_EQ(simulation.way.at_end, WayEnd::kStand);
+  EXPECT_EQ(simulation.way.speed_mps, 0.7);
+  EXPECT_TRUE(remote.standModel("guest").ok());
+  EXPECT_FALSE(remote.models()[0].walking);
+  EXPECT_TRUE(remote.removeModel("guest").ok());
+  EXPECT_FALSE(remote.models()[0].present);
+  EXPECT_TRUE(remote.slip(0.1, -0.2).ok());
+  EXPECT_EQ(simulation.slipped, std::pair(0.1, -0.2));
+  EXPECT_EQ(remote.slip(kNaN, 0).message, "leftM = nan (must be -1..1)");
+  EXPECT_TRUE(remote.playScenario("scenario 1").ok());
+  EXPECT_EQ(remote.playScenario("?").message, "scenario:1: what is this?");
 }
 
 class FakeReplay : public ReplayControl {
@@ -428,6 +522,7 @@ TEST_F(RobotLoopback, LostControlsSaySo) {
   RemoteSimulation simulation(nullptr);
   EXPECT_EQ(simulation.status().world, "");
   EXPECT_THAT(simulation.pause().message, HasSubstr("no simulation is configured"));
+  EXPECT_TRUE(simulation.models().empty());
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ TEST_P(WorldMap, LiesOnRenderedEdgesWithinOnePixel) {
   int outside = 0;
   double worst = 0.0;
   for (int view = 0; view < 60; ++view) {
-    CameraIntrinsics lens = robot.intrinsics;
+    CameraIntrinsics lens = robot.cameras.front().intrinsics;
     if (view % 2 == 1) {
       lens.k1 = -0.25;
       lens.k2 = 0.06;
@@ -75,7 +75,7 @@ TEST_P(WorldMap, LiesOnRenderedEdgesWithinOnePixel) {
       pose = {uniform(low.x(), high.x()), uniform(low.y(), high.y()), uniform(-3.1, 3.1)};
     } while (base.collidesAt(pose));
     const Pose3 T_world_camera =
-        toPose3(pose) * cameraPose(robot.mount, uniform(-1.0, 1.0), uniform(-0.5, 0.1));
+        toPose3(pose) * cameraPose(robot.mount(), uniform(-1.0, 1.0), uniform(-0.5, 0.1));
     const cv::Mat image = renderer.render(lens, T_world_camera);
     const Eigen::Vector3d eye = T_world_camera.translation();
     for (const MapSegment& segment : map_.segments) {

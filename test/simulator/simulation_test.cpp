@@ -23,7 +23,7 @@ SimulationConfig inCorridor() {
   SimulationConfig config;
   config.world = corridor();
   config.start = {-3.0, 2.25, 0.0};
-  config.camera_rate_hz = 10.0;
+  config.cameras.front().rate_hz = 10.0;
   return config;
 }
 
@@ -137,7 +137,7 @@ TEST(Simulation, SameSeedGivesTheSameBytesAnotherSeedOtherNoiseInTheSameWorld) {
   const auto run = [](std::uint64_t seed, double noise) {
     auto config = inCorridor();
     config.seed = seed;
-    config.image_noise = noise;
+    config.cameras.front().errors.gaussian = noise;
     Simulation simulation(config);
     std::vector<std::uint64_t> result;
     for (int i = 0; i < 8; ++i) {
@@ -203,10 +203,10 @@ TEST(Simulation, RefusesWhatIsNotFiniteAndWhatCannotBe) {
   config.start = {0.0, 0.0, 0.0};
   EXPECT_THROW(Simulation{config}, std::invalid_argument);
   config = inCorridor();
-  config.intrinsics.width = 0;
+  config.cameras.front().intrinsics.width = 0;
   EXPECT_THROW(Simulation{config}, std::invalid_argument);
   config = inCorridor();
-  config.camera_rate_hz = 0.0;
+  config.cameras.front().rate_hz = 0.0;
   EXPECT_THROW(Simulation{config}, std::invalid_argument);
 }
 

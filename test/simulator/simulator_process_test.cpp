@@ -81,6 +81,68 @@ TEST(SimulatorProcess, ServesARobotThatSeesMovesAndCanBeKidnapped) {
   EXPECT_EQ(process.waitForExit(kPatience), 0) << process.error();
 }
 
+TEST(SimulatorProcess, InLockStepTimeWaitsForWhoTakesImages) {
+  ComponentProcess process("simulator", {kConfig, kWorld, kEndpoint, "--Simulator.LockStep=1",
+                                         "--Simulator.RenderThreads=2", "--Simulator.Camera.Rate_hz=10"});
+  ASSERT_TRUE(process.waitUntilReady());
+  Ice::CommunicatorHolder ice(Ice::initialize());
+  const auto proxy = [&](const std::string& identity) { return ice->stringToProxy(process.proxy(identity)); };
+  const auto camera = Ice::uncheckedCast<avm::CameraPrx>(proxy("cameraA"));
+  RemoteSimulation simulation(Ice::uncheckedCast<avm::SimulationPrx>(proxy("Simulation")));
+  EXPECT_EQ(simulation.status().lock_step, 1);
+  Ice::Long seq = -1;
+  Ice::Long last_us = -1;
+  for (int i = 0; i < 30; ++i) {
+    const auto frame = camera->getNext("RGB8", seq);
+    ASSERT_EQ(frame.state, avm::SourceState::Running) << frame.message;
+    EXPECT_EQ(frame.image.seq, seq + 1) << "none is left out, however fast they come";
+    if (i > 0) {
+      EXPECT_EQ(frame.image.stampUs, last_us + 100'000);
+    }
+    seq = frame.image.seq;
+    last_us = frame.image.stampUs;
+    // Nobody waits now: time stands at this image.
+    EXPECT_EQ(simulation.status().stamp_us, last_us);
+  }
+  ASSERT_TRUE(simulation.setLockStep(0).ok());
+  EXPECT_TRUE(waitFor([&] { return simulation.status().stamp_us > last_us + 100'000; }));
+}
+
+TEST(SimulatorProcess, ShowsTruthBesideImagesAndStartsAgainWhenReset) {
+  ComponentProcess process(
+      "simulator", {kConfig, kWorld, kEndpoint, "--Simulator.Paused=yes", "--Simulator.Camera.Depth=yes",
+                    "--Simulator.Camera.Objects=yes", "--Simulator.Cameras.cameraB.Position_m=0 -0.1 0"});
+  ASSERT_TRUE(process.waitUntilReady());
+  Ice::CommunicatorHolder ice(Ice::initialize());
+  const auto proxy = [&](const std::string& identity) { return ice->stringToProxy(process.proxy(identity)); };
+  RemoteSimulation simulation(Ice::uncheckedCast<avm::SimulationPrx>(proxy("Simulation")));
+  for (const std::string name : {"cameraA", "cameraA/depth", "cameraA/objects", "cameraB"}) {
+    const auto frame = Ice::uncheckedCast<avm::CameraPrx>(proxy(name))->getNext("RGB8", -1);
+    ASSERT_EQ(frame.state, avm::SourceState::Running) << name << ": " << frame.message;
+    EXPECT_EQ(frame.image.stampUs, 0) << name;
+    EXPECT_EQ(frame.image.pixels.size(), 320U * 240U * 3U);
+  }
+  EXPECT_THAT(simulation.models(), testing::SizeIs(testing::Gt(20U)));
+  EXPECT_EQ(simulation.addModel("floor", {}, Pose3::Identity()).message, "there is a model \"floor\"");
+  EXPECT_TRUE(simulation.addModel("crate", {}, poseFromXyzRpy(1.0, 2.25, 0, 0, 0, 0)).ok());
+  EXPECT_FALSE(simulation.kidnap({1.0, 2.25, 0.0}).ok()) << "there stands a crate";
+  EXPECT_TRUE(simulation.step(100).ok());
+  EXPECT_EQ(simulation.status().stamp_us, kSecondUs);
+  EXPECT_THAT(simulation.playScenario("scenario 1\nat 0 remove nothing\n").message,
+              HasSubstr("scenario:2: no object"));
+  EXPECT_THAT(simulation.playScenario("scenario 1\nat\n").message, HasSubstr("scenario:2: \"at\""));
+  EXPECT_TRUE(simulation.playScenario("scenario 1\nat 0.5 kidnap at_m=-4.25,0\n").ok());
+  EXPECT_TRUE(simulation.step(60).ok());
+  EXPECT_TRUE(waitFor([&] {
+    const auto truth = simulation.truthSince(-1, 500ms);
+    return !truth.samples.empty() && truth.samples.back().kidnaps == 1;
+  }));
+  EXPECT_TRUE(simulation.reset(9).ok());
+  EXPECT_EQ(simulation.status().seed, 9U);
+  EXPECT_EQ(simulation.status().stamp_us, 0);
+  EXPECT_TRUE(simulation.addModel("crate", {}, poseFromXyzRpy(1.0, 2.25, 0, 0, 0, 0)).ok()) << "it had gone";
+}
+
 TEST(SimulatorProcess, NamesWhatIsWrongWithItsConfiguration) {
   ComponentProcess keys("simulator",
                         {kConfig, kWorld, kEndpoint, "--Simulator.Speed=0", "--Simulator.Sed=1"});

@@ -61,7 +61,9 @@ double AttentiveVisualMemory::turnRate(const RobotObservation& observation) {
 }
 
 AttentiveVisualMemory::StepResult AttentiveVisualMemory::step(const RobotObservation& observation,
-                                                              const std::vector<ImageSegment>& observed) {
+                                                              const std::vector<ImageSegment>& observed,
+                                                              StageProbe* probe) {
+  enterStage(probe, "memory");
   followEpoch(observation);
   readMail();
   const double rate = turnRate(observation);
@@ -71,18 +73,21 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::step(const RobotObserva
       std::make_shared<const ImageAnalysis>(memory_.update(observation, observed, floor, rate));
   gate_.passed(observation);
   ++revision_;
-  return finish(observation);
+  return finish(observation, probe);
 }
 
-AttentiveVisualMemory::StepResult AttentiveVisualMemory::glance(const RobotObservation& observation) {
+AttentiveVisualMemory::StepResult AttentiveVisualMemory::glance(const RobotObservation& observation,
+                                                                StageProbe* probe) {
+  enterStage(probe, "memory");
   followEpoch(observation);
   readMail();
   turnRate(observation);
   memory_.age(observation.frame.stamp_us);
-  return finish(observation);
+  return finish(observation, probe);
 }
 
-AttentiveVisualMemory::StepResult AttentiveVisualMemory::finish(const RobotObservation& observation) {
+AttentiveVisualMemory::StepResult AttentiveVisualMemory::finish(const RobotObservation& observation,
+                                                                StageProbe* probe) {
   const bool analysed = !last_update_.snapshot || last_update_.snapshot->revision != revision_;
   std::vector<MemorySegment> segments;
   segments.reserve(memory_.elements().size());
@@ -91,11 +96,13 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::finish(const RobotObser
   }
 
   StepResult result;
+  enterStage(probe, "gaze");
   pool_.update(observation.frame.stamp_us, segments, observation.T_odom_robot, params_.gaze.mount,
                gaze_.attended());
   result.command = gaze_.step(observation, segments, pool_);
   result.gaze = gaze_.status(observation.frame.stamp_us, pool_);
   mailbox_.publish(result.gaze);
+  enterStage(probe, "memory");
   if (analysed) {
     for (MemorySegment& segment : segments) segment.salience = pool_.salienceOf(segment.id);
     auto snapshot = std::make_shared<MemorySnapshot>();

@@ -11,6 +11,7 @@
 #include "active_visual_memory/core/gaze_controller.h"
 #include "active_visual_memory/core/ground_projector.h"
 #include "active_visual_memory/core/segment_memory.h"
+#include "common/profiling/stage_probe.h"
 
 namespace vismem {
 
@@ -45,9 +46,11 @@ class AttentiveVisualMemory {
   bool wants(const RobotObservation& observation) const { return gate_.opens(observation); }
 
   /// One analysed image. @param observed all its segments, ideal pixels, also those above the horizon.
-  StepResult step(const RobotObservation& observation, const std::vector<ImageSegment>& observed);
+  /// @param probe hears of the stages "memory" and "gaze"; may be null.
+  StepResult step(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
+                  StageProbe* probe = nullptr);
   /// A frame that is not analysed: time passes and the gaze goes on.
-  StepResult glance(const RobotObservation& observation);
+  StepResult glance(const RobotObservation& observation, StageProbe* probe = nullptr);
 
   /// The images are gone for a while: what to tell the pan-tilt unit, once.
   std::optional<PanTiltCommand> imagesLost() { return gaze_.hold(); }
@@ -64,7 +67,7 @@ class AttentiveVisualMemory {
   void followEpoch(const RobotObservation& observation);
   void readMail();
   double turnRate(const RobotObservation& observation);
-  StepResult finish(const RobotObservation& observation);
+  StepResult finish(const RobotObservation& observation, StageProbe* probe);
 
   Params params_;
   FrameGate gate_;

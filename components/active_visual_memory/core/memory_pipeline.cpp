@@ -17,9 +17,11 @@ MemoryPipelineParams MemoryPipelineParams::chapter() {
 MemoryPipeline::MemoryPipeline(const Params& params, std::shared_ptr<const Palette> palette)
     : extractor_(params.vision, std::move(palette)), memory_(params.memory) {}
 
-AttentiveVisualMemory::StepResult MemoryPipeline::process(const RobotObservation& observation) {
-  if (!memory_.wants(observation)) return memory_.glance(observation);
-  return memory_.step(observation, extractor_.extract(observation.frame.image, observation.frame.intrinsics));
+AttentiveVisualMemory::StepResult MemoryPipeline::process(const RobotObservation& observation,
+                                                          StageProbe* probe) {
+  if (!memory_.wants(observation)) return memory_.glance(observation, probe);
+  return memory_.step(
+      observation, extractor_.extract(observation.frame.image, observation.frame.intrinsics, probe), probe);
 }
 
 }  // namespace vismem

@@ -28,7 +28,8 @@ class MemoryPipeline {
   MemoryPipeline(const Params& params, std::shared_ptr<const Palette> palette);
 
   /// @throws std::invalid_argument when the image is not of the size its intrinsics say.
-  AttentiveVisualMemory::StepResult process(const RobotObservation& observation);
+  /// @param probe hears of the stages "detect", "label", "memory" and "gaze"; may be null.
+  AttentiveVisualMemory::StepResult process(const RobotObservation& observation, StageProbe* probe = nullptr);
 
   AttentiveVisualMemory& memory() { return memory_; }
   const AttentiveVisualMemory& memory() const { return memory_; }

@@ -36,12 +36,14 @@ void readPanTiltParams(ConfigReader r, PanTiltParams& p) {
 
 void readOdometryErrorParams(ConfigReader r, OdometryErrorParams& p) {
   using Preset = OdometryErrorParams (*)();
-  const Preset preset = r.choice<Preset>("Preset", defaultOdometryError,
+  // Left out, it is what the robot brings along.
+  const OdometryErrorParams given = p;
+  const Preset preset = r.choice<Preset>("Preset", nullptr,
                                          {{"none", noOdometryError},
                                           {"default", defaultOdometryError},
                                           {"stage", stageOdometryError},
                                           {"thrun", thrunOdometryError}});
-  p = preset();
+  p = preset != nullptr ? preset() : given;
   p.radius_sigma = r.real("RadiusError", p.radius_sigma, 0.0, 0.2);
   p.base_sigma = r.real("BaseError", p.base_sigma, 0.0, 0.2);
   p.travel_sigma_sqrtm = r.real("TravelNoise_m", p.travel_sigma_sqrtm, 0.0, 0.2);

@@ -33,8 +33,8 @@ void FrameBroadcaster::stop() {
 
 void FrameBroadcaster::publish(Frame frame) {
   const auto seq = static_cast<std::int64_t>(frame.seq);
-  ++published_;
   latest_.publish(std::make_shared<const EncodedFrame>(std::move(frame), jpeg_quality_), seq);
+  ++published_;
 }
 
 void FrameBroadcaster::setCapabilities(FrameCapabilities capabilities) {

@@ -43,6 +43,9 @@ class FrameBroadcaster {
   FrameCapabilities capabilities() const;
 
   Latest& latest() { return latest_; }
+  /// Clients that wait for a frame newer than theirs.
+  std::size_t waiting() const { return latest_.waiting(); }
+  /// Frames so far; whoever waited for one of them has been answered.
   std::uint64_t published() const { return published_; }
 
  private:

@@ -6,6 +6,8 @@
 
 #include <memory>
 #include <mutex>
+#include <string>
+#include <vector>
 
 #include "common/robot/control_ports.h"
 #include "common/robot_ice/remote.h"
@@ -17,6 +19,13 @@ avm::TruthSample toIce(const TruthSample& sample);
 TruthSample fromIce(const avm::TruthSample& sample);
 avm::SimulationStatus toIce(const SimulationStatus& status);
 SimulationStatus fromIce(const avm::SimulationStatus& status);
+avm::PropShape toIce(const PropShape& shape);
+PropShape fromIce(const avm::PropShape& shape);
+avm::ModelStatus toIce(const ModelStatus& status);
+/// A pose that is none becomes the identity.
+ModelStatus fromIce(const avm::ModelStatus& status);
+avm::Way toIce(const Way& way);
+Way fromIce(const avm::Way& way);
 
 /// avm::Simulation. *Thread-safe* over a control that is; it must outlive stop() and the adapter.
 class SimulationServant : public avm::Simulation {
@@ -32,6 +41,18 @@ class SimulationServant : public avm::Simulation {
   avm::CommandReply kidnap(avm::Pose2 T_world_robot, const Ice::Current&) override;
   avm::CommandReply setPaused(bool paused, const Ice::Current&) override;
   avm::CommandReply setSpeed(double speed, const Ice::Current&) override;
+  avm::CommandReply step(int steps, const Ice::Current&) override;
+  avm::CommandReply setLockStep(int consumers, const Ice::Current&) override;
+  avm::CommandReply reset(Ice::Long seed, const Ice::Current&) override;
+  avm::ModelStatusSeq models(const Ice::Current&) override;
+  avm::CommandReply addModel(std::string name, avm::PropShape shape, avm::Pose3 pose,
+                             const Ice::Current&) override;
+  avm::CommandReply removeModel(std::string name, const Ice::Current&) override;
+  avm::CommandReply placeModel(std::string name, avm::Pose3 pose, const Ice::Current&) override;
+  avm::CommandReply walkModel(std::string name, avm::Way way, const Ice::Current&) override;
+  avm::CommandReply standModel(std::string name, const Ice::Current&) override;
+  avm::CommandReply slip(double left_m, double right_m, const Ice::Current&) override;
+  avm::CommandReply playScenario(std::string text, const Ice::Current&) override;
 
  private:
   SimulationControl& simulation_;
@@ -50,8 +71,23 @@ class RemoteSimulation : public SimulationControl {
   PortReply pause() override;
   PortReply resume() override;
   PortReply setSpeed(double speed) override;
+  PortReply step(int steps) override;
+  PortReply setLockStep(int consumers) override;
+  PortReply reset(std::uint64_t seed) override;
+  /// None while the server cannot be reached.
+  std::vector<ModelStatus> models() override;
+  PortReply addModel(const std::string& name, const PropShape& shape, const Pose3& T_world_model) override;
+  PortReply removeModel(const std::string& name) override;
+  PortReply placeModel(const std::string& name, const Pose3& T_world_model) override;
+  PortReply walkModel(const std::string& name, const Way& way) override;
+  PortReply standModel(const std::string& name) override;
+  PortReply slip(double left_m, double right_m) override;
+  PortReply playScenario(const std::string& text) override;
 
  private:
+  template <typename Call>
+  PortReply command(Call&& call);
+
   std::shared_ptr<avm::SimulationPrx> proxy_;
   std::shared_ptr<avm::SimulationPrx> commands_;
   PendingCall<avm::TruthBatch> truth_;

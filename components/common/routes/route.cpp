@@ -1,13 +1,13 @@
 #include "common/routes/route.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <random>
 
 #include "common/config/config_error.h"
+#include "common/config/text_fields.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/segment.h"
 
@@ -16,21 +16,6 @@ namespace {
 
 /// Way-points nearer than this have no direction between them [m].
 constexpr double kMinimumLine_m = 0.05;
-
-std::string_view trimmed(std::string_view text) {
-  text = text.substr(0, text.find('#'));
-  const std::size_t begin = text.find_first_not_of(" \t\r");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
-}
-
-std::optional<double> number(std::string_view word) {
-  word = trimmed(word);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
 
 /// Uniform in [0, 1): the standard's distributions differ between libraries, its engines do not.
 double uniform(std::mt19937_64& engine) {
@@ -94,7 +79,7 @@ Route parseRoute(std::string_view text, const std::string& file_name) {
   int content_lines = 0;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = trimmed(text.substr(0, end));
+    const std::string_view line = contentOf(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
     ++line_number;
     if (line.empty()) continue;
@@ -111,8 +96,8 @@ Route parseRoute(std::string_view text, const std::string& file_name) {
       continue;
     }
     const std::size_t comma = line.find(',');
-    const auto x = number(line.substr(0, comma));
-    const auto y = comma == std::string_view::npos ? std::nullopt : number(line.substr(comma + 1));
+    const auto x = finiteNumber(line.substr(0, comma));
+    const auto y = comma == std::string_view::npos ? std::nullopt : finiteNumber(line.substr(comma + 1));
     if (!x || !y) {
       problems.push_back(where + found + " (must be two finite numbers: x_m,y_m)");
       continue;

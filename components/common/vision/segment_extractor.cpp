@@ -15,10 +15,10 @@ SegmentExtractor::~SegmentExtractor() = default;
 SegmentExtractor::SegmentExtractor(SegmentExtractor&&) noexcept = default;
 SegmentExtractor& SegmentExtractor::operator=(SegmentExtractor&&) noexcept = default;
 
-std::vector<ImageSegment> SegmentExtractor::extract(const cv::Mat& image,
-                                                    const CameraIntrinsics& intrinsics) {
+std::vector<ImageSegment> SegmentExtractor::extract(const cv::Mat& image, const CameraIntrinsics& intrinsics,
+                                                    StageProbe* probe) {
   // Collinear is a matter of ideal pixels: a straight edge is bent by the lens.
-  auto segments = mergeSegments(extractPieces(image, intrinsics), params_.merge);
+  auto segments = mergeSegments(extractPieces(image, intrinsics, probe), params_.merge);
   std::erase_if(segments, [this](const ImageSegment& segment) {
     return segment.px.length() < params_.minimum_length_px;
   });
@@ -26,13 +26,16 @@ std::vector<ImageSegment> SegmentExtractor::extract(const cv::Mat& image,
 }
 
 std::vector<ImageSegment> SegmentExtractor::extractPieces(const cv::Mat& image,
-                                                          const CameraIntrinsics& intrinsics) {
+                                                          const CameraIntrinsics& intrinsics,
+                                                          StageProbe* probe) {
   if (image.cols != intrinsics.width || image.rows != intrinsics.height) {
     throw std::invalid_argument("image of " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
                                 " px (its intrinsics are for " + std::to_string(intrinsics.width) + "x" +
                                 std::to_string(intrinsics.height) + ")");
   }
+  enterStage(probe, "detect");
   detector_->detect(image, raw_);
+  enterStage(probe, "label");
   std::vector<ImageSegment> segments;
   segments.reserve(raw_.size());
   for (const RawSegment& raw : raw_) {

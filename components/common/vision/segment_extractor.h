@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/geometry/camera.h"
+#include "common/profiling/stage_probe.h"
 #include "common/vision/image_segment.h"
 #include "common/vision/palette.h"
 #include "common/vision/segment_detector.h"
@@ -36,9 +37,12 @@ class SegmentExtractor {
   /// @param image      CV_8UC3 (R, G, B) or CV_8UC1, raw pixels.
   /// @param intrinsics of that image; its distortion is taken out of the ends.
   /// @throws std::invalid_argument when the image's size is not the intrinsics' or its type is another.
-  std::vector<ImageSegment> extract(const cv::Mat& image, const CameraIntrinsics& intrinsics);
+  /// @param probe      hears of the stages "detect" and "label"; may be null.
+  std::vector<ImageSegment> extract(const cv::Mat& image, const CameraIntrinsics& intrinsics,
+                                    StageProbe* probe = nullptr);
   /// What `extract` has before it merges and drops: detected, labelled, ends undistorted (figure 10, left).
-  std::vector<ImageSegment> extractPieces(const cv::Mat& image, const CameraIntrinsics& intrinsics);
+  std::vector<ImageSegment> extractPieces(const cv::Mat& image, const CameraIntrinsics& intrinsics,
+                                          StageProbe* probe = nullptr);
 
  private:
   ExtractorParams params_;

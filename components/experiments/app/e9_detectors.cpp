@@ -79,7 +79,7 @@ Scene simulatedScene(const SimulatedScene& from, std::uint64_t seed) {
   const LoadedWorld loaded = loadWorld(worldFile(from), {});
   Renderer renderer(loaded.world);
   const SimulationConfig robot;
-  Scene scene{from.name, "simulated", from.title, {}, robot.intrinsics, {}, nullptr};
+  Scene scene{from.name, "simulated", from.title, {}, robot.cameras.front().intrinsics, {}, nullptr};
   scene.rgb = renderRobotView(renderer, from.T_world_robot, 0.0, degToRad(from.tilt_deg));
   addNoise(scene.rgb, seed);
   const fs::path palette = projectFile(std::string("cfg/maps/") + from.name + ".palette");
@@ -88,9 +88,9 @@ Scene simulatedScene(const SimulatedScene& from, std::uint64_t seed) {
   if (fs::exists(map)) {
     const auto stripes = scene.palette ? scene.palette->stripes() : std::map<Label, Label>();
     const Pose3 T_world_camera =
-        toPose3(from.T_world_robot) * cameraPose(robot.mount, 0.0, degToRad(from.tilt_deg));
-    scene.truth = projectMap(expandStripes(loadSegmentMap(map), stripes).segments, robot.intrinsics,
-                             T_world_camera, kMapRange_m);
+        toPose3(from.T_world_robot) * cameraPose(robot.mount(), 0.0, degToRad(from.tilt_deg));
+    scene.truth = projectMap(expandStripes(loadSegmentMap(map), stripes).segments,
+                             robot.cameras.front().intrinsics, T_world_camera, kMapRange_m);
   }
   return scene;
 }

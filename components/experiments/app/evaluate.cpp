@@ -43,6 +43,10 @@ void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& argum
       ->expected(2)
       ->needs(bag);
   app.add_option("--route", options.route, "way-points (default: beside the world, .route)")->needs(world);
+  app.add_option("--setup", options.setup, "robot and configuration of a world: cfg/SETUP (sim, humanoid)")
+      ->needs(world);
+  app.add_option("--scenario", options.scenario, "what happens in a world: docs/scenarios.md")->needs(world);
+  app.add_flag("--profile", options.profile, "add the real-time factor and CPU time by stage to the JSON");
   app.add_option("--camera-rate", options.camera_rate_hz, "of a simulated camera [Hz]")
       ->check(CLI::Range(0.5, 100.0))
       ->needs(world);

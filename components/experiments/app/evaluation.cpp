@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "common/geometry/angles.h"
+#include "common/routes/route.h"
+#include "experiments/app/cpu_stages.h"
 #include "experiments/app/evaluation_setup.h"
 #include "experiments/core/lockstep.h"
 #include "experiments/core/map_projection.h"
 #include "experiments/core/metrics.h"
-#include "common/routes/route.h"
-#include "common/routes/route_follower.h"
 #include "experiments/core/trajectory_io.h"
 #include "replay_server/core/stepped_log.h"
 
@@ -171,6 +171,18 @@ std::optional<Route> findRoute(const EvaluationOptions& options) {
   return routeFromFile(file);
 }
 
+void addProfile(nlohmann::json& json, CpuStages& stages, double wall_s, double robot_s) {
+  json["real_time_factor"] = robot_s / wall_s;
+  const double frames = json.at("frames").get<double>();
+  double sum_s = 0.0;
+  for (const auto& [stage, seconds] : stages.seconds()) {
+    json["cpu_ms_per_frame"][stage] = 1e3 * seconds / frames;
+    sum_s += seconds;
+  }
+  json["cpu_ms_per_frame"]["all"] = 1e3 * sum_s / frames;
+  json["real_time_factor_of_cpu"] = robot_s / sum_s;
+}
+
 nlohmann::json evaluateWorld(const EvaluationOptions& options) {
   const EvaluationParams params = loadParams(options, true);
   std::optional<Route> route = findRoute(options);
@@ -180,20 +192,15 @@ nlohmann::json evaluateWorld(const EvaluationOptions& options) {
     place = drawn.T_world_robot;
     if (drawn.backwards) route = reversed(*route);
   }
-  const auto robot = makeSimulation(options, params.assembler.mount, place);
+  const auto robot = makeSimulation(options, route, place);
   Record record;
   MemoryPipeline memory(params.pipeline, params.palette);
   Localizer localizer(params.localizer, params.map_edges, options.seed);
   KnownStart start(localizer, options.start);
   Lockstep run(*robot, params.assembler, memory, localizer);
-  std::optional<SimulatedOperator> driver;
-  if (route) {
-    driver.emplace(*route, RouteFollowerParams{});
-    run.setDriver([&](MobileBase& base) {
-      const DriveCommand command = driver->drive(robot->truth().T_world_robot);
-      base.setVelocity(command.v_mps, command.w_radps);
-    });
-  }
+  CpuStages stages;
+  if (options.profile) run.setProbe(&stages);
+  const auto began = std::chrono::steady_clock::now();
   run.run(
       [&](const LockstepFrame& frame) {
         start.afterFrame();
@@ -202,7 +209,11 @@ nlohmann::json evaluateWorld(const EvaluationOptions& options) {
         record.add(frame, false);
       },
       duration(options));
-  return finish(record, run, options, params, options.world.string());
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - began;
+  nlohmann::json json = finish(record, run, options, params, options.world.string());
+  for (const auto& problem : robot->takeScenarioProblems()) json["scenario_problems"].push_back(problem);
+  if (options.profile) addProfile(json, stages, spent.count(), toSeconds(robot->now()));
+  return json;
 }
 
 }  // namespace

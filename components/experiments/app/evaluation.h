@@ -20,7 +20,10 @@ struct EvaluationOptions {
   std::filesystem::path palette;  ///< empty: beside the map, else the configuration's
   std::filesystem::path config;   ///< of both components; empty: their files in cfg/replay or cfg/sim
   std::filesystem::path truth;    ///< of a bag: t_s,x_m,y_m,theta_rad
-  std::filesystem::path route;    ///< of a world: empty: beside it, with the ending .route, if there is one
+  std::string setup = "sim";      ///< of a world: cfg/SETUP holds the robot and the components: sim, humanoid
+  std::filesystem::path scenario;  ///< of a world: what happens in it; empty: only the drive along the route
+  bool profile = false;            ///< real-time factor and CPU time by stage in the summary
+  std::filesystem::path route;     ///< of a world: empty: beside it, with the ending .route, if there is one
   std::string mode;  ///< "default" or "chapter", for both components; empty: as each is configured
   std::uint64_t seed = 1;
   std::optional<Pose2> start;  ///< known start in world; without it the robot must find out

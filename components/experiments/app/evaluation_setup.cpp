@@ -1,5 +1,6 @@
 #include "experiments/app/evaluation_setup.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -13,7 +14,9 @@
 #include "common/config/config_error.h"
 #include "common/config/config_reader.h"
 #include "common/config/properties.h"
+#include "common/routes/route_follower.h"
 #include "localization/app/config.h"
+#include "simulator/app/simulator_config.h"
 
 namespace vismem {
 namespace {
@@ -31,7 +34,7 @@ std::string readText(const fs::path& file) {
 /// The one named, else that of the component in the setup that fits the input.
 fs::path configFile(const EvaluationOptions& options, const std::string& component) {
   if (!options.config.empty()) return options.config;
-  return projectFile((options.bag.empty() ? "cfg/sim/" : "cfg/replay/") + component + ".cfg");
+  return projectFile("cfg/" + (options.bag.empty() ? options.setup : "replay") + "/" + component + ".cfg");
 }
 
 void knowKeys(ConfigReader& reader, std::initializer_list<const char*> names) {
@@ -149,15 +152,38 @@ Route routeFromFile(const fs::path& file) {
   return parseRoute(readText(file), file.string());
 }
 
-std::unique_ptr<Simulation> makeSimulation(const EvaluationOptions& options, const CameraMount& mount,
+std::unique_ptr<Simulation> makeSimulation(const EvaluationOptions& options,
+                                           const std::optional<Route>& route,
                                            const std::optional<Pose2>& start) {
-  SimulationConfig config;
-  config.world = loadWorld(options.world).world;
-  config.seed = options.seed;
-  config.camera_rate_hz = options.camera_rate_hz;
-  config.mount = mount;
-  if (start) config.start = *start;
-  return std::make_unique<Simulation>(std::move(config));
+  Properties properties = Properties::load(projectFile("cfg/" + options.setup + "/simulator.cfg"));
+  properties.set("Simulator.World", options.world.string());
+  ConfigReader config(properties);
+  knowKeys(config, {"Simulator.Endpoints", "Simulator.LogLevel", "Simulator.EndWithParent"});
+  SimulatorConfig robot = readSimulatorConfig(config);
+  config.finish();
+  SimulationConfig& simulated = robot.simulation;
+  simulated.world = loadWorld(options.world, robot.model_paths).world;
+  simulated.seed = options.seed;
+  simulated.cameras.front().rate_hz = options.camera_rate_hz;
+  if (start) simulated.start = *start;
+  auto simulation = std::make_unique<Simulation>(std::move(simulated));
+
+  Scenario scenario;
+  if (!options.scenario.empty()) {
+    scenario = parseScenario(readText(options.scenario), options.scenario.string());
+  }
+  const bool drives =
+      std::any_of(scenario.events.begin(), scenario.events.end(),
+                  [](const ScenarioEvent& event) { return event.kind == ScenarioEvent::Kind::kDrive; });
+  if (route && !drives) {
+    ScenarioEvent drive;
+    drive.kind = ScenarioEvent::Kind::kDrive;
+    drive.way = {route->points, route->closed, WayEnd::kBack, RouteFollowerParams{}.speed_mps};
+    scenario.events.insert(scenario.events.begin(), std::move(drive));
+  }
+  const PortReply reply = simulation->play(std::move(scenario));
+  if (!reply.ok()) throw ConfigError({reply.message});
+  return simulation;
 }
 
 }  // namespace vismem

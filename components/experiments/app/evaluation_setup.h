@@ -6,10 +6,10 @@
 #include "active_visual_memory/core/memory_pipeline.h"
 #include "common/robot/observation.h"
 #include "common/robot/ports.h"
+#include "common/routes/route.h"
 #include "common/segment_map/segment_map.h"
 #include "common/vision/palette.h"
 #include "experiments/app/evaluation.h"
-#include "common/routes/route.h"
 #include "experiments/core/trajectory.h"
 #include "localization/core/params.h"
 #include "simulator/core/simulation.h"
@@ -40,8 +40,11 @@ Trajectory loadTruth(const std::filesystem::path& file);
 /// Reads a route. @throws ConfigError as parseRoute, also when the file cannot be read.
 Route routeFromFile(const std::filesystem::path& file);
 
-/// @throws ConfigError, std::invalid_argument for a world or start that cannot be used.
-std::unique_ptr<Simulation> makeSimulation(const EvaluationOptions& options, const CameraMount& mount,
+/// The robot of the options' setup in their world, playing their scenario. A route is driven by a simulated
+/// operator unless the scenario drives itself.
+/// @throws ConfigError, std::invalid_argument for a world, start or scenario that cannot be used.
+std::unique_ptr<Simulation> makeSimulation(const EvaluationOptions& options,
+                                           const std::optional<Route>& route,
                                            const std::optional<Pose2>& start);
 
 }  // namespace vismem

@@ -9,8 +9,8 @@
 #include "common/config/properties.h"
 #include "common/geometry/angles.h"
 #include "common/process/ready_line.h"
-#include "experiments/app/run_inputs.h"
 #include "common/routes/route.h"
+#include "experiments/app/run_inputs.h"
 
 namespace vismem {
 namespace {
@@ -22,7 +22,7 @@ bool endsWith(const std::string& text, std::string_view end) {
 }
 
 std::filesystem::path configOf(const RunOptions& options, const std::string& name) {
-  return options.root / "cfg" / folderOf(options.setup) / (name + ".cfg");
+  return options.root / "cfg" / options.folder / (name + ".cfg");
 }
 
 ComponentCommand commandOf(const RunOptions& options, const std::string& name) {
@@ -80,6 +80,7 @@ std::vector<ComponentCommand> commandsOf(const RunOptions& options) {
     arguments.push_back("--Simulator.Start.Position_m=" + position.str());
     arguments.push_back("--Simulator.Start.Heading_deg=" + heading_deg.str());
     arguments.push_back("--Simulator.Paused=yes");
+    if (!options.scenario.empty()) arguments.push_back("--Simulator.Scenario=" + options.scenario.string());
   } else {
     auto& arguments = add("replay_server");
     arguments.push_back("--ReplayServer.File=" + options.bag.string());

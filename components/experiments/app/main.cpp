@@ -93,8 +93,8 @@ int run(const RunOptions& options, StopSignals& signals) {
   } else {
     judged = judgedImages(options);
   }
-  std::cerr << "run_application: setup " << folderOf(options.setup) << ", seed " << options.seed
-            << ", results in " << options.out.string() << std::endl;
+  std::cerr << "run_application: setup " << options.folder << ", seed " << options.seed << ", results in "
+            << options.out.string() << std::endl;
 
   StatusLine status(std::cerr, isatty(STDERR_FILENO) == 1);
   const auto interrupted = [&] { return signals.wait(std::chrono::milliseconds(0)); };

@@ -91,24 +91,24 @@ fs::path makeOutFolder(const fs::path& out) {
 
 }  // namespace
 
-std::string folderOf(Setup setup) {
-  return setup == Setup::kSimulation ? "sim" : "replay";
-}
-
 std::optional<RunOptions> parseOptions(int argc, char** argv) {
   CLI::App app{
       "Starts the robot of a setup with its visual memory and localization, shows what they do, and ends "
       "with\n"
       "trajectories, figures and one line of JSON. Ctrl-C ends it in the same way.",
       "run_application"};
-  std::string setup = "sim", seconds, seed, bag, map, world, out, port_offset;
-  app.add_option("--setup", setup, "sim (a simulated robot, the default) or replay (a recording)");
+  std::string setup = "sim", seconds, seed, bag, map, world, scenario, out, port_offset;
+  app.add_option(
+      "--setup", setup,
+      "sim (a simulated robot on wheels, the default), humanoid (a simulated one that walks) or replay "
+      "(a recording)");
   app.add_option("--seconds", seconds,
                  "length in the robot's time; without it until Ctrl-C or the recording's end");
   app.add_option("--seed", seed, "of the start and of all chance (default 1)");
   app.add_option("--bag", bag, "replay: the recording, a ROS 1 bag");
-  app.add_option("--map", map, "map of the world (default for sim: cfg/maps/WORLD.csv)");
-  app.add_option("--world", world, "sim: the world, an SDF file (default cfg/worlds/corridor.world)");
+  app.add_option("--map", map, "map of the world (default when simulated: cfg/maps/WORLD.csv)");
+  app.add_option("--world", world, "simulated: the world, an SDF file (default cfg/worlds/corridor.world)");
+  app.add_option("--scenario", scenario, "simulated: what happens in the world (docs/scenarios.md)");
   app.add_option("--out", out, "folder of the results (default out/DATE-TIME)");
   app.add_option("--port-offset", port_offset, "added to every port, so that several runs share a machine");
   try {
@@ -123,9 +123,10 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
   RunOptions options;
   if (setup == "replay") {
     options.setup = Setup::kReplay;
-  } else if (setup != "sim") {
-    throw UsageError("--setup " + setup + " (must be sim or replay)");
+  } else if (setup != "sim" && setup != "humanoid") {
+    throw UsageError("--setup " + setup + " (must be sim, humanoid or replay)");
   }
+  options.folder = setup;
   if (!seconds.empty()) options.seconds = parseSeconds(seconds);
   if (!seed.empty()) options.seed = parseInteger<std::uint64_t>("--seed", seed, 0, 1'000'000'000'000);
   if (!port_offset.empty())
@@ -139,9 +140,13 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
                                 "--world", "must be an SDF world");
     options.route = fs::path(options.world).replace_extension(".route");
     requireFile(options.route, "--world " + options.world.string() + " needs", "the way-points of its route");
+    if (!scenario.empty()) {
+      options.scenario = requireFile(scenario, "--scenario", "must be a scenario");
+    }
     if (map.empty()) map = (options.root / "cfg/maps" / (options.world.stem().string() + ".csv")).string();
   } else {
-    if (!world.empty()) throw UsageError("--world is for --setup sim");
+    if (!world.empty()) throw UsageError("--world is for simulated setups");
+    if (!scenario.empty()) throw UsageError("--scenario is for simulated setups");
     if (bag.empty()) throw UsageError("--setup replay needs --bag FILE");
     if (map.empty()) throw UsageError("--setup replay needs --map FILE");
     options.bag = requireFile(bag, "--bag", "must be a ROS 1 bag");

@@ -10,11 +10,10 @@
 namespace vismem {
 
 enum class Setup { kSimulation, kReplay };
-/// Of the folder under cfg/: "sim", "replay".
-std::string folderOf(Setup setup);
 
 struct RunOptions {
   Setup setup = Setup::kSimulation;
+  std::string folder = "sim";     ///< under cfg/: "sim", "humanoid", "replay"
   std::optional<double> seconds;  ///< of the robot's time; empty: until Ctrl-C or the recording's end
   std::uint64_t seed = 1;
   int port_offset = 0;
@@ -22,6 +21,7 @@ struct RunOptions {
   std::filesystem::path bin;    ///< holds the components' programs
   std::filesystem::path world;  ///< simulation only
   std::filesystem::path route;  ///< simulation only: beside the world
+  std::filesystem::path scenario;  ///< simulation only; empty: none
   std::filesystem::path bag;    ///< replay only
   std::filesystem::path map;
   std::filesystem::path palette;  ///< beside the map; empty: there is none, the configuration's holds

@@ -45,7 +45,7 @@ nlohmann::json resultJson(const RunOptions& options, const RunSummary& summary) 
   std::optional<double> heading_deg;
   if (score.heading_error_rad) heading_deg = radToDeg(*score.heading_error_rad);
   nlohmann::json result;
-  result["setup"] = folderOf(options.setup);
+  result["setup"] = options.folder;
   result["seed"] = options.seed;
   result["out"] = options.out.string();
   result["seconds"] = rounded(summary.seconds, 1e3);

@@ -27,7 +27,7 @@ RunMap loadRunMap(const std::filesystem::path& map, const std::filesystem::path&
 }
 
 ImageRange judgedImages(const RunOptions& options) {
-  const std::filesystem::path file = options.root / "cfg" / folderOf(options.setup) / "recordings.cfg";
+  const std::filesystem::path file = options.root / "cfg/replay/recordings.cfg";
   const Properties properties = Properties::load(file);
   ConfigReader config(properties);
   constexpr long kEnd = 1'000'000'000;

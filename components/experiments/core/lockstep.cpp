@@ -21,6 +21,7 @@ Lockstep::Lockstep(SteppedRobot& robot, const ObservationAssembler::Params& asse
       newest_odometry_us_(std::numeric_limits<StampUs>::min() / 2) {}
 
 bool Lockstep::step(const Visitor& visit) {
+  enterStage(probe_, "motion");
   if (driver_) driver_(robot_.base());
   if (!robot_.advanceToNextFrame()) return false;
   for (const auto& sample : robot_.panTilt().samplesSince(newest_pan_tilt_us_, kNoWait).samples) {
@@ -31,19 +32,23 @@ bool Lockstep::step(const Visitor& visit) {
     newest_odometry_us_ = sample.stamp_us;
     assembler_.add(sample);
   }
+  enterStage(probe_, "render");
   if (FrameResult result = robot_.camera().next(kNoWait); result.frame) {
     newest_frame_us_ = result.frame->stamp_us;
     if (!first_frame_us_) first_frame_us_ = newest_frame_us_;
     assembler_.add(std::move(*result.frame));
   }
+  enterStage(probe_, "assemble");
   while (const auto observation = assembler_.take(/*every_frame=*/true)) process(*observation, visit);
   return true;
 }
 
 void Lockstep::process(const RobotObservation& observation, const Visitor& visit) {
-  const AttentiveVisualMemory::StepResult memory = memory_.process(observation);
+  const AttentiveVisualMemory::StepResult memory = memory_.process(observation, probe_);
   if (memory.command && !robot_.panTilt().command(*memory.command).ok()) ++rejected_;
+  enterStage(probe_, "localization");
   const PoseEstimate estimate = localizer_.step(memory.update);
+  enterStage(probe_, "report");
   ++processed_;
   if (visit) visit({observation, memory, estimate});
 }

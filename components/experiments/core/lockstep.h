@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "active_visual_memory/core/memory_pipeline.h"
+#include "common/profiling/stage_probe.h"
 #include "common/robot/observation.h"
 #include "common/robot/ports.h"
 #include "localization/core/localizer.h"
@@ -32,6 +33,9 @@ class Lockstep {
   Lockstep(SteppedRobot& robot, const ObservationAssembler::Params& assembler, MemoryPipeline& memory,
            Localizer& localizer);
 
+  /// Hears of the stages "motion", "render", "assemble", those of MemoryPipeline and "localization"; it must
+  /// outlive this.
+  void setProbe(StageProbe* probe) { probe_ = probe; }
   void setDriver(Driver driver) { driver_ = std::move(driver); }
 
   /// Moves on by one frame and processes what became complete by it; the gaze's command goes to the pan-tilt
@@ -55,6 +59,7 @@ class Lockstep {
   MemoryPipeline& memory_;
   Localizer& localizer_;
   Driver driver_;
+  StageProbe* probe_ = nullptr;
   std::optional<StampUs> first_frame_us_;
   StampUs newest_frame_us_ = 0;
   StampUs newest_pan_tilt_us_;

@@ -1,6 +1,7 @@
 #include "simulator/app/component.h"
 
 #include <cstdlib>
+#include <fstream>
 #include <sstream>
 
 #include "common/config/config_error.h"
@@ -11,6 +12,7 @@
 #include "common/robot_ice/pantilt_ice.h"
 #include "common/robot_ice/simulation_ice.h"
 #include "simulator/app/real_time_simulation.h"
+#include "simulator/app/render_pool.h"
 #include "simulator/app/simulator_config.h"
 
 namespace vismem {
@@ -27,26 +29,48 @@ void addModelPaths(std::vector<std::filesystem::path>& paths) {
   }
 }
 
+std::string readScenario(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw ConfigError({file.string() + ": cannot be read (expected a scenario)"});
+  return text.str();
+}
+
 class SimulatorComponent : public Component {
  public:
-  SimulatorComponent(SimulationConfig config, double speed, bool paused, std::vector<std::string> warnings)
+  SimulatorComponent(SimulatorConfig config, std::vector<std::string> warnings)
       : warnings_(std::move(warnings)),
-        paused_(paused),
-        simulation_(std::move(config), speed,
-                    {[this] { host_->status().count("frames"); },
-                     [this](std::exception_ptr failure) { host_->fail(failure); }}) {}
+        paused_(config.paused),
+        lock_step_(config.lock_step),
+        pool_(config.render_threads),
+        simulation_(withPool(std::move(config.simulation), config.render_threads), config.speed, hooks()) {
+    for (std::size_t i = 0; i < simulation_.outputs(); ++i) {
+      frames_.push_back(std::make_unique<FrameBroadcaster>());
+    }
+  }
+
+  /// @throws ConfigError.
+  void prepareScenario(Scenario scenario) {
+    const PortReply reply = simulation_.prepareScenario(std::move(scenario));
+    if (!reply.ok()) throw ConfigError({reply.message});
+  }
 
   void start(ComponentHost& host) override {
     host_ = &host;
     for (const auto& warning : warnings_) host.log().warning(warning);
-    host.serve("cameraA", std::make_shared<CameraServant>(frames_, "cameraA"));
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      const std::string name = simulation_.outputName(i);
+      host.serve(name, std::make_shared<CameraServant>(*frames_[i], name));
+    }
     host.serve("PanTilt", pan_tilt_);
     host.serve("Motors", std::make_shared<BaseServant>(simulation_.base()));
     host.serve("Encoders", odometry_);
     host.serve("Simulation", truth_);
     simulation_.start();
     if (paused_) simulation_.pause();
-    frames_.start(simulation_.camera());
+    if (lock_step_ > 0) simulation_.setLockStep(lock_step_);
+    for (std::size_t i = 0; i < frames_.size(); ++i) frames_[i]->start(simulation_.output(i));
     pan_tilt_->start();
     odometry_->start();
     truth_->start();
@@ -54,18 +78,40 @@ class SimulatorComponent : public Component {
 
   void stop() override {
     simulation_.stop();
-    frames_.stop();
+    for (auto& frames : frames_) frames->stop();
     pan_tilt_->stop();
     odometry_->stop();
     truth_->stop();
   }
 
  private:
+  SimulationConfig withPool(SimulationConfig config, int threads) {
+    if (threads < 2) return config;
+    config.rendering.parallel_for = [this](int count, const std::function<void(int)>& task) {
+      pool_.run(count, task);
+    };
+    return config;
+  }
+
+  RealTimeSimulation::Hooks hooks() {
+    RealTimeSimulation::Hooks hooks;
+    hooks.on_frame = [this] { host_->status().count("frames"); };
+    hooks.on_failure = [this](std::exception_ptr failure) { host_->fail(failure); };
+    hooks.on_problem = [this](const std::string& problem) { host_->log().warning(problem); };
+    hooks.consumers_waiting = [this](std::uint64_t frames) {
+      const FrameBroadcaster& first = *frames_.front();
+      return first.published() < frames ? 0 : static_cast<int>(first.waiting());
+    };
+    return hooks;
+  }
+
   std::vector<std::string> warnings_;
   bool paused_;
+  int lock_step_;
   ComponentHost* host_ = nullptr;
+  RenderPool pool_;
   RealTimeSimulation simulation_;
-  FrameBroadcaster frames_;
+  std::vector<std::unique_ptr<FrameBroadcaster>> frames_;  ///< by output
   std::shared_ptr<PanTiltServant> pan_tilt_ = std::make_shared<PanTiltServant>(simulation_.panTilt());
   std::shared_ptr<OdometryServant> odometry_ = std::make_shared<OdometryServant>(simulation_.base());
   std::shared_ptr<SimulationServant> truth_ = std::make_shared<SimulationServant>(simulation_);
@@ -77,9 +123,14 @@ std::unique_ptr<Component> configure(ConfigReader& reader) {
   addModelPaths(config.model_paths);
   LoadedWorld loaded = loadWorld(config.world_file, config.model_paths);
   config.simulation.world = std::move(loaded.world);
+  std::optional<Scenario> scenario;
+  if (!config.scenario.empty()) {
+    scenario = parseScenario(readScenario(config.scenario), config.scenario.string());
+  }
   try {
-    return std::make_unique<SimulatorComponent>(std::move(config.simulation), config.speed, config.paused,
-                                                std::move(loaded.warnings));
+    auto component = std::make_unique<SimulatorComponent>(std::move(config), std::move(loaded.warnings));
+    if (scenario) component->prepareScenario(std::move(*scenario));
+    return component;
   } catch (const std::invalid_argument& error) {
     throw ConfigError({error.what()});
   }

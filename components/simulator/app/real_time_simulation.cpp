@@ -4,6 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "common/config/config_error.h"
+#include "simulator/core/truth_frames.h"
+
 namespace vismem {
 namespace {
 
@@ -15,6 +18,10 @@ constexpr auto kCommandPatience = 2s;
 /// Behind by more than this the clock is set back instead of catching up.
 constexpr StampUs kMaxLag_us = 100'000;
 constexpr StampUs kKept_us = 5 * kSecondUs;
+/// How often time looks whether its consumers are ready, in lock-step.
+constexpr auto kLockStepPoll = 200us;
+constexpr int kMaxSteps = 1000;
+constexpr int kMaxConsumers = 64;
 
 template <typename Sample>
 void append(std::deque<Sample>& ring, const Sample& sample) {
@@ -29,13 +36,21 @@ StampUs newestOf(const std::deque<Sample>& ring) {
 
 }  // namespace
 
-class RealTimeSimulation::CameraPort : public FrameSource {
+class RealTimeSimulation::OutputPort : public FrameSource {
  public:
-  explicit CameraPort(RealTimeSimulation& owner) : owner_(owner) {}
+  OutputPort(RealTimeSimulation& owner, std::size_t index, std::size_t camera, OutputKind kind)
+      : owner_(owner), index_(index), camera_(camera), kind_(kind) {}
+  std::size_t camera() const { return camera_; }
+  OutputKind kind() const { return kind_; }
   // What the camera is never changes: these need no lock.
-  FrameCapabilities capabilities() const override { return owner_.simulation_->camera().capabilities(); }
+  FrameCapabilities capabilities() const override {
+    FrameCapabilities capabilities = owner_.simulation_->camera(camera_).capabilities();
+    if (kind_ == OutputKind::kDepth) capabilities.name = "simulated camera: true depth (take RGB8)";
+    if (kind_ == OutputKind::kObjects) capabilities.name = "simulated camera: true objects (take RGB8)";
+    return capabilities;
+  }
   PortReply configure(const FrameRequest& request) override {
-    return owner_.simulation_->camera().configure(request);
+    return owner_.simulation_->camera(camera_).configure(request);
   }
   PortReply start() override {
     const std::lock_guard lock(owner_.mutex_);
@@ -44,14 +59,16 @@ class RealTimeSimulation::CameraPort : public FrameSource {
   }
   FrameResult next(std::chrono::milliseconds timeout) override {
     std::unique_lock lock(owner_.mutex_);
-    const auto fresh = [&] { return owner_.frame_.has_value() || !owner_.running_ || stopped_; };
+    auto& frame = owner_.frames_[index_];
+    const auto fresh = [&] { return frame.has_value() || !owner_.running_ || stopped_; };
     owner_.published_.wait_for(lock, timeout, fresh);
     if (stopped_) return {SourceState::kWaiting, std::nullopt, "the camera is stopped"};
-    if (!owner_.frame_) {
+    if (!frame) {
       return {SourceState::kWaiting, std::nullopt,
               owner_.status_.paused ? "the simulation is paused" : "no new frame yet"};
     }
-    return {SourceState::kRunning, std::exchange(owner_.frame_, std::nullopt), ""};
+    if (index_ == 0) ++owner_.given_out_;
+    return {SourceState::kRunning, std::exchange(frame, std::nullopt), ""};
   }
   void stop() override {
     {
@@ -64,6 +81,9 @@ class RealTimeSimulation::CameraPort : public FrameSource {
  private:
   RealTimeSimulation& owner_;
   bool stopped_ = false;  ///< under the owner's mutex
+  std::size_t index_;
+  std::size_t camera_;
+  OutputKind kind_;
 };
 
 class RealTimeSimulation::PanTiltPort : public PanTiltUnit {
@@ -103,26 +123,52 @@ class RealTimeSimulation::BasePort : public MobileBase {
 RealTimeSimulation::RealTimeSimulation(SimulationConfig config, double speed, Hooks hooks)
     : hooks_(std::move(hooks)),
       simulation_(std::make_unique<Simulation>(std::move(config))),
-      camera_(std::make_unique<CameraPort>(*this)),
       pan_tilt_(std::make_unique<PanTiltPort>(*this)),
       base_(std::make_unique<BasePort>(*this)) {
   status_.world = simulation_->config().world.name;
   status_.seed = simulation_->config().seed;
   status_.speed = speed;
+  const auto& cameras = simulation_->config().cameras;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const auto add = [&](OutputKind kind) {
+      outputs_.push_back(std::make_unique<OutputPort>(*this, outputs_.size(), i, kind));
+    };
+    add(OutputKind::kImage);
+    if (cameras[i].depth) add(OutputKind::kDepth);
+    if (cameras[i].objects) add(OutputKind::kObjects);
+  }
+  frames_.resize(outputs_.size());
 }
 
 RealTimeSimulation::~RealTimeSimulation() {
   stop();
 }
 
-FrameSource& RealTimeSimulation::camera() {
-  return *camera_;
+FrameSource& RealTimeSimulation::output(std::size_t index) {
+  return *outputs_.at(index);
+}
+std::string RealTimeSimulation::outputName(std::size_t index) const {
+  const OutputPort& output = *outputs_.at(index);
+  const std::string& camera = simulation_->config().cameras[output.camera()].name;
+  switch (output.kind()) {
+    case OutputKind::kDepth:
+      return camera + "/depth";
+    case OutputKind::kObjects:
+      return camera + "/objects";
+    case OutputKind::kImage:
+      break;
+  }
+  return camera;
 }
 PanTiltUnit& RealTimeSimulation::panTilt() {
   return *pan_tilt_;
 }
 MobileBase& RealTimeSimulation::base() {
   return *base_;
+}
+
+PortReply RealTimeSimulation::prepareScenario(Scenario scenario) {
+  return simulation_->play(std::move(scenario));
 }
 
 void RealTimeSimulation::start() {
@@ -173,45 +219,80 @@ void RealTimeSimulation::runCommands() {
   for (Command& command : commands) command(*simulation_);
 }
 
+void RealTimeSimulation::setOrigin(Clock::time_point now) {
+  origin_wall_ = now;
+  origin_us_ = simulation_->now();
+}
+
 RealTimeSimulation::Clock::time_point RealTimeSimulation::advance() {
   runCommands();
   const auto now = Clock::now();
-  double speed = 1.0;
-  bool paused = false;
+  SimulationStatus wanted;
   {
     const std::lock_guard lock(mutex_);
-    speed = status_.speed;
-    paused = status_.paused;
+    wanted = status_;
   }
-  const auto setOrigin = [&] {
-    origin_wall_ = now;
-    origin_us_ = simulation_->now();
-  };
-  if (std::exchange(clock_changed_, false)) setOrigin();
+  if (std::exchange(clock_changed_, false)) setOrigin(now);
   measureSpeed(now);
-  if (!paused) {
-    const double elapsed_s = std::chrono::duration<double>(now - origin_wall_).count();
-    const StampUs wanted_us = origin_us_ + toStampUs(elapsed_s * speed);
-    while (simulation_->now() + Simulation::kStep_us <= wanted_us && !simulation_->frameDue()) {
-      simulation_->step();
-    }
-    if (static_cast<double>(wanted_us - simulation_->now()) > static_cast<double>(kMaxLag_us) * speed) {
-      setOrigin();
-    }
+  auto next = now + 100ms;
+  if (!wanted.paused) {
+    next =
+        wanted.lock_step > 0 ? advanceInLockStep(now, wanted.lock_step) : advanceByClock(now, wanted.speed);
   }
   publishSamples();
-  if (simulation_->frameDue()) {
-    auto frame = simulation_->takeFrame();
-    {
+  publishFrames();
+  return next;
+}
+
+RealTimeSimulation::Clock::time_point RealTimeSimulation::advanceByClock(Clock::time_point now,
+                                                                         double speed) {
+  const double elapsed_s = std::chrono::duration<double>(now - origin_wall_).count();
+  const StampUs wanted_us = origin_us_ + toStampUs(elapsed_s * speed);
+  while (simulation_->now() + Simulation::kStep_us <= wanted_us && !simulation_->frameDue()) {
+    simulation_->step();
+  }
+  if (static_cast<double>(wanted_us - simulation_->now()) > static_cast<double>(kMaxLag_us) * speed) {
+    setOrigin(now);
+  }
+  const double next_s = toSeconds(simulation_->now() + Simulation::kStep_us - origin_us_) / speed;
+  return origin_wall_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(next_s));
+}
+
+RealTimeSimulation::Clock::time_point RealTimeSimulation::advanceInLockStep(Clock::time_point now,
+                                                                            int consumers) {
+  std::uint64_t given_out = 0;
+  bool taken = false;
+  {
+    const std::lock_guard lock(mutex_);
+    given_out = given_out_;
+    taken = !frames_.front().has_value();
+  }
+  if (!taken || !hooks_.consumers_waiting || hooks_.consumers_waiting(given_out) < consumers) {
+    return now + kLockStepPoll;
+  }
+  if (!simulation_->frameDue()) simulation_->advanceToNextFrame();
+  return now;
+}
+
+void RealTimeSimulation::publishFrames() {
+  const auto& cameras = simulation_->config().cameras;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    if (!simulation_->frameDue(i)) continue;
+    const auto image = simulation_->takeFrame(i);
+    std::optional<TruthImages> truth;
+    if (cameras[i].depth || cameras[i].objects) truth = simulation_->truthImages(i);
+    for (std::size_t k = 0; k < outputs_.size(); ++k) {
+      const OutputPort& output = *outputs_[k];
+      if (output.camera() != i) continue;
+      Frame frame = *image;
+      if (output.kind() == OutputKind::kDepth) frame = depthFrame(*truth, *image);
+      if (output.kind() == OutputKind::kObjects) frame = objectFrame(*truth, *image);
       const std::lock_guard lock(mutex_);
-      frame_ = std::move(frame);
+      frames_[k] = std::move(frame);
     }
     published_.notify_all();
     if (hooks_.on_frame) hooks_.on_frame();
   }
-  if (paused) return now + 100ms;
-  const double next_s = toSeconds(simulation_->now() + Simulation::kStep_us - origin_us_) / speed;
-  return origin_wall_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(next_s));
 }
 
 void RealTimeSimulation::measureSpeed(Clock::time_point now) {
@@ -239,6 +320,9 @@ void RealTimeSimulation::publishSamples() {
     status_.stamp_us = simulation_->now();
   }
   published_.notify_all();
+  for (const auto& problem : simulation_->takeScenarioProblems()) {
+    if (hooks_.on_problem) hooks_.on_problem(problem);
+  }
 }
 
 template <typename Sample>
@@ -320,6 +404,102 @@ PortReply RealTimeSimulation::setSpeed(double speed) {
     status_.speed = speed;
     return PortReply::accepted();
   });
+}
+
+PortReply RealTimeSimulation::step(int steps) {
+  if (steps < 1 || steps > kMaxSteps) {
+    return PortReply::rejected("steps " + std::to_string(steps) + " (must be 1.." +
+                               std::to_string(kMaxSteps) + ")");
+  }
+  return execute([this, steps](Simulation& s) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!status_.paused) return PortReply::rejected("time goes by itself: pause it first");
+    }
+    for (int i = 0; i < steps; ++i) s.step();
+    publishSamples();
+    return PortReply::accepted();
+  });
+}
+
+PortReply RealTimeSimulation::setLockStep(int consumers) {
+  if (consumers < 0 || consumers > kMaxConsumers) {
+    return PortReply::rejected("consumers " + std::to_string(consumers) + " (must be 0.." +
+                               std::to_string(kMaxConsumers) + ")");
+  }
+  return execute([this, consumers](Simulation&) {
+    clock_changed_ = true;
+    const std::lock_guard lock(mutex_);
+    status_.lock_step = consumers;
+    return PortReply::accepted();
+  });
+}
+
+PortReply RealTimeSimulation::reset(std::uint64_t seed) {
+  return execute([this, seed](Simulation& s) {
+    s.reset(seed);
+    clock_changed_ = true;
+    measured_wall_ = {};
+    {
+      const std::lock_guard lock(mutex_);
+      status_.seed = seed;
+      pan_tilt_samples_.clear();
+      odometry_samples_.clear();
+      truth_samples_.clear();
+      std::fill(frames_.begin(), frames_.end(), std::nullopt);
+    }
+    publishSamples();
+    return PortReply::accepted();
+  });
+}
+
+std::vector<ModelStatus> RealTimeSimulation::models() {
+  // Shared: the command may outlive a caller who gave up.
+  const auto result = std::make_shared<std::vector<ModelStatus>>();
+  const PortReply reply = execute([result](Simulation& s) {
+    *result = s.scene().status();
+    return PortReply::accepted();
+  });
+  return reply.ok() ? *result : std::vector<ModelStatus>{};
+}
+
+PortReply RealTimeSimulation::addModel(const std::string& name, const PropShape& shape,
+                                       const Pose3& T_world_model) {
+  return execute([=](Simulation& s) { return s.scene().add(name, shape, T_world_model); });
+}
+
+PortReply RealTimeSimulation::removeModel(const std::string& name) {
+  return execute([=](Simulation& s) { return s.scene().remove(name); });
+}
+
+PortReply RealTimeSimulation::placeModel(const std::string& name, const Pose3& T_world_model) {
+  return execute([=](Simulation& s) { return s.scene().place(name, T_world_model); });
+}
+
+PortReply RealTimeSimulation::walkModel(const std::string& name, const Way& way) {
+  return execute([=](Simulation& s) { return s.scene().walk(name, way); });
+}
+
+PortReply RealTimeSimulation::standModel(const std::string& name) {
+  return execute([=](Simulation& s) { return s.scene().stand(name); });
+}
+
+PortReply RealTimeSimulation::slip(double left_m, double right_m) {
+  return execute([=](Simulation& s) { return s.slip({left_m, right_m}); });
+}
+
+PortReply RealTimeSimulation::playScenario(const std::string& text) {
+  if (text.empty()) {
+    return execute([](Simulation& s) {
+      s.stopScenario();
+      return PortReply::accepted();
+    });
+  }
+  try {
+    return execute([scenario = parseScenario(text, "scenario")](Simulation& s) { return s.play(scenario); });
+  } catch (const ConfigError& error) {
+    return PortReply::rejected(error.what());
+  }
 }
 
 }  // namespace vismem

@@ -9,7 +9,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "common/robot/control_ports.h"
 #include "simulator/core/simulation.h"
@@ -17,24 +19,39 @@
 namespace vismem {
 
 /// Owns a Simulation and gives it to one thread, which steps it at `speed` simulated seconds per second, or
-/// as fast as it can where that is too much (SimulationStatus::real_speed tells). Commands go to that thread
-/// through a bounded queue and are answered when they are done; frames and samples are published.
-/// *Thread-safe* between start() and stop(); the ports live as long as this.
+/// as fast as it can where that is too much (SimulationStatus::real_speed tells). In lock-step it moves on to
+/// the next frame of the first camera as soon as its consumers want one, however fast or slow that is.
+/// Commands go to that thread through a bounded queue and are answered when they are done; frames and samples
+/// are published. *Thread-safe* between start() and stop(); the ports live as long as this.
 class RealTimeSimulation : public SimulationControl {
  public:
   struct Hooks {
     std::function<void()> on_frame;                      ///< after each frame; must not block
     std::function<void(std::exception_ptr)> on_failure;  ///< the loop has ended by this
+    std::function<void(const std::string&)> on_problem;  ///< what of a scenario could not be done
+    /// Lock-step: how many consumers have seen all of the `frames` that the first camera gave out and want
+    /// another. Asked some thousand times a second while time waits; must not block.
+    std::function<int(std::uint64_t frames)> consumers_waiting;
   };
+
+  /// One stream of images: of a camera, or the ground truth beside it.
+  enum class OutputKind { kImage, kDepth, kObjects };
 
   RealTimeSimulation(SimulationConfig config, double speed, Hooks hooks);
   ~RealTimeSimulation() override;
 
+  /// Before start(): a scenario to play from time 0. Rejected if it names models that are not there.
+  PortReply prepareScenario(Scenario scenario);
   void start();
   /// Ends the loop and answers everyone who waits.
   void stop();
 
-  FrameSource& camera();
+  FrameSource& camera() { return output(0); }
+  /// Images of all cameras in their order, each followed by its ground truth where it is configured.
+  std::size_t outputs() const { return outputs_.size(); }
+  FrameSource& output(std::size_t index);
+  /// The camera's name, with /depth or /objects for ground truth.
+  std::string outputName(std::size_t index) const;
   PanTiltUnit& panTilt();
   MobileBase& base();
 
@@ -44,9 +61,20 @@ class RealTimeSimulation : public SimulationControl {
   PortReply pause() override;
   PortReply resume() override;
   PortReply setSpeed(double speed) override;
+  PortReply step(int steps) override;
+  PortReply setLockStep(int consumers) override;
+  PortReply reset(std::uint64_t seed) override;
+  std::vector<ModelStatus> models() override;
+  PortReply addModel(const std::string& name, const PropShape& shape, const Pose3& T_world_model) override;
+  PortReply removeModel(const std::string& name) override;
+  PortReply placeModel(const std::string& name, const Pose3& T_world_model) override;
+  PortReply walkModel(const std::string& name, const Way& way) override;
+  PortReply standModel(const std::string& name) override;
+  PortReply slip(double left_m, double right_m) override;
+  PortReply playScenario(const std::string& text) override;
 
  private:
-  class CameraPort;
+  class OutputPort;
   class PanTiltPort;
   class BasePort;
   using Clock = std::chrono::steady_clock;
@@ -55,9 +83,14 @@ class RealTimeSimulation : public SimulationControl {
   /// Runs a command on the simulation's thread and waits for its answer.
   PortReply execute(std::function<PortReply(Simulation&)> work);
   void loop(const std::stop_token& stop);
-  /// One round: commands, steps up to the clock, the frame due. @return when the next round is due.
+  /// One round: commands, steps, the frames due. @return when the next round is due.
   Clock::time_point advance();
+  /// The same by the clock, and by the consumers of images.
+  Clock::time_point advanceByClock(Clock::time_point now, double speed);
+  Clock::time_point advanceInLockStep(Clock::time_point now, int consumers);
+  void setOrigin(Clock::time_point now);
   void runCommands();
+  void publishFrames();
   void publishSamples();
   void measureSpeed(Clock::time_point now);
 
@@ -67,7 +100,7 @@ class RealTimeSimulation : public SimulationControl {
 
   const Hooks hooks_;
   std::unique_ptr<Simulation> simulation_;  ///< of the loop's thread once started
-  std::unique_ptr<CameraPort> camera_;
+  std::vector<std::unique_ptr<OutputPort>> outputs_;
   std::unique_ptr<PanTiltPort> pan_tilt_;
   std::unique_ptr<BasePort> base_;
 
@@ -84,7 +117,8 @@ class RealTimeSimulation : public SimulationControl {
   bool running_ = false;
   std::deque<Command> commands_;
   SimulationStatus status_;
-  std::optional<Frame> frame_;
+  std::vector<std::optional<Frame>> frames_;  ///< by output: the newest that nobody took
+  std::uint64_t given_out_ = 0;               ///< frames of the first camera
   std::deque<PanTiltSample> pan_tilt_samples_;
   std::deque<OdometrySample> odometry_samples_;
   std::deque<TruthSample> truth_samples_;

@@ -24,8 +24,8 @@ constexpr double kBorder_m = 0.2;
 
 cv::Mat renderRobotView(Renderer& renderer, const Pose2& T_world_robot, double pan_rad, double tilt_rad) {
   const SimulationConfig robot;
-  return renderer.render(robot.intrinsics,
-                         toPose3(T_world_robot) * cameraPose(robot.mount, pan_rad, tilt_rad));
+  return renderer.render(robot.cameras.front().intrinsics,
+                         toPose3(T_world_robot) * cameraPose(robot.mount(), pan_rad, tilt_rad));
 }
 
 cv::Mat renderTopView(Renderer& renderer, const World& world, int width) {

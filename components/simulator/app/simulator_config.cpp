@@ -1,5 +1,6 @@
 #include "simulator/app/simulator_config.h"
 
+#include <cmath>
 #include <limits>
 #include <sstream>
 
@@ -9,18 +10,67 @@
 namespace vismem {
 namespace {
 
-void readCamera(ConfigReader r, SimulationConfig& s) {
-  const int width = static_cast<int>(r.integer("Width_px", 320, 16, 4096));
-  const int height = static_cast<int>(r.integer("Height_px", 240, 16, 4096));
-  s.intrinsics = intrinsicsFromFieldOfView(width, height, r.angleDeg("HorizontalView_deg", 60.0, 5.0, 150.0));
-  const auto d = r.reals("Distortion", {0.0, 0.0, 0.0, 0.0, 0.0}, -2.0, 2.0);
-  s.intrinsics.k1 = d[0];
-  s.intrinsics.k2 = d[1];
-  s.intrinsics.p1 = d[2];
-  s.intrinsics.p2 = d[3];
-  s.intrinsics.k3 = d[4];
-  s.camera_rate_hz = r.real("Rate_hz", s.camera_rate_hz, 0.1, 100.0);
-  s.image_noise = r.real("Noise", s.image_noise, 0.0, 50.0);
+Pose3 readPose(ConfigReader& r, const std::string& prefix, const Pose3& fallback) {
+  const Eigen::Vector3d& at = fallback.translation();
+  const auto p = r.reals(prefix + "Position_m", {at.x(), at.y(), at.z()}, -10.0, 10.0);
+  const auto turn = r.reals(prefix + "Rotation_deg", {0.0, 0.0, 0.0}, -360.0, 360.0);
+  return poseFromXyzRpy(p[0], p[1], p[2], degToRad(turn[0]), degToRad(turn[1]), degToRad(turn[2]));
+}
+
+/// @param camera holds what a key that is left out means.
+void readCamera(ConfigReader r, SimulatedCameraParams& camera) {
+  CameraIntrinsics& k = camera.intrinsics;
+  const int width = static_cast<int>(r.integer("Width_px", k.width, 16, 8192));
+  const int height = static_cast<int>(r.integer("Height_px", k.height, 16, 8192));
+  const double view_deg = radToDeg(2.0 * std::atan2(0.5 * k.width, k.fx));
+  const CameraIntrinsics of_view =
+      intrinsicsFromFieldOfView(width, height, r.angleDeg("HorizontalView_deg", view_deg, 5.0, 150.0));
+  const auto pinhole = r.reals("Pinhole_px", {of_view.fx, of_view.fy, of_view.cx, of_view.cy}, -1e5, 1e5);
+  const auto d = r.reals("Distortion", {k.k1, k.k2, k.p1, k.p2, k.k3}, -2.0, 2.0);
+  k = {width, height, pinhole[0], pinhole[1], pinhole[2], pinhole[3], d[0], d[1], d[2], d[3], d[4]};
+  camera.rate_hz = r.real("Rate_hz", camera.rate_hz, 0.1, 100.0);
+  camera.latency_s = r.real("Latency_s", camera.latency_s, 0.0, 5.0);
+  ImageErrorParams& e = camera.errors;
+  e.gaussian = r.real("Noise", e.gaussian, 0.0, 50.0);
+  e.shot = r.real("ShotNoise", e.shot, 0.0, 50.0);
+  e.exposure_sigma = r.real("Exposure.Drift", e.exposure_sigma, 0.0, 1.0);
+  e.exposure_time_s = r.real("Exposure.Time_s", e.exposure_time_s, 0.05, 3600.0);
+  // Tilt up is a negative turn about the axis to the left.
+  const auto error = r.reals("CalibrationError_deg", {0.0, 0.0, 0.0}, -45.0, 45.0);
+  if (r.isSet("CalibrationError_deg")) {
+    camera.T_believed_true =
+        poseFromXyzRpy(0.0, 0.0, 0.0, degToRad(error[0]), -degToRad(error[1]), degToRad(error[2]));
+  }
+  camera.tells_pose = r.boolean("TellsPose", camera.tells_pose);
+  camera.depth = r.boolean("Depth", camera.depth);
+  camera.objects = r.boolean("Objects", camera.objects);
+  if (const auto problem = checkCamera(camera); !problem.empty()) r.problem("Width_px", problem);
+}
+
+void readMoreCameras(ConfigReader r, std::vector<SimulatedCameraParams>& cameras) {
+  for (const std::string& name : r.children("Cameras")) {
+    ConfigReader group = r.group("Cameras." + name);
+    SimulatedCameraParams camera = cameras.front();
+    camera.name = name;
+    camera.on_head = group.choice("Carrier", true, {{"head", true}, {"robot", false}});
+    camera.T_carrier_camera_body = readPose(group, "", Pose3::Identity());
+    readCamera(group, camera);
+    cameras.push_back(std::move(camera));
+  }
+}
+
+void readWalk(ConfigReader r, WalkParams& p) {
+  p.step_s = r.real("Step_s", p.step_s, 0.05, 5.0);
+  p.pulse = r.real("Pulse", p.pulse, 0.0, 1.0);
+  p.step_acceleration_mps = r.real("StepAcceleration_mps", p.step_acceleration_mps, 0.001, 5.0);
+  p.step_turn_acceleration_radps =
+      r.angleDeg("StepTurnAcceleration_degps", radToDeg(p.step_turn_acceleration_radps), 0.1, 720.0);
+  p.roll_rad = r.angleDeg("Sway.Roll_deg", radToDeg(p.roll_rad), 0.0, 30.0);
+  p.pitch_rad = r.angleDeg("Sway.Pitch_deg", radToDeg(p.pitch_rad), 0.0, 30.0);
+  p.height_m = r.real("Sway.Height_m", p.height_m, 0.0, 0.2);
+  p.lateral_m = r.real("Sway.Lateral_m", p.lateral_m, 0.0, 0.2);
+  p.irregularity = r.real("Sway.Irregularity", p.irregularity, 0.0, 1.0);
+  p.known = r.real("Sway.Known", p.known, 0.0, 1.0);
 }
 
 }  // namespace
@@ -33,17 +83,23 @@ SimulatorConfig readSimulatorConfig(ConfigReader& config) {
   for (std::string folder; std::getline(folders, folder, ':');) {
     if (!folder.empty()) c.model_paths.emplace_back(folder);
   }
+  c.simulation = r.choice("Robot", false, {{"wheels", false}, {"humanoid", true}}) ? humanoidSimulation()
+                                                                                   : SimulationConfig();
   SimulationConfig& s = c.simulation;
   s.seed = static_cast<std::uint64_t>(r.integer("Seed", 1, 0, std::numeric_limits<long>::max()));
   const auto start = r.reals("Start.Position_m", {0.0, 0.0}, -1000.0, 1000.0);
   s.start = {start[0], start[1], r.angleDeg("Start.Heading_deg", 0.0, -360.0, 360.0)};
   c.speed = r.real("Speed", 1.0, 0.01, 1000.0);
   c.paused = r.boolean("Paused", false);
-  const auto axes = r.reals("Mount.PanTilt.Position_m", {0.0, 0.0, 0.45}, -10.0, 10.0);
-  s.mount.T_robot_pantilt = poseFromXyzRpy(axes[0], axes[1], axes[2], 0.0, 0.0, 0.0);
-  const auto lens = r.reals("Mount.Camera.Position_m", {0.0, 0.0, 0.0}, -10.0, 10.0);
-  s.mount.T_head_camera_body = poseFromXyzRpy(lens[0], lens[1], lens[2], 0.0, 0.0, 0.0);
-  readCamera(r.group("Camera"), s);
+  c.lock_step = static_cast<int>(r.integer("LockStep", 0, 0, 64));
+  c.render_threads = static_cast<int>(r.integer("RenderThreads", 1, 1, 64));
+  c.scenario = r.existingPath("Scenario");
+  s.T_robot_pantilt = readPose(r, "Mount.PanTilt.", s.T_robot_pantilt);
+  SimulatedCameraParams& camera = s.cameras.front();
+  camera.T_carrier_camera_body = readPose(r, "Mount.Camera.", camera.T_carrier_camera_body);
+  readCamera(r.group("Camera"), camera);
+  readMoreCameras(r, s.cameras);
+  if (s.walk) readWalk(r.group("Walk"), *s.walk);
   readBaseParams(r.group("Base"), s.base);
   readPanTiltParams(r.group("PanTilt"), s.pan_tilt);
   readOdometryErrorParams(r.group("Odometry"), s.odometry);

@@ -15,6 +15,9 @@ struct SimulatorConfig {
   SimulationConfig simulation;  ///< without its world, which is loaded later
   double speed = 1.0;           ///< simulated seconds per second
   bool paused = false;          ///< stands still until told to run
+  int lock_step = 0;            ///< consumers of images that time waits for; 0: by the clock
+  int render_threads = 1;
+  std::filesystem::path scenario;  ///< empty: none
 };
 
 /// Reads the group `Simulator`; problems stay in the reader.

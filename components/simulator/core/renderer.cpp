@@ -245,8 +245,10 @@ void Renderer::setModelVisible(int model, bool visible) {
 
 cv::Mat Renderer::render(const CameraIntrinsics& k, const Pose3& T_world_camera) {
   Impl& m = *impl_;
+  enterStage(m.options.probe, "prepare");
   const RayTable& table = m.tableFor(k);
   m.prepare(T_world_camera);
+  enterStage(m.options.probe, "first rays");
   for (auto& plane : m.colors) plane.resize(table.rays.size());
   m.slots.resize(table.rays.size());
   m.forBands(k.height, [&](int first, int last) {
@@ -259,6 +261,7 @@ cv::Mat Renderer::render(const CameraIntrinsics& k, const Pose3& T_world_camera)
       }
     });
   });
+  enterStage(m.options.probe, "antialiasing");
   cv::Mat image(k.height, k.width, CV_8UC3);
   m.forBands(k.height, [&](int first, int last) { m.refineRows(table, T_world_camera, first, last, image); });
   return image;

@@ -9,6 +9,7 @@
 
 #include "common/geometry/camera.h"
 #include "common/geometry/pose.h"
+#include "common/profiling/stage_probe.h"
 #include "simulator/core/world.h"
 
 namespace vismem {
@@ -37,6 +38,8 @@ using ParallelFor = std::function<void(int count, const std::function<void(int)>
 struct RendererOptions {
   /// Empty: everything on the calling thread. Whatever it does, the images are the same bytes.
   ParallelFor parallel_for;
+  /// Hears of the stages "prepare", "first rays" and "antialiasing" of each image; may be null.
+  StageProbe* probe = nullptr;
 };
 
 /// Renders a world for any number of cameras of any size. *Single-threaded* (owner: the simulation). The same

@@ -2,18 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
-#include "simulator/core/renderer.h"
+#include "common/robot/history.h"
+#include "simulator/core/scenario_player.h"
 
 namespace vismem {
 namespace {
 
 /// How long the ports keep samples.
 constexpr StampUs kKept_us = 5 * kSecondUs;
-constexpr std::size_t kNoiseTable = 1 << 18;
+constexpr double kMaxSlip_m = 1.0;
 
 template <typename Sample>
 SampleBatch<Sample> since(const std::deque<Sample>& kept, StampUs after_us) {
@@ -35,31 +36,72 @@ void keep(std::deque<Sample>& kept, Sample sample) {
   while (kept.front().stamp_us + kKept_us < kept.back().stamp_us) kept.pop_front();
 }
 
+/// @throws std::invalid_argument.
+SimulationConfig checked(SimulationConfig config) {
+  if (config.cameras.empty())
+    throw std::invalid_argument("simulated robot: no camera (at least one is needed)");
+  std::set<std::string> names;
+  for (const auto& camera : config.cameras) {
+    if (const auto problem = checkCamera(camera); !problem.empty()) {
+      throw std::invalid_argument("simulated " + problem);
+    }
+    if (!names.insert(camera.name).second) {
+      throw std::invalid_argument("simulated cameras: two are named \"" + camera.name + "\"");
+    }
+  }
+  return config;
+}
+
 }  // namespace
 
-SimulationConfig::SimulationConfig() {
-  mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 0.45, 0, 0, 0);
+SimulationConfig::SimulationConfig() : T_robot_pantilt(poseFromXyzRpy(0, 0, 0.45, 0, 0, 0)) {}
+
+CameraMount SimulationConfig::mount(std::size_t camera) const {
+  return {T_robot_pantilt, cameras.at(camera).T_carrier_camera_body};
+}
+
+SimulationConfig humanoidSimulation() {
+  SimulationConfig config;
+  config.walk = WalkParams{};
+  config.T_robot_pantilt = poseFromXyzRpy(0.0, 0.0, 0.39, 0.0, 0.0, 0.0);
+  SimulatedCameraParams& camera = config.cameras.front();
+  camera.T_carrier_camera_body = poseFromXyzRpy(0.06, 0.0, 0.06, 0.0, 0.0, 0.0);
+  camera.tells_pose = true;
+  config.pan_tilt.limits = {degToRad(-119.5), degToRad(119.5), degToRad(-29.5),
+                            degToRad(38.5),   degToRad(240.0), degToRad(240.0)};
+  // It stops when its step is done: 0.2 s and one step of 0.25 s after the last command.
+  config.base.limits = {0.25, degToRad(45.0), 0.2};
+  config.base.radius_m = 0.15;
+  // The feet stand 12 cm apart: what they slip turns the robot more than a wheel's slip would.
+  config.base.wheel_base_m = 0.12;
+  config.odometry = noOdometryError();
+  config.odometry.radius_sigma = 0.005;
+  config.odometry.base_sigma = 0.02;
+  config.odometry.travel_sigma_sqrtm = 0.004;
+  config.odometry.slips_per_m = 0.2;
+  config.odometry.slip_m = 0.01;
+  return config;
 }
 
 class Simulation::CameraPort : public FrameSource {
  public:
-  explicit CameraPort(Simulation& simulation) : simulation_(simulation) {}
+  CameraPort(Simulation& simulation, std::size_t index) : simulation_(simulation), index_(index) {}
   FrameCapabilities capabilities() const override {
-    const auto& config = simulation_.config_;
-    return {"simulated camera", config.intrinsics.width, config.intrinsics.height, config.camera_rate_hz,
-            false};
+    const auto& camera = params();
+    return {"simulated camera", camera.intrinsics.width, camera.intrinsics.height, camera.rate_hz,
+            camera.tells_pose};
   }
   PortReply configure(const FrameRequest& request) override {
     if (auto rejection = rejectAbsurd(request)) return *rejection;
-    const auto& config = simulation_.config_;
-    const bool same = (request.width == 0 || request.width == config.intrinsics.width) &&
-                      (request.height == 0 || request.height == config.intrinsics.height) &&
-                      (request.rate_hz == 0.0 || request.rate_hz == config.camera_rate_hz);
+    const auto& camera = params();
+    const bool same = (request.width == 0 || request.width == camera.intrinsics.width) &&
+                      (request.height == 0 || request.height == camera.intrinsics.height) &&
+                      (request.rate_hz == 0.0 || request.rate_hz == camera.rate_hz);
     return same
                ? PortReply::accepted()
-               : PortReply::adjusted("the simulated camera keeps " + std::to_string(config.intrinsics.width) +
-                                     "x" + std::to_string(config.intrinsics.height) + " at " +
-                                     std::to_string(config.camera_rate_hz) + " Hz");
+               : PortReply::adjusted("the simulated camera keeps " + std::to_string(camera.intrinsics.width) +
+                                     "x" + std::to_string(camera.intrinsics.height) + " at " +
+                                     std::to_string(camera.rate_hz) + " Hz");
   }
   PortReply start() override {
     stopped_ = false;
@@ -67,15 +109,18 @@ class Simulation::CameraPort : public FrameSource {
   }
   FrameResult next(std::chrono::milliseconds) override {
     if (stopped_) return {SourceState::kWaiting, std::nullopt, "the camera is stopped"};
-    auto frame = simulation_.takeFrame();
+    auto frame = simulation_.takeFrame(index_);
     if (!frame) return {SourceState::kWaiting, std::nullopt, "no frame due: simulated time stands still"};
     return {SourceState::kRunning, std::move(frame), ""};
   }
   void stop() override { stopped_ = true; }
 
  private:
+  const SimulatedCameraParams& params() const { return simulation_.config_.cameras[index_]; }
+
   Simulation& simulation_;
   bool stopped_ = false;
+  std::size_t index_;
 };
 
 class Simulation::PanTiltPort : public PanTiltUnit {
@@ -111,6 +156,7 @@ class Simulation::BasePort : public MobileBase {
   PortReply setVelocity(double v_mps, double w_radps) override {
     if (!std::isfinite(v_mps + w_radps)) return PortReply::rejected("a velocity must be finite");
     simulation_.base_.command(v_mps, w_radps, simulation_.now_us_);
+    simulation_.commanded_us_ = simulation_.now_us_;
     const BaseLimits l = limits();
     const bool inside = std::abs(v_mps) <= l.max_speed_mps && std::abs(w_radps) <= l.max_turn_rate_radps;
     return inside ? PortReply::accepted() : PortReply::adjusted("speeds cut to the base's limits");
@@ -125,41 +171,63 @@ class Simulation::BasePort : public MobileBase {
 };
 
 Simulation::Simulation(SimulationConfig config)
-    : config_(std::move(config)),
-      renderer_(std::make_unique<Renderer>(config_.world)),
-      base_(config_.base, config_.start, obstaclesOf(config_.world)),
-      odometry_(config_.odometry, config_.base.wheel_base_m, subStream(config_.seed, "odometry")),
+    : config_(checked(std::move(config))),
+      scene_(config_.world),
+      base_(config_.base, config_.start, {}),
+      odometry_(config_.odometry, config_.base.wheel_base_m, 0),
       pan_tilt_(config_.pan_tilt),
-      camera_port_(std::make_unique<CameraPort>(*this)),
       pan_tilt_port_(std::make_unique<PanTiltPort>(*this)),
       base_port_(std::make_unique<BasePort>(*this)) {
-  if (const auto problem = checkIntrinsics(config_.intrinsics); !problem.empty()) {
-    throw std::invalid_argument("simulated camera: " + problem);
+  for (std::size_t i = 0; i < config_.cameras.size(); ++i) {
+    camera_ports_.push_back(std::make_unique<CameraPort>(*this, i));
   }
-  if (!(config_.camera_rate_hz > 0.0 && config_.camera_rate_hz <= 100.0)) {
-    throw std::invalid_argument("simulated camera: rate " + std::to_string(config_.camera_rate_hz) +
-                                " Hz (must be above 0, at most 100)");
-  }
-  if (!isFinite(config_.start) || base_.collidesAt(config_.start)) {
-    throw std::invalid_argument("the start pose lies inside an obstacle of world \"" + config_.world.name +
-                                "\"");
-  }
-  std::mt19937_64 engine(subStream(config_.seed, "image noise"));
-  std::normal_distribution<double> normal(0.0, config_.image_noise);
-  noise_.resize(kNoiseTable);
-  for (auto& value : noise_)
-    value = static_cast<std::int8_t>(std::clamp(std::lround(normal(engine)), -127L, 127L));
-  // The state at time 0 is known too, and the first frame falls due there.
-  keep(pan_tilt_samples_, PanTiltSample{});
-  keep(odometry_samples_, OdometrySample{});
-  keep(truth_samples_, truth());
-  due_frame_ = DueFrame{0, frames_++, toPose3(base_.pose()) * cameraPose(config_.mount, 0.0, 0.0)};
+  begin();
 }
 
 Simulation::~Simulation() = default;
 
-FrameSource& Simulation::camera() {
-  return *camera_port_;
+void Simulation::begin() {
+  const std::uint64_t seed = config_.seed;
+  renderer_ = std::make_unique<Renderer>(config_.world, config_.rendering);
+  shown_ = {};
+  scene_ = MovingWorld(config_.world);
+  scene_revision_ = scene_.revision();
+  base_ = SimulatedBase(config_.base, config_.start, scene_.obstacles());
+  if (!isFinite(config_.start) || base_.collidesAt(config_.start)) {
+    throw std::invalid_argument("the start pose lies inside an obstacle of world \"" + config_.world.name +
+                                "\"");
+  }
+  walk_.reset();
+  if (config_.walk) walk_.emplace(*config_.walk, subStream(seed, "walk"));
+  odometry_ = SimulatedOdometry(config_.odometry, config_.base.wheel_base_m, subStream(seed, "odometry"));
+  pan_tilt_ = SimulatedPanTilt(config_.pan_tilt);
+  cameras_.clear();
+  for (const auto& camera : config_.cameras)
+    cameras_.emplace_back(camera, subStream(seed, "camera " + camera.name));
+  taken_.assign(cameras_.size(), std::nullopt);
+  now_us_ = 0;
+  steps_ = announced_ = 0;
+  kidnaps_ = 0;
+  commanded_us_.reset();
+  pan_tilt_samples_.clear();
+  odometry_samples_.clear();
+  truth_samples_.clear();
+  scenario_problems_.clear();
+  if (scenario_) player_ = std::make_unique<ScenarioPlayer>(*scenario_, 0);
+  // The state at time 0 is known too, and the first frames are exposed there.
+  keep(pan_tilt_samples_, PanTiltSample{});
+  keep(odometry_samples_, OdometrySample{});
+  keep(truth_samples_, truth());
+  expose(carriers(), carriers());
+}
+
+void Simulation::reset(std::uint64_t seed) {
+  config_.seed = seed;
+  begin();
+}
+
+FrameSource& Simulation::camera(std::size_t index) {
+  return *camera_ports_.at(index);
 }
 PanTiltUnit& Simulation::panTilt() {
   return *pan_tilt_port_;
@@ -168,38 +236,84 @@ MobileBase& Simulation::base() {
   return *base_port_;
 }
 
+Simulation::Carriers Simulation::carriers() const {
+  return {base_.pose(), walk_ ? walk_->posture() : BodyPosture{}, pan_tilt_.angles()};
+}
+
+Pose3 Simulation::believedPose(const SimulatedCameraParams& camera, const Carriers& at) const {
+  const Pose3 T_robot_body = bodyPose(at.posture, config_.walk ? config_.walk->known : 1.0);
+  if (!camera.on_head) {
+    return T_robot_body * cameraPose({camera.T_carrier_camera_body, Pose3::Identity()}, 0.0, 0.0);
+  }
+  return T_robot_body * cameraPose({config_.T_robot_pantilt, camera.T_carrier_camera_body}, at.neck.pan_rad,
+                                   at.neck.tilt_rad);
+}
+
+Pose3 Simulation::truePose(const SimulatedCameraParams& camera, const Carriers& at) const {
+  const Pose3 T_carrier_true = camera.T_carrier_camera_body * camera.T_believed_true;
+  const Pose3 T_body_camera = camera.on_head ? cameraPose({config_.T_robot_pantilt, T_carrier_true},
+                                                          at.neck.pan_rad, at.neck.tilt_rad)
+                                             : cameraPose({T_carrier_true, Pose3::Identity()}, 0.0, 0.0);
+  return toPose3(at.T_world_robot) * bodyPose(at.posture) * T_body_camera;
+}
+
+Pose3 Simulation::truePoseOfCamera(std::size_t camera) const {
+  return truePose(config_.cameras.at(camera), carriers());
+}
+
+void Simulation::expose(const Carriers& before, const Carriers& after) {
+  for (SimulatedCamera& camera : cameras_) {
+    const StampUs due_us = camera.nextExposure();
+    if (due_us > now_us_) continue;
+    // The frame's own instant lies inside this step.
+    const double fraction = 1.0 - static_cast<double>(now_us_ - due_us) / static_cast<double>(kStep_us);
+    const Carriers at{interpolate(before.T_world_robot, after.T_world_robot, fraction),
+                      interpolate(before.posture, after.posture, fraction),
+                      interpolate(before.neck, after.neck, fraction)};
+    ExposedFrame frame;
+    frame.T_world_camera = truePose(camera.params(), at);
+    if (camera.params().tells_pose) frame.T_robot_camera = believedPose(camera.params(), at);
+    frame.scene = scene_.state();
+    camera.expose(std::move(frame));
+  }
+}
+
 void Simulation::step() {
   constexpr double kStep_s = toSeconds(kStep_us);
+  if (player_) {
+    for (auto& problem : player_->play(*this)) scenario_problems_.push_back(std::move(problem));
+  }
   now_us_ += kStep_us;
   ++steps_;
-  const Pose2 before = base_.pose();
-  const PanTilt angles_before = pan_tilt_.angles();
-  odometry_.add(base_.step(now_us_, kStep_s));
+  scene_.step(kStep_s, base_.pose(), config_.base.radius_m);
+  noticeObstacles();
+  const Carriers before = carriers();
+  odometry_.add(walk_ ? base_.moveAt(walk_->step(base_.wanted(now_us_), kStep_s), kStep_s)
+                      : base_.step(now_us_, kStep_s));
   pan_tilt_.step(kStep_s);
 
   const PanTilt angles = pan_tilt_.angles();
   keep(pan_tilt_samples_, PanTiltSample{now_us_, steps_, angles.pan_rad, angles.tilt_rad});
   keep(odometry_samples_, OdometrySample{now_us_, steps_, odometry_.pose(), base_.speed(), base_.turnRate()});
   keep(truth_samples_, truth());
+  expose(before, carriers());
+}
 
-  const auto due_us = static_cast<StampUs>(static_cast<double>(frames_) * 1e6 / config_.camera_rate_hz);
-  if (due_us <= now_us_) {
-    // The frame's own instant lies inside this step.
-    const double fraction = 1.0 - static_cast<double>(now_us_ - due_us) / static_cast<double>(kStep_us);
-    const PanTilt at{angles_before.pan_rad + fraction * (angles.pan_rad - angles_before.pan_rad),
-                     angles_before.tilt_rad + fraction * (angles.tilt_rad - angles_before.tilt_rad)};
-    due_frame_ = DueFrame{due_us, frames_++,
-                          toPose3(interpolate(before, base_.pose(), fraction)) *
-                              cameraPose(config_.mount, at.pan_rad, at.tilt_rad)};
-  }
+void Simulation::noticeObstacles() {
+  if (scene_revision_ == scene_.revision()) return;
+  scene_revision_ = scene_.revision();
+  base_.setObstacles(scene_.obstacles());
 }
 
 bool Simulation::advanceToNextFrame() {
-  const std::uint64_t wanted = frames_;
-  // The very first frame is due at once.
-  if (now_us_ == 0 && due_frame_) return true;
-  while (frames_ == wanted) step();
-  return true;
+  for (;;) {
+    const ExposedFrame* frame = cameras_.front().arrived(now_us_);
+    if (frame != nullptr && frame->seq >= announced_) {
+      announced_ = frame->seq + 1;
+      return true;
+    }
+    step();
+  }
 }
 
 TruthSample Simulation::truth() const {
@@ -216,33 +330,80 @@ void Simulation::advance(StampUs dt_us) {
 
 PortReply Simulation::kidnap(const Pose2& T_world_robot) {
   if (!isFinite(T_world_robot)) return PortReply::rejected("a pose must be finite");
+  noticeObstacles();
   if (base_.collidesAt(T_world_robot)) return PortReply::rejected("that place is inside an obstacle");
   base_.place(T_world_robot);
+  if (player_) player_->lost();
   ++kidnaps_;
   return PortReply::accepted();
 }
 
-void Simulation::addNoise(cv::Mat& image, std::uint64_t seq) const {
-  if (config_.image_noise <= 0.0) return;
-  // A table read from another place for every frame: cheap, and the same for the same frame whenever
-  // rendered.
-  std::size_t at = subStream(config_.seed ^ (seq << 20), "noise of one frame") % kNoiseTable;
-  for (std::uint8_t *p = image.data, *end = p + image.total() * image.elemSize(); p != end; ++p) {
-    *p = static_cast<std::uint8_t>(std::clamp(*p + noise_[at], 0, 255));
-    at = (at + 1) % kNoiseTable;
+PortReply Simulation::slip(const WheelTravel& extra) {
+  if (!(std::abs(extra.left) <= kMaxSlip_m && std::abs(extra.right) <= kMaxSlip_m)) {
+    return PortReply::rejected("a slip must be finite and at most 1 m a wheel");
   }
+  odometry_.slip(extra);
+  return PortReply::accepted();
 }
 
-std::optional<Frame> Simulation::takeFrame() {
-  if (!due_frame_) return std::nullopt;
+PortReply Simulation::play(Scenario scenario) {
+  std::set<std::string> names;
+  for (const auto& model : scene_.status()) names.insert(model.name);
+  const auto problems = unknownModels(scenario, names);
+  if (!problems.empty()) {
+    std::string text;
+    for (const auto& problem : problems) text += (text.empty() ? "" : "\n") + problem;
+    return PortReply::rejected(text);
+  }
+  player_ = std::make_unique<ScenarioPlayer>(scenario, now_us_);
+  scenario_ = std::move(scenario);
+  return PortReply::accepted();
+}
+
+void Simulation::stopScenario() {
+  player_.reset();
+  scenario_.reset();
+}
+
+std::vector<std::string> Simulation::takeScenarioProblems() {
+  return std::exchange(scenario_problems_, {});
+}
+
+void Simulation::driveByScenario(double v_mps, double w_radps) {
+  const bool by_hand = commanded_us_ && toSeconds(now_us_ - *commanded_us_) <= config_.base.limits.watchdog_s;
+  if (!by_hand) base_.command(v_mps, w_radps, now_us_);
+}
+
+bool Simulation::frameDue(std::size_t camera) const {
+  return cameras_.at(camera).arrived(now_us_) != nullptr;
+}
+
+void Simulation::showScene(const ExposedFrame& frame) {
+  scene_.show(*frame.scene, *renderer_, shown_);
+}
+
+std::optional<Frame> Simulation::takeFrame(std::size_t index) {
+  SimulatedCamera& camera = cameras_.at(index);
+  auto exposed = camera.take(now_us_);
+  if (!exposed) return std::nullopt;
+  showScene(*exposed);
+  const CameraIntrinsics& intrinsics = camera.params().intrinsics;
   Frame frame;
-  frame.stamp_us = due_frame_->stamp_us;
-  frame.seq = due_frame_->seq;
-  frame.intrinsics = config_.intrinsics;
-  frame.image = renderer_->render(config_.intrinsics, due_frame_->T_world_camera);
-  addNoise(frame.image, frame.seq);
-  due_frame_.reset();
+  frame.stamp_us = exposed->stamp_us;
+  frame.seq = exposed->seq;
+  frame.intrinsics = intrinsics;
+  frame.T_robot_camera = exposed->T_robot_camera;
+  frame.image = renderer_->render(intrinsics, exposed->T_world_camera);
+  camera.errors().apply(frame.image, exposed->seq, exposed->gain);
+  taken_[index] = std::move(exposed);
   return frame;
+}
+
+std::optional<TruthImages> Simulation::truthImages(std::size_t index) {
+  const auto& taken = taken_.at(index);
+  if (!taken) return std::nullopt;
+  showScene(*taken);
+  return renderer_->renderTruth(cameras_[index].params().intrinsics, taken->T_world_camera);
 }
 
 }  // namespace vismem

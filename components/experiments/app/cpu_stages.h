@@ -1,0 +1,26 @@
+/// @file CPU time of the stages of a run.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "common/profiling/stage_probe.h"
+
+namespace vismem {
+
+/// Adds up the CPU time of this thread by stage. *Single-threaded*.
+class CpuStages : public StageProbe {
+ public:
+  void enter(const char* stage) override;
+  /// Seconds by stage; the one that runs counts up to now.
+  std::map<std::string, double> seconds();
+
+ private:
+  static double now_s();
+
+  std::map<std::string, double> spent_s_;
+  std::string current_;
+  double since_s_ = 0.0;
+};
+
+}  // namespace vismem
