@@ -108,7 +108,7 @@ TEST(SimulatorConfig, SaysWhatIsWrong) {
         "Simulator.Walk.Step_s = 1\n");
     FAIL() << "should have been refused";
   } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("test.cfg:2: Simulator.Camera.Width_px = 0 (must be 16..8192)"));
+    EXPECT_THAT(error.what(), HasSubstr("test.cfg:2: Simulator.Camera.Width_px = 0 (must be 16..4096)"));
     EXPECT_THAT(error.what(), HasSubstr("test.cfg:3: Simulator.Camera.Rate_hz = nan"));
     EXPECT_THAT(error.what(), HasSubstr("test.cfg:4: Simulator.Cameras.b.Latency_s = -1 (must be 0..5)"));
     EXPECT_THAT(error.what(), HasSubstr("test.cfg:5: unknown key \"Simulator.Cameras.b.Latenc_s\""));

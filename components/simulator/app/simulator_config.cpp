@@ -20,8 +20,8 @@ Pose3 readPose(ConfigReader& r, const std::string& prefix, const Pose3& fallback
 /// @param camera holds what a key that is left out means.
 void readCamera(ConfigReader r, SimulatedCameraParams& camera) {
   CameraIntrinsics& k = camera.intrinsics;
-  const int width = static_cast<int>(r.integer("Width_px", k.width, 16, 8192));
-  const int height = static_cast<int>(r.integer("Height_px", k.height, 16, 8192));
+  const int width = static_cast<int>(r.integer("Width_px", k.width, 16, 4096));
+  const int height = static_cast<int>(r.integer("Height_px", k.height, 16, 4096));
   const double view_deg = radToDeg(2.0 * std::atan2(0.5 * k.width, k.fx));
   const CameraIntrinsics of_view =
       intrinsicsFromFieldOfView(width, height, r.angleDeg("HorizontalView_deg", view_deg, 5.0, 150.0));
