@@ -67,11 +67,10 @@ std::unique_ptr<ComponentProcess> simulator(std::vector<std::string> more = {}) 
   return serve("simulator", "sim/simulator.cfg", "Simulator", std::move(more));
 }
 
-TEST(JdeRobotClient, GrabsImagesInEachFormat) {
+/// Images in each format, of a picture that stands still.
+void grabInEachFormat(const ComponentProcess& server) {
   const Folder out;
-  const auto server = simulator({"--Simulator.Camera.Noise=0"});
-  ASSERT_TRUE(server->waitUntilReady());
-  ASSERT_TRUE(client({"camera", server->proxy("cameraA"), "320", "240", out / ""}));
+  ASSERT_TRUE(client({"camera", server.proxy("cameraA"), "320", "240", out / ""}));
   // What Python cannot decode: the JPEG shows the same picture.
   const auto jpeg = bytesOf(out / "JPEG");
   const cv::Mat decoded = cv::imdecode(jpeg, cv::IMREAD_COLOR);
@@ -85,6 +84,18 @@ TEST(JdeRobotClient, GrabsImagesInEachFormat) {
     }
   }
   EXPECT_LT(difference / static_cast<double>(rgb.size()), 3.0);
+}
+
+TEST(JdeRobotClient, GrabsImagesOfTheSimulatorInEachFormat) {
+  const auto server = simulator({"--Simulator.Camera.Noise=0"});
+  ASSERT_TRUE(server->waitUntilReady());
+  grabInEachFormat(*server);
+}
+
+TEST(JdeRobotClient, GrabsImagesOfACameraServerInEachFormat) {
+  const auto server = serve("camera_server", "files/camera_server.cfg", "CameraServer");
+  ASSERT_TRUE(server->waitUntilReady());
+  grabInEachFormat(*server);
 }
 
 TEST(JdeRobotClient, SeesPanToTheLeftAndTiltUp) {
