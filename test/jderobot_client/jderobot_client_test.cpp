@@ -107,7 +107,7 @@ TEST(JdeRobotClient, SeesPanToTheLeftAndTiltUp) {
 TEST(JdeRobotClient, TurnsThePanTiltOfTheSimulator) {
   const auto server = simulator();
   ASSERT_TRUE(server->waitUntilReady());
-  EXPECT_TRUE(client({"pantilt", server->proxy("PanTilt"), "0"}));
+  EXPECT_TRUE(client({"pantilt", server->proxy("PanTilt"), "0.45"}));
 }
 
 TEST(JdeRobotClient, TurnsThePanTiltOfItsServer) {

@@ -112,7 +112,8 @@ class SimulatorComponent : public Component {
   RenderPool pool_;
   RealTimeSimulation simulation_;
   std::vector<std::unique_ptr<FrameBroadcaster>> frames_;  ///< by output
-  std::shared_ptr<PanTiltServant> pan_tilt_ = std::make_shared<PanTiltServant>(simulation_.panTilt());
+  std::shared_ptr<PanTiltServant> pan_tilt_ =
+      std::make_shared<PanTiltServant>(simulation_.panTilt(), simulation_.panTiltPosition());
   std::shared_ptr<OdometryServant> odometry_ = std::make_shared<OdometryServant>(simulation_.base());
   std::shared_ptr<SimulationServant> truth_ = std::make_shared<SimulationServant>(simulation_);
 };

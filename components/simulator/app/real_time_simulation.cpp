@@ -90,34 +90,54 @@ class RealTimeSimulation::PanTiltPort : public PanTiltUnit {
  public:
   explicit PanTiltPort(RealTimeSimulation& owner) : owner_(owner) {}
   PanTiltLimits limits() const override { return owner_.simulation_->panTilt().limits(); }
-  PortReply start() override { return PortReply::accepted(); }
+  PortReply start() override {
+    owner_.setStopped(stopped_, false);
+    return owner_.execute([](Simulation& s) { return s.panTilt().start(); });
+  }
   PortReply command(const PanTiltCommand& command) override {
     return owner_.execute([command](Simulation& s) { return s.panTilt().command(command); });
   }
   SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
-    return owner_.since(owner_.pan_tilt_samples_, after_us, timeout);
+    return owner_.since(owner_.pan_tilt_samples_, after_us, timeout, &stopped_);
   }
-  void stop() override {}
+  void stop() override {
+    owner_.setStopped(stopped_, true);
+    owner_.execute([](Simulation& s) {
+      s.panTilt().stop();
+      return PortReply::accepted();
+    });
+  }
 
  private:
   RealTimeSimulation& owner_;
+  bool stopped_ = false;  ///< guarded by the owner's mutex
 };
 
 class RealTimeSimulation::BasePort : public MobileBase {
  public:
   explicit BasePort(RealTimeSimulation& owner) : owner_(owner) {}
   BaseLimits limits() const override { return owner_.simulation_->base().limits(); }
-  PortReply start() override { return PortReply::accepted(); }
+  PortReply start() override {
+    owner_.setStopped(stopped_, false);
+    return owner_.execute([](Simulation& s) { return s.base().start(); });
+  }
   PortReply setVelocity(double v_mps, double w_radps) override {
     return owner_.execute([=](Simulation& s) { return s.base().setVelocity(v_mps, w_radps); });
   }
   SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
-    return owner_.since(owner_.odometry_samples_, after_us, timeout);
+    return owner_.since(owner_.odometry_samples_, after_us, timeout, &stopped_);
   }
-  void stop() override { setVelocity(0.0, 0.0); }
+  void stop() override {
+    owner_.setStopped(stopped_, true);
+    owner_.execute([](Simulation& s) {
+      s.base().stop();
+      return PortReply::accepted();
+    });
+  }
 
  private:
   RealTimeSimulation& owner_;
+  bool stopped_ = false;  ///< guarded by the owner's mutex
 };
 
 RealTimeSimulation::RealTimeSimulation(SimulationConfig config, double speed, Hooks hooks)
@@ -162,6 +182,9 @@ std::string RealTimeSimulation::outputName(std::size_t index) const {
 }
 PanTiltUnit& RealTimeSimulation::panTilt() {
   return *pan_tilt_;
+}
+Eigen::Vector3d RealTimeSimulation::panTiltPosition() const {
+  return simulation_->config().T_robot_pantilt.translation();
 }
 MobileBase& RealTimeSimulation::base() {
   return *base_;
@@ -327,9 +350,10 @@ void RealTimeSimulation::publishSamples() {
 
 template <typename Sample>
 SampleBatch<Sample> RealTimeSimulation::since(const std::deque<Sample>& ring, StampUs after_us,
-                                              std::chrono::milliseconds timeout) {
+                                              std::chrono::milliseconds timeout, const bool* stopped) {
   std::unique_lock lock(mutex_);
-  published_.wait_for(lock, timeout, [&] { return newestOf(ring) > after_us || !running_; });
+  const auto given_up = [&] { return !running_ || (stopped != nullptr && *stopped); };
+  published_.wait_for(lock, timeout, [&] { return newestOf(ring) > after_us || given_up(); });
   SampleBatch<Sample> batch;
   const auto first = std::find_if(ring.begin(), ring.end(),
                                   [&](const Sample& sample) { return sample.stamp_us > after_us; });
@@ -340,6 +364,14 @@ SampleBatch<Sample> RealTimeSimulation::since(const std::deque<Sample>& ring, St
     batch.message = status_.paused ? "the simulation is paused" : "no newer sample yet";
   }
   return batch;
+}
+
+void RealTimeSimulation::setStopped(bool& stopped, bool value) {
+  {
+    const std::lock_guard lock(mutex_);
+    stopped = value;
+  }
+  published_.notify_all();
 }
 
 PortReply RealTimeSimulation::execute(std::function<PortReply(Simulation&)> work) {

@@ -53,6 +53,8 @@ class RealTimeSimulation : public SimulationControl {
   /// The camera's name, with /depth or /objects for ground truth.
   std::string outputName(std::size_t index) const;
   PanTiltUnit& panTilt();
+  /// Where the axes of the pan-tilt unit cross on the robot [m].
+  Eigen::Vector3d panTiltPosition() const;
   MobileBase& base();
 
   SimulationStatus status() const override;
@@ -94,9 +96,11 @@ class RealTimeSimulation : public SimulationControl {
   void publishSamples();
   void measureSpeed(Clock::time_point now);
 
+  /// @param stopped of the port that asks; guarded by the mutex.
   template <typename Sample>
   SampleBatch<Sample> since(const std::deque<Sample>& ring, StampUs after_us,
-                            std::chrono::milliseconds timeout);
+                            std::chrono::milliseconds timeout, const bool* stopped = nullptr);
+  void setStopped(bool& stopped, bool value);
 
   const Hooks hooks_;
   std::unique_ptr<Simulation> simulation_;  ///< of the loop's thread once started

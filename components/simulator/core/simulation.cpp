@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/robot/command_limits.h"
 #include "common/robot/history.h"
 #include "simulator/core/scenario_player.h"
 
@@ -129,20 +130,14 @@ class Simulation::PanTiltPort : public PanTiltUnit {
   PanTiltLimits limits() const override { return simulation_.config_.pan_tilt.limits; }
   PortReply start() override { return PortReply::accepted(); }
   PortReply command(const PanTiltCommand& c) override {
-    if (!std::isfinite(c.pan_rad + c.tilt_rad + c.pan_rate_radps + c.tilt_rate_radps)) {
-      return PortReply::rejected("a pan-tilt command must be finite");
-    }
-    simulation_.pan_tilt_.command(c);
-    const PanTiltLimits l = limits();
-    const bool inside = c.kind == PanTiltCommand::Kind::kVelocity ||
-                        (c.pan_rad >= l.min_pan_rad && c.pan_rad <= l.max_pan_rad &&
-                         c.tilt_rad >= l.min_tilt_rad && c.tilt_rad <= l.max_tilt_rad);
-    return inside ? PortReply::accepted() : PortReply::adjusted("angles cut to the unit's limits");
+    const LimitedPanTiltCommand limited = limitCommand(limits(), c);
+    if (limited.reply.ok()) simulation_.pan_tilt_.command(limited.command);
+    return limited.reply;
   }
   SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds) override {
     return since(simulation_.pan_tilt_samples_, after_us);
   }
-  void stop() override {}
+  void stop() override { simulation_.pan_tilt_.halt(); }
 
  private:
   Simulation& simulation_;
@@ -154,17 +149,16 @@ class Simulation::BasePort : public MobileBase {
   BaseLimits limits() const override { return simulation_.config_.base.limits; }
   PortReply start() override { return PortReply::accepted(); }
   PortReply setVelocity(double v_mps, double w_radps) override {
-    if (!std::isfinite(v_mps + w_radps)) return PortReply::rejected("a velocity must be finite");
-    simulation_.base_.command(v_mps, w_radps, simulation_.now_us_);
+    const LimitedVelocity limited = limitVelocity(limits(), v_mps, w_radps);
+    if (!limited.reply.ok()) return limited.reply;
+    simulation_.base_.command(limited.v_mps, limited.w_radps, simulation_.now_us_);
     simulation_.commanded_us_ = simulation_.now_us_;
-    const BaseLimits l = limits();
-    const bool inside = std::abs(v_mps) <= l.max_speed_mps && std::abs(w_radps) <= l.max_turn_rate_radps;
-    return inside ? PortReply::accepted() : PortReply::adjusted("speeds cut to the base's limits");
+    return limited.reply;
   }
   SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds) override {
     return since(simulation_.odometry_samples_, after_us);
   }
-  void stop() override { simulation_.base_.command(0.0, 0.0, simulation_.now_us_); }
+  void stop() override { simulation_.base_.halt(); }
 
  private:
   Simulation& simulation_;
