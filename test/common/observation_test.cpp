@@ -1,7 +1,12 @@
 // Units of common/robot: histories that interpolate and the assembler of observations (SPEC G3).
+#include "common/robot/observation.h"
+
 #include <gtest/gtest.h>
 
-#include "common/robot/observation.h"
+#include <string>
+#include <vector>
+
+#include "common/robot/clock_watch.h"
 
 namespace vismem {
 namespace {
@@ -98,6 +103,82 @@ TEST(ObservationAssembler, BeginsAnEpochWhenTimeOrOdometryJumps) {
   EXPECT_EQ(assembler.epoch(), 1u);
   assembler.add(odometryAt(2 * kSecondUs, 3.0));
   EXPECT_EQ(assembler.epoch(), 2u);
+}
+
+TEST(ObservationAssembler, BeginsAnEpochWhenTheOdometryWasRestartedWhileAway) {
+  ObservationAssembler assembler({});
+  auto before = odometryAt(10 * kSecondUs, 3.0);
+  before.seq = 500;
+  assembler.add(before);
+  auto continued = odometryAt(20 * kSecondUs, 3.1);
+  continued.seq = 501;
+  assembler.add(continued);
+  EXPECT_EQ(assembler.epoch(), 0u) << "a pause alone is none: the same odometry goes on";
+  auto restarted = odometryAt(30 * kSecondUs, 0.0);
+  restarted.seq = 0;
+  assembler.add(restarted);
+  EXPECT_EQ(assembler.epoch(), 1u);
+  EXPECT_EQ(assembler.epochReason(), "the odometry was restarted: its numbers went back from 501 to 0");
+}
+
+// A restarted source, or a seek in a recording: every stream goes back, and each is noticed at another time.
+TEST(ObservationAssembler, StreamsThatGoBackOneAfterTheOtherAreOneEpoch) {
+  const StampUs old_us = 100 * kSecondUs;
+  const std::vector<std::vector<char>> orders{
+      {'o', 'p', 'f'}, {'f', 'o', 'p'}, {'p', 'f', 'o'}, {'o', 'f', 'p'}};
+  for (const auto& order : orders) {
+    ObservationAssembler assembler({});
+    const auto add = [&](char stream, StampUs stamp_us) {
+      if (stream == 'o') assembler.add(odometryAt(stamp_us, 0.0));
+      if (stream == 'p') assembler.add(panTiltAt(stamp_us, 0.0));
+      if (stream == 'f') assembler.add(frameAt(stamp_us));
+    };
+    for (const char stream : order) add(stream, old_us);
+    for (std::size_t gone_back = 1; gone_back <= order.size(); ++gone_back) {
+      // Those that have noticed deliver the new time, the others still what was under way of the old one.
+      for (std::size_t i = 0; i < order.size(); ++i) {
+        const StampUs step_us = static_cast<StampUs>(gone_back) * 10'000;
+        add(order[i], i < gone_back ? step_us : old_us + step_us);
+      }
+    }
+    EXPECT_EQ(assembler.epoch(), 1u) << std::string(order.begin(), order.end());
+    for (StampUs t = 100'000; t <= 200'000; t += 50'000) {
+      for (const char stream : order) add(stream, t);
+    }
+    const auto observation = assembler.take();
+    ASSERT_TRUE(observation) << std::string(order.begin(), order.end());
+    EXPECT_EQ(observation->epoch, 1u);
+    EXPECT_LT(observation->frame.stamp_us, kSecondUs);
+  }
+}
+
+TEST(ObservationAssembler, SaysWhyNothingComes) {
+  ObservationAssembler assembler({});
+  assembler.add(frameAt(50 * kSecondUs));
+  EXPECT_EQ(assembler.whyNothing(), "images come, but no sample of the odometry");
+  assembler.add(odometryAt(20 * kSecondUs, 0.0));
+  EXPECT_EQ(assembler.whyNothing(),
+            "the camera's stamps are 30.0 s ahead of those of the odometry (a stream that stopped, or clocks "
+            "of hosts "
+            "that are out of step)");
+  assembler.add(odometryAt(50 * kSecondUs, 0.0));
+  EXPECT_EQ(assembler.whyNothing(), "images come, but no sample of the pan-tilt unit");
+}
+
+TEST(ClockWatch, ComparesOnlyStampsOfTheSameTimeAndBearsWithAMoment) {
+  const StampUs host_us = 1'700'000'000 * kSecondUs;
+  ClockWatch clock;
+  EXPECT_EQ(clock.check(12 * kSecondUs, host_us), "") << "a simulation";
+  EXPECT_EQ(clock.check(host_us - 30LL * 24 * 3600 * kSecondUs, host_us), "") << "a recording of last month";
+  EXPECT_EQ(clock.check(host_us - 900'000, host_us), "");
+  EXPECT_EQ(clock.check(host_us - 5 * kSecondUs, host_us), "") << "for a moment";
+  EXPECT_EQ(clock.check(host_us - 4 * kSecondUs, host_us + kSecondUs), "");
+  EXPECT_EQ(clock.check(host_us - 2 * kSecondUs, host_us + 3 * kSecondUs),
+            "stamps are 5 s behind this host's clock (are the hosts kept in step by NTP?)");
+  EXPECT_EQ(clock.check(host_us + 4 * kSecondUs, host_us + 4 * kSecondUs), "") << "in step again";
+  clock.check(host_us + 20 * kSecondUs, host_us + 5 * kSecondUs);
+  EXPECT_EQ(clock.check(host_us + 25 * kSecondUs, host_us + 10 * kSecondUs),
+            "stamps are 15 s ahead of this host's clock (are the hosts kept in step by NTP?)");
 }
 
 }  // namespace

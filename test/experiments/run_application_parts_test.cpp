@@ -18,14 +18,6 @@ RunOptions simulation() {
   return options;
 }
 
-TEST(ShiftPorts, MovesEveryPortButEphemeralOnes) {
-  EXPECT_EQ(shiftPorts("tcp -h 127.0.0.1 -p 9970:ws -h 127.0.0.1 -p 11004", 100),
-            "tcp -h 127.0.0.1 -p 10070:ws -h 127.0.0.1 -p 11104");
-  EXPECT_EQ(shiftPorts("cameraA:tcp -p 9999 -t 500", 1), "cameraA:tcp -p 10000 -t 500");
-  EXPECT_EQ(shiftPorts("tcp -p 0", 5), "tcp -p 0");
-  EXPECT_EQ(shiftPorts("", 5), "");
-}
-
 TEST(Commands, NameTheConfigurationAndWhatTheRunSets) {
   RunOptions options = simulation();
   options.seed = 7;

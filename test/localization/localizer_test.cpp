@@ -190,6 +190,51 @@ TEST_P(InBothModes, ANewEpochKeepsTheRacesButNotTheReliability) {
   EXPECT_LE(after.reliability, 0.1);
 }
 
+// What a localization sees when another component was killed or frozen (DESIGN 14).
+TEST_P(InBothModes, SurvivesRestartsOfBaseMemoryAndTime) {
+  struct Case {
+    const char* what;
+    StampUs after_us;
+    std::uint64_t revisions;  ///< added to the last one; 0: counted anew from 1
+    std::uint32_t epochs;
+    Pose2 T_odom_robot;
+    bool moves;  ///< the races move on by odometry
+  };
+  CorridorWorld world({}, 10);
+  Localizer settled(paramsOf(GetParam()), test::corridorMap(), 10);
+  for (int i = 0; i < 600; ++i) settled.step(world.next());
+  const PoseEstimate before = settled.latest();
+  ASSERT_GT(before.reliability, 0.6);
+  const std::uint64_t revision = 600;
+  const Pose2 ahead = before.T_odom_robot * Pose2{0.3, 0.0, 0.0};
+  const std::vector<Case> cases{
+      {"base restarted: its odometry begins at its origin, after a pause", 5 * kSecondUs, 1, 1, {}, false},
+      {"memory restarted while the robot went on", 2 * kSecondUs, 0, 0, ahead, true},
+      {"simulator restarted: time and odometry from zero", 100'000 - before.stamp_us, 1, 1, {}, false},
+      {"nothing: a pause", 2 * kSecondUs, 1, 0, ahead, true},
+  };
+  for (const Case& fault : cases) {
+    CorridorWorld same_world({}, 10);
+    Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 10);
+    for (int i = 0; i < 600; ++i) localizer.step(same_world.next());
+    auto snapshot = std::make_shared<MemorySnapshot>();
+    snapshot->stamp_us = before.stamp_us + fault.after_us;
+    snapshot->T_odom_robot = fault.T_odom_robot;
+    snapshot->epoch = fault.epochs;
+    snapshot->revision = fault.revisions == 0 ? 1 : revision + fault.revisions;
+    const PoseEstimate after = localizer.step({snapshot, std::make_shared<ImageAnalysis>()});
+    ASSERT_TRUE(after.T_world_robot) << fault.what;
+    EXPECT_EQ(after.races.size(), before.races.size()) << fault.what;
+    const double moved_m = (after.T_world_robot->position() - before.T_world_robot->position()).norm();
+    EXPECT_NEAR(moved_m, fault.moves ? 0.3 : 0.0, 1e-6) << fault.what;
+    if (fault.epochs > 0 || fault.revisions == 0) {
+      EXPECT_LE(after.reliability, 0.1) << fault.what;
+    } else {
+      EXPECT_GT(after.reliability, 0.5) << fault.what;
+    }
+  }
+}
+
 TEST_P(InBothModes, NothingRememberedLeavesTheRacesAsTheyAre) {
   CorridorWorld world({}, 10);
   Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 10);

@@ -103,7 +103,9 @@ TEST_F(ComponentTest, ReportsEverythingWrongWithTheConfigurationAndNothingElse) 
   EXPECT_EQ(child->waitForExit(kPatience), 2);
   EXPECT_EQ(child->error(),
             file + ":1: unknown key \"Probe.Sise\" (did you mean \"Probe.Size\"?)\n" +  //
-                file + ":2: Probe.Work = dance (must be one of: serve, finish, fail_to_start, fail)\n" +
+                file +
+                ":2: Probe.Work = dance (must be one of: serve, finish, fail_to_start, fail, throw, "
+                "hang, hang_on_stop)\n" +
                 file + ":3: key \"Probe.Work\" is set twice (first in line 2)\n" +  //
                 file + ":4: \"rubbish\" is not KEY = VALUE\n" + file +
                 ":5: unknown key \"Ice.MesageSizeMax\" (did you mean \"Ice.MessageSizeMax\"?)\n" + file +
@@ -156,6 +158,33 @@ TEST_F(ComponentTest, AFailureEndsWithItsMessage) {
   const auto loop = probe({"--Probe.Work=fail"});
   EXPECT_EQ(loop->waitForExit(kPatience), 1);
   EXPECT_THAT(loop->error(), HasSubstr("ERROR the loop has failed\n"));
+}
+
+TEST_F(ComponentTest, AThreadThatThrowsEndsTheProcessLoudly) {
+  const auto child = probe({"--Probe.Work=throw"});
+  EXPECT_EQ(child->waitForExit(kPatience), 1);
+  EXPECT_THAT(child->error(), HasSubstr("ERROR the thread has thrown\n"));
+}
+
+TEST_F(ComponentTest, AThreadThatHangsShowsInTheStatus) {
+  const auto child = probe({"--Probe.Work=hang"});
+  const int port = child->port();
+  ASSERT_GT(port, 0) << child->error();
+  EXPECT_TRUE(child->waitForLine("ERROR loop: no progress for ", kPatience)) << child->error();
+  const auto status = statusAt(port);
+  EXPECT_EQ(status.state, avm::ComponentState::Degraded);
+  EXPECT_THAT(status.reason, HasSubstr("loop: no progress for "));
+  EXPECT_EQ(child->stop(kPatience), 0);
+}
+
+TEST_F(ComponentTest, EndsInTimeThoughItsOwnStopHangs) {
+  const auto child = probe({"--Probe.Work=hang_on_stop"});
+  ASSERT_TRUE(child->waitUntilReady());
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_TRUE(child->signal(SIGTERM));
+  EXPECT_EQ(child->waitForExit(3 * kPatience), 1);
+  EXPECT_GT(std::chrono::steady_clock::now() - begin, 3s);
+  EXPECT_THAT(child->error(), HasSubstr("probe_component ERROR did not stop within "));
 }
 
 TEST_F(ComponentTest, MayEndByItself) {

@@ -12,7 +12,7 @@
 
 namespace {
 
-enum class Work { kServe, kFinish, kFailToStart, kFail };
+enum class Work { kServe, kFinish, kFailToStart, kFail, kThrow, kHang, kHangOnStop };
 
 struct Settings {
   Work work = Work::kServe;
@@ -26,10 +26,11 @@ class Probe : public vismem::Component {
   void start(vismem::ComponentHost& host) override {
     if (settings_.work == Work::kFailToStart) throw std::runtime_error("the device does not open");
     if (!settings_.peer_proxy.empty()) peer_ = host.peer<avm::ComponentPrx>("Peer", settings_.peer_proxy);
-    loop_ = std::jthread([this, &host](const std::stop_token& stop) { run(stop, host); });
+    loop_ = std::jthread(host.guarded([this, &host](const std::stop_token& stop) { run(stop, host); }));
   }
 
   void stop() override {
+    if (settings_.work == Work::kHangOnStop) std::this_thread::sleep_for(std::chrono::hours(1));
     if (!loop_.joinable()) return;
     loop_.request_stop();
     loop_.join();
@@ -43,9 +44,12 @@ class Probe : public vismem::Component {
     } catch (...) {
       host.fail(std::current_exception());
     }
+    if (settings_.work == Work::kThrow) throw std::runtime_error("the thread has thrown");
+    host.status().alive("loop", std::chrono::milliseconds(300));
     std::mutex mutex;
     std::condition_variable_any pause;
     while (!stop.stop_requested()) {
+      if (settings_.work != Work::kHang) host.status().alive("loop", std::chrono::milliseconds(5000));
       if (peer_ && peer_->call([](avm::ComponentPrx& proxy) { return proxy.getStatus(); })) {
         host.status().count("calls");
       }
@@ -66,7 +70,10 @@ std::unique_ptr<vismem::Component> configure(vismem::ConfigReader& root) {
                                 {{"serve", Work::kServe},
                                  {"finish", Work::kFinish},
                                  {"fail_to_start", Work::kFailToStart},
-                                 {"fail", Work::kFail}});
+                                 {"fail", Work::kFail},
+                                 {"throw", Work::kThrow},
+                                 {"hang", Work::kHang},
+                                 {"hang_on_stop", Work::kHangOnStop}});
   settings.peer_proxy = config.text("Peer.Proxy", "");
   config.integer("Size", 8, 1, 64);
   if (config.boolean("BadMap", false)) throw vismem::ConfigError({"map.csv:7: label = 3 (must be a name)"});

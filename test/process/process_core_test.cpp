@@ -10,6 +10,7 @@
 #include "common/process/metrics.h"
 #include "common/process/peer_state.h"
 #include "common/process/ready_line.h"
+#include "common/process/setup.h"
 #include "common/process/status.h"
 #include "common/process/stream_health.h"
 
@@ -182,6 +183,23 @@ TEST_F(StatusTest, FaultsAreLoggedOncePerChange) {
   EXPECT_THAT(errors, ElementsAre("disk: full", "a bad frame"));
 }
 
+TEST_F(StatusTest, AThreadWithoutProgressDegradesAndIsLoggedOnce) {
+  board_.serving();
+  board_.alive("eyes", 2s);
+  now_ += 1900ms;
+  EXPECT_EQ(stateText(), "running");
+  now_ += 300ms;
+  EXPECT_EQ(stateText(), "degraded: eyes: no progress for 2.2 s");
+  for (int i = 0; i < 3; ++i) board_.checkProgress();
+  board_.alive("eyes", 2s);
+  EXPECT_EQ(stateText(), "running");
+  for (int i = 0; i < 3; ++i) board_.checkProgress();
+  EXPECT_EQ(lines_.str(), "T eye ERROR eyes: no progress for 2.2 s\nT eye INFO eyes goes on\n");
+  board_.ended("eyes");
+  now_ += 10s;
+  EXPECT_EQ(stateText(), "running") << "its end was no hanging";
+}
+
 TEST_F(StatusTest, KeepsTheLastErrors) {
   for (int i = 0; i < 100; ++i) board_.error("error " + std::to_string(i));
   const auto errors = board_.report().errors;
@@ -226,6 +244,22 @@ TEST(ReadyLine, CarriesEndpointsAndPorts) {
   EXPECT_EQ(readyPort(line, "ws"), 11004);
   EXPECT_EQ(readyPort(line, "ssl"), std::nullopt);
   EXPECT_EQ(readyPort("eye is not ready"), std::nullopt);
+}
+
+TEST(Setup, KeysBelongToTheComponentOfTheirFirstPart) {
+  EXPECT_TRUE(isKeyOf("replay_server", "ReplayServer.File"));
+  EXPECT_TRUE(isKeyOf("pantilt_server", "PanTiltServer.Endpoints"));
+  EXPECT_FALSE(isKeyOf("replay_server", "Replay.File"));
+  EXPECT_FALSE(isKeyOf("recordings", "Recording.nao.FirstImage"));
+  EXPECT_FALSE(isKeyOf("replay_server", "ReplayServer"));
+}
+
+TEST(Setup, ShiftPortsMovesEveryPortButEphemeralOnes) {
+  EXPECT_EQ(shiftPorts("tcp -h 127.0.0.1 -p 9970:ws -h 127.0.0.1 -p 11004", 100),
+            "tcp -h 127.0.0.1 -p 10070:ws -h 127.0.0.1 -p 11104");
+  EXPECT_EQ(shiftPorts("cameraA:tcp -p 9999 -t 500", 1), "cameraA:tcp -p 10000 -t 500");
+  EXPECT_EQ(shiftPorts("tcp -p 0", 5), "tcp -p 0");
+  EXPECT_EQ(shiftPorts("", 5), "");
 }
 
 }  // namespace

@@ -1,9 +1,6 @@
 /// @file The whole application as its user starts it: real processes over Ice on loopback.
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
-#include <netinet/in.h>
 #include <signal.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,54 +8,17 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <random>
 #include <sstream>
 #include <thread>
 
 #include "common/process/child_process.h"
+#include "support/free_ports.h"
 
 namespace vismem {
 namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-
-/// A listening socket, or none if the port is taken.
-class Listener {
- public:
-  explicit Listener(int port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    const int yes = 1;
-    setsockopt(fd_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    good_ =
-        bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 && listen(fd_, 1) == 0;
-  }
-  ~Listener() { close(fd_); }
-  Listener(const Listener&) = delete;
-  Listener& operator=(const Listener&) = delete;
-  bool good() const { return good_; }
-
- private:
-  int fd_;
-  bool good_ = false;
-};
-
-/// An offset at which every port of our setups is free, below the range that the kernel gives out by itself.
-int freePortOffset() {
-  std::random_device random;
-  for (int tries = 0; tries < 200; ++tries) {
-    const int offset = 2000 + static_cast<int>(random() % 190) * 100;
-    bool free = true;
-    for (int port = 9970; free && port <= 9999; ++port) free = Listener(port + offset).good();
-    for (int port = 11000; free && port <= 11008; ++port) free = Listener(port + offset).good();
-    if (free) return offset;
-  }
-  ADD_FAILURE() << "no free ports";
-  return 0;
-}
 
 /// Processes whose command line holds one of the texts.
 std::vector<pid_t> processesWith(const std::vector<std::string>& texts) {
@@ -176,7 +136,7 @@ TEST_F(RunApplication, ADeadComponentEndsTheRunWithItsName) {
   ASSERT_NE(victim, 0);
   kill(victim, SIGKILL);
   EXPECT_EQ(run->waitForExit(20s), 1);
-  EXPECT_THAT(run->error(), testing::HasSubstr("localization ended with code 137"));
+  EXPECT_THAT(run->error(), testing::HasSubstr("localization was killed by signal 9 (Killed)"));
   EXPECT_TRUE(noneLeftWithin(5s));
 }
 

@@ -170,12 +170,12 @@ TEST_F(Tools, DetectSegmentsGoesOnAfterAnImpossiblyLargeImage) {
 }
 
 TEST_F(Tools, DetectSegmentsRefusesBadOptions) {
-  EXPECT_NE(run("detect_segments --size 320 " + file("square.png")), 0);
+  EXPECT_EQ(run("detect_segments --size 320 " + file("square.png")), 2);
   EXPECT_THAT(content("err"), HasSubstr("--size: 320 (must be WxH, for example 320x240)"));
-  EXPECT_NE(run("detect_segments --size 0x240 " + file("square.png")), 0);
-  EXPECT_NE(run("detect_segments --min-length -1 " + file("square.png")), 0);
-  EXPECT_NE(run("detect_segments"), 0);
-  EXPECT_NE(run("detect_segments --detector lsd " + file("square.png")), 0);
+  EXPECT_EQ(run("detect_segments --size 0x240 " + file("square.png")), 2);
+  EXPECT_EQ(run("detect_segments --min-length -1 " + file("square.png")), 2);
+  EXPECT_EQ(run("detect_segments"), 2);
+  EXPECT_EQ(run("detect_segments --detector lsd " + file("square.png")), 2);
   EXPECT_NE(run("detect_segments --csv /nowhere/s.csv " + file("square.png")), 0);
   EXPECT_THAT(content("err"), HasSubstr("/nowhere/s.csv: cannot be written"));
 }

@@ -56,9 +56,10 @@ class ActiveVisualMemory final : public Component {
     loop_->start([this](const auto& observation, const auto& result) { publish(observation, result); },
                  [this](SourceState state, const std::string& why) {
                    const auto shown = state == SourceState::kFinished ? state : SourceState::kWaiting;
-                   memory_.setState(shown, "no images: " + why);
-                   overlay_.setState(shown, "no images: " + why);
-                 });
+                   memory_.setState(shown, "nothing is seen: " + why);
+                   overlay_.setState(shown, "nothing is seen: " + why);
+                 },
+                 [&host](std::exception_ptr failure) { host.fail(std::move(failure)); });
   }
 
   void stop() override {

@@ -14,6 +14,8 @@ using std::chrono::milliseconds;
 constexpr milliseconds kPortWait{200};
 /// A port that answers "nothing" at once must not make a thread spin.
 constexpr milliseconds kPause{20};
+/// A command that was not taken is given again after this.
+constexpr milliseconds kCommandRetry{300};
 /// The loop looks around this often even when nothing comes.
 constexpr milliseconds kIdle{50};
 /// More waiting frames than this are dropped, oldest first: the memory is late, not the robot.
@@ -77,17 +79,31 @@ PerceptionLoop::PerceptionLoop(const Params& params, std::shared_ptr<const Palet
       status_(status),
       pipeline_(params.pipeline, std::move(palette)) {}
 
-void PerceptionLoop::start(Consumer consumer, NoImages no_images) {
+void PerceptionLoop::startThread(std::function<void(const std::stop_token&)> work) {
+  threads_.emplace_back([this, work = std::move(work)](const std::stop_token& stop) {
+    try {
+      work(stop);
+    } catch (...) {
+      failed_(std::current_exception());
+    }
+  });
+}
+
+void PerceptionLoop::start(Consumer consumer, NoImages no_images, Failed failed) {
   consumer_ = std::move(consumer);
   no_images_ = std::move(no_images);
-  threads_.emplace_back([this](const std::stop_token& stop) { readCamera(stop); });
-  threads_.emplace_back([this](const std::stop_token& stop) { readSamples(stop, base_, odometry_samples_); });
+  failed_ = std::move(failed);
+  startThread([this](const auto& stop) { readCamera(stop); });
+  startThread([this](const auto& stop) {
+    readSamples(stop, "reader of the odometry", base_, inbox_.odometry_samples);
+  });
   if (pan_tilt_) {
-    threads_.emplace_back(
-        [this](const std::stop_token& stop) { readSamples(stop, *pan_tilt_, pan_tilt_samples_); });
-    threads_.emplace_back([this](const std::stop_token& stop) { giveCommands(stop); });
+    startThread([this](const auto& stop) {
+      readSamples(stop, "reader of the pan-tilt unit", *pan_tilt_, inbox_.pan_tilt_samples);
+    });
+    startThread([this](const auto& stop) { giveCommands(stop); });
   }
-  threads_.emplace_back([this](const std::stop_token& stop) { run(stop); });
+  startThread([this](const auto& stop) { run(stop); });
 }
 
 void PerceptionLoop::stop() {
@@ -97,21 +113,24 @@ void PerceptionLoop::stop() {
 
 void PerceptionLoop::reset() {
   const std::scoped_lock lock(inbox_mutex_);
-  reset_wanted_ = true;
+  inbox_.reset_wanted = true;
 }
 
 void PerceptionLoop::readCamera(const std::stop_token& stop) {
+  const std::string name = "reader of the camera";
+  status_.alive(name);
   camera_.start();
   while (!stop.stop_requested()) {
+    status_.alive(name);
     const auto asked = Clock::now();
     FrameResult result = camera_.next(kPortWait);
     {
       const std::scoped_lock lock(inbox_mutex_);
-      camera_state_ = result.state;
-      camera_message_ = result.message;
-      if (result.frame) frames_.push_back(std::move(*result.frame));
-      if (frames_.size() > kMaxFrames) {
-        frames_.pop_front();
+      inbox_.camera_state = result.state;
+      inbox_.camera_message = result.message;
+      if (result.frame) inbox_.frames.push_back(std::move(*result.frame));
+      if (inbox_.frames.size() > kMaxFrames) {
+        inbox_.frames.pop_front();
         status_.count("frames dropped");
       }
     }
@@ -123,13 +142,17 @@ void PerceptionLoop::readCamera(const std::stop_token& stop) {
     }
   }
   camera_.stop();
+  status_.ended(name);
 }
 
 template <typename Port, typename Sample>
-void PerceptionLoop::readSamples(const std::stop_token& stop, Port& port, std::vector<Sample>& inbox) {
+void PerceptionLoop::readSamples(const std::stop_token& stop, const char* name, Port& port,
+                                 std::vector<Sample>& inbox) {
+  status_.alive(name);
   port.start();
   StampUs newest = std::numeric_limits<StampUs>::min();
   while (!stop.stop_requested()) {
+    status_.alive(name);
     const auto asked = Clock::now();
     SampleBatch<Sample> batch = port.samplesSince(newest, kPortWait);
     if (batch.samples.empty()) {
@@ -144,55 +167,99 @@ void PerceptionLoop::readSamples(const std::stop_token& stop, Port& port, std::v
     inbox_filled_.notify_one();
   }
   port.stop();
+  status_.ended(name);
+}
+
+PerceptionLoop::Inbox PerceptionLoop::takeInbox(const std::stop_token& stop) {
+  std::unique_lock lock(inbox_mutex_);
+  inbox_filled_.wait_for(lock, stop, kIdle, [this] {
+    return !inbox_.frames.empty() || !inbox_.pan_tilt_samples.empty() || !inbox_.odometry_samples.empty();
+  });
+  Inbox taken;
+  taken.frames.swap(inbox_.frames);
+  taken.pan_tilt_samples.swap(inbox_.pan_tilt_samples);
+  taken.odometry_samples.swap(inbox_.odometry_samples);
+  taken.reset_wanted = std::exchange(inbox_.reset_wanted, false);
+  taken.camera_state = inbox_.camera_state;
+  taken.camera_message = inbox_.camera_message;
+  return taken;
 }
 
 void PerceptionLoop::run(const std::stop_token& stop) {
+  const std::string name = "perception";
   ObservationAssembler assembler(params_.assembler);
+  Clocks clocks;
   auto last_image = Clock::now();
-  bool told = false;
+  auto last_observation = last_image;
+  const auto longAgo = [this](Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count() > params_.images_lost_s;
+  };
   while (!stop.stop_requested()) {
-    std::deque<Frame> frames;
-    std::vector<PanTiltSample> pan_tilt;
-    std::vector<OdometrySample> odometry;
-    bool reset = false;
-    SourceState state = SourceState::kRunning;
-    std::string message;
-    {
-      std::unique_lock lock(inbox_mutex_);
-      inbox_filled_.wait_for(lock, stop, kIdle, [this] {
-        return !frames_.empty() || !pan_tilt_samples_.empty() || !odometry_samples_.empty();
-      });
-      frames.swap(frames_);
-      pan_tilt.swap(pan_tilt_samples_);
-      odometry.swap(odometry_samples_);
-      reset = std::exchange(reset_wanted_, false);
-      state = camera_state_;
-      message = camera_message_;
-    }
-    if (reset) pipeline_.memory().reset();
+    status_.alive(name);
+    Inbox inbox = takeInbox(stop);
+    if (inbox.reset_wanted) pipeline_.memory().reset();
     for (const auto& message_in : gaze_.take()) pipeline_.memory().gazeClient().post(message_in);
-    for (const OdometrySample& sample : odometry) assembler.add(sample);
-    for (const PanTiltSample& sample : pan_tilt) assembler.add(sample);
-    const bool got_frames = !frames.empty();
-    for (Frame& frame : frames) assembler.add(std::move(frame));
-    processAll(assembler, pipeline_);
-
-    const auto now = Clock::now();
-    if (got_frames) {
-      last_image = now;
-      told = false;
-      status_.healthy("images");
-    } else if (!told && std::chrono::duration<double>(now - last_image).count() > params_.images_lost_s) {
-      told = true;
-      if (const auto hold = pipeline_.memory().imagesLost()) send(*hold);
-      no_images_(state, message);
-      if (state != SourceState::kFinished) status_.fault("images", message.empty() ? "none come" : message);
+    checkClocks(inbox, clocks);
+    for (const OdometrySample& sample : inbox.odometry_samples) assembler.add(sample);
+    for (const PanTiltSample& sample : inbox.pan_tilt_samples) assembler.add(sample);
+    if (!inbox.frames.empty()) last_image = Clock::now();
+    for (Frame& frame : inbox.frames) assembler.add(std::move(frame));
+    if (processAll(assembler, pipeline_)) {
+      last_observation = Clock::now();
+    } else if (longAgo(last_observation)) {
+      tellBlind(inbox, !longAgo(last_image), assembler);
     }
+  }
+  status_.ended(name);
+}
+
+void PerceptionLoop::tellBlind(const Inbox& inbox, bool frames_come, const ObservationAssembler& assembler) {
+  std::pair<SourceState, std::string> now{inbox.camera_state, inbox.camera_message};
+  if (frames_come) {
+    now = {SourceState::kWaiting, unusable_.empty() ? assembler.whyNothing() : unusable_};
+  } else if (now.second.empty()) {
+    now.second = "none come";
+  }
+  if (blind_ == now) return;
+  const bool first = !blind_;
+  blind_ = now;
+  if (first) {
+    if (const auto hold = pipeline_.memory().imagesLost()) send(*hold);
+  }
+  no_images_(now.first, now.second);
+  if (now.first == SourceState::kFinished) {
+    status_.healthy("images");
+  } else {
+    status_.fault("images", now.second);
   }
 }
 
-void PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline& pipeline) {
+void PerceptionLoop::checkClocks(const Inbox& inbox, Clocks& clocks) {
+  const StampUs host_now_us = std::chrono::duration_cast<std::chrono::microseconds>(
+                                  std::chrono::system_clock::now().time_since_epoch())
+                                  .count();
+  const auto check = [&](const std::string& what, ClockWatch& clock, StampUs stamp_us) {
+    const std::string problem = clock.check(stamp_us, host_now_us);
+    if (problem.empty()) {
+      status_.healthy(what);
+    } else {
+      status_.fault(what, problem);
+    }
+  };
+  if (!inbox.frames.empty()) check("clock of the camera", clocks.camera, inbox.frames.back().stamp_us);
+  if (!inbox.odometry_samples.empty()) {
+    check("clock of the odometry", clocks.odometry, inbox.odometry_samples.back().stamp_us);
+  }
+}
+
+bool PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline& pipeline) {
+  bool any = false;
   while (auto observation = assembler.take(params_.every_frame)) {
+    if (observation->epoch != epoch_) {
+      epoch_ = observation->epoch;
+      status_.count("epochs");
+      status_.note("a new epoch, the memory is set aside: " + assembler.epochReason());
+    }
     const auto begin = Clock::now();
     AttentiveVisualMemory::StepResult result;
     try {
@@ -200,8 +267,14 @@ void PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline&
     } catch (const std::exception& failure) {
       // An image that is not what its description says: nothing to remember, the next one may be good.
       status_.error(failure.what());
+      unusable_ = failure.what();
       continue;
     }
+    any = true;
+    unusable_.clear();
+    // At once: after a pause there may be many frames to work off.
+    blind_.reset();
+    status_.healthy("images");
     const std::chrono::duration<double> spent = Clock::now() - begin;
     status_.count("iterations");
     status_.latency("iteration", spent.count());
@@ -209,6 +282,7 @@ void PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline&
     if (result.command && pan_tilt_) send(*result.command);
     consumer_(*observation, result);
   }
+  return any;
 }
 
 void PerceptionLoop::send(const PanTiltCommand& command) {
@@ -221,17 +295,31 @@ void PerceptionLoop::send(const PanTiltCommand& command) {
 }
 
 void PerceptionLoop::giveCommands(const std::stop_token& stop) {
+  // A command that the unit did not take is given again until it does or a newer one comes: else a head that was away
+  // for a moment would stand wrong until the gaze has something new to say.
+  std::optional<PanTiltCommand> failed;
+  const auto given = [this] { return command_.has_value(); };
   while (true) {
     PanTiltCommand command;
     {
       std::unique_lock lock(command_mutex_);
-      if (!command_given_.wait(lock, stop, [this] { return command_.has_value(); })) break;
-      command = *std::exchange(command_, std::nullopt);
+      if (failed) {
+        command_given_.wait_for(lock, stop, kCommandRetry, given);
+      } else {
+        command_given_.wait(lock, stop, given);
+      }
+      if (stop.stop_requested()) break;
+      command = command_ ? *std::exchange(command_, std::nullopt) : *failed;
     }
+    // Watched only while it is busy: between commands it waits by right.
+    status_.alive("gaze commands");
     const PortReply reply = pan_tilt_->command(command);
+    status_.ended("gaze commands");
+    failed.reset();
     if (reply.ok()) {
       status_.healthy("pan-tilt commands");
     } else {
+      failed = command;
       status_.fault("pan-tilt commands", reply.message);
     }
   }

@@ -5,16 +5,19 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "active_visual_memory/core/memory_pipeline.h"
 #include "common/process/status.h"
+#include "common/robot/clock_watch.h"
 #include "common/robot/observation.h"
 #include "common/robot/ports.h"
 
@@ -52,15 +55,17 @@ class PerceptionLoop {
 
   /// What one observation gave. Called by the owner thread; must not block.
   using Consumer = std::function<void(const RobotObservation&, const AttentiveVisualMemory::StepResult&)>;
-  /// The images stopped for now, or came to an end.
+  /// No image can be used for now: none come, or nothing says where the robot was. Or they came to an end.
   using NoImages = std::function<void(SourceState, const std::string& why)>;
+  /// A thread has ended by what it threw.
+  using Failed = std::function<void(std::exception_ptr)>;
 
   /// @param pan_tilt null: no unit. All ports outlive stop().
   PerceptionLoop(const Params& params, std::shared_ptr<const Palette> palette, FrameSource& camera,
                  PanTiltUnit* pan_tilt, MobileBase& base, SharedGazeClient& gaze, StatusBoard& status);
   ~PerceptionLoop() { stop(); }
 
-  void start(Consumer consumer, NoImages no_images);
+  void start(Consumer consumer, NoImages no_images, Failed failed);
   /// Ends all threads; returns when they have ended.
   void stop();
   /// Sets the memory aside before the next image.
@@ -69,11 +74,31 @@ class PerceptionLoop {
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// What came since the last look.
+  struct Inbox {
+    std::deque<Frame> frames;
+    std::vector<PanTiltSample> pan_tilt_samples;
+    std::vector<OdometrySample> odometry_samples;
+    bool reset_wanted = false;
+    SourceState camera_state = SourceState::kWaiting;
+    std::string camera_message = "no image yet";
+  };
+  struct Clocks {
+    ClockWatch camera;
+    ClockWatch odometry;
+  };
+
+  void startThread(std::function<void(const std::stop_token&)> work);
   void readCamera(const std::stop_token& stop);
   template <typename Port, typename Sample>
-  void readSamples(const std::stop_token& stop, Port& port, std::vector<Sample>& inbox);
+  void readSamples(const std::stop_token& stop, const char* name, Port& port, std::vector<Sample>& inbox);
   void run(const std::stop_token& stop);
-  void processAll(ObservationAssembler& assembler, MemoryPipeline& pipeline);
+  Inbox takeInbox(const std::stop_token& stop);
+  /// @return whether there was an observation.
+  bool processAll(ObservationAssembler& assembler, MemoryPipeline& pipeline);
+  /// Tells whom it concerns, once for each state and reason, that nothing can be seen.
+  void tellBlind(const Inbox& inbox, bool frames_come, const ObservationAssembler& assembler);
+  void checkClocks(const Inbox& inbox, Clocks& clocks);
   void send(const PanTiltCommand& command);
   void giveCommands(const std::stop_token& stop);
 
@@ -86,19 +111,20 @@ class PerceptionLoop {
   MemoryPipeline pipeline_;
   Consumer consumer_;
   NoImages no_images_;
+  Failed failed_;
 
   std::mutex inbox_mutex_;
   std::condition_variable_any inbox_filled_;
-  std::deque<Frame> frames_;
-  std::vector<PanTiltSample> pan_tilt_samples_;
-  std::vector<OdometrySample> odometry_samples_;
-  bool reset_wanted_ = false;
-  SourceState camera_state_ = SourceState::kWaiting;
-  std::string camera_message_ = "no image yet";
+  Inbox inbox_;
 
   std::mutex command_mutex_;
   std::condition_variable_any command_given_;
   std::optional<PanTiltCommand> command_;
+
+  // Of the owner thread.
+  std::optional<std::pair<SourceState, std::string>> blind_;  ///< what was told; empty while all is well
+  std::string unusable_;  ///< why the last image could not be used; empty if it could
+  std::uint32_t epoch_ = 0;
 
   std::vector<std::jthread> threads_;  ///< last member: ends before the rest goes
 };

@@ -205,9 +205,10 @@ MemoryResult VisualMemoryClient::next(std::uint64_t after_revision, std::chrono:
       },
       timeout);
   if (!outcome.result) {
-    return {SourceState::kWaiting, {}, outcome.failure.empty() ? "no update yet" : outcome.failure};
+    return {SourceState::kWaiting, {}, outcome.failure.empty() ? nothing_yet_ : outcome.failure};
   }
   const avm::MemoryResult& result = *outcome.result;
+  nothing_yet_ = result.message.empty() ? "no update yet" : result.message;
   if (result.state != avm::SourceState::Running) return {fromIce(result.state), {}, result.message};
   const std::string problem = checkUpdate(result.update);
   if (!problem.empty()) return {SourceState::kWaiting, {}, "unusable update: " + problem};

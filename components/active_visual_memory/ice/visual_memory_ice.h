@@ -73,7 +73,7 @@ class VisualMemoryServant : public avm::VisualMemory {
 };
 
 /// A remote memory as a port. A server that is away gives kWaiting with the reason; after its restart an
-/// update with a lower revision comes. *Thread-safe.*
+/// update with a lower revision comes. One consumer.
 class VisualMemoryClient : public VisualMemorySource {
  public:
   explicit VisualMemoryClient(const std::shared_ptr<avm::VisualMemoryPrx>& proxy, LinkReport report = {});
@@ -82,6 +82,7 @@ class VisualMemoryClient : public VisualMemorySource {
  private:
   std::shared_ptr<avm::VisualMemoryPrx> proxy_;
   PendingCall<avm::MemoryResult> updates_;
+  std::string nothing_yet_ = "no update yet";  ///< as the server explained it last
 };
 
 }  // namespace vismem

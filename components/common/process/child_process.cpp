@@ -99,6 +99,12 @@ int codeOf(int status) {
 
 }  // namespace
 
+std::string describeExit(int code) {
+  if (code <= 128) return "ended with code " + std::to_string(code);
+  const int signal = code - 128;
+  return "was killed by signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
+}
+
 ChildProcess::ChildProcess(std::vector<std::string> command, Options options) : options_(std::move(options)) {
   if (command.empty()) throw std::runtime_error("cannot start a process: no program is named");
   start(command);

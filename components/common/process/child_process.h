@@ -18,6 +18,10 @@
 
 namespace vismem {
 
+/// For people: "ended with code 1", or "was killed by signal 9 (Killed)" for a code as ChildProcess::exitCode
+/// gives it.
+std::string describeExit(int code);
+
 /// Owns one child process. The child never outlives its owner: the destructor kills it, and should this
 /// process itself be killed, the kernel kills the child (PR_SET_PDEATHSIG). The kernel watches the thread
 /// that made the object, so that thread must live as long as the child shall.

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <iostream>
 #include <mutex>
+#include <thread>
 
 #include "common/config/config_error.h"
 #include "common/process/command_line.h"
@@ -21,9 +22,18 @@
 namespace vismem {
 namespace {
 
+// Sanitizers slow a program down by about this much.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr int kSanitizerFactor = 5;
+#else
+constexpr int kSanitizerFactor = 1;
+#endif
+
 /// Why and when the process shall end. Thread-safe.
 class StopRequest {
  public:
+  explicit StopRequest(std::string name) : name_(std::move(name)) {}
+
   /// @return whether this was the first request.
   bool request(const std::string& why, std::exception_ptr failure = nullptr) {
     const std::scoped_lock lock(mutex_);
@@ -32,13 +42,18 @@ class StopRequest {
     why_ = why;
     failure_ = std::move(failure);
     changed_.notify_all();
+    endInTime();
     return true;
   }
 
-  /// @return why.
-  std::string wait() {
+  /// Calls `look` every half second meanwhile. @return why.
+  std::string wait(const std::function<void()>& look) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return requested_; });
+    while (!changed_.wait_for(lock, kLookInterval, [this] { return requested_; })) {
+      lock.unlock();
+      look();
+      lock.lock();
+    }
     return why_;
   }
 
@@ -48,6 +63,22 @@ class StopRequest {
   }
 
  private:
+  static constexpr std::chrono::milliseconds kLookInterval{500};
+
+  /// A peer, a driver or a client that hangs must not keep the process: a request that nobody answers would.
+  /// Nothing of this object is used, for main may have returned by then, which ends the thread.
+  void endInTime() const {
+    std::thread([name = name_] {
+      std::this_thread::sleep_for(kSanitizerFactor * kStopWithin);
+      const std::string text = name + " ERROR did not stop within " +
+                               std::to_string((kSanitizerFactor * kStopWithin).count()) +
+                               " s: it ends at once\n";
+      [[maybe_unused]] const auto written = write(STDERR_FILENO, text.data(), text.size());
+      _exit(kExitFailure);
+    }).detach();
+  }
+
+  const std::string name_;
   std::mutex mutex_;
   std::condition_variable changed_;
   bool requested_ = false;
@@ -191,7 +222,7 @@ void serveUntilStopped(const ComponentSpec& spec, Component& component, Host& ho
   host.status().serving();
   std::cout << readyLine(spec.name, host.adapter()->getName(), publishedEndpoints(*host.adapter()))
             << std::endl;
-  host.log().info("stopping: " + stop.wait());
+  host.log().info("stopping: " + stop.wait([&host] { host.status().checkProgress(); }));
 }
 
 void runConfigured(const ComponentSpec& spec, const Properties& properties, Logger& log, StopRequest& stop) {
@@ -228,7 +259,7 @@ void declareProcessKeys(ConfigReader& config, const ComponentSpec& spec) {
 }
 
 int runComponent(int argc, char** argv, const ComponentSpec& spec) {
-  StopRequest stop;
+  StopRequest stop(spec.name);
   const Ice::CtrlCHandler signals([&](int number) {
     // Whoever asks twice does not want to wait for a clean end.
     if (!stop.request("signal " + std::to_string(number))) _exit(128 + number);

@@ -15,6 +15,7 @@
 ///   }
 #pragma once
 
+#include <chrono>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -58,6 +59,19 @@ class ComponentHost {
   /// Ends the process with the message of what a loop threw and exit code 1. Returns at once.
   virtual void fail(std::exception_ptr failure) = 0;
 
+  /// Wraps the work of a thread: what it throws ends the process by fail(), loudly, instead of leaving a
+  /// component that lives on without that thread.
+  template <typename Work>
+  auto guarded(Work work) {
+    return [this, work = std::move(work)](auto&&... arguments) {
+      try {
+        work(std::forward<decltype(arguments)>(arguments)...);
+      } catch (...) {
+        fail(std::current_exception());
+      }
+    };
+  }
+
   /// Serves an object. @param identity "cameraA", or "category/name".
   void serve(const std::string& identity, const std::shared_ptr<Ice::Object>& servant);
 
@@ -94,6 +108,11 @@ inline constexpr int kExitClean = 0;
 inline constexpr int kExitFailure = 1;
 /// Wrong command line or configuration; all problems are on stderr, one a line.
 inline constexpr int kExitConfiguration = 2;
+
+/// How long a component may take to end once it was asked to: longer than every wait that it has by rights (a
+/// last command to a frozen peer, closing connections). Whatever hangs then, the process ends with
+/// kExitFailure.
+inline constexpr std::chrono::seconds kStopWithin{4};
 
 /// Runs a component until SIGINT, SIGTERM, requestStop or fail. Call it first in main: it must be there
 /// before any other thread. Command line: [FILE | --Ice.Config=FILE] [--Key=Value ...] | --help | --version;

@@ -21,6 +21,22 @@ avm::ComponentState toSlice(RunState state) {
   return avm::ComponentState::Starting;
 }
 
+RunState fromSlice(avm::ComponentState state) {
+  switch (state) {
+    case avm::ComponentState::Starting:
+      return RunState::kStarting;
+    case avm::ComponentState::WaitingForPeers:
+      return RunState::kWaiting;
+    case avm::ComponentState::Running:
+      return RunState::kRunning;
+    case avm::ComponentState::Degraded:
+      return RunState::kDegraded;
+    case avm::ComponentState::Stopping:
+      return RunState::kStopping;
+  }
+  return RunState::kStarting;
+}
+
 }  // namespace
 
 avm::ComponentStatus toSlice(const StatusReport& report) {
@@ -46,6 +62,27 @@ avm::ComponentStatus toSlice(const StatusReport& report) {
     status.errors.push_back({static_cast<long long>(error.stamp_us), error.text});
   }
   return status;
+}
+
+StatusReport fromSlice(const avm::ComponentStatus& status) {
+  StatusReport report;
+  report.name = status.name;
+  report.version = status.version;
+  report.state = fromSlice(status.state);
+  report.reason = status.reason;
+  report.uptime_s = status.uptimeS;
+  for (const auto& peer : status.peers) {
+    const auto link = peer.connected ? PeerState::Link::kConnected : PeerState::Link::kLost;
+    report.peers.push_back({peer.name, peer.proxy, link, peer.message, peer.reconnections});
+  }
+  for (const auto& rate : status.rates) report.rates.push_back({rate.name, rate.hz, rate.total});
+  for (const auto& latency : status.latencies) {
+    report.latencies.push_back({latency.name,
+                                {latency.samples, latency.p50Ms / kMsPerSecond, latency.p95Ms / kMsPerSecond,
+                                 latency.p99Ms / kMsPerSecond, latency.maxMs / kMsPerSecond}});
+  }
+  for (const auto& error : status.errors) report.errors.push_back({error.stampUs, error.text});
+  return report;
 }
 
 avm::ComponentStatus ComponentServant::getStatus(const Ice::Current&) {

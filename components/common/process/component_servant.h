@@ -8,6 +8,8 @@
 namespace vismem {
 
 avm::ComponentStatus toSlice(const StatusReport& report);
+/// As it was told; a peer that is away counts as lost, whether it was ever there or not.
+StatusReport fromSlice(const avm::ComponentStatus& status);
 
 /// Serves the status of this process. Thread-safe. The board must outlive it.
 class ComponentServant : public avm::Component {

@@ -56,4 +56,17 @@ std::string describeFailure(const std::exception& failure) {
   return text.empty() && ice != nullptr ? ice->ice_id() : text;
 }
 
+std::string withoutUsualOptions(std::string text) {
+  for (const std::string usual : {" -t -e 1.1", " -t 10000", " -t 60000", " -r /"}) {
+    for (auto place = text.find(usual); place != std::string::npos; place = text.find(usual)) {
+      text.erase(place, usual.size());
+    }
+  }
+  return text;
+}
+
+std::string proxyText(const Ice::ObjectPrx& proxy) {
+  return withoutUsualOptions(proxy.ice_toString());
+}
+
 }  // namespace vismem

@@ -39,6 +39,13 @@ const std::vector<Setting>& iceDefaults() {
       {"Ice.Default.InvocationTimeout", "3000", ""},
       {"Ice.Override.ConnectTimeout", "2000", ""},
       {"Ice.Override.CloseTimeout", "1000", ""},
+      // A message that stops half-way, in or out, costs its connection: a client that sent half a request,
+      // one that
+      // is frozen and takes no more [ms]. Ours is also what every endpoint says of itself, see
+      // withoutUsualOptions.
+      {"Ice.Default.Timeout", "10000", ""},
+      // A connection without any message for so long goes; the next call makes another [s].
+      {"Ice.ACM.Timeout", "30", ""},
       // A peer that restarts is not noticed by idempotent calls [ms].
       {"Ice.RetryIntervals", "0 200 500", ""},
       // Nothing is reachable from other machines, unless an endpoint names a host.
@@ -105,13 +112,7 @@ std::shared_ptr<Ice::ObjectAdapter> makeAdapter(Ice::Communicator& communicator,
 std::string publishedEndpoints(Ice::ObjectAdapter& adapter) {
   std::string text;
   for (const auto& endpoint : adapter.getPublishedEndpoints()) {
-    auto part = endpoint->toString();
-    // Ice's defaults are no news.
-    for (const std::string usual : {" -t 60000", " -r /"}) {
-      const auto place = part.find(usual);
-      if (place != std::string::npos) part.erase(place, usual.size());
-    }
-    text += (text.empty() ? "" : ":") + part;
+    text += (text.empty() ? "" : ":") + withoutUsualOptions(endpoint->toString());
   }
   return text;
 }

@@ -5,7 +5,7 @@ namespace vismem {
 PeerLink::PeerLink(std::string name, std::shared_ptr<Ice::ObjectPrx> proxy, StatusBoard& status, Logger& log)
     : name_(std::move(name)),
       proxy_(std::move(proxy)),
-      proxy_text_(proxy_->ice_toString()),
+      proxy_text_(vismem::proxyText(*proxy_)),
       status_(status),
       log_(log) {
   publish(PeerState::Change::kNone);

@@ -1,6 +1,8 @@
 #include "common/process/status.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <utility>
 
 #include "common/process/log.h"
@@ -13,6 +15,14 @@ constexpr std::size_t kKeptErrors = 20;
 void append(std::string& reason, const std::string& part) {
   if (!reason.empty()) reason += "; ";
   reason += part;
+}
+
+/// "no progress for 6.2 s".
+std::string noProgress(SteadyTime::duration time) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "no progress for %.1f s",
+                std::chrono::duration<double>(time).count());
+  return text.data();
 }
 
 std::int64_t realTimeUs() {
@@ -70,6 +80,41 @@ void StatusBoard::healthy(const std::string& what) {
   log_.info(what + " works again");
 }
 
+void StatusBoard::alive(const std::string& thread, std::chrono::milliseconds limit) {
+  const auto now = clock_();
+  const std::scoped_lock lock(mutex_);
+  auto& watched = watched_[thread];
+  watched.last = now;
+  watched.limit = limit;
+}
+
+void StatusBoard::ended(const std::string& thread) {
+  const std::scoped_lock lock(mutex_);
+  watched_.erase(thread);
+}
+
+void StatusBoard::checkProgress() {
+  const auto now = clock_();
+  std::vector<std::string> hanging;
+  std::vector<std::string> back;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (auto& [thread, watched] : watched_) {
+      const bool hangs = now - watched.last > watched.limit;
+      if (hangs == watched.told) continue;
+      watched.told = hangs;
+      if (hangs) {
+        hanging.push_back(thread + ": " + noProgress(now - watched.last));
+        keepError(hanging.back());
+      } else {
+        back.push_back(thread);
+      }
+    }
+  }
+  for (const auto& text : hanging) log_.error(text);
+  for (const auto& thread : back) log_.info(thread + " goes on");
+}
+
 void StatusBoard::error(const std::string& text) {
   {
     const std::scoped_lock lock(mutex_);
@@ -77,6 +122,10 @@ void StatusBoard::error(const std::string& text) {
     keepError(text);
   }
   log_.error(text);
+}
+
+void StatusBoard::note(const std::string& text) {
+  log_.info(text);
 }
 
 void StatusBoard::keepError(const std::string& text) {
@@ -100,7 +149,7 @@ void StatusBoard::setConfiguration(std::vector<Setting> settings) {
   settings_ = std::move(settings);
 }
 
-void StatusBoard::decideState(StatusReport& report) const {
+void StatusBoard::decideState(StatusReport& report, SteadyTime now) const {
   std::string absent;
   std::string lost;
   for (const auto& peer : peers_) {
@@ -109,6 +158,9 @@ void StatusBoard::decideState(StatusReport& report) const {
     if (peer.link == PeerState::Link::kLost) append(lost, peer.name + " is lost (" + peer.reason + ")");
   }
   for (const auto& [what, why] : faults_) append(lost, what + ": " + why);
+  for (const auto& [thread, watched] : watched_) {
+    if (now - watched.last > watched.limit) append(lost, thread + ": " + noProgress(now - watched.last));
+  }
   if (stopping_) {
     report.state = RunState::kStopping;
   } else if (!serving_) {
@@ -136,7 +188,7 @@ StatusReport StatusBoard::report() const {
   for (const auto& [name, rate] : rates_) report.rates.push_back({name, rate.hz(now), rate.total()});
   for (const auto& [name, latency] : latencies_) report.latencies.push_back({name, latency.figures(now)});
   report.errors.assign(errors_.begin(), errors_.end());
-  decideState(report);
+  decideState(report, now);
   return report;
 }
 

@@ -2,6 +2,7 @@
 /// Ice.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -59,11 +60,13 @@ struct StatusReport {
 };
 
 /// Collects the status of one component. The state follows from what is told: starting until serving(), then
-/// waiting while a peer has not been there yet, degraded while a peer is lost or anything is faulty, else
-/// running; stopping for good after stopping(). Thread-safe.
+/// waiting while a peer has not been there yet, degraded while a peer is lost, anything is faulty or a
+/// watched thread makes no progress, else running; stopping for good after stopping(). Thread-safe.
 class StatusBoard {
  public:
   using Clock = std::function<SteadyTime()>;
+  /// Above every bounded wait of a loop (a command to a frozen peer takes a second), below anyone's patience.
+  static constexpr std::chrono::milliseconds kProgressLimit{5000};
 
   StatusBoard(std::string name, std::string version, Logger& log,
               Clock clock = std::chrono::steady_clock::now);
@@ -81,8 +84,21 @@ class StatusBoard {
   void fault(const std::string& what, const std::string& why);
   /// It works (again). Logged if it had not; cheap otherwise, so call it freely.
   void healthy(const std::string& what);
+  /// A thread goes round: "perception". From now on it is watched: while it does not say so again within the
+  /// limit, the component is degraded, "perception: no progress for 6.2 s". So a thread that hangs does not
+  /// hang silently.
+  void alive(const std::string& thread, std::chrono::milliseconds limit = kProgressLimit);
+  /// The thread has come to its proper end and is watched no more.
+  void ended(const std::string& thread);
+  /// Logs who has begun or ceased to hang, once per change. Called now and then by who hangs last: the main
+  /// thread.
+  void checkProgress();
+
   /// A failure that leaves no lasting fault. The same text again in a row is neither kept nor logged.
   void error(const std::string& text);
+
+  /// Something worth a line in the log that is no failure: "a new epoch: the odometry jumped by 3.2 m".
+  void note(const std::string& text);
 
   /// Adds a peer or replaces the one of that name. Logs nothing.
   void setPeer(const PeerReport& peer);
@@ -92,8 +108,14 @@ class StatusBoard {
   std::vector<Setting> configuration() const;
 
  private:
+  struct Watched {
+    SteadyTime last;
+    std::chrono::milliseconds limit{};
+    bool told = false;
+  };
+
   void keepError(const std::string& text);
-  void decideState(StatusReport& report) const;
+  void decideState(StatusReport& report, SteadyTime now) const;
 
   const std::string name_;
   const std::string version_;
@@ -108,6 +130,7 @@ class StatusBoard {
   std::map<std::string, RateCounter> rates_;
   std::map<std::string, LatencyHistogram> latencies_;
   std::map<std::string, std::string> faults_;
+  std::map<std::string, Watched> watched_;
   std::deque<StatusReport::Error> errors_;
   std::vector<Setting> settings_;
 };

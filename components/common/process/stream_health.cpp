@@ -5,12 +5,14 @@
 namespace vismem {
 
 void StreamHealth::came(std::size_t count, SteadyTime now) {
+  status_.alive(reader_);
   last_ = now;
   for (std::size_t i = 0; i < count; ++i) status_.count(stream_);
   status_.healthy(device_);
 }
 
 void StreamHealth::nothing(const std::string& why, SteadyTime now) {
+  status_.alive(reader_);
   // Until the first answer nobody can tell for how long it has been away.
   if (last_ == SteadyTime{}) last_ = now;
   if (now - last_ >= patience_) status_.fault(device_, why.empty() ? "it gives nothing" : why);

@@ -12,14 +12,19 @@ namespace vismem {
 
 class StatusBoard;
 
-/// Counts what comes and makes a fault of its absence: when nothing came for `patience`. *Single-threaded*
-/// (owner: who reads the stream). The board must outlive it.
+/// Counts what comes and makes a fault of its absence: when nothing came for `patience`; and has the status
+/// watch the thread that asks, should the device's driver hang. *Single-threaded* (owner: who reads the
+/// stream). The board must outlive it.
 class StreamHealth {
  public:
   /// @param stream counted under this name: "odometry". @param device for the fault: "base".
   StreamHealth(StatusBoard& status, std::string stream, std::string device,
                std::chrono::milliseconds patience = std::chrono::seconds(1))
-      : status_(status), stream_(std::move(stream)), device_(std::move(device)), patience_(patience) {}
+      : status_(status),
+        stream_(std::move(stream)),
+        device_(std::move(device)),
+        reader_("reader of the " + device_),
+        patience_(patience) {}
 
   void came(std::size_t count, SteadyTime now);
   /// @param why what the device's driver says.
@@ -29,6 +34,7 @@ class StreamHealth {
   StatusBoard& status_;
   const std::string stream_;
   const std::string device_;
+  const std::string reader_;
   const std::chrono::milliseconds patience_;
   SteadyTime last_{};
 };

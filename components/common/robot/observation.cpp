@@ -1,6 +1,8 @@
 #include "common/robot/observation.h"
 
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 #include <utility>
 
 namespace vismem {
@@ -15,6 +17,16 @@ bool wentBack(StampUs stamp_us, StampUs newest_us) {
   return stamp_us + kBackwards_us < newest_us;
 }
 
+std::string oneDecimal(double value) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1) << value;
+  return text.str();
+}
+
+std::string secondsText(StampUs duration_us) {
+  return oneDecimal(toSeconds(duration_us)) + " s";
+}
+
 }  // namespace
 
 ObservationAssembler::ObservationAssembler(const Params& params)
@@ -22,16 +34,26 @@ ObservationAssembler::ObservationAssembler(const Params& params)
       pan_tilt_(kHistorySpan_us, params.max_gap_us),
       odometry_(kHistorySpan_us, params.max_gap_us) {}
 
-void ObservationAssembler::beginEpoch() {
+void ObservationAssembler::beginEpoch(std::string reason) {
   frames_.clear();
   pan_tilt_.clear();
   odometry_.clear();
   newest_frame_us_ = 0;
   ++epoch_;
+  epoch_reason_ = std::move(reason);
 }
 
 void ObservationAssembler::add(Frame frame) {
-  if (wentBack(frame.stamp_us, newest_frame_us_)) beginEpoch();
+  if (wentBack(frame.stamp_us, newest_frame_us_)) {
+    const auto odometry = odometry_.latest();
+    if (odometry && !wentBack(frame.stamp_us, odometry->stamp_us)) {
+      // The odometry went back before and began the epoch; these frames were still of the time before it.
+      frames_.clear();
+      newest_frame_us_ = 0;
+    } else {
+      beginEpoch("the camera's stamps went back by " + secondsText(newest_frame_us_ - frame.stamp_us));
+    }
+  }
   newest_frame_us_ = std::max(newest_frame_us_, frame.stamp_us);
   frames_.push_back(std::move(frame));
   if (frames_.size() > kMaxWaitingFrames) {
@@ -42,7 +64,10 @@ void ObservationAssembler::add(Frame frame) {
 
 void ObservationAssembler::add(const PanTiltSample& sample) {
   const auto newest = pan_tilt_.latest();
-  if (newest && wentBack(sample.stamp_us, newest->stamp_us)) beginEpoch();
+  if (newest && wentBack(sample.stamp_us, newest->stamp_us)) {
+    // Joint angles remember nothing: only with the other streams' time does an epoch begin.
+    pan_tilt_.clear();
+  }
   pan_tilt_.add(sample);
 }
 
@@ -52,9 +77,40 @@ void ObservationAssembler::add(const OdometrySample& sample) {
     const bool close_in_time = sample.stamp_us - newest->stamp_us <= params_.max_gap_us;
     const bool jumped = close_in_time && (moved.position().norm() > params_.max_jump_m ||
                                           std::abs(moved.theta) > params_.max_jump_rad);
-    if (wentBack(sample.stamp_us, newest->stamp_us) || jumped) beginEpoch();
+    if (wentBack(sample.stamp_us, newest->stamp_us)) {
+      if (newest_frame_us_ != 0 && !wentBack(sample.stamp_us, newest_frame_us_)) {
+        odometry_.clear();  // The frames went back before and began the epoch.
+      } else {
+        beginEpoch("the odometry's stamps went back by " + secondsText(newest->stamp_us - sample.stamp_us));
+      }
+    } else if (sample.seq < newest->seq && sample.stamp_us > newest->stamp_us) {
+      // A restarted base counts from its beginning, and its origin is another; stamps of a real clock go on.
+      beginEpoch("the odometry was restarted: its numbers went back from " + std::to_string(newest->seq) +
+                 " to " + std::to_string(sample.seq));
+    } else if (jumped) {
+      beginEpoch("the odometry jumped by " + oneDecimal(moved.position().norm()) + " m and " +
+                 oneDecimal(radToDeg(std::abs(moved.theta))) + " degrees");
+    }
   }
   odometry_.add(sample);
+}
+
+std::string ObservationAssembler::whyNothing() const {
+  const auto behind = [&](const std::string& what, std::optional<StampUs> newest_us) -> std::string {
+    if (!newest_us) return "images come, but no sample of the " + what;
+    const StampUs ahead_us = newest_frame_us_ - *newest_us;
+    if (std::abs(ahead_us) <= kBackwards_us) return "";
+    return "the camera's stamps are " + secondsText(std::abs(ahead_us)) +
+           (ahead_us > 0 ? " ahead of" : " behind") + " those of the " + what +
+           " (a stream that stopped, or clocks of hosts that are out of step)";
+  };
+  const auto odometry = odometry_.latest();
+  std::string why = behind("odometry", odometry ? std::optional(odometry->stamp_us) : std::nullopt);
+  if (why.empty() && params_.has_pan_tilt) {
+    const auto joints = pan_tilt_.latest();
+    why = behind("pan-tilt unit", joints ? std::optional(joints->stamp_us) : std::nullopt);
+  }
+  return why.empty() ? "no samples cover the stamps of the images" : why;
 }
 
 std::optional<RobotObservation> ObservationAssembler::observe(const Frame& frame) const {

@@ -27,10 +27,10 @@ struct RobotObservation {
 class ObservationAssembler {
  public:
   struct Params {
-    CameraMount mount;              ///< used for frames that do not carry T_robot_camera
-    bool has_pan_tilt = true;       ///< false: frames must carry T_robot_camera, no joint history is awaited
-    StampUs max_gap_us = 500'000;   ///< samples further apart than this are not interpolated between
-    double max_jump_m = 0.5;        ///< odometry that moves further than this between two samples is a jump
+    CameraMount mount;             ///< used for frames that do not carry T_robot_camera
+    bool has_pan_tilt = true;      ///< false: frames must carry T_robot_camera, no joint history is awaited
+    StampUs max_gap_us = 500'000;  ///< samples further apart than this are not interpolated between
+    double max_jump_m = 0.5;       ///< odometry that moves further than this between two samples is a jump
     double max_jump_rad = 1.0;
   };
 
@@ -49,10 +49,18 @@ class ObservationAssembler {
   std::optional<OdometrySample> latestOdometry() const { return odometry_.latest(); }
   std::optional<PanTiltSample> latestPanTilt() const { return pan_tilt_.latest(); }
   std::uint64_t droppedFrames() const { return dropped_frames_; }
+  /// Begins a new epoch when a source's time went back by over a second (restart, loop, seek), or odometry
+  /// jumped or was restarted: its numbers went back. The streams of one restarted source notice it one after
+  /// the other; that is one epoch.
   std::uint32_t epoch() const { return epoch_; }
+  /// What began the present epoch, for people; empty for the first.
+  const std::string& epochReason() const { return epoch_reason_; }
+  /// Why take() gives nothing though frames come, for people: "no odometry has come", "the camera's stamps
+  /// are 12.3 s ahead of the odometry's".
+  std::string whyNothing() const;
 
  private:
-  void beginEpoch();
+  void beginEpoch(std::string reason);
   std::optional<RobotObservation> observe(const Frame& frame) const;
 
   Params params_;
@@ -62,6 +70,7 @@ class ObservationAssembler {
   StampUs newest_frame_us_ = 0;
   std::uint64_t dropped_frames_ = 0;
   std::uint32_t epoch_ = 0;
+  std::string epoch_reason_;
 };
 
 }  // namespace vismem

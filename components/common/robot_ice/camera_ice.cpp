@@ -237,7 +237,7 @@ PortReply RemoteFrameSource::start() {
 FrameResult RemoteFrameSource::next(std::chrono::milliseconds timeout) {
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   PendingCall<avm::FrameResult>::Outcome outcome;
-  std::string why = "no frame yet";
+  std::string why = nothing_yet_;
   // In slices, so that stop() need not wait for the timeout; the request stays pending over them.
   for (auto left = timeout;;) {
     if (stopped_) return {SourceState::kWaiting, std::nullopt, "the camera's client is stopped"};
@@ -248,7 +248,7 @@ FrameResult RemoteFrameSource::next(std::chrono::milliseconds timeout) {
         },
         std::min(left, kStopCheck));
     if (!outcome.failure.empty()) why = outcome.failure;
-    if (outcome.result && outcome.result->state == avm::SourceState::Waiting) why = outcome.result->message;
+    if (outcome.result && outcome.result->state == avm::SourceState::Waiting) why = nothing_yet_ = outcome.result->message;
     left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
     if (left <= std::chrono::milliseconds(0)) break;
     if (!outcome.result) continue;

@@ -124,6 +124,7 @@ class RemoteFrameSource : public FrameSource {
   FrameFormat format_;
   std::int64_t last_seq_ = -1;
   std::atomic<bool> stopped_ = false;
+  std::string nothing_yet_ = "no frame yet";  ///< as the server explained it last
   PendingCall<avm::FrameResult> frames_;
   mutable PendingCall<avm::CameraInfo> infos_;
   mutable std::mutex mutex_;

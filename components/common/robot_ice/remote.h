@@ -36,12 +36,18 @@ std::shared_ptr<Prx> boundedProxy(const std::shared_ptr<Prx>& proxy, int max_ms)
   return proxy->ice_invocationTimeout(max_ms);
 }
 
-/// Told after each request of a client's stream: why it failed, or empty when it was answered. Called on the
-/// thread that uses the client; it is how a component's status learns of its peers.
+/// Told after each request of a client's stream: why it failed (reasonOf), or empty when it was answered.
+/// Called on the thread that uses the client; it is how a component's status learns of its peers.
 using LinkReport = std::function<void(const std::string& failure)>;
 
-/// For people: what was called and why it failed, in one line.
+/// For people: why a call failed, in one line.
+std::string reasonOf(const Ice::ObjectPrx& proxy, const std::exception_ptr& error);
+/// As reasonOf, after whom was called; an answer of the peer's own stands alone.
 std::string describeFailure(const Ice::ObjectPrx& proxy, const std::exception_ptr& error);
+
+/// Gives up the connection of a call that was not answered in time: it may be half-open (the host went away
+/// without a word), and then every later call would vanish in it too. The next call makes a new one.
+void leaveIfSilent(Ice::Connection& connection, const std::exception_ptr& error);
 
 /// Runs a command of a remote server. Never throws: failures are rejections with the reason.
 template <typename Prx, typename Call>
@@ -101,13 +107,16 @@ class PendingCall {
     }
     slot_.reset();
     if (result) {
+      // Of a call that failed Ice tells no connection.
+      connection_ = proxy_->ice_getCachedConnection();
       failure_.clear();
       if (report_) report_(failure_);
       return {std::move(result), {}};
     }
     failure_ = describeFailure(*proxy_, error);
+    if (const auto connection = std::exchange(connection_, nullptr)) leaveIfSilent(*connection, error);
     not_before_ = Clock::now() + kRetry;
-    if (report_) report_(failure_);
+    if (report_) report_(reasonOf(*proxy_, error));
     pauseUntil(deadline);
     return {std::nullopt, failure_};
   }
@@ -170,6 +179,7 @@ class PendingCall {
 
   std::shared_ptr<Ice::ObjectPrx> proxy_;
   LinkReport report_;
+  std::shared_ptr<Ice::Connection> connection_;  ///< that carried the last answer
   std::mutex waits_;
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
   std::shared_ptr<Slot> slot_;  ///< of the waits

@@ -1,12 +1,12 @@
 /// @file evaluate: a recording, or a simulated drive, through memory and localization in lock-step.
 /// DESIGN 11.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "common/tool/command_line_tool.h"
 #include "experiments/app/evaluation.h"
 
 namespace {
@@ -62,10 +62,10 @@ int main(int argc, char** argv) {
   vismem::EvaluationOptions options;
   Arguments arguments;
   declare(app, options, arguments);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   if (options.bag.empty() == options.world.empty()) {
     std::cerr << "evaluate: expected one of --bag FILE and --world FILE\n";
-    return 2;
+    return vismem::kExitUsage;
   }
   if (!arguments.start.empty()) {
     options.start = vismem::Pose2{arguments.start[0], arguments.start[1], arguments.start[2]};

@@ -1,5 +1,4 @@
 /// @file experiment: the chapter's experiments, one command each. SPEC E1-E9; DESIGN 11.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/tool/command_line_tool.h"
 #include "experiments/app/evaluation_setup.h"
 #include "experiments/app/experiments.h"
 
@@ -58,7 +58,7 @@ int main(int argc, char** argv) {
   app.add_option(
       "--data", options.data,
       "folder of recordings and photographs (default: AVM_DATA, else ../shared/data beside the project)");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = parseTool(app, argc, argv)) return *code;
   if (options.data.empty()) {
     const char* data = std::getenv("AVM_DATA");
     options.data = data != nullptr ? std::filesystem::path(data) : projectFile("../shared/data");

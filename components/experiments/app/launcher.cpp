@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <deque>
 #include <iomanip>
-#include <regex>
 #include <sstream>
 
 #include "common/config/properties.h"
 #include "common/geometry/angles.h"
 #include "common/process/ready_line.h"
+#include "common/process/setup.h"
 #include "common/routes/route.h"
 #include "experiments/app/run_inputs.h"
 
@@ -17,10 +17,6 @@ namespace {
 
 constexpr std::size_t kShownLines = 12;
 
-bool endsWith(const std::string& text, std::string_view end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 std::filesystem::path configOf(const RunOptions& options, const std::string& name) {
   return options.root / "cfg" / options.folder / (name + ".cfg");
 }
@@ -28,30 +24,12 @@ std::filesystem::path configOf(const RunOptions& options, const std::string& nam
 ComponentCommand commandOf(const RunOptions& options, const std::string& name) {
   const std::filesystem::path file = configOf(options, name);
   ComponentCommand command{name, {"--Ice.Config=" + file.string()}};
-  const Properties properties = Properties::load(file);
-  properties.throwIfBad();
-  if (options.port_offset == 0) return command;
-  for (const auto& [key, entry] : properties.entries()) {
-    if (!endsWith(key, "Proxy") && !endsWith(key, "Endpoints")) continue;
-    command.arguments.push_back("--" + key + "=" + shiftPorts(entry.value, options.port_offset));
-  }
+  const auto ports = portArguments(file, options.port_offset);
+  command.arguments.insert(command.arguments.end(), ports.begin(), ports.end());
   return command;
 }
 
 }  // namespace
-
-std::string shiftPorts(const std::string& text, int offset) {
-  static const std::regex kPort("-p +([0-9]+)");
-  std::string shifted;
-  std::size_t done = 0;
-  for (std::sregex_iterator match(text.begin(), text.end(), kPort), end; match != end; ++match) {
-    const int port = std::stoi((*match)[1]);
-    const auto at = static_cast<std::size_t>(match->position(1));
-    shifted += text.substr(done, at - done) + std::to_string(port == 0 ? 0 : port + offset);
-    done = at + (*match)[1].length();
-  }
-  return shifted + text.substr(done);
-}
 
 std::filesystem::path paletteOf(const RunOptions& options) {
   if (!options.palette.empty()) return options.palette;
@@ -127,7 +105,7 @@ void Launcher::fail(const Child& child, const std::string& what) {
 
 void Launcher::checkAlive() const {
   for (const Child& child : children_) {
-    if (const auto code = child.process->exitCode()) fail(child, "ended with code " + std::to_string(*code));
+    if (const auto code = child.process->exitCode()) fail(child, describeExit(*code));
   }
 }
 
@@ -159,7 +137,7 @@ std::string Launcher::proxy(const std::string& component, const std::string& ide
 void Launcher::stopAll() {
   // Sinks before sources: nobody logs that its peer is gone.
   while (!children_.empty()) {
-    children_.back().process->stop(std::chrono::seconds(2));
+    children_.back().process->stop(std::chrono::seconds(5));
     children_.pop_back();
   }
 }

@@ -19,9 +19,6 @@ struct ComponentCommand {
   std::vector<std::string> arguments;
 };
 
-/// Adds an offset to every port ("-p N") of endpoints or proxies; an ephemeral port (0) stays.
-std::string shiftPorts(const std::string& text, int offset);
-
 /// The commands of a setup: `NAME --Ice.Config=cfg/SETUP/NAME.cfg --Key=Value ...`.
 /// @throws ConfigError when a configuration cannot be read.
 std::vector<ComponentCommand> commandsOf(const RunOptions& options);
@@ -51,7 +48,7 @@ class Launcher {
   void checkAlive() const;
   /// A proxy to an object of a component: "cameraA:tcp -h 127.0.0.1 -p 9999".
   std::string proxy(const std::string& component, const std::string& identity) const;
-  /// Ends all in the reverse order of their start; kills what does not end by itself within 2 s.
+  /// Ends all in the reverse order of their start; kills what does not end by itself within 5 s.
   void stopAll();
 
  private:

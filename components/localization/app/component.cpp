@@ -36,11 +36,20 @@ class LocalizationComponent final : public Component, public LocalizationControl
           host.status().latency("step", step_s);
           estimates_.publish(estimate);
         },
-        [this](SourceState state, const std::string& why) {
-          if (state == SourceState::kRunning) return;  // the next estimate tells
+        [this, &host](SourceState state, const std::string& why) {
+          if (state == SourceState::kRunning) {
+            host.status().healthy("visual memory");
+            return;  // the next estimate tells the clients
+          }
           estimates_.setState(state, "no visual memory: " + why);
+          if (state == SourceState::kFinished) {
+            host.status().healthy("visual memory");
+          } else {
+            host.status().fault("visual memory", "no news (" + why + ")");
+          }
         },
-        [&host](std::exception_ptr failure) { host.fail(std::move(failure)); });
+        [&host](std::exception_ptr failure) { host.fail(std::move(failure)); },
+        [&host] { host.status().alive("localization"); });
   }
 
   void stop() override {

@@ -2,12 +2,15 @@
 
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 namespace vismem {
 namespace {
 
 /// A command waits at most this long for a memory that says nothing.
 constexpr std::chrono::milliseconds kWait{100};
+/// A memory without news for this long is no longer a source: recordings have two images a second.
+constexpr std::chrono::milliseconds kQuiet{1500};
 
 }  // namespace
 
@@ -18,10 +21,12 @@ LocalizationLoop::~LocalizationLoop() {
   stop();
 }
 
-void LocalizationLoop::start(Publish publish, SourceChanged source_changed, Failed failed) {
+void LocalizationLoop::start(Publish publish, SourceChanged source_changed, Failed failed,
+                             std::function<void()> alive) {
   publish_ = std::move(publish);
   source_changed_ = std::move(source_changed);
   failed_ = std::move(failed);
+  alive_ = std::move(alive);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     try {
       run(stop);
@@ -73,21 +78,25 @@ bool LocalizationLoop::runCommands() {
 
 void LocalizationLoop::run(const std::stop_token& stop) {
   std::uint64_t memory_revision = 0;
-  std::optional<SourceState> known_state;
-  std::string known_why;
+  std::optional<std::pair<SourceState, std::string>> told;
+  auto last_update = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
+    alive_();
     // Nobody asks for an estimate that has no stamp: commands before the first update show with it.
     if (runCommands() && memory_revision != 0) publish_(localizer_.latest(), 0.0);
     const MemoryResult result = source_.next(memory_revision, kWait);
+    const auto now = std::chrono::steady_clock::now();
     const bool has_update =
         result.state == SourceState::kRunning && result.update.snapshot && result.update.analysis;
-    // A wait that ended without news says nothing about a source that runs.
-    const bool is_quiet = result.state == SourceState::kWaiting && known_state == SourceState::kRunning &&
-                          result.message.empty();
-    if (!is_quiet && (known_state != result.state || known_why != result.message)) {
-      known_state = result.state;
-      known_why = result.message;
-      source_changed_(result.state, result.message);
+    if (has_update) last_update = now;
+    // A wait that ended without news says nothing about a source that runs; a long silence does.
+    if (has_update || result.state == SourceState::kFinished || now - last_update > kQuiet) {
+      std::pair<SourceState, std::string> heard{has_update ? SourceState::kRunning : result.state,
+                                                result.message};
+      if (told != heard) {
+        source_changed_(heard.first, heard.second);
+        told = std::move(heard);
+      }
     }
     if (!has_update) {
       if (result.state == SourceState::kFinished) std::this_thread::sleep_for(kWait);

@@ -18,6 +18,7 @@ namespace vismem {
 class LocalizationLoop {
  public:
   using Publish = std::function<void(const PoseEstimate&, double step_s)>;
+  /// kRunning: updates come (again). Anything else: none came for a while, or none will, and why.
   using SourceChanged = std::function<void(SourceState, const std::string& why)>;
   using Failed = std::function<void(std::exception_ptr)>;
 
@@ -26,7 +27,8 @@ class LocalizationLoop {
   ~LocalizationLoop();
 
   /// Called from the loop's thread: every new estimate, and every change of the source's state.
-  void start(Publish publish, SourceChanged source_changed, Failed failed);
+  /// @param alive  called in every round, twice a second at least.
+  void start(Publish publish, SourceChanged source_changed, Failed failed, std::function<void()> alive);
   void stop();
 
   /// Taken by the loop before its next update. Rejected: not finite, or too many wait.
@@ -47,6 +49,7 @@ class LocalizationLoop {
   Publish publish_;
   SourceChanged source_changed_;
   Failed failed_;
+  std::function<void()> alive_;
   std::mutex mutex_;
   std::deque<Command> commands_;
   std::jthread thread_;  ///< last member: it uses all of the above

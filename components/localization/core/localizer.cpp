@@ -43,18 +43,25 @@ PoseEstimate Localizer::step(const MemoryUpdate& update) {
     const bool restarted = snapshot.stamp_us + kRestart_us < last_stamp_us_;
     if (!restarted && snapshot.stamp_us <= last_stamp_us_) return estimate_;
     const Pose2 T_before_now = inverse(last_T_odom_robot_) * snapshot.T_odom_robot;
-    const bool jumped =
-        snapshot.stamp_us - last_stamp_us_ < kJumpWithin_us &&
-        (T_before_now.position().norm() > kJump_m || std::abs(T_before_now.theta) > kJump_rad);
-    if (restarted || jumped) {
+    const bool close_in_time = snapshot.stamp_us - last_stamp_us_ < kJumpWithin_us;
+    const bool jumped = close_in_time && (T_before_now.position().norm() > kJump_m ||
+                                          std::abs(T_before_now.theta) > kJump_rad);
+    // A memory that was restarted counts its revisions from the beginning; the base may have gone on all the
+    // while.
+    const bool memory_restarted = snapshot.revision < last_revision_;
+    // A new epoch after a pause: the base or its stream was away, and its odometry may have begun anew
+    // elsewhere.
+    const bool odometry_unsure = snapshot.epoch != epoch_ && !close_in_time && !memory_restarted;
+    if (restarted || jumped || odometry_unsure) {
       beginEpoch();
     } else {
       // A memory that was set aside keeps its odometry: the races move on with the robot.
       for (Race& race : table_.races()) strategy_->move(race, T_before_now);
-      if (snapshot.epoch != epoch_) beginEpoch();
+      if (snapshot.epoch != epoch_ || memory_restarted) beginEpoch();
     }
   }
   has_last_ = true;
+  last_revision_ = snapshot.revision;
   epoch_ = snapshot.epoch;
   last_stamp_us_ = snapshot.stamp_us;
   last_T_odom_robot_ = snapshot.T_odom_robot;

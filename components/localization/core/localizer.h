@@ -50,6 +50,7 @@ class Localizer {
   PoseEstimate estimate_;
   bool has_last_ = false;
   StampUs last_stamp_us_ = 0;
+  std::uint64_t last_revision_ = 0;  ///< of the memory's snapshots
   std::optional<StampUs> last_tick_us_;
   Pose2 last_T_odom_robot_;
   std::uint32_t epoch_ = 0;

@@ -95,6 +95,7 @@ class SimulatorComponent : public Component {
 
   RealTimeSimulation::Hooks hooks() {
     RealTimeSimulation::Hooks hooks;
+    hooks.on_round = [this] { host_->status().alive("simulation"); };
     hooks.on_frame = [this] { host_->status().count("frames"); };
     hooks.on_failure = [this](std::exception_ptr failure) { host_->fail(failure); };
     hooks.on_problem = [this](const std::string& problem) { host_->log().warning(problem); };

@@ -1,10 +1,10 @@
 // make_map WORLD.world --palette FILE -o MAP.csv: the segment map of a simulated world (DESIGN 11, 14).
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "common/config/config_error.h"
+#include "common/tool/command_line_tool.h"
 #include "simulator/core/map_builder.h"
 
 int main(int argc, char** argv) {
@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   app.add_option("--eye-height", params.eye_height_m, "Height of the camera [m]")
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   try {
     const vismem::Palette palette = vismem::loadPalette(palette_file);
     const auto loaded = vismem::loadWorld(world_file, {model_paths.begin(), model_paths.end()});

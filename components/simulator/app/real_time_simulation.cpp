@@ -214,6 +214,7 @@ void RealTimeSimulation::loop(const std::stop_token& stop) {
   try {
     publishSamples();
     while (!stop.stop_requested()) {
+      if (hooks_.on_round) hooks_.on_round();
       const auto next = advance();
       std::unique_lock lock(mutex_);
       wake_loop_.wait_until(lock, stop, next, [&] { return !commands_.empty(); });

@@ -26,6 +26,7 @@ namespace vismem {
 class RealTimeSimulation : public SimulationControl {
  public:
   struct Hooks {
+    std::function<void()> on_round;                      ///< ten times a second at least; must not block
     std::function<void()> on_frame;                      ///< after each frame; must not block
     std::function<void(std::exception_ptr)> on_failure;  ///< the loop has ended by this
     std::function<void(const std::string&)> on_problem;  ///< what of a scenario could not be done

@@ -1,6 +1,5 @@
 #include "simulator/app/render_view.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <ctime>
 #include <iostream>
@@ -9,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/config/config_error.h"
+#include "common/tool/command_line_tool.h"
 #include "simulator/core/renderer.h"
 #include "simulator/core/simulation.h"
 
@@ -70,7 +70,7 @@ int runRenderCommand(int argc, char** argv) {
   app.add_flag("--top", top, "The whole world from above instead");
   app.add_option("--models", model_paths, "Folders in which model:// names are searched");
   app.add_option("-o,--out", out, "PNG file to write")->required();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = parseTool(app, argc, argv)) return *code;
   try {
     const Pose2 T_world_robot{pose[0], pose[1], pose[2]};
     if (!isFinite(T_world_robot)) throw ConfigError({"--pose: must be three finite numbers x,y,theta"});

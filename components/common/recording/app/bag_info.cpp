@@ -1,5 +1,4 @@
 /// @file bag_info FILE: what a recording holds, and whether it can be replayed. DESIGN 11.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
@@ -8,6 +7,7 @@
 
 #include "common/geometry/angles.h"
 #include "common/recording/robot_log.h"
+#include "common/tool/command_line_tool.h"
 
 namespace {
 
@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
   CLI::App app("Shows what a recording (ROS 1 bag) holds; the last line is JSON.");
   std::string file;
   app.add_option("FILE", file, "the bag")->required();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   try {
     vismem::BagFile bag(file);
     for (const auto& topic : bag.topics()) {

@@ -1,5 +1,4 @@
 // detect_segments: straight segments of images as CSV and pictures (DESIGN 11).
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -11,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "common/tool/command_line_tool.h"
 #include "common/vision/app/drawing.h"
 #include "common/vision/app/image_file.h"
 #include "common/vision/segment_detector.h"
@@ -155,7 +155,7 @@ int main(int argc, char** argv) {
   app.add_option("--csv", options.csv, "file to write (without it and without --overlay: standard output)");
   app.add_option("--overlay", options.overlay, "folder for pictures with the segments drawn");
   app.add_option("IMAGE", options.images, "images to read")->required();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   try {
     cv::setNumThreads(1);
     return Run(options, parseSize(options.size))();

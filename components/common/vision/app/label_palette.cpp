@@ -1,5 +1,4 @@
 // label_palette: what a palette makes of an image: its colour classes and its labelled segments (V3).
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -8,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/tool/command_line_tool.h"
 #include "common/vision/app/drawing.h"
 #include "common/vision/app/image_file.h"
 #include "common/vision/palette.h"
@@ -169,7 +169,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--out", options.out,
                  "picture to write, or a folder for it (default: out/label_palette/IMAGE_labels.png)");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   try {
     return run(options);
   } catch (const std::exception& error) {

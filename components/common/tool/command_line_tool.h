@@ -1,0 +1,23 @@
+/// @file Command lines of tools that are no components, with the exit codes that components have.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+
+namespace vismem {
+
+/// Of a wrong command line or configuration, as of components; CLI11's own codes begin at 100.
+inline constexpr int kExitUsage = 2;
+
+/// Parses; prints help or what is wrong. @return the exit code if the tool shall end now: 0 after --help or
+/// --version, kExitUsage for a wrong command line.
+inline std::optional<int> parseTool(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kExitUsage;
+  }
+}
+
+}  // namespace vismem
