@@ -4,13 +4,14 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 
 #include "common/vision/edge_sampling.h"
 
 namespace vismem {
 namespace {
 
-/// `first` unless it is negative. Without a branch: which neighbours exist is beyond prediction.
+/// `first` unless it is negative. Without a branch.
 std::int32_t either(std::int32_t first, std::int32_t second) {
   const std::int32_t negative = first >> 31;
   return (first & ~negative) | (second & negative);
@@ -83,9 +84,11 @@ void EdgePointFinder::prepare(const cv::Mat& image) {
   map_stride_ = width_ + 2 * kMargin;
   count_ = 0;
   const std::size_t pixels = image.total();
-  points_.reserve(pixels);
-  next_.reserve(pixels);
-  has_previous_.reserve(pixels);
+  points_.reserve(pixels + 1);
+  next_.reserve(pixels + 1);
+  has_previous_.reserve(pixels + 1);
+  none_ = static_cast<std::int32_t>(pixels);
+  points_[none_] = EdgePoint{};
   smooth_.reserve(stride_);
   difference_.reserve(stride_);
   for (Room<std::int16_t>* rows : {&gx_, &gy_, &magnitude_}) rows->reserve(std::size_t{3} * stride_);
@@ -93,6 +96,8 @@ void EdgePointFinder::prepare(const cv::Mat& image) {
   std::fill_n(maps_.data(), std::size_t{kMaps} * map_stride_, -1);
   mask_.reserve(width_);
   columns_.reserve(width_);
+  left_over_.reserve(width_ + 1);
+  choices_.reserve(width_);
   if (image.channels() == 3) gray_.reserve(std::size_t{5} * width_);
 }
 
@@ -143,14 +148,20 @@ void EdgePointFinder::pointsOfRow(int y) {
   const std::ptrdiff_t down = ring(gx_, y + 1) - gx;
   std::int32_t* here = map(y);
   std::fill_n(here, width_, -1);
+  // Members are read before: the compiler must take a write of bytes for one to any of them.
+  const std::uint16_t* columns = columns_.data();
+  EdgePoint* points = points_.data() + count_;
+  const int first = count_;
+  std::memset(next_.data() + first, 0, found * sizeof(std::int16_t));
+  std::memset(has_previous_.data() + first, 0, found);
   // Nothing in this loop depends on chance: the processor never waits for it.
   for (int k = 0; k < found; ++k) {
-    const int x = columns_[k];
+    const int x = columns[k];
     const int u = gx[x];
     const int v = gy[x];
-    const bool steep = std::abs(u) >= std::abs(v);
-    const std::ptrdiff_t before_at = x + (steep ? -1 : up);
-    const std::ptrdiff_t after_at = x + (steep ? 1 : down);
+    const std::ptrdiff_t flat = -static_cast<std::ptrdiff_t>(std::abs(u) < std::abs(v));  // a mask
+    const std::ptrdiff_t before_at = x - 1 + (flat & (up + 1));
+    const std::ptrdiff_t after_at = x + 1 + (flat & (down - 1));
     // Top of the parabola through what the three gradients have in the direction of the middle one. Each
     // product is at most 2 * 12240^2: the sums fit.
     const int squared = u * u + v * v;
@@ -158,19 +169,17 @@ void EdgePointFinder::pointsOfRow(int y) {
     const int after = u * gx[after_at] + v * gy[after_at];
     const int curvature = std::max((squared - before) + (squared - after), 1);
     float offset = 0.5F * static_cast<float>(after - before) / static_cast<float>(curvature);
-    offset = offset < -0.6F ? -0.6F : offset;
-    offset = offset > 0.6F ? 0.6F : offset;
-    EdgePoint& point = points_[count_ + k];
-    point.x = static_cast<float>(x) + (steep ? offset : 0.0F);
-    point.y = static_cast<float>(y) + (steep ? 0.0F : offset);
+    offset = std::min(std::max(offset, -0.6F), 0.6F);
+    EdgePoint& point = points[k];
+    const float offsets[2] = {offset, 0.0F};
+    point.x = static_cast<float>(x) + offsets[flat & 1];
+    point.y = static_cast<float>(y) + offsets[(flat & 1) ^ 1];
     point.gx = static_cast<std::int16_t>(u);
     point.gy = static_cast<std::int16_t>(v);
     point.squared = squared;
-    next_[count_ + k] = 0;
-    has_previous_[count_ + k] = 0;
-    here[x] = count_ + k;
+    here[x] = first + k;
   }
-  for (int k = 0; k < found; ++k) link(count_ + k, columns_[k], y);
+  linkRow(found, y);
   count_ += found;
 }
 
@@ -181,42 +190,103 @@ bool EdgePointFinder::connect(std::int32_t other, std::int32_t here, bool onward
   const std::int32_t from = onward ? other : here;
   const std::int32_t to = onward ? here : other;
   const int step = to - from;
-  if (next_[from] != 0 || has_previous_[to] != 0 || step != static_cast<std::int16_t>(step)) return false;
   const EdgePoint& a = points_[from];
   const EdgePoint& b = points_[to];
   const auto dot = static_cast<float>(a.gx * b.gx + a.gy * b.gy);
   const float limit = kMinimumSquaredCos * static_cast<float>(a.squared) * static_cast<float>(b.squared);
-  if (dot <= 0.0F || dot * dot < limit) return false;
+  const int refused = static_cast<int>(next_[from]) | static_cast<int>(has_previous_[to]) |
+                      static_cast<int>(step != static_cast<std::int16_t>(step)) |
+                      static_cast<int>(dot <= 0.0F) | static_cast<int>(dot * dot < limit);
+  if (refused != 0) return false;
   next_[from] = static_cast<std::int16_t>(step);
   has_previous_[to] = 1;
   return true;
 }
 
-/// Looks for the neighbours among the points of this row and those above. The nearest to the direction of the
-/// edge comes first.
-void EdgePointFinder::link(std::int32_t point, int x, int y) {
+/// Links the points of a row to those found so far: upwards along a steep edge, to the left along a flat one.
+/// The nearest to the direction of the edge comes first. Which neighbours exist is beyond prediction, so that
+/// the first choice of each point is made without branches, and before any of them is joined: the processor
+/// need not wait for a write that a later read may meet.
+void EdgePointFinder::linkRow(int found, int y) {
+  // Members are read before: the compiler must take a write of bytes for one to any of them.
+  const std::int32_t* here = map(y);
+  const std::ptrdiff_t up = map(y - 1) - here;
+  const std::int32_t none = none_;
+  const std::int32_t row = count_;
+  const EdgePoint* points = points_.data();
+  const std::uint16_t* columns = columns_.data();
+  Choice* choices = choices_.data();
+  for (int k = 0; k < found; ++k) {
+    const std::int32_t* at = here + columns[k];
+    const EdgePoint& p = points[row + k];
+    const int u = p.gx;
+    const int v = p.gy;
+    const int flat = -static_cast<int>(std::abs(u) < std::abs(v));  // masks
+    const int leans_left = (u ^ v) >> 31;
+    // Going up, an edge leans to the side that its gradient turns to. Straight up of a flat point that leans
+    // left is a neighbour on its left.
+    const int lean = 1 + 2 * leans_left;
+    const std::ptrdiff_t first_at = up + (flat & (-1 - up));
+    const std::ptrdiff_t second_at = up + lean + (flat & (-1 - lean));
+    const std::ptrdiff_t third_at = up - lean + (flat & (lean + ~leans_left));
+    const std::int32_t j = either(at[first_at], either(at[second_at], either(at[third_at], none)));
+    const EdgePoint& q = points[j];
+    const auto dot = static_cast<float>(u * q.gx + v * q.gy);
+    const float limit = kMinimumSquaredCos * static_cast<float>(p.squared) * static_cast<float>(q.squared);
+    const int alike = static_cast<int>(dot > 0.0F) & static_cast<int>(dot * dot >= limit);
+    // A flat edge goes on to the right too; a steep one beside a flat point to the left.
+    const int free_right = static_cast<int>(static_cast<std::uint32_t>(at[1]) >> 31);
+    const int left = static_cast<int>(static_cast<std::uint32_t>(~at[-1]) >> 31);
+    choices[k].other = none ^ ((none ^ j) & -alike);
+    // Onwards is from j to i where the gradient of a steep point is to the right, of a flat one up.
+    choices[k].back = -static_cast<int>(((flat & (-v ^ u)) ^ u) <= 0);
+    choices[k].more = left ^ (flat & (left ^ free_right));
+  }
+  std::int16_t* next = next_.data();
+  std::uint8_t* has_previous = has_previous_.data();
+  std::int32_t* left_over = left_over_.data();
+  int rest = 0;
+  for (int k = 0; k < found; ++k) {
+    const std::int32_t i = row + k;
+    const std::int32_t j = choices[k].other;
+    const std::int32_t swap = (i ^ j) & choices[k].back;
+    const std::int32_t from = j ^ swap;
+    const std::int32_t to = i ^ swap;
+    const int step = to - from;
+    const int joined = static_cast<int>((next[from] | has_previous[to]) == 0) & static_cast<int>(j != none) &
+                       static_cast<int>(step == static_cast<std::int16_t>(step));
+    next[none ^ ((none ^ from) & -joined)] = static_cast<std::int16_t>(step);
+    has_previous[none ^ ((none ^ to) & -joined)] = 1;
+    left_over[rest] = k << 1 | joined;
+    rest += choices[k].more | (joined ^ 1);
+  }
+  for (int k = 0; k < rest; ++k) {
+    const int which = left_over[k] >> 1;
+    linkRest(row + which, columns[which], y, (left_over[k] & 1) != 0);
+  }
+}
+
+/// The less likely links of a point, after the first choice was joined or not.
+void EdgePointFinder::linkRest(std::int32_t point, int x, int y, bool joined) {
   const EdgePoint& p = points_[point];
   const std::int32_t* here = map(y) + x;
   const std::int32_t* above = map(y - 1) + x;
-  // Going up, an edge leans to the side that its gradient turns to.
-  const int lean = (p.gx > 0) == (p.gy > 0) ? 1 : -1;
+  const bool leans_right = (p.gx > 0) == (p.gy > 0);
   if (std::abs(p.gx) >= std::abs(p.gy)) {
     const bool onward = p.gx > 0;
-    if (connect(either(above[0], either(above[lean], above[-lean])), point, onward)) return;
-    if (connect(above[lean], point, onward) || connect(above[-lean], point, onward)) return;
-    if (connect(here[-1], point, onward == (lean < 0)) && lean < 0) return;
-    if (reach_ > 1) bridgeSteep(point, x, y);
+    const int lean = leans_right ? 1 : -1;
+    joined = joined || connect(above[lean], point, onward) || connect(above[-lean], point, onward);
+    const bool beside = connect(here[-1], point, onward != leans_right);
+    if (reach_ > 1 && !joined && (leans_right || !beside)) bridgeSteep(point, x, y);
   } else {
     const bool onward = p.gy < 0;
-    // Straight above is a neighbour on the side that the edge leans away from going down.
-    const std::int32_t behind = lean < 0 ? above[0] : -1;
-    const std::int32_t ahead = lean < 0 ? -1 : above[0];
-    const bool left = connect(either(here[-1], either(above[-1], behind)), point, onward) ||
-                      connect(above[-1], point, onward) || connect(behind, point, onward);
+    joined =
+        joined || connect(above[-1], point, onward) || (!leans_right && connect(above[0], point, onward));
+    if (reach_ > 1 && !joined) bridgeFlat(point, x, y, -1);
+    if (here[1] >= 0) return;
     const bool right =
-        here[1] >= 0 || connect(either(above[1], ahead), point, !onward) || connect(ahead, point, !onward);
-    if (reach_ > 1 && !left) bridgeFlat(point, x, y, -1);
-    if (reach_ > 1 && !right && lean > 0) bridgeFlat(point, x, y, 1);
+        connect(above[1], point, !onward) || (leans_right && connect(above[0], point, !onward));
+    if (reach_ > 1 && !right && leans_right) bridgeFlat(point, x, y, 1);
   }
 }
 
@@ -225,12 +295,14 @@ void EdgePointFinder::bridgeSteep(std::int32_t point, int x, int y) {
   const EdgePoint& p = points_[point];
   const bool onward = p.gx > 0;
   const float slope = static_cast<float>(p.gy) / static_cast<float>(p.gx);
+  // A gap in an edge near the diagonal may be wider than high.
+  if (connect(map(y - 1)[x + (slope > 0.0F ? 2 : -2)], point, onward)) return;
   for (int k = 2; k <= reach_; ++k) {
     const std::int32_t* row = map(y - k) + x + nearest(slope * static_cast<float>(k));
-    if (connect(either(row[0], either(row[-1], row[1])), point, onward)) return;
+    if (connect(row[0], point, onward) || connect(row[-1], point, onward) || connect(row[1], point, onward)) {
+      return;
+    }
   }
-  const int lean = slope > 0.0F ? 2 : -2;
-  connect(map(y - 1)[x + lean], point, onward);
 }
 
 /// The same to the left (side -1) or right (1), in this row or above.
@@ -238,15 +310,16 @@ void EdgePointFinder::bridgeFlat(std::int32_t point, int x, int y, int side) {
   const EdgePoint& p = points_[point];
   const bool onward = (p.gy < 0) == (side < 0);
   const float slope = static_cast<float>(-side) * static_cast<float>(p.gx) / static_cast<float>(p.gy);
+  const int lowest = side < 0 ? 0 : -1;  // in this row the one on the right does it
+  if (slope < 0.0F && connect(map(y - 2)[x + side], point, onward)) return;
   for (int k = 2; k <= reach_; ++k) {
     const int ahead = nearest(slope * static_cast<float>(k));
-    for (const int rise : {ahead, ahead - 1, ahead + 1}) {
-      // In this row the one on the right does it.
-      if (rise > (side < 0 ? 0 : -1) || rise <= -kMaps) continue;
+    if (ahead > lowest + 1) return;
+    for (const int rise : {ahead, ahead + 1, ahead - 1}) {
+      if (rise > lowest || rise <= -kMaps) continue;
       if (connect(map(y + rise)[x + side * k], point, onward)) return;
     }
   }
-  if (slope < 0.0F) connect(map(y - 2)[x + side], point, onward);
 }
 
 }  // namespace vismem

@@ -60,13 +60,21 @@ class EdgePointFinder {
 
  private:
   static constexpr int kMargin = 8;  // columns beside a row map: what looks sideways needs no test
-  static constexpr int kMaps = 4;    // this row and those above it that gaps reach
+  static constexpr int kMaps = 4;    // this row and those above it that a gap of 2 px reaches
+
+  /// The point that one would be linked to first.
+  struct Choice {
+    std::int32_t other;  // none_ if there is none of its direction
+    std::int32_t back;   // -1 where the way onwards goes to the other one, else 0
+    std::int32_t more;   // whether it may have further links
+  };
 
   void prepare(const cv::Mat& image);
   const std::uint8_t* grayRow(const cv::Mat& image, int y);
   void gradientRow(const cv::Mat& image, int y);
   void pointsOfRow(int y);
-  void link(std::int32_t point, int x, int y);
+  void linkRow(int found, int y);
+  void linkRest(std::int32_t point, int x, int y, bool joined);
   void bridgeSteep(std::int32_t point, int x, int y);
   void bridgeFlat(std::int32_t point, int x, int y, int side);
   bool connect(std::int32_t other, std::int32_t here, bool onward);
@@ -85,6 +93,7 @@ class EdgePointFinder {
   int stride_ = 0;
   int map_stride_ = 0;
   int count_ = 0;
+  std::int32_t none_ = 0;  // index of a point without gradient that nothing is like
   Room<EdgePoint> points_;
   Room<std::int16_t> next_;
   Room<std::uint8_t> has_previous_;
@@ -94,6 +103,8 @@ class EdgePointFinder {
   Room<std::int32_t> maps_;                 // index of the point at each column, or -1
   Room<std::uint8_t> mask_;
   Room<std::uint16_t> columns_;
+  Room<Choice> choices_;
+  Room<std::int32_t> left_over_;
 };
 
 /// Standard deviation of the image's own noise [grey levels]: from second differences that neither edges nor

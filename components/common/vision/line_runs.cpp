@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kRingOverlap = 16;      // points of a ring that come again at its end
 constexpr double kReachShare = 0.75;  // of the line tolerance: points that turn at a corner
-constexpr double kSolveGrowth = 1.2;  // the line follows its points when there are this much more of them
+constexpr double kSolveGrowth = 1.4;  // the line follows its points when there are this much more of them
 
 }  // namespace
 
@@ -116,17 +116,20 @@ void LineRunFinder::find(const EdgePointFinder& edges, std::vector<LineRun>& run
 /// Lists a chain in order_. A ring begins anywhere on a side: going on over its beginning shows that side
 /// whole.
 int LineRunFinder::follow(const std::int16_t* next, std::int32_t first, bool ring) {
+  // Members are read before: the compiler must take a write of bytes for one to any of them.
+  std::int32_t* order = order_.data();
+  std::uint8_t* used = used_.data();
   int length = 0;
   std::int32_t i = first;
   do {
-    order_[length++] = i;
-    used_[i] = 1;
+    order[length++] = i;
+    used[i] = 1;
     const int step = next[i];
     if (step == 0) return length;
     i += step;
   } while (!ring || i != first);
   if (length >= 2 * kRingOverlap) {
-    std::copy_n(order_.data(), kRingOverlap, order_.data() + length);
+    std::copy_n(order, kRingOverlap, order + length);
     length += kRingOverlap;
   }
   return length;
@@ -134,13 +137,19 @@ int LineRunFinder::follow(const std::int16_t* next, std::int32_t first, bool rin
 
 void LineRunFinder::gather(const EdgePoint* points, int count) {
   const auto limit = static_cast<float>(params_.alignment_cos * params_.alignment_cos);
+  const std::int32_t* order = order_.data();
+  float* x = x_.data();
+  float* y = y_.data();
+  float* gx = gx_.data();
+  float* gy = gy_.data();
+  float* agreement = agreement_.data();
   for (int k = 0; k < count; ++k) {
-    const EdgePoint& p = points[order_[k]];
-    x_[k] = p.x;
-    y_[k] = p.y;
-    gx_[k] = static_cast<float>(p.gx);
-    gy_[k] = static_cast<float>(p.gy);
-    agreement_[k] = limit * static_cast<float>(p.squared);
+    const EdgePoint& p = points[order[k]];
+    x[k] = p.x;
+    y[k] = p.y;
+    gx[k] = static_cast<float>(p.gx);
+    gy[k] = static_cast<float>(p.gy);
+    agreement[k] = limit * static_cast<float>(p.squared);
   }
 }
 
@@ -179,22 +188,28 @@ void LineRunFinder::split(int count, std::vector<LineRun>& runs) {
 /// Adds points from `from` towards `stop` (excluded) while they lie on the line; a few strays are passed
 /// over.
 /// @return the last point on the line, or the one before `from` if none.
-int LineRunFinder::extend(Fit& fit, int from, int stop, int step) {
+int LineRunFinder::extend(Fit& wanted, int from, int stop, int step) {
+  // A copy, and members read before: the compiler must take a write of bytes for one to any of them.
+  Fit fit = wanted;
+  const float* x = x_.data();
+  const float* y = y_.data();
+  std::uint8_t* on_line = on_line_.data();
+  const double tolerance_px = params_.line_tolerance_px;
+  const int maximum_strays = params_.maximum_strays;
   int last = from - step;
   int strays = 0;
-  double solve_at = fit.count() + 1.0;
+  double solve_at = kSolveGrowth * fit.count();
   bool stale = false;
   for (int k = from; k != stop; k += step) {
-    double offset = fit.offset(x_[k], y_[k]);
-    if (offset > params_.line_tolerance_px && stale) {
+    double offset = fit.offset(x[k], y[k]);
+    if (offset > tolerance_px && stale) {
       fit.solve();
       stale = false;
-      offset = fit.offset(x_[k], y_[k]);
+      offset = fit.offset(x[k], y[k]);
     }
-    const bool on_line = offset <= params_.line_tolerance_px;
-    on_line_[k] = on_line ? 1 : 0;
-    if (on_line) {
-      fit.add(x_[k], y_[k]);
+    if (offset <= tolerance_px) {
+      on_line[k] = 1;
+      fit.add(x[k], y[k]);
       stale = true;
       if (fit.count() >= solve_at) {
         fit.solve();
@@ -203,11 +218,13 @@ int LineRunFinder::extend(Fit& fit, int from, int stop, int step) {
       }
       last = k;
       strays = 0;
-    } else if (++strays > params_.maximum_strays) {
-      break;
+    } else {
+      on_line[k] = 0;
+      if (++strays > maximum_strays) break;
     }
   }
   if (stale) fit.solve();
+  wanted = fit;
   return last;
 }
 
@@ -223,10 +240,13 @@ void LineRunFinder::emit(Fit& fit, int first, int last, std::vector<LineRun>& ru
   // Enough points whose own gradient agrees with the line: what chains of noise lack.
   const auto nx = static_cast<float>(sense * fit.dy());
   const auto ny = static_cast<float>(-sense * fit.dx());
+  const float* gx = gx_.data();
+  const float* gy = gy_.data();
+  const float* agreement = agreement_.data();
   int agreeing = 0;
   for (int k = first; k <= last; ++k) {
-    const float dot = nx * gx_[k] + ny * gy_[k];
-    agreeing += static_cast<int>(dot >= 0.0F) & static_cast<int>(dot * dot >= agreement_[k]);
+    const float dot = nx * gx[k] + ny * gy[k];
+    agreeing += static_cast<int>(dot >= 0.0F) & static_cast<int>(dot * dot >= agreement[k]);
   }
   if (agreeing < params_.alignment_share * (last - first + 1)) return;
   if (low != first || high != last) {

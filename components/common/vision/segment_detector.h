@@ -32,21 +32,23 @@ class SegmentDetector {
 /// Ours: edge points where the gradient is largest across the edge, chained along the edge; runs of equal
 /// direction become lines by sub-pixel total least squares.
 struct SolisParams {
-  double minimum_length_px = 8.0;
+  double minimum_length_px = 9.0;
+  /// Length squared times strength [px^2 grey levels]: a short segment must be strong, a faint one long.
+  double minimum_significance = 2500.0;
   /// Edge points need this many times the image's own noise, and at least `minimum_contrast`.
   double noise_factor = 4.5;
-  double minimum_contrast = 7.0;  ///< [grey levels] of an ideal step
-  int gap_px = 2;                 ///< longest interruption of a chain that is jumped
+  double minimum_contrast = 9.0;  ///< [grey levels] of an ideal step
+  int gap_px = 2;                 ///< longest interruption of a chain that is jumped, 0..2
   int first_fit_points = 7;       ///< a run begins with this many points in line
   double first_fit_rms_px = 0.4;
-  double line_tolerance_px = 0.8;  ///< a point further than this from the run's line breaks it
+  double line_tolerance_px = 0.7;  ///< a point further than this from the run's line breaks it
   int maximum_strays = 2;          ///< but so many in a row are passed over
   double maximum_rms_px = 0.6;     ///< of the points of a run about its line
   double piece_length_px = 6.0;    ///< shorter runs are left out before merging
-  double alignment_cos = 0.92;     ///< a point agrees with its line if its gradient is this near the normal
+  double alignment_cos = 0.95;     ///< a point agrees with its line if its gradient is this near the normal
   double alignment_share = 0.7;    ///< share of the points that must agree
-  double merge_angle_rad = 0.07;   ///< collinear pieces: direction
-  double merge_offset_px = 1.0;    ///< collinear pieces: normal distance of the shorter one's ends
+  double merge_angle_rad = 0.1;    ///< collinear pieces: direction
+  double merge_offset_px = 1.5;    ///< collinear pieces: normal distance of the shorter one's ends
   double merge_gap_px = 6.0;       ///< collinear pieces: distance of the near ends along the line
 };
 

@@ -35,10 +35,12 @@ class SolisDetector final : public SegmentDetector {
     const CollinearMergeParams merge{params_.merge_angle_rad, params_.merge_offset_px, params_.merge_gap_px};
     merger_.merge(pieces_, merge);
     for (const GroupedSegment& piece : pieces_) {
-      if (piece.px.length() < params_.minimum_length_px) continue;
+      const double length = piece.px.length();
+      if (length < params_.minimum_length_px) continue;
       // The gradient along the edge has decided which side is brighter; samples may disagree on a thin
       // stripe.
-      out.push_back({piece.px, std::abs(brightnessStep(image, piece.px, kSideDistance_px))});
+      const double strength = std::abs(brightnessStep(image, piece.px, kSideDistance_px));
+      if (length * length * strength >= params_.minimum_significance) out.push_back({piece.px, strength});
     }
   }
 

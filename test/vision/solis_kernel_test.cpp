@@ -1,0 +1,147 @@
+// The Solis detector's kernel: the same bits on every processor, and no allocation for a frame (SPEC V1).
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <opencv2/core.hpp>
+#include <random>
+#include <vector>
+
+#include "common/vision/edge_points.h"
+#include "common/vision/edge_rows.h"
+#include "common/vision/segment_detector.h"
+#include "vision/support/synthetic.h"
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+// Every allocation of the program is counted.
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
+  throw std::bad_alloc();
+}
+void* operator new[](std::size_t size) {
+  return operator new(size);
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace vismem {
+namespace {
+
+cv::Mat scene(int width, int height, int type, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  cv::Mat image(height, width, type, cv::Scalar::all(110));
+  for (int i = 0; i < 12; ++i) {
+    const Eigen::Vector2d middle(unit(random) * width, unit(random) * height);
+    fillQuad(image, squareAt(middle, 10.0 + unit(random) * 0.4 * width, unit(random) * 3.0),
+             cv::Scalar(255.0 * unit(random), 255.0 * unit(random), 255.0 * unit(random)));
+  }
+  addNoise(image, 4.0, random);
+  return image;
+}
+
+std::vector<RawSegment> segmentsOf(SegmentDetector& detector, const cv::Mat& image) {
+  std::vector<RawSegment> out;
+  detector.detect(image, out);
+  return out;
+}
+
+TEST(EdgeRows, EveryKernelGivesTheSameBits) {
+  for (const int width : {16, 17, 31, 33, 320, 321, 641}) {
+    for (const int type : {CV_8UC1, CV_8UC3}) {
+      const cv::Mat image = scene(width, 60, type, static_cast<std::uint64_t>(width));
+      EdgePointFinder portable(portableEdgeRows());
+      EdgePointFinder best(bestEdgeRows());
+      portable.find(image, 9.0, 1);
+      best.find(image, 9.0, 1);
+      ASSERT_EQ(portable.count(), best.count()) << width;
+      const auto count = static_cast<std::size_t>(best.count());
+      EXPECT_GT(count, 0U);
+      EXPECT_EQ(std::memcmp(portable.points(), best.points(), count * sizeof(EdgePoint)), 0) << width;
+      EXPECT_EQ(std::memcmp(portable.next(), best.next(), count * sizeof(std::int16_t)), 0) << width;
+    }
+  }
+}
+
+// A step of 64 grey levels between columns 19 and 20: the gradient is [1 3 3 1] of it about 19.5, so the two
+// middle columns are equal, and the edge point between them lies at 19.5 by the parabola through 1, 3, 3.
+TEST(EdgePoints, WorkedExampleStep) {
+  cv::Mat image(32, 40, CV_8UC1, cv::Scalar(50));
+  image.colRange(20, 40) = 114;
+  EdgePointFinder finder(bestEdgeRows());
+  finder.find(image, 9.0, 1);
+  ASSERT_EQ(finder.count(), 28);  // a row each, but 2 at the top and at the bottom
+  for (int i = 0; i < finder.count(); ++i) {
+    EXPECT_FLOAT_EQ(finder.points()[i].x, 19.5F);
+    EXPECT_FLOAT_EQ(finder.points()[i].y, static_cast<float>(i + 2));
+    EXPECT_EQ(finder.points()[i].gx, 48 * 64);
+    EXPECT_EQ(finder.points()[i].gy, 0);
+    // Bright on the right of the picture: with it on the left the way goes down.
+    EXPECT_EQ(finder.next()[i], i + 1 < finder.count() ? 1 : 0);
+  }
+}
+
+TEST(EdgePoints, NoiseIsEstimatedWithoutTheEdges) {
+  for (const double sigma : {3.0, 10.0, 25.0}) {
+    std::mt19937_64 random(4);
+    cv::Mat image(240, 320, CV_8UC1, cv::Scalar(120));
+    fillQuad(image, squareAt({160, 120}, 120, 0.3), cv::Scalar::all(150));
+    addNoise(image, sigma, random);
+    EXPECT_NEAR(estimateNoise(image) / sigma, 1.0, 0.1) << sigma;
+  }
+}
+
+TEST(SolisDetector, AllocatesNothingForAFrame) {
+  const auto detector = makeSolisDetector();
+  for (const int type : {CV_8UC1, CV_8UC3}) {
+    std::vector<cv::Mat> frames;
+    for (const std::uint64_t seed : {1, 2, 3, 4}) frames.push_back(scene(320, 240, type, seed));
+    std::vector<RawSegment> out;
+    out.reserve(1000);
+    detector->detect(frames[0], out);
+    ASSERT_FALSE(out.empty());
+    const long before = allocations;
+    for (const cv::Mat& frame : frames) detector->detect(frame, out);
+    EXPECT_EQ(allocations - before, 0);
+  }
+}
+
+TEST(SolisDetector, TheSameImageGivesTheSameAfterOtherSizesAndWithAnyStride) {
+  const cv::Mat image = scene(321, 239, CV_8UC1, 7);
+  const auto detector = makeSolisDetector();
+  const auto first = segmentsOf(*detector, image);
+  ASSERT_GT(first.size(), 10U);
+  cv::Mat large = scene(640, 480, CV_8UC1, 8);
+  cv::Mat part = large(cv::Rect(37, 21, 321, 239));
+  segmentsOf(*detector, large);
+  segmentsOf(*detector, scene(16, 16, CV_8UC3, 9));
+  image.copyTo(part);
+  for (const auto& again :
+       {segmentsOf(*detector, image), segmentsOf(*detector, part), segmentsOf(*makeSolisDetector(), image)}) {
+    ASSERT_EQ(again.size(), first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      EXPECT_EQ(again[i].px_raw.a, first[i].px_raw.a);
+      EXPECT_EQ(again[i].px_raw.b, first[i].px_raw.b);
+      EXPECT_EQ(again[i].strength, first[i].strength);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vismem
