@@ -90,7 +90,7 @@ TEST(Properties, ReportsJunkAndDuplicatesTogether) {
     FAIL() << "accepted";
   } catch (const ConfigError& error) {
     EXPECT_THAT(error.problems(),
-                ElementsAre("cfg/a.cfg:2: \"what is this\" is not KEY = VALUE",
+                ElementsAre("cfg/a.cfg:2: \"what is this\" (must be KEY = VALUE)",
                             "cfg/a.cfg:3: \"= 5\" has no key (must be KEY = VALUE)",
                             "cfg/a.cfg:4: key \"Camera.Name\" is set twice (first in line 1)"));
   }
@@ -106,16 +106,18 @@ TEST(Properties, CommandLineReplacesKeysOfTheFile) {
   EXPECT_THAT(properties.problems(), IsEmpty());
   for (const char* argument : {"--Camera.Name", "camera", "--=3"}) properties.addArgument(argument);
   EXPECT_THAT(problemLines(properties.problems()),
-              ElementsAre("command line: \"--Camera.Name\" is not --Key=Value",
-                          "command line: \"camera\" is not --Key=Value",
-                          "command line: \"--=3\" is not --Key=Value"));
+              ElementsAre("command line: \"--Camera.Name\" (must be --Key=Value)",
+                          "command line: \"camera\" (must be --Key=Value)",
+                          "command line: \"--=3\" (must be --Key=Value)"));
 }
 
 TEST(Properties, SaysWhyAFileCannotBeRead) {
   EXPECT_THAT(problemLines(Properties::load("no/such.cfg").problems()),
-              ElementsAre("no/such.cfg: cannot read the configuration (No such file or directory)"));
-  EXPECT_THAT(problemLines(Properties::load("/tmp").problems()),
-              ElementsAre("/tmp: cannot read the configuration (is a folder)"));
+              ElementsAre("no/such.cfg: cannot be read (No such file or directory; must be a configuration "
+                          "of lines KEY = VALUE)"));
+  EXPECT_THAT(
+      problemLines(Properties::load("/tmp").problems()),
+      ElementsAre("/tmp: cannot be read (is a folder; must be a configuration of lines KEY = VALUE)"));
 }
 
 TEST(Properties, LoadsAFile) {
@@ -170,7 +172,7 @@ TEST(ConfigReader, ReportsAllProblemsInOrderOfTheirLines) {
           "cfg/sim/localization.cfg: missing key \"Localization.Camera.Proxy\" (must be the proxy of a "
           "camera)",
           "cfg/sim/localization.cfg:1: Localization.Races.Maximum = 0 (must be 1..64)",
-          "cfg/sim/localization.cfg:2: \"junk\" is not KEY = VALUE",
+          "cfg/sim/localization.cfg:2: \"junk\" (must be KEY = VALUE)",
           "cfg/sim/localization.cfg:3: unknown key \"Localization.Mutaton.Heading_deg\" (did you mean "
           "\"Localization.Mutation.Heading_deg\"?)",
           "cfg/sim/localization.cfg:4: Localization.Noise.Position_m = 10cm (must be a number, 0..5)",

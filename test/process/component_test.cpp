@@ -107,10 +107,10 @@ TEST_F(ComponentTest, ReportsEverythingWrongWithTheConfigurationAndNothingElse) 
                 ":2: Probe.Work = dance (must be one of: serve, finish, fail_to_start, fail, throw, "
                 "hang, hang_on_stop)\n" +
                 file + ":3: key \"Probe.Work\" is set twice (first in line 2)\n" +  //
-                file + ":4: \"rubbish\" is not KEY = VALUE\n" + file +
+                file + ":4: \"rubbish\" (must be KEY = VALUE)\n" + file +
                 ":5: unknown key \"Ice.MesageSizeMax\" (did you mean \"Ice.MessageSizeMax\"?)\n" + file +
                 ":6: unknown key \"Prob.Size\" (did you mean \"Probe.Size\"?)\n" +
-                "command line: \"--what\" is not --Key=Value\n" +
+                "command line: \"--what\" (must be --Key=Value)\n" +
                 "command line: Probe.LogLevel = loud (must be one of: debug, info, warning, error)\n" +
                 "map.csv:7: label = 3 (must be a name)\n");
   EXPECT_EQ(child->out(), "");
@@ -119,7 +119,9 @@ TEST_F(ComponentTest, ReportsEverythingWrongWithTheConfigurationAndNothingElse) 
 TEST_F(ComponentTest, MissingFile) {
   const auto child = probe({"--Ice.Config=no/such.cfg"});
   EXPECT_EQ(child->waitForExit(kPatience), 2);
-  EXPECT_EQ(child->error(), "no/such.cfg: cannot read the configuration (No such file or directory)\n");
+  EXPECT_EQ(child->error(),
+            "no/such.cfg: cannot be read (No such file or directory; must be a configuration of lines KEY = "
+            "VALUE)\n");
 }
 
 TEST_F(ComponentTest, MalformedProxyAndEndpointsNameTheirKeys) {

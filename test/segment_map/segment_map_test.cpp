@@ -80,7 +80,9 @@ TEST(SegmentMap, AFileThatCannotBeReadIsNamed) {
     loadSegmentMap("/nowhere/map.csv");
     FAIL() << "no error";
   } catch (const ConfigError& error) {
-    EXPECT_STREQ(error.what(), "/nowhere/map.csv: cannot be read");
+    EXPECT_STREQ(
+        error.what(),
+        "/nowhere/map.csv: cannot be read (No such file or directory; must be a map of labelled segments)");
   }
 }
 

@@ -51,14 +51,16 @@ class WorldLoader : public testing::Test {
 };
 
 TEST_F(WorldLoader, NamesFileAndReasonOfWhatItCannotLoad) {
-  EXPECT_EQ(messageOf("/no/such.world"), "/no/such.world: cannot be read (expected a world in SDF)");
-  EXPECT_EQ(messageOf(folder_.string()), folder_.string() + ": cannot be read (expected a world in SDF)");
+  EXPECT_EQ(messageOf("/no/such.world"),
+            "/no/such.world: cannot be read (No such file or directory; must be a world in SDF)");
+  EXPECT_EQ(messageOf(folder_.string()),
+            folder_.string() + ": cannot be read (is a folder; must be a world in SDF)");
   const auto empty = world("");
   EXPECT_EQ(messageOf(empty), empty + ": the world has nothing to show (no visual with triangles)");
   const auto broken = file("<sdf version='1.6'><world");
-  EXPECT_THAT(messageOf(broken), HasSubstr(broken + ": not a world in SDF: "));
+  EXPECT_EQ(messageOf(broken), broken + ":1: not XML: parsing element (must be a world in SDF)");
   const auto nothing = file("");
-  EXPECT_THAT(messageOf(nothing), HasSubstr(nothing + ": not a world in SDF: "));
+  EXPECT_EQ(messageOf(nothing), nothing + ": not XML: empty document (must be a world in SDF)");
 }
 
 TEST_F(WorldLoader, PlacesABoxWithItsColourAndOutline) {

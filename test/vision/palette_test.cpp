@@ -108,7 +108,8 @@ TEST(Palette, AFileThatCannotBeReadIsNamed) {
     loadPalette("/nowhere/at/all.palette");
     FAIL() << "no error";
   } catch (const ConfigError& error) {
-    EXPECT_STREQ(error.what(), "/nowhere/at/all.palette: cannot be read");
+    EXPECT_STREQ(error.what(),
+                 "/nowhere/at/all.palette: cannot be read (No such file or directory; must be a palette)");
   }
 }
 

@@ -184,7 +184,7 @@ ActiveVisualMemoryConfig readActiveVisualMemoryConfig(ConfigReader& reader) {
   config.camera_proxy = reader.requiredText("Camera.Proxy", "the proxy of an avm::Camera");
   config.odometry_proxy = reader.requiredText("Odometry.Proxy", "the proxy of an avm::Odometry");
   config.pan_tilt_proxy = reader.text("PanTilt.Proxy", "");
-  config.palette = reader.existingPath("Palette");
+  config.palette = reader.existingFile("Palette", "a palette, such as cfg/maps/corridor.palette");
   config.every_frame = reader.boolean("EveryFrame", config.every_frame);
   config.images_lost_s = reader.real("ImagesLost_s", config.images_lost_s, 0.05, 60.0);
   config.overlay = reader.boolean("Overlay.Enabled", config.overlay);

@@ -1,20 +1,29 @@
 /// @file The one error of bad configuration, maps, palettes and calibrations. Pure.
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace vismem {
 
-/// Carries every problem found, one line each: "FILE:LINE: KEY = VALUE (RULE)". what() joins them.
+/// Carries every problem found, one line each: "FILE:LINE: KEY = VALUE (RULE)", made fit to be shown
+/// (text_file.h). what() joins the first kShownProblems and says how many more there are.
 class ConfigError : public std::runtime_error {
  public:
+  static constexpr std::size_t kShownProblems = 40;
+
   explicit ConfigError(std::vector<std::string> problems);
 
   const std::vector<std::string>& problems() const { return problems_; }
 
  private:
+  struct Shown {
+    std::vector<std::string> lines;
+  };
+  explicit ConfigError(Shown problems);
+
   std::vector<std::string> problems_;
 };
 

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
+#include <fstream>
 #include <map>
 
 #include "common/config/config_error.h"
@@ -61,6 +64,17 @@ std::vector<std::string> wordsOf(const std::string& text) {
     begin = text.find_first_not_of(kSeparators, end);
   }
   return words;
+}
+
+/// The nearest known key; for a key that begins like none, with what known ones begin.
+std::string hint(const std::string& name, const std::set<std::string>& known) {
+  const auto nearest = suggestion(name, known);
+  if (!nearest.empty()) return nearest;
+  const auto first = [](const std::string& key) { return key.substr(0, key.find('.') + 1); };
+  std::set<std::string> beginnings;
+  for (const auto& key : known) beginnings.insert(first(key));
+  if (beginnings.contains(first(name))) return "";
+  return " (must begin with " + joined({beginnings.begin(), beginnings.end()}, " or ") + ")";
 }
 
 }  // namespace
@@ -257,6 +271,26 @@ std::filesystem::path ConfigReader::requirePath(std::string_view name, std::stri
   return existingPath(name);
 }
 
+std::filesystem::path ConfigReader::existingFile(std::string_view name, std::string_view expected,
+                                                 const std::filesystem::path& fallback) {
+  const auto problems_before = state_->problems.size();
+  const auto found = existingPath(name, fallback);
+  if (found.empty() || state_->problems.size() != problems_before) return found;
+  std::error_code ignored;
+  const std::string rule = "must be " + std::string(expected);
+  if (std::filesystem::is_directory(found, ignored)) {
+    problem(name, "is a folder, " + rule);
+  } else if (!std::ifstream(found)) {
+    problem(name, "cannot be opened: " + std::string(std::strerror(errno)) + ", " + rule);
+  }
+  return found;
+}
+
+std::filesystem::path ConfigReader::requireFile(std::string_view name, std::string_view expected) {
+  if (requiredText(name, expected).empty()) return {};
+  return existingFile(name, expected);
+}
+
 void ConfigReader::problem(std::string_view name, std::string_view rule) {
   if (const auto* set = state_->properties.find(key(name))) {
     reject(name, *set, rule);
@@ -292,7 +326,7 @@ std::vector<Problem> ConfigReader::allProblems() const {
   for (const auto& [name, entry] : state_->properties.entries()) {
     const bool checked = prefix_.empty() ? !belongsToIce(name) : name.starts_with(prefix_ + ".");
     if (checked && !state_->isKnown(name)) {
-      problems.push_back({entry.origin, "unknown key \"" + name + "\"" + suggestion(name, known)});
+      problems.push_back({entry.origin, "unknown key \"" + name + "\"" + hint(name, known)});
     }
   }
   return problems;

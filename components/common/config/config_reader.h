@@ -48,8 +48,8 @@ class ConfigReader {
   /// A finite number in [minimum, maximum]; an infinite bound is none.
   double real(std::string_view name, double fallback, double minimum, double maximum);
   std::optional<double> optionalReal(std::string_view name, double minimum, double maximum);
-  /// An angle written in degrees, or its rate, with a name that says so (_deg, _degps, _degpm); all parameters
-  /// in degrees. @return radians.
+  /// An angle written in degrees, or its rate, with a name that says so (_deg, _degps, _degpm); all
+  /// parameters in degrees. @return radians.
   double angleDeg(std::string_view name, double fallback_deg, double minimum_deg, double maximum_deg);
   /// As many numbers as `fallback` has, separated by blanks or commas, each in [minimum, maximum].
   std::vector<double> reals(std::string_view name, std::vector<double> fallback, double minimum,
@@ -81,8 +81,14 @@ class ConfigReader {
   std::filesystem::path path(std::string_view name, const std::filesystem::path& fallback = {});
   /// Empty if not set and no fallback; what is named must exist.
   std::filesystem::path existingPath(std::string_view name, const std::filesystem::path& fallback = {});
-  /// Must be set and exist. @param expected  what it must be, for the message: "a world file".
+  /// Must be set and exist. @param expected  what it must be, for the message: "a folder of images".
   std::filesystem::path requirePath(std::string_view name, std::string_view expected);
+  /// As existingPath, but neither a folder nor what cannot be opened. @param expected  what it must be, for
+  /// the message: "a palette".
+  std::filesystem::path existingFile(std::string_view name, std::string_view expected,
+                                     const std::filesystem::path& fallback = {});
+  /// The same; must be set.
+  std::filesystem::path requireFile(std::string_view name, std::string_view expected);
 
   /// Adds a problem of a name's value: "KEY = VALUE (RULE)". For rules between keys, and what a file holds.
   /// @param rule  "must be more than Localization.Noise.Minimum_m".
@@ -120,8 +126,10 @@ class ConfigReader {
   std::string prefix_;
 };
 
-/// Problems of keys Ice.* that Ice 3.7 does not have.
+/// Problems of keys Ice.* that Ice 3.7 does not have, and of values that it would silently take for others.
 std::vector<Problem> checkIceKeys(const Properties& properties);
+/// The same for the keys ADAPTER.* of an object adapter whose endpoints are set in code.
+std::vector<Problem> checkAdapterKeys(const Properties& properties, const std::string& adapter);
 
 /// The same, and keys that begin with no known prefix; "Ice" and those of its services need not be named.
 std::vector<Problem> checkPrefixes(const Properties& properties, const std::set<std::string>& prefixes);

@@ -1,6 +1,8 @@
 // The property names of Ice 3.7, so that a misspelt one is an error and not a warning that scrolls away.
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <string_view>
 #include <vector>
 
 #include "common/config/config_reader.h"
@@ -160,6 +162,61 @@ const std::set<std::string>& iceKeys() {
   return keys;
 }
 
+/// Whole numbers that Ice reads with a default and a warning, or takes as they are, whatever stands there.
+struct NumberRule {
+  std::string_view ending;
+  long minimum;
+  long maximum;
+};
+constexpr long kLargest = 2'147'483'647;
+constexpr std::array kNumberRules = {
+    // Not 0, which means no limit: a peer could then make this process take all memory.
+    NumberRule{".MessageSizeMax", 1, 1'048'576},
+    NumberRule{".Default.InvocationTimeout", -2, kLargest},
+    NumberRule{".Default.Timeout", -1, kLargest},
+    NumberRule{".Override.CloseTimeout", -1, kLargest},
+    NumberRule{".Override.ConnectTimeout", -1, kLargest},
+    NumberRule{".Override.Timeout", -1, kLargest},
+    NumberRule{".ThreadPool.Client.Size", 1, 1000},
+    NumberRule{".ThreadPool.Client.SizeMax", 1, 1000},
+    NumberRule{".ThreadPool.Server.Size", 1, 1000},
+    NumberRule{".ThreadPool.Server.SizeMax", 1, 1000},
+    NumberRule{"Server.ThreadPool.Size", 1, 1000},
+    NumberRule{"Server.ThreadPool.SizeMax", 1, 1000},
+    NumberRule{".ACM.Timeout", 0, kLargest},
+    NumberRule{".ACM.Client.Timeout", 0, kLargest},
+    NumberRule{".ACM.Server.Timeout", 0, kLargest},
+    NumberRule{".ClassGraphDepthMax", 1, kLargest},
+    NumberRule{".TCP.Backlog", 1, 65535},
+    NumberRule{".TCP.RcvSize", 0, kLargest},
+    NumberRule{".TCP.SndSize", 0, kLargest},
+    NumberRule{".Trace.Network", 0, 3},
+    NumberRule{".Trace.Protocol", 0, 1},
+    NumberRule{".Trace.Retry", 0, 2},
+    NumberRule{".Warn.Connections", 0, 1},
+    NumberRule{".Warn.Dispatch", 0, 2},
+};
+
+/// @return what is wrong with a value; empty if nothing is.
+std::string wrongValue(const std::string& key, const std::string& value) {
+  if (key == "Ice.Config") return "has no effect inside a configuration; must be on the command line";
+  const auto rule = std::find_if(kNumberRules.begin(), kNumberRules.end(),
+                                 [&](const NumberRule& r) { return key.ends_with(r.ending); });
+  if (rule == kNumberRules.end()) return "";
+  long number = 0;
+  const auto* last = value.data() + value.size();
+  const auto [end, error] = std::from_chars(value.data(), last, number);
+  if (error == std::errc() && end == last && number >= rule->minimum && number <= rule->maximum) return "";
+  return "must be a whole number, " + std::to_string(rule->minimum) + ".." + std::to_string(rule->maximum);
+}
+
+void checkValue(const std::string& key, const Properties::Entry& entry, std::vector<Problem>& problems) {
+  const auto wrong = wrongValue(key, entry.value);
+  if (wrong.empty()) return;
+  problems.push_back(
+      {entry.origin, key + " = " + (entry.value.empty() ? "(empty)" : entry.value) + " (" + wrong + ")"});
+}
+
 std::string firstPart(std::string_view key) {
   return std::string(key.substr(0, key.find('.')));
 }
@@ -183,6 +240,28 @@ std::vector<Problem> checkIceKeys(const Properties& properties) {
   for (const auto& [key, entry] : properties.entries()) {
     if (key.starts_with("Ice.") && !isIceProperty(key)) {
       problems.push_back({entry.origin, "unknown key \"" + key + "\"" + suggestion(key, iceKeys())});
+    } else if (key.starts_with("Ice.")) {
+      checkValue(key, entry, problems);
+    }
+  }
+  return problems;
+}
+
+std::vector<Problem> checkAdapterKeys(const Properties& properties, const std::string& adapter) {
+  std::set<std::string> keys;
+  addAll(keys, adapter + ".", kAdapter);
+  addAll(keys, adapter + ".ThreadPool.", kThreadPool);
+  addAll(keys, adapter + ".ACM.", kConnections);
+  for (const char* proxy : {".Locator.", ".Router."}) addAll(keys, adapter + proxy, kProxy);
+  // Its endpoints have a key of ours.
+  keys.erase(adapter + ".Endpoints");
+  std::vector<Problem> problems;
+  for (const auto& [key, entry] : properties.entries()) {
+    if (!key.starts_with(adapter + ".")) continue;
+    if (keys.contains(key)) {
+      checkValue(key, entry, problems);
+    } else {
+      problems.push_back({entry.origin, "unknown key \"" + key + "\"" + suggestion(key, keys)});
     }
   }
   return problems;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,16 @@ namespace {
 
 bool sameLetter(char a, char b) {
   return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+}
+
+/// No key is that long, and the comparison's time grows with its length.
+constexpr std::size_t kLongestName = 200;
+
+/// Length of the dotted groups that both begin with: "A.B." of A.B.C and A.B.D.
+std::size_t commonGroup(std::string_view a, std::string_view b) {
+  const auto [end, ignored] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
+  const auto dot = a.substr(0, static_cast<std::size_t>(end - a.begin())).rfind('.');
+  return dot == std::string_view::npos ? 0 : dot + 1;
 }
 
 }  // namespace
@@ -38,10 +49,18 @@ int typingDistance(std::string_view a, std::string_view b) {
 
 std::string nearestName(std::string_view name, const std::set<std::string>& names) {
   std::string nearest;
-  int least = std::max(2, static_cast<int>(name.size()) / 4) + 1;
+  if (name.size() > kLongestName) return nearest;
+  int least = std::numeric_limits<int>::max();
   for (const auto& candidate : names) {
-    const int distance = typingDistance(name, candidate);
-    if (distance < least) {
+    // What both begin with says nothing about how alike the rest is.
+    const std::size_t group = commonGroup(name, candidate);
+    const int length = static_cast<int>(name.size() - group);
+    // A unit is easily forgotten, however long it is.
+    const bool lacks_unit =
+        candidate.starts_with(name) && candidate.size() > name.size() && candidate[name.size()] == '_';
+    const int most = std::max(2, length / 4);
+    const int distance = typingDistance(name.substr(group), std::string_view(candidate).substr(group));
+    if ((lacks_unit || distance <= most) && distance < length && distance < least) {
       least = distance;
       nearest = candidate;
     }

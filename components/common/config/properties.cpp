@@ -1,14 +1,11 @@
 #include "common/config/properties.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <sstream>
 #include <tuple>
 #include <utility>
 
 #include "common/config/config_error.h"
+#include "common/config/text_file.h"
 
 namespace vismem {
 namespace {
@@ -77,21 +74,17 @@ Properties Properties::parse(std::string_view text, const std::string& file) {
 }
 
 Properties Properties::load(const std::filesystem::path& file) {
-  const auto unreadable = [&](const std::string& reason) {
+  try {
+    return parse(readTextFile(file, "a configuration of lines KEY = VALUE"), file.string());
+  } catch (const ConfigError& error) {
     Properties none;
     none.source_ = file.string();
-    none.addProblem({{file.string(), 0}, "cannot read the configuration (" + reason + ")"});
+    none.readable_ = false;
+    // The message names the file, and so does a problem.
+    const auto& line = error.problems().front();
+    none.addProblem({{file.string(), 0}, line.substr(line.find(": ") + 2)});
     return none;
-  };
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) return unreadable("is a folder");
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return unreadable(std::strerror(errno));
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (stream.bad()) return unreadable(std::strerror(errno));
-  return parse(text.str(), file.string());
+  }
 }
 
 void Properties::parseLine(std::string_view line, const Origin& origin) {
@@ -100,7 +93,7 @@ void Properties::parseLine(std::string_view line, const Origin& origin) {
       std::find_if(characters.begin(), characters.end(), [](const Character& c) { return c.is('='); });
   const auto key = trimmed(characters.begin(), equals, false);
   if (equals == characters.end()) {
-    if (!key.empty()) addProblem({origin, "\"" + key + "\" is not KEY = VALUE"});
+    if (!key.empty()) addProblem({origin, "\"" + key + "\" (must be KEY = VALUE)"});
     return;
   }
   const auto value = trimmed(std::next(equals), characters.end(), true);
@@ -118,7 +111,7 @@ void Properties::parseLine(std::string_view line, const Origin& origin) {
 void Properties::addArgument(const std::string& argument) {
   const auto equals = argument.find('=');
   if (!argument.starts_with("--") || equals == std::string::npos || equals == 2) {
-    addProblem({{kCommandLine, 0}, "\"" + argument + "\" is not --Key=Value"});
+    addProblem({{kCommandLine, 0}, "\"" + argument + "\" (must be --Key=Value)"});
     return;
   }
   set(argument.substr(2, equals - 2), argument.substr(equals + 1));

@@ -58,6 +58,8 @@ class Properties {
   const std::vector<Problem>& problems() const { return problems_; }
   void addProblem(Problem problem) { problems_.push_back(std::move(problem)); }
 
+  /// False after load() of a file that cannot be read: keys are then not missing, but unknown.
+  bool readable() const { return readable_; }
   /// The file's name; "command line" without a file.
   const std::string& source() const { return source_; }
   /// Folder of the file; empty without a file.
@@ -72,6 +74,7 @@ class Properties {
   std::map<std::string, Entry> entries_;
   std::vector<Problem> problems_;
   std::string source_ = "command line";
+  bool readable_ = true;
 };
 
 /// Problems as one ConfigError's lines: those of files in order of their lines, then those of the command

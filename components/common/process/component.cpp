@@ -1,6 +1,7 @@
 #include "common/process/component.h"
 
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -134,20 +135,46 @@ ProcessKeys readProcessKeys(ConfigReader& root, const ComponentSpec& spec) {
   return keys;
 }
 
-/// Reads everything that can be wrong in a configuration, and throws it all together.
-std::unique_ptr<Component> configure(const ComponentSpec& spec, ConfigReader& config) {
+struct Configured {
   std::unique_ptr<Component> component;
+  Ice::CommunicatorHolder communicator;
+};
+
+/// Reads everything that can be wrong in a configuration, and throws it all together.
+Configured configure(const ComponentSpec& spec, const Properties& properties, ConfigReader& config,
+                     const ProcessKeys& keys, Logger& log) {
+  // Of a file that cannot be read nothing else is known.
+  if (!properties.readable()) properties.throwIfBad();
+  Configured configured;
   std::vector<std::string> more;
-  try {
-    component = spec.configure(config);
-  } catch (const ConfigError& error) {
-    more = error.problems();
-  }
-  auto lines = problemLines(config.allProblems());
+  const auto collect = [&more](auto&& step) {
+    try {
+      step();
+    } catch (const ConfigError& error) {
+      more.insert(more.end(), error.problems().begin(), error.problems().end());
+    }
+  };
+  collect([&] { configured.component = spec.configure(config); });
+  auto problems = config.allProblems();
+  const auto add = [&problems](const std::vector<Problem>& others) {
+    problems.insert(problems.end(), others.begin(), others.end());
+  };
+  add(checkAdapterKeys(properties, spec.prefix + "Server"));
+  collect([&] {
+    // With keys that Ice would only warn of, its defaults are good enough to look at proxies.
+    const bool takes_keys =
+        checkIceKeys(properties).empty() && checkAdapterKeys(properties, spec.prefix + "Server").empty();
+    configured.communicator =
+        Ice::CommunicatorHolder(makeCommunicator(takes_keys ? properties : Properties{}, log));
+    add(checkProxies(config, properties, *configured.communicator.communicator()));
+    add(checkEndpoints(spec.prefix + ".Endpoints", keys.endpoints, properties,
+                       *configured.communicator.communicator()));
+  });
+  auto lines = problemLines(std::move(problems));
   lines.insert(lines.end(), more.begin(), more.end());
   if (!lines.empty()) throw ConfigError(lines);
-  if (!component) throw std::logic_error("configure() gave no component though nothing is wrong");
-  return component;
+  if (!configured.component) throw std::logic_error("configure() gave no component though nothing is wrong");
+  return configured;
 }
 
 std::vector<Setting> effectiveConfiguration(const ConfigReader& config, const Properties& properties) {
@@ -214,6 +241,14 @@ class Ending {
   ComponentHost& host_;
 };
 
+/// Each connection is a descriptor: idle ones of strangers must not leave none for others.
+void allowManyConnections() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, 65'536);
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 void serveUntilStopped(const ComponentSpec& spec, Component& component, Host& host, StopRequest& stop) {
   const Ending ending(component, host);
   host.serve(spec.name + "/component", std::make_shared<ComponentServant>(host.status()));
@@ -229,19 +264,16 @@ void runConfigured(const ComponentSpec& spec, const Properties& properties, Logg
   ConfigReader config(properties);
   const auto keys = readProcessKeys(config, spec);
   log.setLowest(keys.log_level);
-  auto component = configure(spec, config);
+  auto [component, communicator] = configure(spec, properties, config, keys, log);
+  allowManyConnections();
   if (keys.end_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
 
-  const Ice::CommunicatorHolder communicator(makeCommunicator(properties, log));
-  const auto problems = checkProxies(config, properties, *communicator.communicator());
-  if (!problems.empty()) throw ConfigError(problemLines(problems));
   const auto settings = effectiveConfiguration(config, properties);
-  log.info(configurationText(settings));
-
   StatusBoard status(spec.name, VISMEM_VERSION, log);
   status.setConfiguration(settings);
   const auto adapter = makeAdapter(*communicator.communicator(), spec.prefix + "Server",
-                                   spec.prefix + ".Endpoints", keys.endpoints, properties);
+                                   spec.prefix + ".Endpoints", keys.endpoints);
+  log.info(configurationText(settings));
   Host host(log, status, stop, communicator.communicator(), adapter);
   serveUntilStopped(spec, *component, host, stop);
   component.reset();

@@ -1,11 +1,14 @@
 #include "common/process/log.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <iostream>
 #include <utility>
+
+#include "common/config/text_file.h"
 
 namespace vismem {
 namespace {
@@ -52,11 +55,14 @@ void Logger::setLowest(LogLevel lowest) {
 
 void Logger::write(LogLevel level, std::string_view message) {
   std::string line = stamp_() + " " + component_ + " " + nameOf(level) + " ";
-  for (const char c : message) {
-    line += c;
-    if (c == '\n') line += "    ";
+  // What peers sent may be part of a message: it must neither flood nor steer the terminal.
+  for (;;) {
+    const auto end = std::min(message.find('\n'), message.size());
+    line += shown(message.substr(0, end)) + '\n';
+    if (end == message.size()) break;
+    line += "    ";
+    message.remove_prefix(end + 1);
   }
-  line += '\n';
   const std::scoped_lock lock(mutex_);
   if (level < lowest_) return;
   out_ << line << std::flush;

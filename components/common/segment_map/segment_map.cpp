@@ -5,12 +5,12 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 
 #include "common/config/config_error.h"
+#include "common/config/text_file.h"
 
 namespace vismem {
 namespace {
@@ -19,6 +19,8 @@ constexpr std::string_view kHeader = "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label";
 constexpr std::string_view kHeaderWithWidth = "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label,width_m";
 constexpr std::array<std::string_view, 8> kColumns{"x1_m", "y1_m", "z1_m",  "x2_m",
                                                    "y2_m", "z2_m", "label", "width_m"};
+/// No robot comes that far, and grids of what is farther would not fit in memory [m].
+constexpr double kFarthest_m = 1e5;
 constexpr std::size_t kLabelColumn = 6;
 constexpr std::size_t kWidthColumn = 7;
 
@@ -118,10 +120,13 @@ class Reader {
     std::array<double, kColumns.size()> values{};
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (i == kLabelColumn || (i == kWidthColumn && cells[i].text.empty())) continue;
-      if (const auto value = number(cells[i].text)) {
-        values[i] = *value;
-      } else {
+      const auto value = number(cells[i].text);
+      if (!value) {
         problem(cells[i].column, describe(i, cells[i]) + " (must be a finite number)");
+      } else if (std::abs(*value) > kFarthest_m) {
+        problem(cells[i].column, describe(i, cells[i]) + " (must be -100000..100000)");
+      } else {
+        values[i] = *value;
       }
     }
     const Cell& label = cells[kLabelColumn];
@@ -195,11 +200,7 @@ SegmentMap parseSegmentMap(std::string_view text, const std::string& file_name) 
 }
 
 SegmentMap loadSegmentMap(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  // A directory can be opened, but not read.
-  if (!in || std::filesystem::is_directory(file)) throw ConfigError({file.string() + ": cannot be read"});
-  const std::string content{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  return parseSegmentMap(content, file.string());
+  return parseSegmentMap(readTextFile(file, "a map of labelled segments"), file.string());
 }
 
 void saveSegmentMap(const SegmentMap& map, const std::filesystem::path& file) {

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <set>
 #include <sstream>
 
 #include "common/config/config_error.h"
+#include "common/config/text_file.h"
 
 namespace vismem {
 namespace {
@@ -307,11 +306,7 @@ std::vector<Label> Palette::labels() const {
 }
 
 Palette loadPalette(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  // A directory can be opened, but not read.
-  if (!in || std::filesystem::is_directory(file)) throw ConfigError({file.string() + ": cannot be read"});
-  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  return Palette::parse(text, file.string());
+  return Palette::parse(readTextFile(file, "a palette"), file.string());
 }
 
 }  // namespace vismem

@@ -1,7 +1,9 @@
 #include "localization/app/config.h"
 
+#include <map>
 #include <vector>
 
+#include "common/config/config_error.h"
 #include "common/geometry/angles.h"
 #include "common/vision/palette.h"
 
@@ -127,8 +129,8 @@ LocalizationConfig readLocalizationConfig(ConfigReader& reader) {
   LocalizationConfig config;
   config.visual_memory_proxy = reader.requiredText(
       "VisualMemory.Proxy", "the proxy of a visual memory, such as VisualMemory:tcp -h 127.0.0.1 -p 9970");
-  config.map = reader.requirePath("Map", "a map of labelled segments, such as cfg/maps/corridor.csv");
-  config.palette = reader.existingPath("Palette");
+  config.map = reader.requireFile("Map", "a map of labelled segments, such as cfg/maps/corridor.csv");
+  config.palette = reader.existingFile("Palette", "a palette, such as cfg/maps/corridor.palette");
   config.seed = static_cast<std::uint64_t>(reader.integer("Seed", 1, 0, 2'000'000'000));
   if (reader.isSet("Start.Position_m") || reader.isSet("Start.Heading_deg")) {
     const std::vector<double> position = reader.reals("Start.Position_m", {0.0, 0.0}, -kFar, kFar);
@@ -142,9 +144,22 @@ LocalizationConfig readLocalizationConfig(ConfigReader& reader) {
 }
 
 SegmentMap loadMapEdges(const std::filesystem::path& map, const std::filesystem::path& palette) {
-  const SegmentMap rows = loadSegmentMap(map);
-  if (palette.empty()) return expandStripes(rows, {});
-  return expandStripes(rows, loadPalette(palette).stripes());
+  SegmentMap rows;
+  std::map<Label, Label> stripes;
+  std::vector<std::string> problems;
+  const auto collect = [&problems](auto&& step) {
+    try {
+      step();
+    } catch (const ConfigError& error) {
+      problems.insert(problems.end(), error.problems().begin(), error.problems().end());
+    }
+  };
+  collect([&] { rows = loadSegmentMap(map); });
+  collect([&] {
+    if (!palette.empty()) stripes = loadPalette(palette).stripes();
+  });
+  if (!problems.empty()) throw ConfigError(problems);
+  return expandStripes(rows, stripes);
 }
 
 }  // namespace vismem

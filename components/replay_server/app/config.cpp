@@ -4,7 +4,7 @@ namespace vismem {
 
 ReplayServerConfig readReplayServerConfig(ConfigReader& reader) {
   ReplayServerConfig config;
-  config.file = reader.requirePath("File", "a recording: ROS 1 bag").string();
+  config.file = reader.requireFile("File", "a recording: ROS 1 bag").string();
   RobotLogOptions& log = config.log;
   log.image_topic = reader.text("Topics.Image", "");
   log.camera_info_topic = reader.text("Topics.CameraInfo", "");

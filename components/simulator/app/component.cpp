@@ -134,7 +134,10 @@ std::unique_ptr<Component> configure(ConfigReader& reader) {
     if (scenario) component->prepareScenario(std::move(*scenario));
     return component;
   } catch (const std::invalid_argument& error) {
-    throw ConfigError({error.what()});
+    const std::string why = error.what();
+    if (!why.starts_with("the start pose")) throw ConfigError({why});
+    reader.group("Simulator").problem("Start.Position_m", why);
+    return nullptr;
   }
 }
 

@@ -420,8 +420,9 @@ PortReply RealTimeSimulation::pause() {
 
 PortReply RealTimeSimulation::resume() {
   return execute([this](Simulation&) {
-    clock_changed_ = true;
     const std::lock_guard lock(mutex_);
+    // Who says so again and again must not set the clock back each time: it would never reach the next step.
+    clock_changed_ = clock_changed_ || status_.paused;
     status_.paused = false;
     return PortReply::accepted();
   });
@@ -432,8 +433,8 @@ PortReply RealTimeSimulation::setSpeed(double speed) {
     return PortReply::rejected("speed " + std::to_string(speed) + " (must be 0.01..1000)");
   }
   return execute([this, speed](Simulation&) {
-    clock_changed_ = true;
     const std::lock_guard lock(mutex_);
+    clock_changed_ = clock_changed_ || status_.speed != speed;
     status_.speed = speed;
     return PortReply::accepted();
   });

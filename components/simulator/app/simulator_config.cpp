@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "common/geometry/angles.h"
+#include "common/geometry/distortion.h"
 #include "common/kinematics/kinematics_config.h"
 
 namespace vismem {
@@ -45,6 +46,7 @@ void readCamera(ConfigReader r, SimulatedCameraParams& camera) {
   camera.depth = r.boolean("Depth", camera.depth);
   camera.objects = r.boolean("Objects", camera.objects);
   if (const auto problem = checkCamera(camera); !problem.empty()) r.problem("Width_px", problem);
+  if (!canUndistort(k)) r.problem("Distortion", "folds the image over itself, must be smaller");
 }
 
 void readMoreCameras(ConfigReader r, std::vector<SimulatedCameraParams>& cameras) {
@@ -78,10 +80,13 @@ void readWalk(ConfigReader r, WalkParams& p) {
 SimulatorConfig readSimulatorConfig(ConfigReader& config) {
   ConfigReader r = config.group("Simulator");
   SimulatorConfig c;
-  c.world_file = r.requirePath("World", "a world file in SDF, such as cfg/worlds/corridor.world");
+  c.world_file = r.requireFile("World", "a world file in SDF, such as cfg/worlds/corridor.world");
   std::istringstream folders(r.text("ModelPath", ""));
   for (std::string folder; std::getline(folders, folder, ':');) {
-    if (!folder.empty()) c.model_paths.emplace_back(folder);
+    if (folder.empty()) continue;
+    c.model_paths.emplace_back(folder);
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(folder, ignored)) r.problem("ModelPath", "no such folder: " + folder);
   }
   c.simulation = r.choice("Robot", false, {{"wheels", false}, {"humanoid", true}}) ? humanoidSimulation()
                                                                                    : SimulationConfig();

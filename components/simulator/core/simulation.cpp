@@ -16,6 +16,8 @@ namespace {
 /// How long the ports keep samples.
 constexpr StampUs kKept_us = 5 * kSecondUs;
 constexpr double kMaxSlip_m = 1.0;
+/// Where a robot can be put, from the origin [m].
+constexpr double kFarthest_m = 1000.0;
 
 template <typename Sample>
 SampleBatch<Sample> since(const std::deque<Sample>& kept, StampUs after_us) {
@@ -324,9 +326,13 @@ void Simulation::advance(StampUs dt_us) {
 
 PortReply Simulation::kidnap(const Pose2& T_world_robot) {
   if (!isFinite(T_world_robot)) return PortReply::rejected("a pose must be finite");
+  // Rays from much farther away are no numbers any more.
+  if (T_world_robot.position().norm() > kFarthest_m) {
+    return PortReply::rejected("that place is more than 1000 m from the origin");
+  }
   noticeObstacles();
   if (base_.collidesAt(T_world_robot)) return PortReply::rejected("that place is inside an obstacle");
-  base_.place(T_world_robot);
+  base_.place({T_world_robot.x, T_world_robot.y, wrapAngle(T_world_robot.theta)});
   if (player_) player_->lost();
   ++kidnaps_;
   return PortReply::accepted();

@@ -2,16 +2,17 @@
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <tinyxml2.h>
 
 #include <assimp/Importer.hpp>
-#include <fstream>
-#include <iterator>
+#include <cctype>
 #include <limits>
 #include <optional>
 #include <regex>
 #include <sdf/sdf.hh>
 
 #include "common/config/config_error.h"
+#include "common/config/text_file.h"
 #include "simulator/core/shapes.h"
 #include "simulator/core/world.h"
 
@@ -108,7 +109,8 @@ class WorldBuilder {
   LoadedWorld take(std::string name) {
     loaded_.world.name = std::move(name);
     if (loaded_.world.bodyCount() == 0) {
-      throw ConfigError({file_.string() + ": the world has nothing to show (no visual with triangles)"});
+      throw ConfigError({file_.string() + ": the world has nothing to show (no visual with triangles" +
+                         (loaded_.warnings.empty() ? "" : "; " + loaded_.warnings.front()) + ")"});
     }
     // A world that says nothing about light is not dark.
     if (loaded_.world.lights.empty()) loaded_.world.lights.emplace_back();
@@ -283,18 +285,36 @@ class WorldBuilder {
   LoadedWorld loaded_;
 };
 
-std::string readText(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || fs::is_directory(file)) {
-    throw ConfigError({file.string() + ": cannot be read (expected a world in SDF)"});
+/// "XML_ERROR_EMPTY_DOCUMENT" -> "empty document".
+std::string inWords(std::string name) {
+  constexpr std::string_view kBeginning = "XML_ERROR_";
+  if (name.starts_with(kBeginning)) name.erase(0, kBeginning.size());
+  for (char& c : name) c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
+
+/// Looks at the document first: libsdformat's own words for what is no XML or no SDF are the whole text.
+void checkDocument(const std::string& text, const fs::path& file) {
+  const auto failure = [&](int line, const std::string& what) {
+    return ConfigError({file.string() + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what +
+                        " (must be a world in SDF)"});
+  };
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    throw failure(document.ErrorLineNum(), "not XML: " + inWords(document.ErrorName()));
   }
-  return {std::istreambuf_iterator<char>(stream), {}};
+  const auto* root = document.RootElement();
+  if (root == nullptr) throw failure(0, "no XML element");
+  if (std::string(root->Name()) != "sdf") {
+    throw failure(root->GetLineNum(), std::string("begins with the element <") + root->Name() + ">");
+  }
 }
 
 }  // namespace
 
 LoadedWorld loadWorld(const fs::path& file, const std::vector<fs::path>& model_paths) {
-  const std::string text = readText(file);
+  const std::string text = readTextFile(file, "a world in SDF");
+  checkDocument(text, file);
   std::vector<fs::path> search = model_paths;
   search.push_back(file.parent_path());
   WorldBuilder builder(file, search);
