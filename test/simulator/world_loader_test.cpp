@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -92,12 +93,103 @@ TEST_F(WorldLoader, WarnsOfWhatItLeavesOut) {
   const auto loaded = loadWorld(
       world("<include><uri>model://ground_plane</uri></include><include><uri>model://sun</uri></include>" +
             model("<mesh><uri>model://lost/lost.dae</uri></mesh>") +
-            "<light name='lamp' type='point'><pose>0 0 1 0 0 0</pose></light>"));
+            "<actor name='a'><skin><filename>a.dae</filename></skin></actor>"));
   EXPECT_EQ(loaded.world.bodyCount(), 1) << "the built-in ground plane";
   ASSERT_EQ(loaded.world.lights.size(), 1U);
   EXPECT_NEAR(loaded.world.lights[0].color.x(), 0.8F, 1e-5F) << "the built-in sun";
   EXPECT_THAT(loaded.warnings, Contains(HasSubstr("\"m/l/v\": mesh model://lost/lost.dae not found")));
-  EXPECT_THAT(loaded.warnings, Contains(HasSubstr("light \"lamp\" is not directional")));
+  EXPECT_THAT(loaded.warnings, Contains(HasSubstr("<actor> is not simulated")));
+}
+
+TEST_F(WorldLoader, BadNumbersAreNamedAndLeftOut) {
+  const std::string box = "<box><size>1 1 1</size></box>";
+  for (const auto& [content, warning] : std::vector<std::pair<std::string, std::string>>{
+           {model(box, "nan 0 0 0 0 0"), "pose that is not finite"},
+           {model(box, "1e300 0 0 0 0 0"), "pose that is not finite or farther than 1000 km"},
+           {model("<box><size>1 -1 1</size></box>"), "a box of -1.0"},
+           {model("<box><size>1 nan 1</size></box>"), "a box of "},
+           {model("<cylinder><radius>0</radius><length>1</length></cylinder>"), "a cylinder of 0"},
+           {model("<sphere><radius>1e30</radius></sphere>"), "a sphere of 1"},
+           {model("<polyline><point>0 0</point><point>1 1</point><height>1</height></polyline>"),
+            "no area"}}) {
+    LoadedWorld loaded;
+    try {
+      loaded = loadWorld(world("<include><uri>model://ground_plane</uri></include>" + content));
+    } catch (const ConfigError& error) {
+      // libsdformat reads no NaN: then there is no world.
+      EXPECT_THAT(error.what(), HasSubstr("nan")) << content;
+      continue;
+    }
+    EXPECT_THAT(loaded.warnings, Contains(HasSubstr(warning))) << content;
+    for (const auto& m : loaded.world.models) {
+      EXPECT_TRUE(m.pose.matrix().allFinite());
+      for (const auto& body : m.bodies) {
+        for (const auto& v : body.vertices) ASSERT_TRUE(v.allFinite()) << content;
+      }
+    }
+  }
+}
+
+TEST_F(WorldLoader, BadFilesThatAWorldNamesAreWarnings) {
+  const auto put = [&](const std::string& name, const std::string& bytes) {
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+  };
+  put("empty.dae", "");
+  put("broken.dae", "<COLLADA><library_geometries><geometry>");
+  put("broken.obj", "v 0 0\nf 1 2 99999\n");
+  put("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  put("broken.stl", std::string("solid x\0\xff", 9));
+  put("text.png", "no picture");
+  put("look.obj", "mtllib look.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+  put("look.mtl", "newmtl m\nmap_Kd text.png\n");
+  std::string content = "<include><uri>model://ground_plane</uri></include>";
+  for (const char* file : {"empty.dae", "broken.dae", "broken.obj", "nan.obj", "broken.stl", "look.obj"}) {
+    std::string m = model("<mesh><uri>" + std::string(file) + "</uri></mesh>");
+    m.replace(m.find("name='m'"), 8, "name='" + std::string(file) + "'");
+    content += m;
+  }
+  content +=
+      "<model name='h'><link name='l'><visual name='v'><geometry><heightmap><uri>text.png</uri><size>1 1 "
+      "1</size>"
+      "</heightmap></geometry></visual></link></model>";
+  const auto loaded = loadWorld(world(content));
+  for (const char* file : {"empty.dae", "broken.dae", "broken.stl", "text.png"}) {
+    EXPECT_THAT(loaded.warnings, Contains(HasSubstr(file)));
+  }
+  EXPECT_THAT(loaded.warnings, Contains(HasSubstr("not a picture in a known format")));
+  for (const auto& m : loaded.world.models) {
+    for (const auto& body : m.bodies) {
+      for (const auto& v : body.vertices) ASSERT_TRUE(v.allFinite()) << m.name;
+      for (const auto& t : body.triangles) ASSERT_LT(t.maxCoeff(), body.vertices.size()) << m.name;
+    }
+  }
+}
+
+TEST_F(WorldLoader, AModelThatIncludesItselfIsAnError) {
+  std::filesystem::create_directories(folder_ / "a");
+  std::filesystem::create_directories(folder_ / "b");
+  const auto put = [&](const std::string& name, const std::string& other) {
+    std::ofstream(folder_ / name / "model.config")
+        << "<model><name>" << name << "</name><sdf version='1.6'>model.sdf</sdf></model>";
+    std::ofstream(folder_ / name / "model.sdf")
+        << "<sdf version='1.6'><model name='" << name << "'><include><uri>model://" << other
+        << "</uri></include></model></sdf>";
+  };
+  put("a", "b");
+  put("b", "a");
+  EXPECT_THAT(messageOf(world("<include><uri>model://a</uri></include>")),
+              HasSubstr("model://a includes itself"));
+}
+
+TEST_F(WorldLoader, TextsThatAreNotUtf8) {
+  const auto loaded =
+      loadWorld(file("<sdf version='1.6'><world name='w'>" +
+                     model("<box><size>1 1 1</size></box>").replace(13, 1, "caf\xe9") + "</world></sdf>"));
+  ASSERT_EQ(loaded.world.models.size(), 1U);
+  EXPECT_EQ(loaded.world.models[0].name, "caf\xc3\xa9");
+  EXPECT_THAT(loaded.warnings, Contains(HasSubstr("is not UTF-8: read as Latin-1")));
+  const std::string wide("\xff\xfe<\0s\0d\0f\0", 10);
+  EXPECT_THAT(messageOf(file(wide)), HasSubstr("is not text in UTF-8 (it holds zero bytes)"));
 }
 
 TEST_F(WorldLoader, ObstaclesAreOnlyWhatTheBodyOfTheRobotCanMeet) {

@@ -1,8 +1,8 @@
 #include "simulator/app/component.h"
 
-#include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <string>
 
 #include "common/config/config_error.h"
 #include "common/process/log.h"
@@ -11,23 +11,13 @@
 #include "common/robot_ice/camera_ice.h"
 #include "common/robot_ice/pantilt_ice.h"
 #include "common/robot_ice/simulation_ice.h"
+#include "simulator/app/model_paths.h"
 #include "simulator/app/real_time_simulation.h"
 #include "simulator/app/render_pool.h"
 #include "simulator/app/simulator_config.h"
 
 namespace vismem {
 namespace {
-
-/// The variables with which Gazebo's users name their folders of models.
-void addModelPaths(std::vector<std::filesystem::path>& paths) {
-  for (const char* variable : {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH"}) {
-    const char* value = std::getenv(variable);
-    std::istringstream folders(value == nullptr ? "" : value);
-    for (std::string folder; std::getline(folders, folder, ':');) {
-      if (!folder.empty()) paths.emplace_back(folder);
-    }
-  }
-}
 
 std::string readScenario(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -122,8 +112,9 @@ class SimulatorComponent : public Component {
 std::unique_ptr<Component> configure(ConfigReader& reader) {
   SimulatorConfig config = readSimulatorConfig(reader);
   if (!reader.good()) return nullptr;
-  addModelPaths(config.model_paths);
-  LoadedWorld loaded = loadWorld(config.world_file, config.model_paths);
+  std::vector<std::string> folders;
+  for (const auto& folder : config.model_paths) folders.push_back(folder.string());
+  LoadedWorld loaded = loadWorld(config.world_file, modelPaths(folders));
   config.simulation.world = std::move(loaded.world);
   std::optional<Scenario> scenario;
   if (!config.scenario.empty()) {
@@ -149,7 +140,8 @@ ComponentSpec simulatorSpec() {
   spec.prefix = "Simulator";
   spec.summary =
       "Simulates a robot with a camera on a pan-tilt unit in a world of SDF. Also: simulator --render WORLD "
-      "[--pose x,y,theta] [--pan DEG] [--tilt DEG] [--top] -o FILE.png.";
+      "[--pose x,y,theta] [--pan DEG] [--tilt DEG] [--top] [--camera NAME] [--depth FILE] [--ids FILE] -o "
+      "FILE.png.";
   // Every object is found at every port; each has the port of a hardware server's own.
   for (const int port : {9999, 9990, 9997, 9977, 9972}) {
     spec.default_endpoints +=

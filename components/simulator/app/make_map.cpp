@@ -5,6 +5,7 @@
 
 #include "common/config/config_error.h"
 #include "common/tool/command_line_tool.h"
+#include "simulator/app/model_paths.h"
 #include "simulator/core/map_builder.h"
 
 int main(int argc, char** argv) {
@@ -17,14 +18,16 @@ int main(int argc, char** argv) {
   app.add_option("world", world_file, "World file (SDF)")->required();
   app.add_option("--palette", palette_file, "Colour classes and the pairs that make an edge")->required();
   app.add_option("-o,--out", out, "Map to write (CSV)")->required();
-  app.add_option("--models", model_paths, "Folders in which model:// names are searched");
+  app.add_option("--models", model_paths,
+                 "Folders in which model:// names are searched, before those of GAZEBO_MODEL_PATH and "
+                 "GZ_SIM_RESOURCE_PATH");
   app.add_option("--eye-height", params.eye_height_m, "Height of the camera [m]")
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();
   if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   try {
     const vismem::Palette palette = vismem::loadPalette(palette_file);
-    const auto loaded = vismem::loadWorld(world_file, {model_paths.begin(), model_paths.end()});
+    const auto loaded = vismem::loadWorld(world_file, vismem::modelPaths(model_paths));
     for (const auto& warning : loaded.warnings) std::cerr << "warning: " << warning << "\n";
     const auto map = vismem::buildSegmentMap(loaded.world, palette, params);
     if (map.segments.empty()) {

@@ -3,19 +3,33 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "common/geometry/camera.h"
 #include "common/geometry/pose.h"
 #include "simulator/core/world.h"
 
 namespace vismem {
 
 class Renderer;
+struct TruthImages;
 
-/// What the simulated robot's camera would see without noise (320x240, 60 degrees, 0.45 m above the robot).
+struct View {
+  CameraIntrinsics intrinsics;
+  Pose3 T_world_camera = Pose3::Identity();
+};
+
+/// What the simulated robot's camera sees (320x240, 60 degrees, 0.45 m above the robot).
+View robotView(const Pose2& T_world_robot, double pan_rad, double tilt_rad);
+
 cv::Mat renderRobotView(Renderer& renderer, const Pose2& T_world_robot, double pan_rad, double tilt_rad);
 
 /// The whole world from far above, x to the right and y up. Bodies wider than 50 m do not count for its size.
 /// @param width of the image [px]; the height follows.
-cv::Mat renderTopView(Renderer& renderer, const World& world, int width = 1000);
+View topView(const World& world, int width = 1000);
+
+/// CV_16U: millimetres, 0 where nothing is or beyond 65.5 m.
+cv::Mat pictureOfDepth(const TruthImages& truth);
+/// CV_16U: the model's index + 1, 0 where nothing is.
+cv::Mat pictureOfModels(const TruthImages& truth);
 
 /// `simulator --render ...`. @return the exit code.
 int runRenderCommand(int argc, char** argv);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <tuple>
 
+#include "simulator/core/map_builder_stripes.h"
 #include "simulator/core/renderer.h"
 
 namespace vismem {
@@ -239,7 +240,7 @@ SegmentMap buildSegmentMap(const World& world, const Palette& palette, const Map
   }
   std::sort(kept.begin(), kept.end());
   for (const std::size_t i : kept) map.segments.push_back(joined[i]);
-  return map;
+  return palette.stripes().empty() ? map : joinStripes(map, palette.stripes());
 }
 
 }  // namespace vismem

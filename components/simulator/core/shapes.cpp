@@ -1,8 +1,10 @@
 #include "simulator/core/shapes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace vismem {
 namespace {
@@ -18,6 +20,7 @@ void addQuad(TriangleMesh& mesh, const Eigen::Vector3f& a, const Eigen::Vector3f
              const Eigen::Vector3f& d) {
   const std::size_t first = mesh.vertices.size();
   mesh.vertices.insert(mesh.vertices.end(), {a, b, c, d});
+  mesh.uvs.insert(mesh.uvs.end(), {{0, 1}, {1, 1}, {1, 0}, {0, 0}});
   mesh.triangles.push_back(triangle(first, first + 1, first + 2));
   mesh.triangles.push_back(triangle(first, first + 2, first + 3));
 }
@@ -27,7 +30,41 @@ Eigen::Vector3f onCircle(double radius, int side, double z) {
   return Eigen::Vector3d(radius * std::cos(angle), radius * std::sin(angle), z).cast<float>();
 }
 
+constexpr float turnShare(int side) {
+  return static_cast<float>(side) / kRoundSides;
+}
+
 }  // namespace
+
+void append(TriangleMesh& mesh, const TriangleMesh& more) {
+  const bool first_part = mesh.vertices.empty();
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
+  for (const auto& t : more.triangles) mesh.triangles.emplace_back(first + t[0], first + t[1], first + t[2]);
+  const auto join = [&](auto& to, const auto& from) {
+    if ((first_part || !to.empty()) && !from.empty()) {
+      to.insert(to.end(), from.begin(), from.end());
+    } else {
+      to.clear();
+    }
+  };
+  join(mesh.uvs, more.uvs);
+  join(mesh.normals, more.normals);
+}
+
+void transformMesh(TriangleMesh& mesh, const Eigen::Affine3d& T) {
+  for (auto& v : mesh.vertices) v = (T * v.cast<double>()).cast<float>();
+  // Normals stay normal under the inverse transpose, here up to its length.
+  const Eigen::Matrix3d m = T.linear();
+  Eigen::Matrix3d normal;
+  normal << m.col(1).cross(m.col(2)), m.col(2).cross(m.col(0)), m.col(0).cross(m.col(1));
+  const bool mirrored = m.determinant() < 0.0;
+  if (mirrored) normal = -normal;
+  for (auto& n : mesh.normals) n = (normal * n.cast<double>()).normalized().cast<float>();
+  if (mirrored) {
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  }
+}
 
 TriangleMesh boxMesh(const Eigen::Vector3d& size) {
   const Eigen::Vector3f h = (0.5 * size).cast<float>();
@@ -53,31 +90,101 @@ TriangleMesh planeMesh(const Eigen::Vector2d& size) {
 TriangleMesh cylinderMesh(double radius, double length) {
   TriangleMesh mesh;
   const double top = 0.5 * length;
-  const Eigen::Vector3f top_centre(0, 0, static_cast<float>(top));
-  const Eigen::Vector3f bottom_centre(0, 0, static_cast<float>(-top));
   for (int i = 0; i < kRoundSides; ++i) {
     addQuad(mesh, onCircle(radius, i, -top), onCircle(radius, i + 1, -top), onCircle(radius, i + 1, top),
             onCircle(radius, i, top));
-    const std::size_t first = mesh.vertices.size();
-    mesh.vertices.insert(mesh.vertices.end(),
-                         {top_centre, onCircle(radius, i, top), onCircle(radius, i + 1, top), bottom_centre,
-                          onCircle(radius, i + 1, -top), onCircle(radius, i, -top)});
-    mesh.triangles.push_back(triangle(first, first + 1, first + 2));
-    mesh.triangles.push_back(triangle(first + 3, first + 4, first + 5));
+    const Eigen::Vector3f here = onCircle(1.0, i, 0.0);
+    const Eigen::Vector3f next = onCircle(1.0, i + 1, 0.0);
+    mesh.normals.insert(mesh.normals.end(), {here, next, next, here});
+    for (int k = 4; k > 0; --k) {
+      auto& uv = mesh.uvs[mesh.uvs.size() - k];
+      uv.x() = turnShare(k == 3 || k == 2 ? i + 1 : i);
+    }
+    for (const int up : {1, -1}) {
+      const std::size_t first = mesh.vertices.size();
+      const auto z = static_cast<float>(up * top);
+      mesh.vertices.insert(mesh.vertices.end(),
+                           {Eigen::Vector3f(0, 0, z), onCircle(radius, up > 0 ? i : i + 1, z),
+                            onCircle(radius, up > 0 ? i + 1 : i, z)});
+      mesh.triangles.push_back(triangle(first, first + 1, first + 2));
+      for (int k = 0; k < 3; ++k) {
+        const Eigen::Vector3f& p = mesh.vertices[first + k];
+        const auto r = static_cast<float>(radius);
+        mesh.uvs.emplace_back(0.5f + 0.5f * p.x() / r, 0.5f - 0.5f * p.y() / r);
+        mesh.normals.emplace_back(0, 0, static_cast<float>(up));
+      }
+    }
   }
   return mesh;
 }
 
 TriangleMesh sphereMesh(double radius) {
+  return capsuleMesh(radius, 0.0);
+}
+
+TriangleMesh ellipsoidMesh(const Eigen::Vector3d& radii) {
+  TriangleMesh mesh = sphereMesh(1.0);
+  transformMesh(mesh, Eigen::Affine3d(Eigen::Scaling(radii)));
+  return mesh;
+}
+
+TriangleMesh capsuleMesh(double radius, double length) {
   TriangleMesh mesh;
-  const auto point = [&](int ring, int side) {
+  const auto normal = [&](int ring, int side) {
     const double polar = std::numbers::pi * ring / kSphereRings;
-    return onCircle(radius * std::sin(polar), side, radius * std::cos(polar));
+    return onCircle(std::sin(polar), side, std::cos(polar));
   };
-  for (int ring = 0; ring < kSphereRings; ++ring) {
+  const auto addRing = [&](int from, int to, double z_from, double z_to) {
     for (int side = 0; side < kRoundSides; ++side) {
-      addQuad(mesh, point(ring, side), point(ring + 1, side), point(ring + 1, side + 1),
-              point(ring, side + 1));
+      const std::array<Eigen::Vector3f, 4> n{normal(from, side), normal(to, side), normal(to, side + 1),
+                                             normal(from, side + 1)};
+      const auto point = [&](int i, double z) {
+        return Eigen::Vector3f(static_cast<float>(radius) * n[i] +
+                               Eigen::Vector3f(0, 0, static_cast<float>(z)));
+      };
+      addQuad(mesh, point(0, z_from), point(1, z_to), point(2, z_to), point(3, z_from));
+      mesh.normals.insert(mesh.normals.end(), n.begin(), n.end());
+      const auto v = [](int ring) { return static_cast<float>(ring) / kSphereRings; };
+      auto* uv = &mesh.uvs[mesh.uvs.size() - 4];
+      uv[0] = {turnShare(side), v(from)};
+      uv[1] = {turnShare(side), v(to)};
+      uv[2] = {turnShare(side + 1), v(to)};
+      uv[3] = {turnShare(side + 1), v(from)};
+    }
+  };
+  const double half = 0.5 * length;
+  for (int ring = 0; ring < kSphereRings; ++ring) {
+    const double z = ring < kSphereRings / 2 ? half : -half;
+    if (ring == kSphereRings / 2 && length > 0.0) addRing(ring, ring, half, -half);
+    addRing(ring, ring + 1, z, z);
+  }
+  return mesh;
+}
+
+TriangleMesh heightmapMesh(const Eigen::Vector2d& size, int columns, int rows,
+                           const std::vector<float>& heights) {
+  TriangleMesh mesh;
+  const auto at = [&](int column, int row) { return static_cast<std::size_t>(row) * columns + column; };
+  const auto clampedHeight = [&](int column, int row) {
+    return heights[at(std::clamp(column, 0, columns - 1), std::clamp(row, 0, rows - 1))];
+  };
+  const double dx = size.x() / (columns - 1);
+  const double dy = size.y() / (rows - 1);
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      mesh.vertices.emplace_back(static_cast<float>(-0.5 * size.x() + dx * column),
+                                 static_cast<float>(0.5 * size.y() - dy * row), heights[at(column, row)]);
+      mesh.uvs.emplace_back(static_cast<float>(column) / static_cast<float>(columns - 1),
+                            static_cast<float>(row) / static_cast<float>(rows - 1));
+      const double slope_x = (clampedHeight(column + 1, row) - clampedHeight(column - 1, row)) / (2.0 * dx);
+      const double slope_y = (clampedHeight(column, row - 1) - clampedHeight(column, row + 1)) / (2.0 * dy);
+      mesh.normals.push_back(Eigen::Vector3d(-slope_x, -slope_y, 1.0).normalized().cast<float>());
+    }
+  }
+  for (int row = 0; row + 1 < rows; ++row) {
+    for (int column = 0; column + 1 < columns; ++column) {
+      mesh.triangles.push_back(triangle(at(column, row), at(column, row + 1), at(column + 1, row + 1)));
+      mesh.triangles.push_back(triangle(at(column, row), at(column + 1, row + 1), at(column + 1, row)));
     }
   }
   return mesh;

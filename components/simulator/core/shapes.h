@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <vector>
 
@@ -10,7 +11,14 @@ namespace vismem {
 struct TriangleMesh {
   std::vector<Eigen::Vector3f> vertices;
   std::vector<Eigen::Vector3<std::uint32_t>> triangles;
+  std::vector<Eigen::Vector2f> uvs;      ///< one a vertex or none; (0, 0) is a texture's top left
+  std::vector<Eigen::Vector3f> normals;  ///< one a vertex or none: of the rounded surface
 };
+
+/// Puts `more` into `mesh`. UVs and normals stay only if both have them (an empty `mesh` has everything).
+void append(TriangleMesh& mesh, const TriangleMesh& more);
+/// Moves and scales; mirrored meshes keep their outside. Normals follow.
+void transformMesh(TriangleMesh& mesh, const Eigen::Affine3d& T);
 
 /// @param size edge lengths along x, y, z [m]; centred on the origin.
 TriangleMesh boxMesh(const Eigen::Vector3d& size);
@@ -19,6 +27,14 @@ TriangleMesh planeMesh(const Eigen::Vector2d& size);
 /// Axis along z, centred [m].
 TriangleMesh cylinderMesh(double radius, double length);
 TriangleMesh sphereMesh(double radius);
+/// @param radii along x, y, z [m].
+TriangleMesh ellipsoidMesh(const Eigen::Vector3d& radii);
+/// A cylinder along z, centred, with a half ball on either end. @param length of the cylinder [m].
+TriangleMesh capsuleMesh(double radius, double length);
+/// A surface over a grid of heights [m], row by row, the first row at +y. @param size along x and y [m];
+/// centred. @param columns, rows at least 2, heights.size() == columns * rows.
+TriangleMesh heightmapMesh(const Eigen::Vector2d& size, int columns, int rows,
+                           const std::vector<float>& heights);
 /// A prism over a simple polygon (either sense of rotation), from z = 0 to `height` [m].
 /// @return without triangles if the polygon has no area or crosses itself.
 TriangleMesh prismMesh(std::vector<Eigen::Vector2d> outline, double height);

@@ -1,14 +1,6 @@
 #include "simulator/core/world.h"
 
 namespace vismem {
-namespace {
-
-/// Obstacles matter where the robot's body is [m above the floor].
-constexpr double kRobotBodyBottom_m = 0.03;
-constexpr double kRobotBodyTop_m = 0.5;
-
-}  // namespace
-
 std::optional<int> World::modelNamed(std::string_view wanted) const {
   for (std::size_t i = 0; i < models.size(); ++i) {
     if (models[i].name == wanted) return static_cast<int>(i);

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/geometry/camera.h"
 #include "common/geometry/pose.h"
 #include "common/kinematics/obstacle.h"
 
@@ -72,11 +73,21 @@ struct Light {
   float falloff = 1.0f;
 };
 
+/// A camera sensor as the world's file describes it.
+struct WorldCamera {
+  std::string name;                          ///< "model/link/sensor"
+  Pose3 T_world_camera = Pose3::Identity();  ///< camera axes: x right, y down, z forward
+  CameraIntrinsics intrinsics;               ///< with its distortion
+  double noise_sigma = 0.0;                  ///< Gaussian, of a channel in 0..1
+  double rate_hz = 0.0;                      ///< 0: as fast as can be
+};
+
 /// Invariant: at least one model has a body with a triangle. Names of models differ.
 struct World {
   std::string name;
   std::vector<WorldModel> models;
   std::vector<Light> lights;
+  std::vector<WorldCamera> cameras;
   Eigen::Vector3f ambient{0.45f, 0.45f, 0.45f};
   Eigen::Vector3f sky{0.75f, 0.82f, 0.9f};  ///< where no surface is
 
@@ -98,8 +109,25 @@ struct LoadedWorld {
 
 /// Reads an SDF file (1.2 to 1.9). libsdformat's own complaints are warnings as long as there is a world.
 /// `model://` names are searched in `model_paths`, then in the world's own folder; ground_plane and sun are
-/// built in. @throws ConfigError: unreadable, not SDF, or nothing to show; names the file and the reason.
+/// built in. Nothing is assumed of the file, nor of the meshes and pictures that it names.
+/// @throws ConfigError: unreadable, not SDF, a model that includes itself, or nothing to show; names the file
+/// and the reason.
 LoadedWorld loadWorld(const std::filesystem::path& file,
                       const std::vector<std::filesystem::path>& model_paths = {});
+/// As loadWorld on a text. @param file for messages only. @param search all folders in their order.
+LoadedWorld parseWorld(const std::string& bytes, const std::string& file,
+                       const std::vector<std::filesystem::path>& search);
+
+struct LoadedModel {
+  WorldModel model;
+  std::vector<std::string> warnings;
+};
+/// Reads one model: `model://NAME`, its folder, or its .sdf file. It stands where its file says.
+/// @throws ConfigError as loadWorld.
+LoadedModel loadModel(const std::string& uri, const std::vector<std::filesystem::path>& model_paths = {});
+
+/// Heights above the floor between which a robot's body meets things [m].
+constexpr double kRobotBodyBottom_m = 0.03;
+constexpr double kRobotBodyTop_m = 0.5;
 
 }  // namespace vismem

@@ -1,20 +1,18 @@
-// The only file that includes libsdformat: its headers are slow to compile.
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-#include <tinyxml2.h>
-
-#include <assimp/Importer.hpp>
-#include <cctype>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
-#include <regex>
 #include <sdf/sdf.hh>
+#include <set>
+#include <utility>
 
 #include "common/config/config_error.h"
 #include "common/config/text_file.h"
-#include "simulator/core/shapes.h"
 #include "simulator/core/world.h"
+#include "simulator/core/world_geometry.h"
+#include "simulator/core/world_outlines.h"
+#include "simulator/core/world_resolver.h"
+#include "simulator/core/world_text.h"
 
 namespace vismem {
 namespace {
@@ -22,95 +20,159 @@ namespace {
 namespace fs = std::filesystem;
 using ignition::math::Pose3d;
 
-/// An sdf plane is infinite; its picture is not.
-constexpr double kGroundPlaneSize_m = 200.0;
+constexpr std::size_t kMaxWorld_bytes = 64u << 20;
+/// Models that include models that include models ...
+constexpr std::size_t kMaxIncludes = 20;
+constexpr double kMaxPosition_m = 1e6;
+constexpr std::size_t kMaxLights = 16;
+/// Of libsdformat's complaints when there is no world.
+constexpr std::size_t kMaxReasons = 5;
+/// Gazebo's light where a file gives none to a lamp.
+constexpr double kNoFactor = 0.0;
 
-/// ground_plane and sun ship with Gazebo, not with the worlds that include them.
-constexpr const char* kGroundPlane = R"(<model name="ground_plane"><static>true</static><link name="link">
-<visual name="visual"><geometry><plane><normal>0 0 1</normal><size>200 200</size></plane></geometry>
-<material><ambient>0.5 0.5 0.5 1</ambient><diffuse>0.5 0.5 0.5 1</diffuse></material></visual></link></model>)";
-constexpr const char* kSun = R"(<light name="sun" type="directional"><pose>0 0 10 0 0 0</pose>
-<diffuse>0.8 0.8 0.8 1</diffuse><direction>-0.5 0.1 -0.9</direction></light>)";
-
-std::string withBuiltIns(const std::string& text) {
-  const auto include = [](const char* name) {
-    return std::regex("<include>\\s*<uri>\\s*model://" + std::string(name) + "\\s*</uri>\\s*</include>");
-  };
-  return std::regex_replace(std::regex_replace(text, include("ground_plane"), kGroundPlane), include("sun"),
-                            kSun);
-}
-
-Pose3 toPose3(const Pose3d& pose) {
-  Pose3 result = Pose3::Identity();
-  result.linear() =
-      Eigen::Quaterniond(pose.Rot().W(), pose.Rot().X(), pose.Rot().Y(), pose.Rot().Z()).toRotationMatrix();
-  result.translation() = Eigen::Vector3d(pose.Pos().X(), pose.Pos().Y(), pose.Pos().Z());
-  return result;
+Eigen::Vector3f toColor(const ignition::math::Color& c) {
+  const Eigen::Vector3f color(c.R(), c.G(), c.B());
+  return color.allFinite() ? color.cwiseMax(0.0f).cwiseMin(10.0f).eval() : Eigen::Vector3f::Zero().eval();
 }
 
 class WorldBuilder {
  public:
-  WorldBuilder(fs::path file, std::vector<fs::path> search)
-      : file_(std::move(file)), search_(std::move(search)) {}
+  WorldBuilder(std::string file, std::vector<fs::path> search)
+      : file_(std::move(file)),
+        resolver_(std::move(search)),
+        geometry_(resolver_, [this](const std::string& text) { warn(text); }) {}
 
-  void warn(const std::string& text) { loaded_.warnings.push_back(file_.string() + ": " + text); }
+  /// The same trouble with many parts is one warning.
+  void warn(const std::string& text) {
+    if (warned_.insert(text).second) loaded_.warnings.push_back(file_ + ": " + text);
+  }
 
-  /// Where a uri of the world leads; empty if nowhere.
-  fs::path resolve(const std::string& uri) const {
-    std::string name = uri;
-    for (const char* scheme : {"model://", "file://"}) {
-      if (name.rfind(scheme, 0) == 0) name = name.substr(std::string(scheme).size());
+  /// Where libsdformat finds an include: a folder with model.config, or a file.
+  std::string findInclude(const std::string& uri) {
+    const auto found = resolver_.find(uri);
+    if (!found.note.empty()) warn(found.note);
+    std::error_code error;
+    if (fs::is_directory(found.path, error) && !pathExists(found.path / "model.config") &&
+        !pathExists(found.path / "manifest.xml")) {
+      if (!pathExists(found.path / "model.sdf")) return found.path.string();
+      warn(found.path.string() + " has no model.config: its model.sdf is used");
+      return (found.path / "model.sdf").string();
     }
-    if (fs::path(name).is_absolute() && fs::exists(name)) return name;
-    for (const auto& folder : search_) {
-      if (fs::exists(folder / name)) return folder / name;
+    return found.path.string();
+  }
+
+  /// libsdformat follows includes without end. @throws ConfigError for a model that includes itself.
+  void checkIncludes(const std::string& xml, const fs::path& folder, std::vector<fs::path>& chain) {
+    for (const std::string& uri : includedUris(xml)) {
+      fs::path path = resolver_.find(uri).path;
+      std::error_code error;
+      path = fs::weakly_canonical(path, error);
+      if (path.empty() || error) continue;
+      const bool circle = std::find(chain.begin(), chain.end(), path) != chain.end() || path == folder;
+      if (circle || chain.size() >= kMaxIncludes) {
+        throw ConfigError({file_ + ": " + uri + (circle ? " includes itself" : " is included too deep")});
+      }
+      if (!checked_.insert(path.string()).second) continue;
+      chain.push_back(path);
+      std::vector<fs::path> files{path};
+      if (fs::is_directory(path, error)) {
+        files.clear();
+        for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error)) {
+          if (it->path().extension() == ".sdf") files.push_back(it->path());
+        }
+      }
+      for (const auto& file : files) {
+        if (const auto text = readFile(file, kMaxWorld_bytes)) checkIncludes(*text, path, chain);
+      }
+      chain.pop_back();
     }
-    return {};
   }
 
   void addModel(const sdf::Model& model) {
     WorldModel result;
     result.name = freeName(model.Name());
-    result.pose = poseOf(model);
+    const auto pose = poseOf(model, "model \"" + model.Name() + "\"");
+    if (!pose) return;
+    result.pose = *pose;
+    if (const auto moved = states_.find(model.Name()); moved != states_.end()) result.pose = moved->second;
     addParts(model, "", Pose3::Identity(), result);
-    for (auto& obstacle : result.outlines) {
-      // Outlines are kept in the plan frame of the model as it stands.
-      const Pose2 T_plan_world = inverse(toPose2(result.pose));
-      for (auto& p : obstacle.outline) p = transform(T_plan_world, p);
-    }
     if (!result.bodies.empty() || !result.outlines.empty()) {
       loaded_.world.models.push_back(std::move(result));
     }
   }
 
   void addLight(const sdf::Light& light) {
-    if (light.Type() != sdf::LightType::DIRECTIONAL) {
-      warn("light \"" + light.Name() + "\" is not directional: only a sun is simulated");
+    if (loaded_.world.lights.size() >= kMaxLights) {
+      warn("light \"" + light.Name() + "\": only the first " + std::to_string(kMaxLights) + " are simulated");
       return;
     }
+    const auto pose = poseOf(light, "light \"" + light.Name() + "\"");
+    if (!pose) return;
+    Light result;
+    result.name = light.Name();
+    result.kind = light.Type() == sdf::LightType::SPOT    ? Light::Kind::kSpot
+                  : light.Type() == sdf::LightType::POINT ? Light::Kind::kPoint
+                                                          : Light::Kind::kDirectional;
     const auto direction = light.Direction();
-    Eigen::Vector3d d(direction.X(), direction.Y(), direction.Z());
-    Pose3d pose;
-    if (light.SemanticPose().Resolve(pose).empty()) d = toPose3(pose).linear() * d;
-    if (d.norm() < 1e-9) {
+    const Eigen::Vector3d d = pose->linear() * Eigen::Vector3d(direction.X(), direction.Y(), direction.Z());
+    if (result.kind != Light::Kind::kPoint && !(d.norm() > 1e-9)) {
       warn("light \"" + light.Name() + "\" has a direction of no length: ignored");
       return;
     }
-    Light result;
-    result.name = light.Name();
-    result.direction = d.normalized().cast<float>();
-    result.color = toColor(light.Diffuse());
-    result.shadows = true;
+    if (d.norm() > 1e-9) result.direction = d.normalized().cast<float>();
+    result.position = pose->translation().cast<float>();
+    const double intensity = light.Intensity() >= 0.0 && light.Intensity() < 100.0 ? light.Intensity() : 1.0;
+    result.color = toColor(light.Diffuse()) * static_cast<float>(intensity);
+    // Gazebo's lamps inside rooms throw none unless asked to; suns do.
+    const bool says = light.Element() && light.Element()->HasElement("cast_shadows");
+    result.shadows = says ? light.CastShadows() : result.kind == Light::Kind::kDirectional;
+    const auto factor = [](double value, double instead) {
+      return static_cast<float>(value >= 0.0 && value < 1e6 ? value : instead);
+    };
+    result.range_m = factor(light.AttenuationRange(), 10.0);
+    result.constant = factor(light.ConstantAttenuationFactor(), 1.0);
+    result.linear = factor(light.LinearAttenuationFactor(), kNoFactor);
+    result.quadratic = factor(light.QuadraticAttenuationFactor(), kNoFactor);
+    result.inner_angle_rad = factor(light.SpotInnerAngle().Radian(), 0.0);
+    result.outer_angle_rad = std::max(factor(light.SpotOuterAngle().Radian(), 0.0), result.inner_angle_rad);
+    result.falloff = factor(light.SpotFalloff(), 1.0);
     loaded_.world.lights.push_back(result);
   }
 
-  void setScene(const sdf::Scene& scene) { loaded_.world.ambient = toColor(scene.Ambient()); }
+  void setScene(const sdf::Scene& scene) {
+    loaded_.world.ambient = toColor(scene.Ambient());
+    // libsdformat puts its own grey where a file says nothing.
+    const auto background = scene.Element() ? scene.Element()->FindElement("background") : nullptr;
+    if (background && background->GetExplicitlySetInFile()) {
+      loaded_.world.sky = toColor(scene.Background()).cwiseMin(1.0f);
+    }
+  }
+
+  /// A world saved by Gazebo says twice where its models are: the state is what it looked like.
+  void readStates(const sdf::World& world) {
+    const auto state = world.Element() ? world.Element()->FindElement("state") : nullptr;
+    for (auto model = state ? state->FindElement("model") : nullptr; model;
+         model = model->GetNextElement("model")) {
+      if (!model->HasElement("pose") || !model->HasAttribute("name")) continue;
+      const Pose3 pose = toPose3(model->Get<Pose3d>("pose"));
+      if (isUsable(pose)) states_[model->Get<std::string>("name")] = pose;
+    }
+  }
+
+  void warnOfTheRest(const sdf::World& world) {
+    for (const char* what : {"actor", "population", "road"}) {
+      if (world.Element() && world.Element()->HasElement(what)) {
+        warn(std::string("<") + what + "> is not simulated");
+      }
+    }
+  }
 
   LoadedWorld take(std::string name) {
     loaded_.world.name = std::move(name);
     if (loaded_.world.bodyCount() == 0) {
-      throw ConfigError({file_.string() + ": the world has nothing to show (no visual with triangles" +
-                         (loaded_.warnings.empty() ? "" : "; " + loaded_.warnings.front()) + ")"});
+      std::string why;
+      for (const auto& warning : loaded_.warnings) why += "\n" + warning;
+      throw ConfigError({file_ + ": the world has nothing to show (no visual with triangles)" + why});
     }
     // A world that says nothing about light is not dark.
     if (loaded_.world.lights.empty()) loaded_.world.lights.emplace_back();
@@ -118,15 +180,26 @@ class WorldBuilder {
   }
 
  private:
-  static Eigen::Vector3f toColor(const ignition::math::Color& color) {
-    return {color.R(), color.G(), color.B()};
+  static Pose3 toPose3(const Pose3d& pose) {
+    Pose3 result = Pose3::Identity();
+    const Eigen::Quaterniond q(pose.Rot().W(), pose.Rot().X(), pose.Rot().Y(), pose.Rot().Z());
+    result.linear() = q.toRotationMatrix();
+    result.translation() = Eigen::Vector3d(pose.Pos().X(), pose.Pos().Y(), pose.Pos().Z());
+    return result;
   }
-  /// In the frame of what it is part of.
+  static bool isUsable(const Pose3& pose) {
+    return pose.matrix().allFinite() && pose.translation().cwiseAbs().maxCoeff() <= kMaxPosition_m &&
+           std::abs(pose.linear().determinant() - 1.0) < 1e-3;
+  }
+  /// In the frame of what it is part of; empty (and a warning) if it is no pose.
   template <typename Part>
-  static Pose3 poseOf(const Part& part) {
+  std::optional<Pose3> poseOf(const Part& part, const std::string& name) {
     Pose3d pose;
     if (!part.SemanticPose().Resolve(pose).empty()) pose = part.RawPose();
-    return toPose3(pose);
+    const Pose3 result = toPose3(pose);
+    if (isUsable(result)) return result;
+    warn(name + " has a pose that is not finite or farther than 1000 km: left out");
+    return std::nullopt;
   }
   /// Names of models are how scenarios name them: each only once.
   std::string freeName(const std::string& wanted) const {
@@ -140,208 +213,199 @@ class WorldBuilder {
                 WorldModel& out) {
     for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
       const sdf::Link& link = *model.LinkByIndex(i);
-      addLink(prefix + link.Name(), link, T_model_parts * poseOf(link), out);
+      const std::string name = prefix + link.Name();
+      const auto pose = poseOf(link, "\"" + out.name + "/" + name + "\"");
+      if (pose) addLink(name, link, T_model_parts * *pose, out);
     }
     for (std::uint64_t i = 0; i < model.ModelCount(); ++i) {
       const sdf::Model& nested = *model.ModelByIndex(i);
-      addParts(nested, prefix + nested.Name() + "/", T_model_parts * poseOf(nested), out);
+      const std::string name = prefix + nested.Name();
+      const auto pose = poseOf(nested, "\"" + out.name + "/" + name + "\"");
+      if (pose) addParts(nested, name + "/", T_model_parts * *pose, out);
     }
   }
 
   void addLink(const std::string& name, const sdf::Link& link, const Pose3& T_model_link, WorldModel& out) {
     for (std::uint64_t i = 0; i < link.VisualCount(); ++i) {
       const sdf::Visual& visual = *link.VisualByIndex(i);
-      WorldBody body;
-      body.name = name + "/" + visual.Name();
-      const auto mesh = meshOf(out.name + "/" + body.name, visual.Geom());
-      if (!mesh || mesh->triangles.empty()) continue;
-      if (const sdf::Material* material = visual.Material()) body.color = toColor(material->Diffuse());
-      const Eigen::Isometry3f T = (T_model_link * poseOf(visual)).template cast<float>();
-      body.vertices.reserve(mesh->vertices.size());
-      for (const auto& vertex : mesh->vertices) body.vertices.push_back(T * vertex);
-      body.triangles = mesh->triangles;
-      out.bodies.push_back(std::move(body));
+      if (visual.Transparency() >= 1.0f) continue;
+      const std::string short_name = name + "/" + visual.Name();
+      const std::string long_name = out.name + "/" + short_name;
+      const auto pose = poseOf(visual, "\"" + long_name + "\"");
+      auto shape = pose ? geometry_.read(long_name, visual.Geom()) : std::nullopt;
+      if (!shape) continue;
+      if (const sdf::Material* material = visual.Material())
+        geometry_.apply(long_name, *material, shape->parts);
+      for (auto& part : shape->parts) addBody(short_name, long_name, part, T_model_link * *pose, out);
+    }
+    for (std::uint64_t i = 0; i < link.SensorCount(); ++i) {
+      addCamera(name, *link.SensorByIndex(i), T_model_link, out);
+    }
+    for (std::uint64_t i = 0; i < link.LightCount(); ++i) {
+      warn("light \"" + link.LightByIndex(i)->Name() + "\" on a link of model \"" + out.name +
+           "\" is not simulated");
     }
     for (std::uint64_t i = 0; i < link.CollisionCount(); ++i) {
       const sdf::Collision& collision = *link.CollisionByIndex(i);
-      const std::string shape_name = name + "/" + collision.Name();
+      const std::string short_name = name + "/" + collision.Name();
       if (collision.Geom() != nullptr && collision.Geom()->Type() == sdf::GeometryType::PLANE) continue;
-      const auto mesh = meshOf(out.name + "/" + shape_name, collision.Geom());
-      if (mesh) addObstacle(shape_name, *mesh, out.pose * T_model_link * poseOf(collision), out);
+      const auto pose = poseOf(collision, "\"" + out.name + "/" + short_name + "\"");
+      const auto shape = pose ? geometry_.read(out.name + "/" + short_name, collision.Geom()) : std::nullopt;
+      if (shape) addOutlines(short_name, *shape, T_model_link * *pose, out);
     }
   }
 
-  /// The outline in the world's plan view; addModel turns it into the model's.
-  static void addObstacle(const std::string& name, const TriangleMesh& mesh, const Pose3& T_world_shape,
-                          WorldModel& out) {
-    if (mesh.vertices.empty()) return;
-    std::vector<Eigen::Vector2d> points;
-    double low = std::numeric_limits<double>::max();
-    double high = std::numeric_limits<double>::lowest();
-    for (const auto& vertex : mesh.vertices) {
-      const Eigen::Vector3d p = T_world_shape * vertex.cast<double>();
-      points.emplace_back(p.head<2>());
-      low = std::min(low, p.z());
-      high = std::max(high, p.z());
+  void addCamera(const std::string& link, const sdf::Sensor& sensor, const Pose3& T_model_link,
+                 const WorldModel& model) {
+    const sdf::Camera* camera = sensor.CameraSensor();
+    if (camera == nullptr) return;
+    WorldCamera result;
+    result.name = model.name + "/" + link + "/" + sensor.Name();
+    const auto pose = poseOf(sensor, "camera \"" + result.name + "\"");
+    const double fov_rad = camera->HorizontalFov().Radian();
+    const auto width = static_cast<int>(std::min(camera->ImageWidth(), 1u << 20));
+    const auto height = static_cast<int>(std::min(camera->ImageHeight(), 1u << 20));
+    std::string problem = "its field of view or its image has no size";
+    if (pose && fov_rad > 0.0 && fov_rad < 3.1 && width > 0 && height > 0) {
+      result.intrinsics = intrinsicsFromFieldOfView(width, height, fov_rad);
+      result.intrinsics.k1 = camera->DistortionK1();
+      result.intrinsics.k2 = camera->DistortionK2();
+      result.intrinsics.k3 = camera->DistortionK3();
+      result.intrinsics.p1 = camera->DistortionP1();
+      result.intrinsics.p2 = camera->DistortionP2();
+      problem = checkIntrinsics(result.intrinsics);
     }
-    auto outline = convexHull(std::move(points));
-    const double z = out.pose.translation().z();
-    if (outline.size() >= 3) out.outlines.push_back({name, std::move(outline), low - z, high - z});
+    if (!pose || !problem.empty()) {
+      if (pose) warn("camera \"" + result.name + "\": " + problem + ": left out");
+      return;
+    }
+    // An SDF camera looks along its x axis; cameraPose turns those axes to a camera's.
+    result.T_world_camera = model.pose * T_model_link * *pose * cameraPose({}, 0.0, 0.0);
+    if (camera->ImageNoise().Type() == sdf::NoiseType::GAUSSIAN && camera->ImageNoise().StdDev() >= 0.0) {
+      result.noise_sigma = camera->ImageNoise().StdDev();
+    }
+    if (sensor.UpdateRate() > 0.0) result.rate_hz = sensor.UpdateRate();
+    loaded_.world.cameras.push_back(std::move(result));
   }
 
-  std::optional<TriangleMesh> meshOf(const std::string& name, const sdf::Geometry* geometry) {
-    if (geometry == nullptr) return std::nullopt;
-    switch (geometry->Type()) {
-      case sdf::GeometryType::BOX: {
-        const auto size = geometry->BoxShape()->Size();
-        return boxMesh({size.X(), size.Y(), size.Z()});
-      }
-      case sdf::GeometryType::PLANE: {
-        auto size = geometry->PlaneShape()->Size();
-        if (size.X() <= 0 || size.Y() <= 0) size.Set(kGroundPlaneSize_m, kGroundPlaneSize_m);
-        auto mesh = planeMesh({size.X(), size.Y()});
-        const auto n = geometry->PlaneShape()->Normal();
-        const auto turn = Eigen::Quaternionf::FromTwoVectors(
-            Eigen::Vector3f::UnitZ(), Eigen::Vector3d(n.X(), n.Y(), n.Z()).cast<float>());
-        for (auto& vertex : mesh.vertices) vertex = turn * vertex;
-        return mesh;
-      }
-      case sdf::GeometryType::CYLINDER:
-        return cylinderMesh(geometry->CylinderShape()->Radius(), geometry->CylinderShape()->Length());
-      case sdf::GeometryType::SPHERE:
-        return sphereMesh(geometry->SphereShape()->Radius());
-      case sdf::GeometryType::MESH:
-        return importMesh(name, *geometry->MeshShape());
-      default:
-        // libsdformat 12 has no class for polylines, but it keeps the element.
-        if (geometry->Element() && geometry->Element()->HasElement("polyline")) {
-          return polylineMesh(name, geometry->Element());
-        }
-        warn("\"" + name +
-             "\" has a geometry that is not simulated (box, plane, cylinder, sphere, polyline, mesh are)");
-        return std::nullopt;
+  void addBody(const std::string& short_name, const std::string& long_name, MeshPart& part,
+               const Pose3& T_model_shape, WorldModel& out) {
+    transformMesh(part.mesh, Eigen::Affine3d(T_model_shape.matrix()));
+    for (const auto& v : part.mesh.vertices) {
+      if (v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxPosition_m) continue;
+      warn("\"" + long_name + "\" has points that are not finite or farther than 1000 km: left out");
+      return;
     }
+    for (const auto& t : part.mesh.triangles) {
+      if (t.maxCoeff() < part.mesh.vertices.size()) continue;
+      warn("\"" + long_name + "\" has triangles without corners: left out");
+      return;
+    }
+    if (part.mesh.triangles.empty()) return;
+    WorldBody body;
+    body.name = short_name + (part.name.empty() ? "" : "/" + part.name);
+    body.color = part.color;
+    body.emissive = part.emissive;
+    body.texture = std::move(part.texture);
+    body.vertices = std::move(part.mesh.vertices);
+    body.uvs = std::move(part.mesh.uvs);
+    body.normals = std::move(part.mesh.normals);
+    body.triangles = std::move(part.mesh.triangles);
+    if (!body.texture) body.uvs.clear();
+    out.bodies.push_back(std::move(body));
   }
 
-  TriangleMesh polylineMesh(const std::string& name, const sdf::ElementPtr& geometry) {
+  static void addOutlines(const std::string& name, const GeometryReader::Shape& shape,
+                          const Pose3& T_model_shape, WorldModel& out) {
     TriangleMesh whole;
-    for (auto e = geometry->GetElement("polyline"); e; e = e->GetNextElement("polyline")) {
-      std::vector<Eigen::Vector2d> outline;
-      for (auto p = e->FindElement("point"); p; p = p->GetNextElement("point")) {
-        const auto point = p->Get<ignition::math::Vector2d>();
-        outline.emplace_back(point.X(), point.Y());
-      }
-      const TriangleMesh part = prismMesh(std::move(outline), e->Get<double>("height"));
-      if (part.triangles.empty()) {
-        warn("\"" + name + "\": a polyline that has no area or crosses itself: left out");
-      }
-      const auto first = static_cast<std::uint32_t>(whole.vertices.size());
-      whole.vertices.insert(whole.vertices.end(), part.vertices.begin(), part.vertices.end());
-      for (const auto& t : part.triangles) {
-        whole.triangles.emplace_back(first + t[0], first + t[1], first + t[2]);
-      }
+    for (const auto& part : shape.parts) append(whole, part.mesh);
+    // In the plan frame of the model as it stands, heights above the floor.
+    const Pose3 T_plan_world = toPlan(out.pose).inverse();
+    transformMesh(whole, Eigen::Affine3d((T_plan_world * out.pose * T_model_shape).matrix()));
+    const double z = out.pose.translation().z();
+    for (auto& outline : outlinesOf(whole, shape.solid, kRobotBodyBottom_m, kRobotBodyTop_m)) {
+      outline.name = name;
+      outline.low_m -= z;
+      outline.high_m -= z;
+      out.outlines.push_back(std::move(outline));
     }
-    return whole;
   }
+  static Pose3 toPlan(const Pose3& pose) { return vismem::toPose3(toPose2(pose)); }
 
-  std::optional<TriangleMesh> importMesh(const std::string& name, const sdf::Mesh& shape) {
-    const fs::path path = resolve(shape.Uri());
-    if (path.empty()) {
-      warn("\"" + name + "\": mesh " + shape.Uri() + " not found");
-      return std::nullopt;
-    }
-    Assimp::Importer importer;
-    // Gazebo ignores a Collada file's up axis, and its worlds are made for that.
-    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-    const aiScene* scene =
-        importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices |
-                                             aiProcess_JoinIdenticalVertices);
-    if (scene == nullptr) {
-      warn("\"" + name + "\": mesh " + path.string() + ": " + importer.GetErrorString());
-      return std::nullopt;
-    }
-    const auto scale = shape.Scale();
-    TriangleMesh mesh;
-    for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-      const aiMesh& part = *scene->mMeshes[m];
-      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-      for (unsigned v = 0; v < part.mNumVertices; ++v) {
-        const aiVector3D& p = part.mVertices[v];
-        mesh.vertices.emplace_back(
-            Eigen::Vector3d(p.x * scale.X(), p.y * scale.Y(), p.z * scale.Z()).cast<float>());
-      }
-      for (unsigned f = 0; f < part.mNumFaces; ++f) {
-        const aiFace& face = part.mFaces[f];
-        if (face.mNumIndices != 3) continue;
-        mesh.triangles.emplace_back(first + face.mIndices[0], first + face.mIndices[1],
-                                    first + face.mIndices[2]);
-      }
-    }
-    return mesh;
-  }
-
-  fs::path file_;
-  std::vector<fs::path> search_;
+  std::string file_;
+  UriResolver resolver_;
+  GeometryReader geometry_;
   LoadedWorld loaded_;
+  std::set<std::string> warned_;
+  std::set<std::string> checked_;
+  std::map<std::string, Pose3> states_;
 };
 
-/// "XML_ERROR_EMPTY_DOCUMENT" -> "empty document".
-std::string inWords(std::string name) {
-  constexpr std::string_view kBeginning = "XML_ERROR_";
-  if (name.starts_with(kBeginning)) name.erase(0, kBeginning.size());
-  for (char& c : name) c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return name;
-}
-
-/// Looks at the document first: libsdformat's own words for what is no XML or no SDF are the whole text.
-void checkDocument(const std::string& text, const fs::path& file) {
-  const auto failure = [&](int line, const std::string& what) {
-    return ConfigError({file.string() + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what +
-                        " (must be a world in SDF)"});
-  };
-  tinyxml2::XMLDocument document;
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    throw failure(document.ErrorLineNum(), "not XML: " + inWords(document.ErrorName()));
+/// @param notes what is odd about the text already.
+LoadedWorld build(const std::string& xml, const std::string& file, std::vector<std::string> notes,
+                  WorldBuilder& builder) {
+  std::vector<fs::path> chain;
+  builder.checkIncludes(xml, {}, chain);
+  // Its complaints come back as values; on the console they would stand there twice.
+  sdf::Console::Instance()->SetQuiet(true);
+  sdf::Root root;
+  sdf::ParserConfig config;
+  config.SetFindCallback([&](const std::string& uri) { return builder.findInclude(uri); });
+  sdf::Errors errors;
+  try {
+    errors = root.LoadSdfString(withBuiltInModels(xml), config);
+  } catch (const sdf::Exception& error) {  // not a std::exception
+    throw ConfigError({file + ": libsdformat fails: " + error.GetErrorStr()});
+  } catch (const std::exception& error) {
+    throw ConfigError({file + ": libsdformat fails: " + std::string(error.what())});
   }
-  const auto* root = document.RootElement();
-  if (root == nullptr) throw failure(0, "no XML element");
-  if (std::string(root->Name()) != "sdf") {
-    throw failure(root->GetLineNum(), std::string("begins with the element <") + root->Name() + ">");
+  for (const auto& note : notes) builder.warn(note);
+  for (const auto& error : errors) builder.warn(error.Message());
+  if (root.WorldCount() == 0) {
+    std::string why = root.Model() != nullptr ? "it holds a model, no <world>"
+                      : errors.empty()        ? "no <world> element"
+                                              : "";
+    for (std::size_t i = 0; i < std::min(errors.size(), kMaxReasons); ++i) {
+      why += (i == 0 ? "" : "; ") + errors[i].Message();
+    }
+    std::vector<std::string> reasons = std::move(notes);
+    for (auto& reason : reasons) reason = file + ": " + reason;
+    reasons.push_back(file + ": not a world in SDF: " + why);
+    throw ConfigError(std::move(reasons));
   }
+  const sdf::World& world = *root.WorldByIndex(0);
+  if (world.Scene() != nullptr) builder.setScene(*world.Scene());
+  builder.readStates(world);
+  builder.warnOfTheRest(world);
+  for (std::uint64_t i = 0; i < world.LightCount(); ++i) builder.addLight(*world.LightByIndex(i));
+  for (std::uint64_t i = 0; i < world.ModelCount(); ++i) builder.addModel(*world.ModelByIndex(i));
+  return builder.take(world.Name());
 }
 
 }  // namespace
 
 LoadedWorld loadWorld(const fs::path& file, const std::vector<fs::path>& model_paths) {
-  const std::string text = readTextFile(file, "a world in SDF");
-  checkDocument(text, file);
+  const std::string bytes = readTextFile(file, "a world in SDF");
   std::vector<fs::path> search = model_paths;
   search.push_back(file.parent_path());
-  WorldBuilder builder(file, search);
+  return parseWorld(bytes, file.string(), search);
+}
 
-  // Its complaints come back as values; on the console they would stand there twice.
-  sdf::Console::Instance()->SetQuiet(true);
-  sdf::Root root;
-  sdf::ParserConfig config;
-  config.SetFindCallback([&](const std::string& uri) { return builder.resolve(uri).string(); });
-  sdf::Errors errors;
-  try {
-    errors = root.LoadSdfString(withBuiltIns(text), config);
-  } catch (const std::exception& error) {
-    throw ConfigError({file.string() + ": " + error.what()});
-  }
-  for (const auto& error : errors) builder.warn(error.Message());
-  if (root.WorldCount() == 0) {
-    std::string why = errors.empty() ? "no <world> element" : errors.front().Message();
-    throw ConfigError({file.string() + ": not a world in SDF: " + why});
-  }
-  const sdf::World& world = *root.WorldByIndex(0);
-  if (world.Scene() != nullptr) builder.setScene(*world.Scene());
-  for (std::uint64_t i = 0; i < world.LightCount(); ++i) builder.addLight(*world.LightByIndex(i));
-  for (std::uint64_t i = 0; i < world.ModelCount(); ++i) {
-    builder.addModel(*world.ModelByIndex(i));
-  }
-  return builder.take(world.Name());
+LoadedWorld parseWorld(const std::string& bytes, const std::string& file,
+                       const std::vector<fs::path>& search) {
+  WorldBuilder builder(file, search);
+  const WorldText text = repairWorldText(bytes);
+  if (text.xml.empty() && !text.notes.empty()) throw ConfigError({file + ": " + text.notes.front()});
+  checkDocument(text.xml, file);
+  return build(text.xml, file, text.notes, builder);
+}
+
+LoadedModel loadModel(const std::string& uri, const std::vector<fs::path>& model_paths) {
+  WorldBuilder builder(uri, model_paths);
+  LoadedWorld loaded = build("<sdf version='1.9'><world name='one'><include><uri>" + escapeXml(uri) +
+                                 "</uri></include></world></sdf>",
+                             uri, {}, builder);
+  return {std::move(loaded.world.models.front()), std::move(loaded.warnings)};
 }
 
 }  // namespace vismem

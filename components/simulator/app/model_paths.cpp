@@ -1,0 +1,20 @@
+#include "simulator/app/model_paths.h"
+
+#include <cstdlib>
+#include <sstream>
+
+namespace vismem {
+
+std::vector<std::filesystem::path> modelPaths(const std::vector<std::string>& given) {
+  std::vector<std::filesystem::path> paths(given.begin(), given.end());
+  for (const char* variable : {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH"}) {
+    const char* value = std::getenv(variable);
+    std::istringstream folders(value == nullptr ? "" : value);
+    for (std::string folder; std::getline(folders, folder, ':');) {
+      if (!folder.empty()) paths.emplace_back(folder);
+    }
+  }
+  return paths;
+}
+
+}  // namespace vismem

@@ -1,0 +1,13 @@
+/// @file Where models are searched, as Gazebo's users say it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace vismem {
+
+/// The folders given first, then those of the variables GAZEBO_MODEL_PATH and GZ_SIM_RESOURCE_PATH.
+std::vector<std::filesystem::path> modelPaths(const std::vector<std::string>& given);
+
+}  // namespace vismem

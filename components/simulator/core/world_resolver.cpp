@@ -1,0 +1,98 @@
+#include "simulator/core/world_resolver.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+namespace vismem {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kFoldersUp = 3;
+constexpr std::size_t kMaxModelConfig_bytes = 1 << 20;
+
+/// NAME/REST of an address such as https://fuel.../models/NAME/2/files/REST.
+std::string fuelName(const std::string& uri) {
+  std::string tail = uri.substr(uri.find("/models/") + 8);
+  if (const auto files = tail.find("/files/"); files != std::string::npos) {
+    tail = tail.substr(0, tail.find('/')) + "/" + tail.substr(files + 7);
+  }
+  for (auto at = tail.find("%20"); at != std::string::npos; at = tail.find("%20")) tail.replace(at, 3, " ");
+  return tail;
+}
+
+std::string pathOf(const std::string& uri) {
+  const auto scheme = uri.find("://");
+  if (scheme == std::string::npos) return uri;
+  if (uri.compare(0, 4, "http") == 0 && uri.find("/models/") != std::string::npos) return fuelName(uri);
+  return uri.substr(scheme + 3);
+}
+
+}  // namespace
+
+bool pathExists(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error) && !error;
+}
+
+std::optional<std::string> readFile(const fs::path& file, std::size_t max_bytes) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error) || error) return std::nullopt;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return std::nullopt;
+  const auto size = fs::file_size(file, error);
+  if (error || size > max_bytes) return std::nullopt;
+  std::string bytes(size, '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(size));
+  bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
+  return bytes;
+}
+
+std::optional<fs::path> UriResolver::folderOfModelCalled(const std::string& name) const {
+  if (!names_) {
+    names_.emplace();
+    for (const auto& folder : search_) {
+      std::error_code error;
+      for (fs::directory_iterator it(folder, fs::directory_options::skip_permission_denied, error), end;
+           !error && it != end; it.increment(error)) {
+        const auto text = readFile(it->path() / "model.config", kMaxModelConfig_bytes);
+        if (!text) continue;
+        const auto begin = text->find("<name>");
+        const auto close = text->find("</name>");
+        if (begin == std::string::npos || close == std::string::npos || close < begin) continue;
+        names_->emplace(text->substr(begin + 6, close - begin - 6), it->path());
+      }
+    }
+  }
+  const auto known = names_->find(name);
+  if (known == names_->end()) return std::nullopt;
+  return known->second;
+}
+
+UriResolver::Found UriResolver::find(const std::string& uri, const fs::path& named_in) const {
+  const fs::path name = pathOf(uri);
+  if (name.empty()) return {};
+  if (name.is_absolute()) return {pathExists(name) ? name : fs::path(), ""};
+  for (const auto& folder : search_) {
+    if (pathExists(folder / name)) return {folder / name, ""};
+  }
+  // The part of the path inside the model that it names.
+  fs::path rest;
+  for (auto it = std::next(name.begin()); it != name.end(); ++it) rest /= *it;
+  const bool of_a_model = uri.compare(0, 8, "model://") == 0;
+  fs::path folder = named_in.parent_path();
+  for (int up = 0; up < kFoldersUp && !folder.empty(); ++up, folder = folder.parent_path()) {
+    if (pathExists(folder / name)) return {folder / name, ""};
+    if (of_a_model && !rest.empty() && pathExists(folder / rest)) {
+      return {folder / rest, uri + " taken from " + (folder / rest).string()};
+    }
+  }
+  if (const auto model = folderOfModelCalled(name.begin()->string())) {
+    const fs::path path = rest.empty() ? *model : *model / rest;
+    if (pathExists(path)) return {path, uri + " taken from " + path.string() + ", whose model has that name"};
+  }
+  return {};
+}
+
+}  // namespace vismem

@@ -1,0 +1,40 @@
+/// @file Where the uris of a world lead: folders of models, meshes, textures.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vismem {
+
+/// *Single-threaded*: it remembers the names of models that it read.
+class UriResolver {
+ public:
+  /// @param search folders in their order: those of models first, the world's own last.
+  explicit UriResolver(std::vector<std::filesystem::path> search) : search_(std::move(search)) {}
+
+  struct Found {
+    std::filesystem::path path;  ///< empty: nowhere
+    std::string note;            ///< not empty: it was found where the uri does not say, and where
+  };
+  /// `model://NAME/REST`, `file://...`, addresses of Fuel (their last part), and bare paths. In this order:
+  /// below the search folders; beside the file that names it and above that, up to its model's folder; below
+  /// the folder of the model whose model.config says that it is called NAME.
+  /// @param named_in the file in which the uri stands; may be empty.
+  Found find(const std::string& uri, const std::filesystem::path& named_in = {}) const;
+
+ private:
+  std::optional<std::filesystem::path> folderOfModelCalled(const std::string& name) const;
+
+  std::vector<std::filesystem::path> search_;
+  mutable std::optional<std::map<std::string, std::filesystem::path>> names_;
+};
+
+/// The whole of a file. @return empty if it cannot be read or has more than `max_bytes`.
+std::optional<std::string> readFile(const std::filesystem::path& file, std::size_t max_bytes);
+/// Never throws, whatever the path holds.
+bool pathExists(const std::filesystem::path& path);
+
+}  // namespace vismem
