@@ -228,7 +228,7 @@ std::vector<BrokenConfig> worlds() {
       {"WorldBinary",
        s,
        {},
-       {"world.sdf:1: not XML: parsing text (must be a world in SDF)"},
+       {"world.sdf: is not text in UTF-8 (it holds zero bytes)"},
        2,
        {},
        world(std::string("PK\3\4\0\0\0\0\xff\xfe", 10))},

@@ -139,7 +139,7 @@ std::vector<BrokenConfig> valuesOfKeys() {
       {"SimulatorEnormousImage",
        s,
        {"Simulator.Camera.Width_px = 1000000"},
-       {"broken.cfg:1: Simulator.Camera.Width_px = 1000000 (must be 16..8192)"}},
+       {"broken.cfg:1: Simulator.Camera.Width_px = 1000000 (must be 16..4096)"}},
       {"SimulatorDistortionOfFour",
        s,
        {"Simulator.Camera.Distortion = 0 0 0 0"},

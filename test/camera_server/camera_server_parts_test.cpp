@@ -119,6 +119,18 @@ TEST(Orientation, TurnsClockwiseThenMirrors) {
   EXPECT_EQ(oriented(indexPicture(), {3, false}).at<cv::Vec3b>(3, 0), cv::Vec3b(0, 0, 0));
 }
 
+TEST(Orientation, LeavesTheGivenPictureAsItIs) {
+  for (int turns = 0; turns < 4; ++turns) {
+    cv::Mat picture = (cv::Mat_<std::uint8_t>(2, 2) << 1, 2, 3, 4);
+    const cv::Mat before = picture.clone();
+    Orientation orientation;
+    orientation.quarter_turns = turns;
+    orientation.mirror = true;
+    oriented(picture, orientation);
+    EXPECT_EQ(cv::norm(picture, before, cv::NORM_INF), 0.0) << turns << " quarter turns";
+  }
+}
+
 TEST(Orientation, TheCameraModelTurnsWithThePicture) {
   const CameraIntrinsics k{64, 48, 50, 55, 30, 25, 0.1, -0.05, 0.01, -0.02, 0.03};
   const Eigen::Vector3d p(0.2, -0.3, 1.0);

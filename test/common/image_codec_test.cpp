@@ -98,6 +98,15 @@ TEST(ImageCodec, WrongSizesAreReasons) {
   EXPECT_EQ(decodeImageFile(Bytes(100, 'x')).error, "cannot be decoded");
 }
 
+TEST(ImageCodec, EncodingLeavesThePixelsAsTheyAre) {
+  // A frame's pixels are shared with everyone who has it.
+  const cv::Mat picture = smoothPicture(32, 16);
+  const cv::Mat before = picture.clone();
+  encodeJpeg(picture, 80);
+  encodeYuy2(picture);
+  EXPECT_EQ(cv::norm(picture, before, cv::NORM_INF), 0.0);
+}
+
 TEST(ImageCodec, JpegHeaderTellsTheSize) {
   const Bytes jpeg = encodeJpeg(smoothPicture(31, 17), 80);
   const JpegHeader header = readJpegHeader(jpeg);

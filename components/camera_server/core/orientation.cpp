@@ -9,7 +9,9 @@ cv::Mat oriented(const cv::Mat& image, const Orientation& orientation) {
   cv::Mat result = image;
   if (orientation.quarter_turns > 0) {
     constexpr int kCodes[] = {cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180, cv::ROTATE_90_COUNTERCLOCKWISE};
-    cv::rotate(image, result, kCodes[orientation.quarter_turns - 1]);
+    cv::Mat turned;  // half a turn into `result` would turn the caller's pixels
+    cv::rotate(image, turned, kCodes[orientation.quarter_turns - 1]);
+    result = turned;
   }
   if (orientation.mirror) {
     cv::Mat mirrored;

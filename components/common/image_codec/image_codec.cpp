@@ -136,9 +136,13 @@ DecodedImage decodeImageFile(std::span<const std::uint8_t> bytes) {
 
 std::vector<std::uint8_t> encodeJpeg(const cv::Mat& image, int quality) {
   std::vector<std::uint8_t> bytes;
-  cv::Mat bgr = image;
-  // The encoder takes colour as B, G, R.
-  if (image.channels() == 3) cv::cvtColor(image, bgr, cv::COLOR_RGB2BGR);
+  // The encoder takes colour as B, G, R; the frame's own pixels are shared and stay as they are.
+  cv::Mat bgr;
+  if (image.channels() == 3) {
+    cv::cvtColor(image, bgr, cv::COLOR_RGB2BGR);
+  } else {
+    bgr = image;
+  }
   if (!cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, quality})) bytes.clear();
   return bytes;
 }
