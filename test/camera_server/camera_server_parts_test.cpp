@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <opencv2/core.hpp>
 #include <sstream>
 
 #include "camera_server/app/camera_drivers.h"
