@@ -176,7 +176,7 @@ MadeDetector makeDetector(ByteReader in) {
       params.minimum_length_px = in.real(0.0, 40.0);
       params.minimum_contrast = in.real(0.0, 60.0);
       params.noise_factor = in.real(0.0, 10.0);
-      params.gap_px = in.integer(0, 2);
+      params.bridge_missing_point = in.integer(0, 1) != 0;
       params.line_tolerance_px = in.real(0.3, 2.0);
       params.merge_gap_px = in.real(0.0, 20.0);
       params.merge_offset_px = in.real(0.0, 3.0);

@@ -68,13 +68,13 @@ TEST(EdgeRows, EveryKernelGivesTheSameBits) {
       const cv::Mat image = scene(width, 60, type, static_cast<std::uint64_t>(width));
       EdgePointFinder portable(portableEdgeRows());
       EdgePointFinder best(bestEdgeRows());
-      portable.find(image, 9.0, 1);
-      best.find(image, 9.0, 1);
+      portable.find(image, 9.0, true);
+      best.find(image, 9.0, true);
       ASSERT_EQ(portable.count(), best.count()) << width;
       const auto count = static_cast<std::size_t>(best.count());
       EXPECT_GT(count, 0U);
       EXPECT_EQ(std::memcmp(portable.points(), best.points(), count * sizeof(EdgePoint)), 0) << width;
-      EXPECT_EQ(std::memcmp(portable.next(), best.next(), count * sizeof(std::int16_t)), 0) << width;
+      EXPECT_EQ(std::memcmp(portable.next(), best.next(), count * sizeof(std::int32_t)), 0) << width;
     }
   }
 }
@@ -85,7 +85,7 @@ TEST(EdgePoints, WorkedExampleStep) {
   cv::Mat image(32, 40, CV_8UC1, cv::Scalar(50));
   image.colRange(20, 40) = 114;
   EdgePointFinder finder(bestEdgeRows());
-  finder.find(image, 9.0, 1);
+  finder.find(image, 9.0, true);
   ASSERT_EQ(finder.count(), 28);  // a row each, but 2 at the top and at the bottom
   for (int i = 0; i < finder.count(); ++i) {
     EXPECT_FLOAT_EQ(finder.points()[i].x, 19.5F);

@@ -1,16 +1,29 @@
-/// @file The dense part of the detector, row by row, on integers only: every implementation gives the same
-/// bits. Pure. SPEC V1.
+/// @file The dense part of the detector, row by row: every implementation gives the same bits. Pure. SPEC V1.
 #pragma once
 
 #include <cstdint>
+
+#include "common/vision/edge_bits.h"
 
 namespace vismem {
 
 /// Values beyond both ends of a row of `smooth` and `difference` that `gradient` reads.
 constexpr int kEdgeRowMargin = 2;
+/// So many columns are worked on together: a list of them must be readable that far beyond its end.
+constexpr int kEdgePointBlock = 8;
 
-/// Steps from rows of an image to edge points. The gradient is that of the image smoothed by a binomial 3x3,
-/// by Sobel: [1 4 6 4 1] along the edge times [-1 -2 0 2 1] across it, |gx| and |gy| up to 12 240.
+/// Where the gradient is largest across an edge.
+struct EdgePoint {
+  float x = 0.0F;  ///< sub-pixel [px]
+  float y = 0.0F;
+  std::int16_t gx = 0;  ///< gradient, see EdgeRowKernel
+  std::int16_t gy = 0;
+  std::int32_t squared = 0;  ///< length of the gradient, squared
+};
+
+/// Steps from rows of an image to linked edge points. The gradient is that of the image smoothed by a
+/// binomial 3x3, by Sobel: [1 4 6 4 1] along the edge times [-1 -2 0 2 1] across it, |gx| and |gy| up to 12
+/// 240.
 struct EdgeRowKernel {
   const char* name;
   /// Brightness of R, G, B pixels with the weights of ITU-R BT.601.
@@ -18,16 +31,34 @@ struct EdgeRowKernel {
   /// Five rows of the image, top to bottom -> smoothed and differentiated down the columns.
   void (*columns)(const std::uint8_t* const rows[5], int width, std::int16_t* smooth,
                   std::int16_t* difference);
-  /// -> gradient and its length (within 3 per cent: the larger component and half of the smaller one).
-  void (*gradient)(const std::int16_t* smooth, const std::int16_t* difference, int width, std::int16_t* gx,
-                   std::int16_t* gy, std::int16_t* magnitude);
-  /// Columns in begin..end-1 where the magnitude (rows above, here, below) is at least `minimum` and the
-  /// largest along the axis nearest to the gradient: one point per row of a steep edge and per column of a
-  /// flat one.
-  /// @param mask    work space of `width` bytes.
-  /// @param columns room for end - begin. @return how many.
-  int (*maxima)(const std::int16_t* const magnitude[3], const std::int16_t* gx, const std::int16_t* gy,
-                int begin, int end, std::int16_t minimum, std::uint8_t* mask, std::uint16_t* columns);
+  /// -> gradient (pairs of gx, gy), its length (within 3 per cent: the larger component and half of the
+  /// smaller one) and bits that say how it lies.
+  void (*gradient)(const std::int16_t* smooth, const std::int16_t* difference, int width,
+                   std::int16_t* gradient, std::int16_t* magnitude, std::int16_t* kind);
+  /// Marks the columns in begin..end-1 where the magnitude (rows above, here, below) is at least `minimum`
+  /// and the largest along the axis nearest to the gradient: one point per row of a steep edge and per column
+  /// of a flat one.
+  /// @param mask  work space of 64 * words bytes, 0 outside begin..end-1.
+  /// @param words of the planes of `out` but the free ends, written.
+  void (*maxima)(const std::int16_t* const magnitude[3], const std::int16_t* kind, int begin, int end,
+                 std::int16_t minimum, std::uint8_t* mask, int words, const EdgeBits& out);
+  /// The points of row y at `count` columns, from the gradients above, here and below.
+  /// @param columns readable for a block more. @param points has room for a block more.
+  void (*points)(const std::int16_t* const gradient[3], const std::uint16_t* columns, int count, int y,
+                 EdgePoint* points);
+  /// Links between neighbours in a row and to the row above, whose ends are free and whose directions agree.
+  /// @param words a multiple of kEdgeWordBlock. @param work two planes.
+  void (*link)(const EdgeBits& here, const EdgeBits& above, int words, std::uint64_t* const work[2],
+               const EdgeLinks& links);
+  /// The same over one missing point. Of a steep edge: to the row two above, at most one column aside.
+  void (*bridge_steep)(const EdgeBits& here, const EdgeBits& above, int words, std::uint64_t* const work[2],
+                       const EdgeLinks& links);
+  /// Of a flat edge: two columns aside, in its row or to the row above.
+  void (*bridge_flat)(const EdgeBits& here, const EdgeBits& above, int words, std::uint64_t* const work[2],
+                      const EdgeLinks& links);
+  /// Of an edge along a diagonal: two columns aside in the row two above.
+  void (*bridge_diagonal)(const EdgeBits& here, const EdgeBits& above, int words,
+                          std::uint64_t* const work[2], const EdgeLinks& links);
 };
 
 /// For any processor.

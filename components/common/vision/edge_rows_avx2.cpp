@@ -6,27 +6,81 @@
 namespace vismem {
 namespace {
 
+#include "common/vision/edge_links.inc"
 #include "common/vision/edge_rows_loops.inc"
 
-int maximaLoop(const std::int16_t* const magnitude[3], const std::int16_t* gx, const std::int16_t* gy,
-               int begin, int end, std::int16_t minimum, std::uint8_t* mask, std::uint16_t* columns) {
-  maskLoop(magnitude, gx, gy, begin, end, minimum, mask);
-  int count = 0;
-  int x = begin;
-  for (; x + 32 <= end; x += 32) {
-    const __m256i bytes = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(mask + x));
-    for (auto bits = static_cast<std::uint32_t>(_mm256_movemask_epi8(bytes)); bits != 0; bits &= bits - 1) {
-      columns[count++] = static_cast<std::uint16_t>(x + __builtin_ctz(bits));
-    }
+void maximaLoop(const std::int16_t* const magnitude[3], const std::int16_t* kind, int begin, int end,
+                std::int16_t minimum, std::uint8_t* mask, int words, const EdgeBits& out) {
+  maskLoop(magnitude, kind, begin, end, minimum, mask);
+  std::uint64_t* const planes[] = {out.edge, out.steep, out.right, out.down, out.diagonal};
+  for (int word = 0; word < words; ++word) {
+    const auto* bytes = reinterpret_cast<const __m256i*>(mask + 64 * word);
+    const __m256i low = _mm256_loadu_si256(bytes);
+    const __m256i high = _mm256_loadu_si256(bytes + 1);
+    // The bit of a plane goes to the top of its byte; what crosses from the byte below does not reach it.
+    const auto plane = [&](int shift) {
+      const auto low_bits = static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_slli_epi16(low, shift)));
+      const auto high_bits = static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_slli_epi16(high, shift)));
+      return static_cast<std::uint64_t>(high_bits) << 32 | low_bits;
+    };
+    for (int k = 0; k < 5; ++k) planes[k][word] = plane(7 - k);
   }
-  return count + listLoop(mask, x, end, columns + count);
+}
+
+/// Eight points at a time.
+void pointsLoop(const std::int16_t* const gradient[3], const std::uint16_t* columns, int count, int y,
+                EdgePoint* points) {
+  const auto* here = reinterpret_cast<const int*>(gradient[1]);
+  const auto up = static_cast<int>((gradient[0] - gradient[1]) / 2);
+  const auto down = static_cast<int>((gradient[2] - gradient[1]) / 2);
+  const __m256 row = _mm256_set1_ps(static_cast<float>(y));
+  const __m256 limit = _mm256_set1_ps(kMaximumOffset_px);
+  for (int k = 0; k < count; k += kEdgePointBlock) {
+    const __m256i x = _mm256_cvtepu16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(columns + k)));
+    const __m256i middle = _mm256_i32gather_epi32(here, x, 4);
+    const __m256i size = _mm256_abs_epi16(middle);
+    const __m256i flat =
+        _mm256_cmpgt_epi32(_mm256_srli_epi32(size, 16), _mm256_and_si256(size, _mm256_set1_epi32(0xffff)));
+    const __m256i before_at =
+        _mm256_add_epi32(x, _mm256_blendv_epi8(_mm256_set1_epi32(-1), _mm256_set1_epi32(up), flat));
+    const __m256i after_at =
+        _mm256_add_epi32(x, _mm256_blendv_epi8(_mm256_set1_epi32(1), _mm256_set1_epi32(down), flat));
+    const __m256i squared = _mm256_madd_epi16(middle, middle);
+    const __m256i before = _mm256_madd_epi16(middle, _mm256_i32gather_epi32(here, before_at, 4));
+    const __m256i after = _mm256_madd_epi16(middle, _mm256_i32gather_epi32(here, after_at, 4));
+    const __m256i sum = _mm256_add_epi32(_mm256_sub_epi32(squared, before), _mm256_sub_epi32(squared, after));
+    const __m256 curvature = _mm256_cvtepi32_ps(_mm256_max_epi32(sum, _mm256_set1_epi32(1)));
+    const __m256 skew = _mm256_cvtepi32_ps(_mm256_sub_epi32(after, before));
+    __m256 offset = _mm256_div_ps(_mm256_mul_ps(_mm256_set1_ps(0.5F), skew), curvature);
+    offset = _mm256_max_ps(offset, _mm256_sub_ps(_mm256_setzero_ps(), limit));
+    offset = _mm256_min_ps(offset, limit);
+    const __m256 is_flat = _mm256_castsi256_ps(flat);
+    const __m256 px = _mm256_add_ps(_mm256_cvtepi32_ps(x), _mm256_andnot_ps(is_flat, offset));
+    const __m256 py = _mm256_add_ps(row, _mm256_and_ps(is_flat, offset));
+    // From columns of numbers to points.
+    const __m256i xy_low = _mm256_castps_si256(_mm256_unpacklo_ps(px, py));   // points 0 1 4 5
+    const __m256i xy_high = _mm256_castps_si256(_mm256_unpackhi_ps(px, py));  // 2 3 6 7
+    const __m256i gs_low = _mm256_unpacklo_epi32(middle, squared);
+    const __m256i gs_high = _mm256_unpackhi_epi32(middle, squared);
+    const __m256i p04 = _mm256_unpacklo_epi64(xy_low, gs_low);
+    const __m256i p15 = _mm256_unpackhi_epi64(xy_low, gs_low);
+    const __m256i p26 = _mm256_unpacklo_epi64(xy_high, gs_high);
+    const __m256i p37 = _mm256_unpackhi_epi64(xy_high, gs_high);
+    auto* out = reinterpret_cast<__m256i*>(points + k);
+    _mm256_storeu_si256(out, _mm256_permute2x128_si256(p04, p15, 0x20));
+    _mm256_storeu_si256(out + 1, _mm256_permute2x128_si256(p26, p37, 0x20));
+    _mm256_storeu_si256(out + 2, _mm256_permute2x128_si256(p04, p15, 0x31));
+    _mm256_storeu_si256(out + 3, _mm256_permute2x128_si256(p26, p37, 0x31));
+  }
 }
 
 }  // namespace
 
 const EdgeRowKernel& avx2EdgeRows();
 const EdgeRowKernel& avx2EdgeRows() {
-  static constexpr EdgeRowKernel kKernel{"avx2", grayLoop, columnsLoop, gradientLoop, maximaLoop};
+  static constexpr EdgeRowKernel kKernel{"avx2",         grayLoop,          columnsLoop, gradientLoop,
+                                         maximaLoop,     pointsLoop,        linkLoop,    bridgeSteepLoop,
+                                         bridgeFlatLoop, bridgeDiagonalLoop};
   return kKernel;
 }
 

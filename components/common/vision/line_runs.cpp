@@ -89,7 +89,7 @@ class LineRunFinder::Fit {
 void LineRunFinder::find(const EdgePointFinder& edges, std::vector<LineRun>& runs) {
   runs.clear();
   const int count = edges.count();
-  const std::int16_t* next = edges.next();
+  const std::int32_t* next = edges.next();
   const std::uint8_t* has_previous = edges.hasPrevious();
   const std::size_t room = static_cast<std::size_t>(edges.capacity()) + kRingOverlap;
   used_.reserve(room);
@@ -115,7 +115,7 @@ void LineRunFinder::find(const EdgePointFinder& edges, std::vector<LineRun>& run
 
 /// Lists a chain in order_. A ring begins anywhere on a side: going on over its beginning shows that side
 /// whole.
-int LineRunFinder::follow(const std::int16_t* next, std::int32_t first, bool ring) {
+int LineRunFinder::follow(const std::int32_t* next, std::int32_t first, bool ring) {
   // Members are read before: the compiler must take a write of bytes for one to any of them.
   std::int32_t* order = order_.data();
   std::uint8_t* used = used_.data();

@@ -27,7 +27,7 @@ class LineRunFinder {
  private:
   class Fit;
 
-  int follow(const std::int16_t* next, std::int32_t first, bool ring);
+  int follow(const std::int32_t* next, std::int32_t first, bool ring);
   void gather(const EdgePoint* points, int count);
   void split(int count, std::vector<LineRun>& runs);
   int extend(Fit& fit, int from, int stop, int step);

@@ -37,9 +37,9 @@ struct SolisParams {
   double minimum_significance = 2500.0;
   /// Edge points need this many times the image's own noise, and at least `minimum_contrast`.
   double noise_factor = 4.5;
-  double minimum_contrast = 9.0;  ///< [grey levels] of an ideal step
-  int gap_px = 2;                 ///< longest interruption of a chain that is jumped, 0..2
-  int first_fit_points = 7;       ///< a run begins with this many points in line
+  double minimum_contrast = 9.0;     ///< [grey levels] of an ideal step
+  bool bridge_missing_point = true;  ///< chains go on over one missing point
+  int first_fit_points = 7;          ///< a run begins with this many points in line
   double first_fit_rms_px = 0.4;
   double line_tolerance_px = 0.7;  ///< a point further than this from the run's line breaks it
   int maximum_strays = 2;          ///< but so many in a row are passed over

@@ -28,7 +28,7 @@ class SolisDetector final : public SegmentDetector {
     // Noise of the gradient, in the contrast of the step that would give it.
     const double noise_contrast = estimateNoise(image) * noiseMagnitude() / stepMagnitude();
     edges_.find(image, std::max(params_.minimum_contrast, params_.noise_factor * noise_contrast),
-                params_.gap_px);
+                params_.bridge_missing_point);
     run_finder_.find(edges_, runs_);
     pieces_.clear();
     for (const LineRun& run : runs_) pieces_.push_back({run.px, 0, run.points / run.px.length(), 0.0});
