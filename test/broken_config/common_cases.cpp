@@ -306,32 +306,32 @@ std::vector<BrokenConfig> proxiesAndEndpoints() {
       {"PortInUse",
        l,
        {"Localization.Endpoints = tcp -h 127.0.0.1 -p PORT"},
-       {"cannot serve at Localization.Endpoints = tcp -h 127.0.0.1 -p PORT (adapter LocalizationServer): "
+       {"cannot serve at Localization.Endpoints = tcp -h 127.0.0.1 -p PORT (adapter LocalizationAdapter): "
         "Address already in use"},
        1},
       {"PortInUseOfSimulator",
        "simulator",
        {"Simulator.Endpoints = tcp -h 127.0.0.1 -p PORT"},
-       {"cannot serve at Simulator.Endpoints = tcp -h 127.0.0.1 -p PORT (adapter SimulatorServer): Address "
+       {"cannot serve at Simulator.Endpoints = tcp -h 127.0.0.1 -p PORT (adapter SimulatorAdapter): Address "
         "already in use"},
        1},
       {"PortInUseOfMemory",
        m,
        {"ActiveVisualMemory.Endpoints = tcp -h 127.0.0.1 -p 0:ws -h 127.0.0.1 -p PORT"},
        {"cannot serve at ActiveVisualMemory.Endpoints = tcp -h 127.0.0.1 -p 0:ws -h 127.0.0.1 -p PORT "
-        "(adapter ActiveVisualMemoryServer): Address already in use"},
+        "(adapter ActiveVisualMemoryAdapter): Address already in use"},
        1},
       {"AddressOfAnotherHost",
        l,
        {"Localization.Endpoints = tcp -h 192.0.2.1 -p 9971"},
-       {"cannot serve at Localization.Endpoints = tcp -h 192.0.2.1 -p 9971 (adapter LocalizationServer): "
+       {"cannot serve at Localization.Endpoints = tcp -h 192.0.2.1 -p 9971 (adapter LocalizationAdapter): "
         "Cannot assign requested address"},
        1},
       {"HostThatIsUnknown",
        l,
        {"Localization.Endpoints = tcp -h nowhere.invalid -p 9971"},
        {"cannot serve at Localization.Endpoints = tcp -h nowhere.invalid -p 9971 (adapter "
-        "LocalizationServer): unknown host nowhere.invalid"},
+        "LocalizationAdapter): unknown host nowhere.invalid"},
        1},
       {"LogFileCannotBeWritten",
        l,
@@ -340,9 +340,9 @@ std::vector<BrokenConfig> proxiesAndEndpoints() {
         "absent/localization.log)"}},
       {"AdapterKeyUnknown",
        l,
-       {"LocalizationServer.ThreadPool.Sise = 3"},
-       {"broken.cfg:1: unknown key \"LocalizationServer.ThreadPool.Sise\" (did you mean "
-        "\"LocalizationServer.ThreadPool.Size\"?)"}},
+       {"LocalizationAdapter.ThreadPool.Sise = 3"},
+       {"broken.cfg:1: unknown key \"LocalizationAdapter.ThreadPool.Sise\" (did you mean "
+        "\"LocalizationAdapter.ThreadPool.Size\"?)"}},
   };
 }
 

@@ -102,7 +102,7 @@ PreparedSetup prepareSetup(const std::string& setup) {
 
 std::vector<std::string> triedSetups() {
   std::vector<std::string> setups;
-  for (const char* setup : {"sim", "replay", "files"}) {
+  for (const char* setup : {"sim", "replay", "files", "humanoid"}) {
     if (fs::is_directory(fs::path(VISMEM_SOURCE_DIR) / "cfg" / setup)) setups.emplace_back(setup);
   }
   return setups;

@@ -134,6 +134,7 @@ TEST_F(HostileTest, TheRobotGoesOn) {
             {"--ReplayServer.File=" + bag_.string(), "--ReplayServer.Loop=yes", "--ReplayServer.Start=now"},
             {"cameraA", "PanTilt", "Motors", "Encoders", "Replay"});
   aim(replay);
+  aim(start("camera_server", "CameraServer", {"cfg/files/camera_server.cfg"}, {"cameraA"}));
   aim(start("pantilt_server", "PanTiltServer", {"cfg/files/pantilt_server.cfg"}, {"PanTilt"}));
   aim(start("base_server", "BaseServer", {"cfg/files/base_server.cfg"}, {"Motors", "Encoders"}));
   auto& memory = start("active_visual_memory", "ActiveVisualMemory",

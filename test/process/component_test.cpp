@@ -61,7 +61,7 @@ TEST_F(ComponentTest, SaysReadyWithItsRealPortAndEndsCleanlyOnSignals) {
     ASSERT_TRUE(child->signal(signal));
     EXPECT_EQ(child->waitForExit(kPatience), 0) << child->error();
     EXPECT_THAT(child->out(),
-                MatchesRegex("probe_component ready: ProbeServer=tcp -h 127\\.0\\.0\\.1 -p [0-9]+\n"))
+                MatchesRegex("probe_component ready: ProbeAdapter=tcp -h 127\\.0\\.0\\.1 -p [0-9]+\n"))
         << "exactly one line on stdout";
     EXPECT_THAT(child->error(), HasSubstr("stopping: signal " + std::to_string(signal)));
   }
@@ -71,7 +71,7 @@ TEST_F(ComponentTest, ReadyLineGivesThePortOfEachEndpoint) {
   const auto child = probe({"--Probe.Endpoints=tcp -h 127.0.0.1 -p 0:ws -h 127.0.0.1 -p 0"});
   ASSERT_TRUE(child->waitUntilReady());
   const auto line = child->readyLine();
-  EXPECT_THAT(*line, MatchesRegex("probe_component ready: ProbeServer=tcp -h 127\\.0\\.0\\.1 -p [0-9]+:"
+  EXPECT_THAT(*line, MatchesRegex("probe_component ready: ProbeAdapter=tcp -h 127\\.0\\.0\\.1 -p [0-9]+:"
                                   "ws -h 127\\.0\\.0\\.1 -p [0-9]+"));
   EXPECT_EQ(statusAt(child->port("tcp")).name, "probe_component");
   EXPECT_GT(child->port("ws"), 0);
@@ -148,7 +148,7 @@ TEST_F(ComponentTest, PortInUse) {
   EXPECT_EQ(second->waitForExit(kPatience), 1);
   EXPECT_EQ(second->out(), "");
   EXPECT_THAT(second->error(), HasSubstr("ERROR cannot serve at Probe.Endpoints = " + endpoint +
-                                         " (adapter ProbeServer): Address already in use\n"));
+                                         " (adapter ProbeAdapter): Address already in use\n"));
   EXPECT_TRUE(first->running());
 }
 

@@ -127,8 +127,7 @@ class StatusTest : public testing::Test {
  protected:
   std::string stateText() {
     const auto report = board_.report();
-    const char* names[] = {"starting", "waiting", "running", "degraded", "stopping"};
-    return names[static_cast<int>(report.state)] + (report.reason.empty() ? "" : ": " + report.reason);
+    return nameOf(report.state) + (report.reason.empty() ? "" : ": " + report.reason);
   }
 
   SteadyTime now_ = kStart;
@@ -237,8 +236,8 @@ TEST(Logger, DropsWhatIsBelowItsLevelAndIndentsLines) {
 }
 
 TEST(ReadyLine, CarriesEndpointsAndPorts) {
-  const auto line = readyLine("eye", "EyeServer", "tcp -h 127.0.0.1 -p 9970:ws -h 127.0.0.1 -p 11004");
-  EXPECT_EQ(line, "eye ready: EyeServer=tcp -h 127.0.0.1 -p 9970:ws -h 127.0.0.1 -p 11004");
+  const auto line = readyLine("eye", "EyeAdapter", "tcp -h 127.0.0.1 -p 9970:ws -h 127.0.0.1 -p 11004");
+  EXPECT_EQ(line, "eye ready: EyeAdapter=tcp -h 127.0.0.1 -p 9970:ws -h 127.0.0.1 -p 11004");
   EXPECT_EQ(readyEndpoints(line), "tcp -h 127.0.0.1 -p 9970:ws -h 127.0.0.1 -p 11004");
   EXPECT_EQ(readyPort(line), 9970);
   EXPECT_EQ(readyPort(line, "ws"), 11004);

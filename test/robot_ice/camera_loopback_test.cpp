@@ -101,6 +101,19 @@ TEST_F(CameraLoopback, ManyClientsAtOnceShareOneEncoding) {
   EXPECT_EQ(broadcaster->latest().latest()->encodings(), 1);
 }
 
+TEST_F(CameraLoopback, MakesAheadWhatAClientThatDoesNotWaitAskedFor) {
+  broadcaster->publish(frameWith(1));
+  EXPECT_EQ(broadcaster->latest().latest()->encodings(), 0);
+  EXPECT_EQ(proxy()->getImageData("GRAY8")->description->format, "GRAY8");
+  broadcaster->publish(frameWith(2));
+  EXPECT_EQ(broadcaster->latest().latest()->encodings(), 1);
+  EXPECT_EQ(proxy()->getImageData("GRAY8")->description->format, "GRAY8");
+  EXPECT_EQ(broadcaster->latest().latest()->encodings(), 1);
+  // Not for ever: nobody asks any more.
+  for (int i = 3; i < 40; ++i) broadcaster->publish(frameWith(i));
+  EXPECT_EQ(broadcaster->latest().latest()->encodings(), 0);
+}
+
 TEST_F(CameraLoopback, PassesOverAPictureThatCannotBeDecoded) {
   std::promise<Ice::Long> answer;
   proxy()->getNextAsync("RGB8", -1, [&](avm::FrameResult result) { answer.set_value(result.image.seq); });

@@ -111,8 +111,8 @@ TEST_F(SetupSearch, ReadsTheConfigurationOfASetupThatWasNotStarted) {
 TEST_F(SetupSearch, ReadsWhereStartedComponentsReallyServe) {
   write("out/sim+5/pids", "123 simulator\n124 localization\n");
   write("out/sim+5/simulator.out",
-        "simulator ready: SimulatorServer=tcp -h 127.0.0.1 -p 1\n"
-        "simulator ready: SimulatorServer=tcp -h 127.0.0.1 -p 2:ws -p 3\n");
+        "simulator ready: SimulatorAdapter=tcp -h 127.0.0.1 -p 1\n"
+        "simulator ready: SimulatorAdapter=tcp -h 127.0.0.1 -p 2:ws -p 3\n");
   write("out/sim+5/localization.out", "");
   write("out/20260101-101010/trajectory.tum", "");
   EXPECT_THAT(startedSetups(root_), ElementsAre("sim+5"));

@@ -32,22 +32,6 @@ std::int64_t workOf(const StatusReport& report) {
   return -1;  // a component that counts nothing
 }
 
-const char* nameOf(RunState state) {
-  switch (state) {
-    case RunState::kStarting:
-      return "starting";
-    case RunState::kWaiting:
-      return "waiting";
-    case RunState::kRunning:
-      return "running";
-    case RunState::kDegraded:
-      return "degraded";
-    case RunState::kStopping:
-      return "stopping";
-  }
-  return "";
-}
-
 std::string textOf(const std::optional<StatusReport>& report) {
   return report ? nameOf(report->state) + (report->reason.empty() ? "" : ": " + report->reason) : "no answer";
 }

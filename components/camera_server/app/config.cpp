@@ -1,27 +1,19 @@
 #include "camera_server/app/config.h"
 
-#include <fstream>
-#include <iterator>
-
 #include "camera_server/core/camera_info.h"
 #include "common/config/config_error.h"
+#include "common/config/text_file.h"
 #include "common/geometry/angles.h"
 
 namespace vismem {
 namespace {
 
 constexpr double kInfinity = 1e6;
+constexpr const char* kCalibrationFile = "a calibration of a camera as ROS writes it";
 
 bool isIdentity(const std::string& name) {
   return name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-") ==
          std::string::npos;
-}
-
-CameraIntrinsics readCalibration(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  if (!in) throw ConfigError({file.string() + ": cannot be read"});
-  return parseCameraInfo(text, file.string());
 }
 
 CameraIntrinsics readLensKeys(ConfigReader lens) {
@@ -49,9 +41,11 @@ CameraIntrinsics readLensKeys(ConfigReader lens) {
   return k;
 }
 
-Lens readLens(ConfigReader& group) {
+/// @param file_problems  gets what is wrong in the calibration file, so that the other keys are read all the
+/// same.
+Lens readLens(ConfigReader& group, std::vector<std::string>& file_problems) {
   Lens lens;
-  const auto file = group.existingPath("Calibration");
+  const auto file = group.existingFile("Calibration", kCalibrationFile);
   const bool keys = !group.children("Lens").empty();
   if (const auto view_deg = group.optionalReal("HorizontalView_deg", 5.0, 170.0)) {
     lens.horizontal_view_rad = degToRad(*view_deg);
@@ -60,15 +54,23 @@ Lens readLens(ConfigReader& group) {
     group.problem(file.empty() ? "HorizontalView_deg" : "Calibration",
                   "must not stand beside another key of the lens: only one of Calibration, Lens.* and "
                   "HorizontalView_deg");
+    group.known("Lens.*");
+    return lens;
   }
   if (keys) lens.calibrated = readLensKeys(group.group("Lens"));
-  std::error_code error;
-  if (std::filesystem::is_regular_file(file, error)) lens.calibrated = readCalibration(file);
+  std::error_code absent;
+  if (std::filesystem::is_regular_file(file, absent)) {
+    try {
+      lens.calibrated = parseCameraInfo(readTextFile(file, kCalibrationFile), file.string());
+    } catch (const ConfigError& error) {
+      file_problems.insert(file_problems.end(), error.problems().begin(), error.problems().end());
+    }
+  }
   return lens;
 }
 
 ServedCamera readCamera(ConfigReader group, const std::string& identity,
-                        const DriverRegistry<FrameSource>& drivers) {
+                        const DriverRegistry<FrameSource>& drivers, std::vector<std::string>& file_problems) {
   ServedCamera served;
   served.identity = identity;
   served.request.width = static_cast<int>(group.integer("Width_px", 0, 0, kMaxImageSide_px));
@@ -82,7 +84,7 @@ ServedCamera readCamera(ConfigReader group, const std::string& identity,
   Orientation orientation;
   orientation.quarter_turns = group.choice("Rotate_deg", 0, {{"0", 0}, {"90", 1}, {"180", 2}, {"270", 3}});
   orientation.mirror = group.boolean("Mirror", false);
-  const Lens lens = readLens(group);
+  const Lens lens = readLens(group, file_problems);
   if (auto camera = drivers.make(group)) {
     served.camera = std::make_unique<PreparedCamera>(std::move(camera), orientation, lens);
   }
@@ -94,14 +96,16 @@ ServedCamera readCamera(ConfigReader group, const std::string& identity,
 std::vector<ServedCamera> readCameraServerConfig(ConfigReader& reader,
                                                  const DriverRegistry<FrameSource>& drivers) {
   std::vector<ServedCamera> cameras;
+  std::vector<std::string> file_problems;
   for (const std::string& identity : reader.children("Camera")) {
-    cameras.push_back(readCamera(reader.group("Camera." + identity), identity, drivers));
+    cameras.push_back(readCamera(reader.group("Camera." + identity), identity, drivers, file_problems));
     if (!isIdentity(identity)) {
       reader.problem("Camera." + identity + ".Driver", "a camera's name must be of letters, digits, _ and -");
     }
   }
   // Without any, the message names the key by the example of the first.
-  if (cameras.empty()) readCamera(reader.group("Camera.cameraA"), "cameraA", drivers);
+  if (cameras.empty()) readCamera(reader.group("Camera.cameraA"), "cameraA", drivers, file_problems);
+  if (!file_problems.empty()) throw ConfigError(file_problems);
   return cameras;
 }
 

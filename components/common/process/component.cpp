@@ -112,6 +112,11 @@ class Host : public ComponentHost {
   const std::shared_ptr<Ice::ObjectAdapter> adapter_;
 };
 
+/// Ice's name of the component's object adapter, under which its own keys stand.
+std::string adapterName(const ComponentSpec& spec) {
+  return spec.prefix + "Adapter";
+}
+
 struct ProcessKeys {
   std::string endpoints;
   LogLevel log_level = LogLevel::kInfo;
@@ -131,7 +136,7 @@ ProcessKeys readProcessKeys(ConfigReader& root, const ComponentSpec& spec) {
                                   {"error", LogLevel::kError}});
   keys.end_with_parent = config.boolean("EndWithParent", false);
   // Properties that Ice reads, and checks, itself: AdapterId, PublishedEndpoints, ThreadPool.Size ...
-  root.known(spec.prefix + "Server.*");
+  root.known(adapterName(spec) + ".*");
   return keys;
 }
 
@@ -159,11 +164,11 @@ Configured configure(const ComponentSpec& spec, const Properties& properties, Co
   const auto add = [&problems](const std::vector<Problem>& others) {
     problems.insert(problems.end(), others.begin(), others.end());
   };
-  add(checkAdapterKeys(properties, spec.prefix + "Server"));
+  add(checkAdapterKeys(properties, adapterName(spec)));
   collect([&] {
     // With keys that Ice would only warn of, its defaults are good enough to look at proxies.
     const bool takes_keys =
-        checkIceKeys(properties).empty() && checkAdapterKeys(properties, spec.prefix + "Server").empty();
+        checkIceKeys(properties).empty() && checkAdapterKeys(properties, adapterName(spec)).empty();
     configured.communicator =
         Ice::CommunicatorHolder(makeCommunicator(takes_keys ? properties : Properties{}, log));
     add(checkProxies(config, properties, *configured.communicator.communicator()));
@@ -271,7 +276,7 @@ void runConfigured(const ComponentSpec& spec, const Properties& properties, Logg
   const auto settings = effectiveConfiguration(config, properties);
   StatusBoard status(spec.name, VISMEM_VERSION, log);
   status.setConfiguration(settings);
-  const auto adapter = makeAdapter(*communicator.communicator(), spec.prefix + "Server",
+  const auto adapter = makeAdapter(*communicator.communicator(), adapterName(spec),
                                    spec.prefix + ".Endpoints", keys.endpoints);
   log.info(configurationText(settings));
   Host host(log, status, stop, communicator.communicator(), adapter);

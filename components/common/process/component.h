@@ -117,7 +117,7 @@ inline constexpr std::chrono::seconds kStopWithin{4};
 /// Runs a component until SIGINT, SIGTERM, requestStop or fail. Call it first in main: it must be there
 /// before any other thread. Command line: [FILE | --Ice.Config=FILE] [--Key=Value ...] | --help | --version;
 /// without a file the one of the environment variable ICE_CONFIG is read. Once it serves it prints one line
-/// on stdout, "NAME ready: PREFIXServer=tcp -h 127.0.0.1 -p 9971" (see ready_line.h), with the real port
+/// on stdout, "NAME ready: PREFIXAdapter=tcp -h 127.0.0.1 -p 9971" (see ready_line.h), with the real port
 /// where -p 0 was asked.
 int runComponent(int argc, char** argv, const ComponentSpec& spec);
 

@@ -7,7 +7,7 @@
 
 namespace vismem {
 
-/// "localization ready: LocalizationServer=tcp -h 127.0.0.1 -p 9971:ws -h 127.0.0.1 -p 11005".
+/// "localization ready: LocalizationAdapter=tcp -h 127.0.0.1 -p 9971:ws -h 127.0.0.1 -p 11005".
 std::string readyLine(std::string_view component, std::string_view adapter, std::string_view endpoints);
 
 /// @return the endpoints of a ready line, for proxies: "tcp -h 127.0.0.1 -p 9971:ws ..."; empty if it is

@@ -32,6 +32,22 @@ std::int64_t realTimeUs() {
 
 }  // namespace
 
+const char* nameOf(RunState state) {
+  switch (state) {
+    case RunState::kStarting:
+      return "starting";
+    case RunState::kWaiting:
+      return "waiting";
+    case RunState::kRunning:
+      return "running";
+    case RunState::kDegraded:
+      return "degraded";
+    case RunState::kStopping:
+      return "stopping";
+  }
+  return "";
+}
+
 StatusBoard::StatusBoard(std::string name, std::string version, Logger& log, Clock clock)
     : name_(std::move(name)),
       version_(std::move(version)),

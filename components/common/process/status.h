@@ -20,6 +20,8 @@ namespace vismem {
 class Logger;
 
 enum class RunState { kStarting, kWaiting, kRunning, kDegraded, kStopping };
+/// "starting", "waiting", "running", "degraded", "stopping".
+const char* nameOf(RunState state);
 
 struct PeerReport {
   /// As in the configuration: "Camera".

@@ -13,6 +13,8 @@ namespace {
 constexpr std::chrono::milliseconds kPumpWait{100};
 /// A source that answers "nothing" without waiting must not make the pump spin.
 constexpr std::chrono::milliseconds kPumpPause{10};
+/// A client that asks at least once a second at 30 Hz finds its format made.
+constexpr int kExpectedFrames = 30;
 /// How soon a waiting client notices that it was stopped.
 constexpr std::chrono::milliseconds kStopCheck{100};
 
@@ -33,8 +35,18 @@ void FrameBroadcaster::stop() {
 
 void FrameBroadcaster::publish(Frame frame) {
   const auto seq = static_cast<std::int64_t>(frame.seq);
-  latest_.publish(std::make_shared<const EncodedFrame>(std::move(frame), jpeg_quality_), seq);
+  const auto encoded = std::make_shared<const EncodedFrame>(std::move(frame), jpeg_quality_);
+  latest_.publish(encoded, seq);
   ++published_;
+  for (std::size_t format = 0; format < expected_.size(); ++format) {
+    if (expected_[format] <= 0) continue;
+    --expected_[format];
+    encoded->jderobotImage(static_cast<FrameFormat>(format));
+  }
+}
+
+void FrameBroadcaster::expect(FrameFormat format) {
+  expected_[static_cast<std::size_t>(format)] = kExpectedFrames;
 }
 
 void FrameBroadcaster::setCapabilities(FrameCapabilities capabilities) {
@@ -150,6 +162,7 @@ std::shared_ptr<jderobot::ImageData> CameraServant::getImageData(std::string for
   if (!wanted) throw jderobot::DataNotExistException(unknownFormat(format));
   const auto frame = broadcaster_.latest().latest();
   if (!frame) throw jderobot::HardwareFailedException(broadcaster_.latest().message());
+  broadcaster_.expect(*wanted);
   auto image = frame->jderobotImage(*wanted);
   if (!image) throw jderobot::HardwareFailedException(frame->result(*wanted).message);
   return image;
@@ -248,7 +261,8 @@ FrameResult RemoteFrameSource::next(std::chrono::milliseconds timeout) {
         },
         std::min(left, kStopCheck));
     if (!outcome.failure.empty()) why = outcome.failure;
-    if (outcome.result && outcome.result->state == avm::SourceState::Waiting) why = nothing_yet_ = outcome.result->message;
+    if (outcome.result && outcome.result->state == avm::SourceState::Waiting)
+      why = nothing_yet_ = outcome.result->message;
     left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
     if (left <= std::chrono::milliseconds(0)) break;
     if (!outcome.result) continue;

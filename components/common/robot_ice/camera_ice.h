@@ -4,6 +4,7 @@
 
 #include <avm/camera.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -36,7 +37,11 @@ class FrameBroadcaster {
   /// Ends the pump, answers all waiting requests and all later ones at once. The source is left as it is.
   void stop();
 
+  /// Answers those who wait for a frame, then makes what JdeRobot's clients may ask for next (expect).
   void publish(Frame frame);
+  /// A client that does not wait asked for this format: that of the next frames is made before it is asked
+  /// for, so that its encoding and checksum are no part of the request.
+  void expect(FrameFormat format);
   void setState(SourceState state, std::string message) { latest_.setState(state, std::move(message)); }
   /// What the camera says of itself; to be set before clients come where there is no source.
   void setCapabilities(FrameCapabilities capabilities);
@@ -55,6 +60,8 @@ class FrameBroadcaster {
   mutable std::mutex mutex_;
   FrameCapabilities capabilities_;
   std::atomic<std::uint64_t> published_ = 0;
+  /// By format: for how many frames more it is made ahead.
+  std::array<std::atomic<int>, 4> expected_{};
   Latest latest_{"no frame yet"};
   std::jthread thread_;  ///< last member: ends before the rest goes
 };

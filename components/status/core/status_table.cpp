@@ -94,19 +94,7 @@ Lines detailsOf(const StatusReport& report) {
 
 std::string stateName(const ComponentRow& row) {
   if (!row.report) return row.absent ? "absent" : "silent";
-  switch (row.report->state) {
-    case RunState::kStarting:
-      return "starting";
-    case RunState::kWaiting:
-      return "waiting";
-    case RunState::kRunning:
-      return "running";
-    case RunState::kDegraded:
-      return "degraded";
-    case RunState::kStopping:
-      return "stopping";
-  }
-  return "";
+  return nameOf(row.report->state);
 }
 
 bool isWhole(const std::vector<ComponentRow>& rows) {

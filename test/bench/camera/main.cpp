@@ -6,7 +6,6 @@
 #include <camera/plain.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -19,6 +18,7 @@
 #include "common/process/child_process.h"
 #include "common/process/ice_setup.h"
 #include "common/process/ready_line.h"
+#include "common/tool/command_line_tool.h"
 #include "hostile/attack.h"
 #include "hostile/ice_wire.h"
 
@@ -217,7 +217,7 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", seconds, "of each run with ten clients")->check(CLI::Range(1.0, 3600.0));
   app.add_option("--rounds", rounds, "requests of each kind; a third of it for 1280x720")
       ->check(CLI::Range(30, 1'000'000));
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   try {
     if (serve) vismem::runBenchServer();
     return vismem::run(seconds, rounds);

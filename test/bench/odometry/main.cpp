@@ -1,6 +1,5 @@
 // scripts/bench odometry: how the dead-reckoned error of each preset grows with the way, against what is
 // documented, as a table, a figure and JSON (DESIGN 6).
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include "common/kinematics/odometry.h"
 #include "common/kinematics/random_stream.h"
 #include "common/routes/route_follower.h"
+#include "common/tool/command_line_tool.h"
 #include "experiments/core/canvas.h"
 
 namespace {
@@ -156,7 +156,7 @@ int main(int argc, char** argv) {
   int runs = 1000;
   app.add_option("--out", out, "folder of odometry_error.png");
   app.add_option("--runs", runs, "seeds of the means")->check(CLI::Range(20, 1'000'000));
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   std::vector<std::vector<double>> means, singles;
   for (const auto& preset : presets()) {
     std::vector<std::vector<double>> all;

@@ -3,7 +3,6 @@
 // the work.
 #include <benchmark/benchmark.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "common/routes/route.h"
+#include "common/tool/command_line_tool.h"
 #include "experiments/app/cpu_stages.h"
 #include "experiments/app/evaluation.h"
 #include "simulator/core/image_errors.h"
@@ -206,7 +206,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1.0, 36'000.0));
   app.add_option("--seed", options.seed, "of the lock-step run");
   app.add_option("--out", options.out, "folder of the lock-step run's files");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   try {
     benchmark::RegisterBenchmark("frame/corridor", renderFrames, "corridor")->Unit(benchmark::kMillisecond);
     benchmark::RegisterBenchmark("frame/room", renderFrames, "room")->Unit(benchmark::kMillisecond);

@@ -2,7 +2,6 @@
 // V1).
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -19,6 +18,7 @@
 #include "bench/vision/accuracy_bench.h"
 #include "bench/vision/report.h"
 #include "bench/vision/speed.h"
+#include "common/tool/command_line_tool.h"
 #include "support/data_folder.h"
 
 namespace {
@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", options.quick, "fewer images and runs: a minute instead of several");
   app.add_flag("--speed", options.speed, "only the times");
   app.add_flag("--accuracy", options.accuracy, "only the accuracy");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   if (options.truth.empty()) options.truth = options.images;
   try {
     return run(options);
