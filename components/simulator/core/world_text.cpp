@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/config/config_error.h"
+#include "simulator/core/xml_error.h"
 
 namespace vismem {
 namespace {
@@ -188,14 +189,6 @@ bool namesGazeboModel(std::string uri, std::string_view model) {
   return fuel && plain.size() > wanted.size() && plain.ends_with("/" + wanted);
 }
 
-/// "XML_ERROR_EMPTY_DOCUMENT" -> "empty document".
-std::string inWords(std::string name) {
-  constexpr std::string_view kBeginning = "XML_ERROR_";
-  if (name.starts_with(kBeginning)) name.erase(0, kBeginning.size());
-  for (char& c : name) c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return name;
-}
-
 }  // namespace
 
 WorldText repairWorldText(const std::string& bytes) {
@@ -311,7 +304,7 @@ void checkDocument(const std::string& xml, const std::string& file) {
   };
   tinyxml2::XMLDocument document;
   if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS) {
-    throw failure(document.ErrorLineNum(), "not XML: " + inWords(document.ErrorName()));
+    throw failure(document.ErrorLineNum(), "not XML: " + xmlErrorInWords(document.ErrorName()));
   }
   const auto* root = document.RootElement();
   if (root == nullptr) throw failure(0, "no XML element");

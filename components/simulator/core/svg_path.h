@@ -1,0 +1,59 @@
+/// @file Outlines of SVG: path data, simple shapes, transforms, curves as straight pieces. Pure.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string_view>
+#include <vector>
+
+namespace vismem {
+
+/// A piece of an outline, from where the one before ended: a cubic Bezier curve or a straight line.
+struct SvgCurve {
+  Eigen::Vector2d control1 = Eigen::Vector2d::Zero();
+  Eigen::Vector2d control2 = Eigen::Vector2d::Zero();
+  Eigen::Vector2d end = Eigen::Vector2d::Zero();
+  bool straight = false;
+};
+
+/// In the coordinates of its element (user units, y down).
+struct SvgSubpath {
+  Eigen::Vector2d start = Eigen::Vector2d::Zero();
+  std::vector<SvgCurve> curves;
+  bool closed = false;
+};
+using SvgPath = std::vector<SvgSubpath>;
+
+/// Corners of a polygon or of an open line.
+using SvgPoints = std::vector<Eigen::Vector2d>;
+
+/// The `d` of a path: all commands, absolute and relative, repeated, with numbers run together. Quadratic
+/// curves and arcs become cubic ones (arcs to 5e-6 of their radius).
+/// @throws std::invalid_argument: what is wrong, at which character (from 1).
+SvgPath parseSvgPath(std::string_view d);
+/// A list of transforms: matrix, translate, scale, rotate, skewX, skewY. @throws std::invalid_argument.
+Eigen::Affine2d parseSvgTransform(std::string_view text);
+/// Numbers between blanks and commas. @throws std::invalid_argument.
+std::vector<double> parseSvgNumbers(std::string_view text);
+
+SvgPath svgPolyline(const SvgPoints& points, bool closed);
+SvgPath svgEllipse(const Eigen::Vector2d& center, const Eigen::Vector2d& radii);
+/// @param radii of the corners; either 0: none.
+SvgPath svgRectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size,
+                     const Eigen::Vector2d& radii);
+
+/// A subpath as straight pieces that are at most `flatness` off it, both as `T` sees them. @return its points
+/// in its own coordinates, no two in a row alike; the first is not repeated at the end of a closed one.
+SvgPoints flattenSvg(const SvgSubpath& subpath, const Eigen::Affine2d& T, double flatness);
+
+struct SvgStroke {
+  enum class Join { kMiter, kRound, kBevel };
+  enum class Cap { kButt, kRound, kSquare };
+  double width = 1.0;
+  Join join = Join::kMiter;
+  Cap cap = Cap::kButt;
+  double miter_limit = 4.0;
+};
+/// The band that a pen paints along a line, as convex polygons of one sense of rotation that overlap.
+std::vector<SvgPoints> strokeSvg(const SvgPoints& line, bool closed, const SvgStroke& stroke);
+
+}  // namespace vismem
