@@ -74,7 +74,7 @@ TEST(EdgeRows, EveryKernelGivesTheSameBits) {
       const auto count = static_cast<std::size_t>(best.count());
       EXPECT_GT(count, 0U);
       EXPECT_EQ(std::memcmp(portable.points(), best.points(), count * sizeof(EdgePoint)), 0) << width;
-      EXPECT_EQ(std::memcmp(portable.next(), best.next(), count * sizeof(std::int32_t)), 0) << width;
+      EXPECT_EQ(std::memcmp(portable.next(), best.next(), count * sizeof(std::int16_t)), 0) << width;
     }
   }
 }

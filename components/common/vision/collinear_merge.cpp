@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
+#include <cstring>
 #include <tuple>
 
 namespace vismem {
 namespace {
 
-constexpr int kStripRods = 384;  // about so many of those given in a strip
-constexpr int kMaximumStrips = 64;
-constexpr float kTurn = 4.0F;  // of the diamond angle
+constexpr int kLanes = 16;         // compared at a time
+constexpr double kTurn = 65536.0;  // what an angle of 16 bits wraps at
+constexpr double kDiamondTurn = 4.0;
 
 /// An angle that grows with the direction, -1 .. 3 for a turn: linear along |x| + |y| = 1. A radian is
 /// between 1/2 and 1 of it.
@@ -63,8 +63,13 @@ struct CollinearMerger::Rod {
     xx = a.xx + b.xx + reduced * apart.x() * apart.x();
     xy = a.xy + b.xy + reduced * apart.x() * apart.y();
     yy = a.yy + b.yy + reduced * apart.y() * apart.y();
-    const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
-    direction = {std::cos(angle), std::sin(angle)};
+    // Half-angle of (xx - yy, 2 xy) without trigonometry.
+    const double c = xx - yy;
+    const double s = 2.0 * xy;
+    const double r = std::sqrt(c * c + s * s);
+    const double cos_twice = r > 0.0 ? c / r : 1.0;
+    direction = {std::sqrt(std::max(0.0, 0.5 * (1.0 + cos_twice))),
+                 std::copysign(std::sqrt(std::max(0.0, 0.5 * (1.0 - cos_twice))), s)};
     if (direction.dot(a.mass >= b.mass ? a.direction : b.direction) < 0.0) direction = -direction;
     double low = 0.0;
     double high = 0.0;
@@ -85,66 +90,85 @@ struct CollinearMerger::Candidate {
   int b = 0;
 };
 
-/// What tells most rods apart, as columns of numbers that are compared several at a time.
+/// About a rod, in whole pixels, and its direction.
+struct CollinearMerger::Box {
+  std::int16_t left, right, top, bottom;
+  std::uint16_t angle;  // wraps
+};
+
+/// What tells most rods apart, as columns of numbers that are compared many at a time.
 class CollinearMerger::Lanes {
  public:
+  static Box boxOf(const Rod& rod, double reach_px) {
+    // Beyond its range a number stays at its end: boxes that meet still do.
+    const auto whole = [](double value) {
+      return static_cast<std::int16_t>(std::clamp(value, -32000.0, 32000.0));
+    };
+    const auto [x0, x1] = std::minmax(rod.px.a.x(), rod.px.b.x());
+    const auto [y0, y1] = std::minmax(rod.px.a.y(), rod.px.b.y());
+    const auto angle = static_cast<int>((diamondAngle(rod.direction) + 1.0) * (kTurn / kDiamondTurn));
+    return {whole(std::floor(x0 - reach_px)), whole(std::ceil(x1 + reach_px)),
+            whole(std::floor(y0 - reach_px)), whole(std::ceil(y1 + reach_px)),
+            static_cast<std::uint16_t>(angle)};
+  }
+
   void reserve(std::size_t count) {
-    for (auto* column : {&x_, &y_, &dx_, &dy_, &half_, &angle_}) column->reserve(count);
+    for (auto* column : {&left_, &right_, &top_, &bottom_}) column->reserve(count + kLanes);
+    angle_.reserve(count + kLanes);
     rod_.reserve(count);
   }
   void clear() {
-    for (auto* column : {&x_, &y_, &dx_, &dy_, &half_, &angle_}) column->clear();
     rod_.clear();
+    pad();
   }
-  void add(const Rod& rod, int index) {
-    const Eigen::Vector2d middle = rod.px.middle();
-    x_.push_back(static_cast<float>(middle.x()));
-    y_.push_back(static_cast<float>(middle.y()));
-    dx_.push_back(static_cast<float>(rod.direction.x()));
-    dy_.push_back(static_cast<float>(rod.direction.y()));
-    half_.push_back(static_cast<float>(0.5 * rod.length));
-    angle_.push_back(static_cast<float>(diamondAngle(rod.direction)));
-    rod_.push_back(index);
+  void add(const Box& box, int rod) {
+    const std::size_t k = rod_.size();
+    rod_.push_back(rod);
+    pad();
+    left_[k] = box.left;
+    right_[k] = box.right;
+    top_[k] = box.top;
+    bottom_[k] = box.bottom;
+    angle_[k] = box.angle;
   }
   int count() const { return static_cast<int>(rod_.size()); }
   int rod(int lane) const { return rod_[lane]; }
-  /// First lane in begin..end-1 whose angle is at least `angle`; the lanes must be in order there.
-  int firstFrom(float angle, int begin, int end) const {
-    return static_cast<int>(std::lower_bound(angle_.begin() + begin, angle_.begin() + end, angle) -
-                            angle_.begin());
-  }
-  /// near[k] is not 0 for every lane begin + k that can be joined with the rod, and for few others.
-  void compare(const Rod& rod, int begin, int end, float gap, float offset, float cos_limit,
-               std::uint8_t* near) const {
-    const Eigen::Vector2d middle = rod.px.middle();
-    const auto x = static_cast<float>(middle.x());
-    const auto y = static_cast<float>(middle.y());
-    const auto dx = static_cast<float>(rod.direction.x());
-    const auto dy = static_cast<float>(rod.direction.y());
-    const float reach = static_cast<float>(0.5 * rod.length) + gap;
-    const float* __restrict lane_x = x_.data() + begin;
-    const float* __restrict lane_y = y_.data() + begin;
-    const float* __restrict lane_dx = dx_.data() + begin;
-    const float* __restrict lane_dy = dy_.data() + begin;
-    const float* __restrict lane_half = half_.data() + begin;
-    const int count = end - begin;
-    for (int k = 0; k < count; ++k) {
-      const float ex = lane_x[k] - x;
-      const float ey = lane_y[k] - y;
-      const float along = std::abs(ex * dx + ey * dy);
-      // The middle of the shorter one lies near the line of the longer one, whichever that is.
-      const float aside = std::abs(ex * dy - ey * dx);
-      const float other_aside = std::abs(ex * lane_dy[k] - ey * lane_dx[k]);
-      const float least = aside < other_aside ? aside : other_aside;
-      const float cosine = dx * lane_dx[k] + dy * lane_dy[k];
-      const int is_near = static_cast<int>(along <= reach + lane_half[k]) &
-                          static_cast<int>(least <= offset) & static_cast<int>(cosine >= cos_limit);
-      near[k] = static_cast<std::uint8_t>(is_near);
+  int top(int lane) const { return top_[lane]; }
+  Box box(int lane) const { return {left_[lane], right_[lane], top_[lane], bottom_[lane], angle_[lane]}; }
+
+  /// Whether the boxes of some of the kLanes lanes from `begin` on meet this one, with a direction near its
+  /// own: those lanes are then marked.
+  bool meet(const Box& box, int begin, std::uint16_t angle_limit, std::uint16_t marks[kLanes]) const {
+    const std::int16_t* __restrict left = left_.data() + begin;
+    const std::int16_t* __restrict right = right_.data() + begin;
+    const std::int16_t* __restrict top = top_.data() + begin;
+    const std::int16_t* __restrict bottom = bottom_.data() + begin;
+    const std::uint16_t* __restrict angle = angle_.data() + begin;
+    const auto lowest = static_cast<std::uint16_t>(box.angle - angle_limit);
+    const auto span = static_cast<std::uint16_t>(2 * angle_limit);
+    for (int k = 0; k < kLanes; ++k) {
+      // From the lowest angle on, over the end of the turn.
+      const bool alike = static_cast<std::uint16_t>(angle[k] - lowest) <= span;
+      const bool meets =
+          (left[k] <= box.right) & (right[k] >= box.left) & (top[k] <= box.bottom) & (bottom[k] >= box.top);
+      marks[k] = static_cast<std::uint16_t>((alike & meets) ? 0xffff : 0);
     }
+    std::uint64_t any[kLanes / 4];
+    std::memcpy(any, marks, sizeof(any));
+    return (any[0] | any[1] | any[2] | any[3]) != 0;
   }
 
  private:
-  std::vector<float> x_, y_, dx_, dy_, half_, angle_;
+  /// Lanes beyond the last rod, which meet nothing.
+  void pad() {
+    const std::size_t count = rod_.size() + kLanes;
+    for (auto* column : {&left_, &top_}) column->resize(count, 32767);
+    for (auto* column : {&right_, &bottom_}) column->resize(count, -32768);
+    angle_.resize(count, 0);
+  }
+
+  std::vector<std::int16_t> left_, right_, top_, bottom_;
+  std::vector<std::uint16_t> angle_;
   std::vector<int> rod_;
 };
 
@@ -156,90 +180,42 @@ CollinearMerger& CollinearMerger::operator=(CollinearMerger&&) noexcept = defaul
 void CollinearMerger::reserve(std::size_t segments) {
   rods_.reserve(2 * segments);  // each join leaves one rod less
   candidates_.reserve(4 * segments);
-  given_->reserve(2 * segments);
+  given_->reserve(segments);
   joined_->reserve(segments);
-  strip_begin_.reserve(kMaximumStrips + 1);
-  keys_.reserve(2 * segments);
-  near_.reserve(2 * segments);
+  keys_.reserve(segments);
 }
 
-/// First and last strip that a rod and all that can be joined to it touch both.
-std::pair<int, int> CollinearMerger::stripsOf(const Rod& rod, const CollinearMergeParams& params) const {
-  const double reach_px = 0.5 * (params.gap_px + params.offset_px) + slack_px_;  // of each of the two
-  const auto strip = [&](double y) {
-    return std::clamp(static_cast<int>((y - low_y_) / strip_px_), 0, strip_count_ - 1);
-  };
-  const auto [y0, y1] = std::minmax(rod.px.a.y(), rod.px.b.y());
-  return {strip(y0 - reach_px), strip(y1 + reach_px)};
-}
-
-/// Sorts the rods given into strips and by direction.
-void CollinearMerger::lay(const CollinearMergeParams& params) {
-  Eigen::Vector2d low = rods_.front().px.a;
-  Eigen::Vector2d high = low;
-  for (const Rod& rod : rods_) {
-    low = low.cwiseMin(rod.px.a).cwiseMin(rod.px.b);
-    high = high.cwiseMax(rod.px.a).cwiseMax(rod.px.b);
-  }
-  cos_limit_ = std::cos(params.angle_rad);
-  // What single precision may be wrong by.
-  slack_px_ = 0.01 + 1e-6 * std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
-  const int strips = std::clamp(static_cast<int>(rods_.size()) / kStripRods, 1, kMaximumStrips);
-  low_y_ = low.y();
-  strip_px_ = std::max((high.y() - low.y()) / strips, 1e-6);
-  strip_count_ = strips;
+/// Sorts the rods given from top to bottom.
+void CollinearMerger::lay() {
+  constexpr int kShift = 32768;
   keys_.clear();
   for (std::size_t i = 0; i < rods_.size(); ++i) {
-    const auto angle = static_cast<std::uint64_t>((diamondAngle(rods_[i].direction) + 1.0) * (1 << 20));
-    const auto [first, last] = stripsOf(rods_[i], params);
-    for (int s = first; s <= last; ++s)
-      keys_.push_back(static_cast<std::uint64_t>(s) << 56 | angle << 32 | i);
+    const auto top = static_cast<std::uint64_t>(Lanes::boxOf(rods_[i], reach_px_).top + kShift);
+    keys_.push_back(top << 32 | i);
   }
   std::sort(keys_.begin(), keys_.end());
   given_->clear();
   joined_->clear();
-  strip_begin_.assign(1, 0);
-  for (std::size_t k = 0; k < keys_.size(); ++k) {
-    while (strip_begin_.size() <= keys_[k] >> 56) strip_begin_.push_back(static_cast<int>(k));
-    const auto index = static_cast<int>(keys_[k] & 0xffffffffU);
-    given_->add(rods_[index], index);
+  for (const std::uint64_t key : keys_) {
+    const auto index = static_cast<int>(key & 0xffffffffU);
+    given_->add(Lanes::boxOf(rods_[index], reach_px_), index);
   }
-  strip_begin_.push_back(given_->count());
 }
 
 /// All pairs that can be joined and have at least one rod from `first_fresh` on, closest first.
 void CollinearMerger::findCandidates(int first_fresh, const CollinearMergeParams& params) {
   candidates_.clear();
-  near_.resize(std::max(given_->count(), joined_->count()));
-  const auto limit = static_cast<float>(std::min(params.angle_rad, 4.0) + 1e-5);
   if (first_fresh == 0) {
-    // Each with those after it in its strip, over the end of the turn to the beginning.
-    for (std::size_t s = 0; s + 1 < strip_begin_.size(); ++s) {
-      const int begin = strip_begin_[s];
-      const int end = strip_begin_[s + 1];
-      for (int lane = begin; lane < end; ++lane) {
-        const int index = given_->rod(lane);
-        const auto angle = static_cast<float>(diamondAngle(rods_[index].direction));
-        compare(index, *given_, lane + 1, given_->firstFrom(angle + limit, lane + 1, end), params);
-        const int over = given_->firstFrom(angle + limit - kTurn, begin, lane);
-        compare(index, *given_, begin, over, params);
-      }
+    for (int lane = 0; lane < given_->count(); ++lane) {
+      compare(given_->rod(lane), given_->box(lane), *given_, lane + 1, params);
     }
   } else {
     const int count = static_cast<int>(rods_.size());
-    for (int i = first_fresh; i < count; ++i) joined_->add(rods_[i], i);
-    for (int i = first_fresh; i < count; ++i) {
-      const auto angle = static_cast<float>(diamondAngle(rods_[i].direction));
-      const auto [first, last] = stripsOf(rods_[i], params);
-      for (int s = first; s <= last; ++s) {
-        const int begin = strip_begin_[s];
-        const int end = strip_begin_[s + 1];
-        for (const float turn : {0.0F, kTurn, -kTurn}) {
-          const int from = given_->firstFrom(angle + turn - limit, begin, end);
-          compare(i, *given_, from, given_->firstFrom(angle + turn + limit, from, end), params);
-        }
-      }
-      compare(i, *joined_, 0, joined_->count() - count + i, params);
+    const int known = joined_->count();
+    for (int i = first_fresh; i < count; ++i) joined_->add(Lanes::boxOf(rods_[i], reach_px_), i);
+    for (int i = known; i < joined_->count(); ++i) {
+      compare(joined_->rod(i), joined_->box(i), *given_, 0, params);
+      compare(joined_->rod(i), joined_->box(i), *joined_, 0, params);
     }
   }
   std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& x, const Candidate& y) {
@@ -247,14 +223,19 @@ void CollinearMerger::findCandidates(int first_fresh, const CollinearMergeParams
   });
 }
 
-void CollinearMerger::compare(int index, const Lanes& lanes, int begin, int end,
+/// Judges all rods in lanes from `begin` on that may be joined with this one. Of those from top to bottom
+/// none after one that lies lower does.
+void CollinearMerger::compare(int index, const Box& box, const Lanes& lanes, int begin,
                               const CollinearMergeParams& params) {
-  if (begin >= end) return;
-  lanes.compare(rods_[index], begin, end, static_cast<float>(params.gap_px + slack_px_),
-                static_cast<float>(params.offset_px + slack_px_), static_cast<float>(cos_limit_ - 1e-5),
-                near_.data());
-  for (int k = 0; k < end - begin; ++k) {
-    if (near_[k] != 0) judge(index, lanes.rod(begin + k), params);
+  const int count = lanes.count();
+  const bool sorted = &lanes == given_.get();
+  std::uint16_t marks[kLanes];
+  for (int lane = begin; lane < count; lane += kLanes) {
+    if (sorted && lanes.top(lane) > box.bottom) return;
+    if (!lanes.meet(box, lane, angle_limit_, marks)) continue;
+    for (int k = 0; k < kLanes; ++k) {
+      if (marks[k] != 0 && lanes.rod(lane + k) != index) judge(index, lanes.rod(lane + k), params);
+    }
   }
 }
 
@@ -285,7 +266,11 @@ void CollinearMerger::merge(std::vector<GroupedSegment>& segments, const Colline
   }
   segments.clear();
   if (rods_.empty()) return;
-  lay(params);
+  cos_limit_ = std::cos(params.angle_rad);
+  reach_px_ = 0.5 * (params.gap_px + params.offset_px) + 0.01;
+  angle_limit_ = static_cast<std::uint16_t>(
+      std::min(std::ceil(params.angle_rad * (kTurn / kDiamondTurn)) + 2.0, 0.5 * kTurn - 1.0));
+  lay();
   int first_fresh = 0;
   while (first_fresh < static_cast<int>(rods_.size())) {
     const int count = static_cast<int>(rods_.size());

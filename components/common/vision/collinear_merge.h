@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "common/geometry/segment.h"
@@ -44,28 +43,22 @@ class CollinearMerger {
  private:
   struct Rod;
   struct Candidate;
+  struct Box;
   class Lanes;
 
-  void lay(const CollinearMergeParams& params);
-  std::pair<int, int> stripsOf(const Rod& rod, const CollinearMergeParams& params) const;
+  void lay();
   void findCandidates(int first_fresh, const CollinearMergeParams& params);
-  void compare(int rod, const Lanes& lanes, int begin, int end, const CollinearMergeParams& params);
+  void compare(int rod, const Box& box, const Lanes& lanes, int begin, const CollinearMergeParams& params);
   void judge(int rod, int other, const CollinearMergeParams& params);
 
   std::vector<Rod> rods_;
   std::vector<Candidate> candidates_;
-  /// The rods given, by strip of the plane and then by direction; those that a strip touches are in it.
-  std::unique_ptr<Lanes> given_;
-  std::vector<int> strip_begin_;
-  /// The joined ones, in no order.
-  std::unique_ptr<Lanes> joined_;
+  std::unique_ptr<Lanes> given_;   // the rods given, from top to bottom
+  std::unique_ptr<Lanes> joined_;  // the joined ones, in order of their index
   std::vector<std::uint64_t> keys_;
-  std::vector<std::uint8_t> near_;
   double cos_limit_ = 0.0;
-  int strip_count_ = 1;
-  double low_y_ = 0.0;
-  double strip_px_ = 1.0;
-  double slack_px_ = 0.0;
+  double reach_px_ = 0.0;  // of two rods that can be joined, boxes this much wider meet
+  std::uint16_t angle_limit_ = 0;
 };
 
 }  // namespace vismem

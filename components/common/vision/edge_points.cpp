@@ -12,6 +12,7 @@ namespace vismem {
 namespace {
 
 constexpr int kWordBits = 64;
+constexpr int kNarrow = 10000;  // columns: any step over two rows fits 16 bits
 
 }  // namespace
 
@@ -172,7 +173,7 @@ void EdgePointFinder::pointsOfRow(int y) {
   }
   std::fill_n(columns + found, kEdgePointBlock, std::uint16_t{2});
   kernel_.points(gradient, columns, found, y, points_.data() + count_);
-  std::memset(next_.data() + count_, 0, found * sizeof(std::int32_t));
+  std::memset(next_.data() + count_, 0, found * sizeof(std::int16_t));
   std::memset(has_previous_.data() + count_, 0, found);
   count_ += found;
   kernel_.link(here, bits(y - 1), words_, work_, links_);
@@ -193,14 +194,17 @@ void EdgePointFinder::join(int y, int above, int aside) {
   const EdgeBits& here = bits(y);
   const std::int32_t* index = map(y);
   const std::int32_t* index_above = map(above);
-  std::int32_t* next = next_.data();
+  std::int16_t* next = next_.data();
+  const bool narrow = width_ <= kNarrow;
   std::uint8_t* has_previous = has_previous_.data();
   const auto put = [&](std::int32_t point, std::int32_t other, std::uint64_t onward) {
     // To the other one where that is the way onwards, from it elsewhere; without a branch.
     const std::int32_t swap = (point ^ other) & -static_cast<std::int32_t>(onward & 1);
     const std::int32_t from = other ^ swap;
     const std::int32_t to = point ^ swap;
-    next[from] = to - from;
+    const auto step = static_cast<std::int16_t>(to - from);
+    if (!narrow && step != to - from) return;
+    next[from] = step;
     has_previous[to] = 1;
   };
   for (int word = 0; word < words_; ++word) {

@@ -44,8 +44,8 @@ class EdgePointFinder {
   int capacity() const { return width_ * height_; }
   const EdgePoint* points() const { return points_.data(); }
   /// For each point, how much further in the list the one is that follows with the brighter side on the left;
-  /// 0 where none does.
-  const std::int32_t* next() const { return next_.data(); }
+  /// 0 where none does, or is too far for the type: that takes rows of more than 10 000 points.
+  const std::int16_t* next() const { return next_.data(); }
   /// Whether a point follows another one.
   const std::uint8_t* hasPrevious() const { return has_previous_.data(); }
 
@@ -73,7 +73,7 @@ class EdgePointFinder {
   int count_ = 0;
   bool bridge_ = false;
   Room<EdgePoint> points_;
-  Room<std::int32_t> next_;
+  Room<std::int16_t> next_;
   Room<std::uint8_t> has_previous_;
   Room<std::uint8_t> gray_;  // five rows of a colour image
   Room<std::int16_t> smooth_, difference_;

@@ -9,79 +9,99 @@ namespace {
 
 constexpr int kRingOverlap = 16;      // points of a ring that come again at its end
 constexpr double kReachShare = 0.75;  // of the line tolerance: points that turn at a corner
-constexpr double kSolveGrowth = 1.4;  // the line follows its points when there are this much more of them
+
+/// First of begin..end-1 that is zero, else `end`; eight at a time.
+std::int32_t firstZero(const std::uint8_t* flags, std::int32_t begin, std::int32_t end) {
+  constexpr std::uint64_t kOnes = 0x0101010101010101U;
+  for (; begin + 8 <= end; begin += 8) {
+    std::uint64_t eight;
+    std::memcpy(&eight, flags + begin, 8);
+    if (eight != kOnes) break;
+  }
+  while (begin < end && flags[begin] != 0) ++begin;
+  return begin;
+}
 
 }  // namespace
 
-/// Total least squares line from running sums, about an origin near the points for precision.
+LineRunFinder::Sums LineRunFinder::difference(const Sums& high, const Sums& low) {
+  return {high.n - low.n, high.xy - low.xy, high.x - low.x,
+          high.y - low.y, high.xx - low.xx, high.yy - low.yy};
+}
+
+void LineRunFinder::add(Sums& sums, const Sums& more) {
+  sums.n += more.n;
+  sums.x += more.x;
+  sums.y += more.y;
+  sums.xx += more.xx;
+  sums.xy += more.xy;
+  sums.yy += more.yy;
+}
+
+/// Whether the points' variance about their line is at most `limit`: without roots and divisions.
+bool LineRunFinder::isThin(const Sums& sums, double limit) {
+  const double shift = sums.n * sums.n * limit;
+  const double xx = sums.n * sums.xx - sums.x * sums.x - shift;
+  const double xy = sums.n * sums.xy - sums.x * sums.y;
+  const double yy = sums.n * sums.yy - sums.y * sums.y - shift;
+  // The smaller eigenvalue is under the limit, unless both of the shifted matrix are positive.
+  return static_cast<int>(xx + yy <= 0.0) | static_cast<int>(xx * yy <= xy * xy);
+}
+
+/// Which points lie on the line of others: without roots and divisions. The line is that of least squares
+/// along the axis nearest to it.
+class LineRunFinder::Line {
+ public:
+  Line(const Sums& sums, double tolerance_px) {
+    const double xx = sums.n * sums.xx - sums.x * sums.x;
+    const double xy = sums.n * sums.xy - sums.x * sums.y;
+    const double yy = sums.n * sums.yy - sums.y * sums.y;
+    dx_ = xx >= yy ? xx : xy;
+    dy_ = xx >= yy ? xy : yy;
+    nx_ = -dy_ * sums.n;
+    ny_ = dx_ * sums.n;
+    offset_ = dx_ * sums.y - dy_ * sums.x;
+    limit_ = tolerance_px * tolerance_px * (nx_ * nx_ + ny_ * ny_);
+  }
+  bool has(const Place& p) const {
+    const double aside = p.x * nx_ + p.y * ny_ - offset_;
+    return aside * aside <= limit_;
+  }
+  /// Along the line; of any length.
+  double dx() const { return dx_; }
+  double dy() const { return dy_; }
+
+ private:
+  double dx_, dy_, nx_, ny_, offset_, limit_;
+};
+
+/// Total least squares line.
 class LineRunFinder::Fit {
  public:
-  void reset(double x0, double y0) {
-    x0_ = x0;
-    y0_ = y0;
-    n_ = sx_ = sy_ = sxx_ = sxy_ = syy_ = 0.0;
-  }
-  void add(double px, double py) {
-    const double x = px - x0_;
-    const double y = py - y0_;
-    n_ += 1.0;
-    sx_ += x;
-    sy_ += y;
-    sxx_ += x * x;
-    sxy_ += x * y;
-    syy_ += y * y;
-  }
-  void remove(double px, double py) {
-    const double x = px - x0_;
-    const double y = py - y0_;
-    n_ -= 1.0;
-    sx_ -= x;
-    sy_ -= y;
-    sxx_ -= x * x;
-    sxy_ -= x * y;
-    syy_ -= y * y;
-  }
-  /// Whether the points' variance about their line is at most `limit`: without a square root.
-  bool within(double limit) const {
-    const double scale = 1.0 / n_;
-    const double mx = sx_ * scale;
-    const double my = sy_ * scale;
-    const double xx = sxx_ * scale - mx * mx - limit;
-    const double xy = sxy_ * scale - mx * my;
-    const double yy = syy_ * scale - my * my - limit;
-    // The smaller eigenvalue is under the limit, unless both of the shifted matrix are positive.
-    return xx + yy <= 0.0 || xx * yy <= xy * xy;
-  }
-  void solve() {
-    const double scale = 1.0 / n_;
-    mx_ = sx_ * scale;
-    my_ = sy_ * scale;
-    const double xx = sxx_ * scale - mx_ * mx_;
-    const double xy = sxy_ * scale - mx_ * my_;
-    const double yy = syy_ * scale - my_ * my_;
+  explicit Fit(const Sums& sums) {
+    const double scale = 1.0 / sums.n;
+    mx_ = sums.x * scale;
+    my_ = sums.y * scale;
+    const double xx = sums.xx * scale - mx_ * mx_;
+    const double xy = sums.xy * scale - mx_ * my_;
+    const double yy = sums.yy * scale - my_ * my_;
     // Half-angle of (xx - yy, 2 xy) without trigonometry.
     const double c = xx - yy;
     const double s = 2.0 * xy;
     const double r = std::sqrt(c * c + s * s);
     const double cos_twice = r > 0.0 ? c / r : 1.0;
     dx_ = std::sqrt(std::max(0.0, 0.5 * (1.0 + cos_twice)));
-    dy_ = std::sqrt(std::max(0.0, 0.5 * (1.0 - cos_twice)));
-    if (s < 0.0) dy_ = -dy_;
+    dy_ = std::copysign(std::sqrt(std::max(0.0, 0.5 * (1.0 - cos_twice))), s);
     variance_ = std::max(0.0, 0.5 * (xx + yy - r));
-    offset_ = (x0_ + mx_) * dy_ - (y0_ + my_) * dx_;
-    along_ = (x0_ + mx_) * dx_ + (y0_ + my_) * dy_;
+    offset_ = mx_ * dy_ - my_ * dx_;
+    along_ = mx_ * dx_ + my_ * dy_;
   }
-  double offset(double x, double y) const { return std::abs(x * dy_ - y * dx_ - offset_); }
-  double along(double x, double y) const { return x * dx_ + y * dy_ - along_; }
-  Eigen::Vector2d point(double along) const { return {x0_ + mx_ + along * dx_, y0_ + my_ + along * dy_}; }
+  double offset(const Place& p) const { return std::abs(p.x * dy_ - p.y * dx_ - offset_); }
+  double along(const Place& p) const { return p.x * dx_ + p.y * dy_ - along_; }
+  Eigen::Vector2d point(double along) const { return {mx_ + along * dx_, my_ + along * dy_}; }
   double variance() const { return variance_; }
-  double count() const { return n_; }
-  double dx() const { return dx_; }
-  double dy() const { return dy_; }
 
  private:
-  double x0_ = 0.0, y0_ = 0.0;
-  double n_ = 0.0, sx_ = 0.0, sy_ = 0.0, sxx_ = 0.0, sxy_ = 0.0, syy_ = 0.0;
   double mx_ = 0.0, my_ = 0.0, dx_ = 1.0, dy_ = 0.0, variance_ = 0.0;
   double offset_ = 0.0, along_ = 0.0;
 };
@@ -89,193 +109,197 @@ class LineRunFinder::Fit {
 void LineRunFinder::find(const EdgePointFinder& edges, std::vector<LineRun>& runs) {
   runs.clear();
   const int count = edges.count();
-  const std::int32_t* next = edges.next();
   const std::uint8_t* has_previous = edges.hasPrevious();
   const std::size_t room = static_cast<std::size_t>(edges.capacity()) + kRingOverlap;
   used_.reserve(room);
-  order_.reserve(room);
   on_line_.reserve(room);
-  for (Room<float>* values : {&x_, &y_, &gx_, &gy_, &agreement_}) values->reserve(room);
+  agrees_.reserve(room);
+  sums_.reserve(room + 1);
+  place_.reserve(room);
+  gradient_.reserve(room);
   std::memset(used_.data(), 0, count);
-  for (std::int32_t i = 0; i < count; ++i) {
-    if (has_previous[i] != 0) continue;
-    const int length = follow(next, i, false);
-    if (length < params_.first_fit_points) continue;
-    gather(edges.points(), length);
-    split(length, runs);
+  int visited = 0;
+  for (std::int32_t i = firstZero(has_previous, 0, count); i < count;
+       i = firstZero(has_previous, i + 1, count)) {
+    const int length = follow(edges, i, false);
+    visited += length;
+    if (length >= params_.first_fit_points) split(length, runs);
   }
+  if (visited == count) return;
   // What is left are rings.
   for (std::int32_t i = 0; i < count; ++i) {
-    if (used_[i] != 0) continue;
-    const int length = follow(next, i, true);
-    gather(edges.points(), length);
-    split(length, runs);
+    if (used_[i] == 0) split(follow(edges, i, true), runs);
   }
 }
 
-/// Lists a chain in order_. A ring begins anywhere on a side: going on over its beginning shows that side
+/// Lists the points of a chain. A ring begins anywhere on a side: going on over its beginning shows that side
 /// whole.
-int LineRunFinder::follow(const std::int32_t* next, std::int32_t first, bool ring) {
+int LineRunFinder::follow(const EdgePointFinder& edges, std::int32_t first, bool ring) {
   // Members are read before: the compiler must take a write of bytes for one to any of them.
-  std::int32_t* order = order_.data();
+  const EdgePoint* points = edges.points();
+  const std::int16_t* next = edges.next();
+  const double x0 = x0_ = points[first].x;
+  const double y0 = y0_ = points[first].y;
   std::uint8_t* used = used_.data();
+  Place* place = place_.data();
+  Gradient* gradient = gradient_.data();
   int length = 0;
   std::int32_t i = first;
-  do {
-    order[length++] = i;
+  for (;;) {
+    const EdgePoint& p = points[i];
+    place[length] = {p.x - x0, p.y - y0};
+    gradient[length] = {p.gx, p.gy};
+    ++length;
     used[i] = 1;
     const int step = next[i];
     if (step == 0) return length;
     i += step;
-  } while (!ring || i != first);
+    if (ring && i == first) break;
+  }
   if (length >= 2 * kRingOverlap) {
-    std::copy_n(order, kRingOverlap, order + length);
+    std::copy_n(place, kRingOverlap, place + length);
+    std::copy_n(gradient, kRingOverlap, gradient + length);
     length += kRingOverlap;
   }
   return length;
 }
 
-void LineRunFinder::gather(const EdgePoint* points, int count) {
-  const auto limit = static_cast<float>(params_.alignment_cos * params_.alignment_cos);
-  const std::int32_t* order = order_.data();
-  float* x = x_.data();
-  float* y = y_.data();
-  float* gx = gx_.data();
-  float* gy = gy_.data();
-  float* agreement = agreement_.data();
+void LineRunFinder::sumUp(int count) {
+  const Place* place = place_.data();
+  Sums* sums = sums_.data();
+  Sums all;
   for (int k = 0; k < count; ++k) {
-    const EdgePoint& p = points[order[k]];
-    x[k] = p.x;
-    y[k] = p.y;
-    gx[k] = static_cast<float>(p.gx);
-    gy[k] = static_cast<float>(p.gy);
-    agreement[k] = limit * static_cast<float>(p.squared);
+    sums[k] = all;
+    const Place p = place[k];
+    all.n += 1.0;
+    all.xy += p.x * p.y;
+    all.x += p.x;
+    all.y += p.y;
+    all.xx += p.x * p.x;
+    all.yy += p.y * p.y;
   }
+  sums[count] = all;
 }
 
 void LineRunFinder::split(int count, std::vector<LineRun>& runs) {
   const int window = params_.first_fit_points;
   const double first_variance = params_.first_fit_rms_px * params_.first_fit_rms_px;
+  sumUp(count);
   int free_from = 0;  // points before it belong to an earlier run; runs share the point between them
-  int i = 0;
-  Fit fit;
-  bool fresh = true;
-  while (i + window <= count) {
-    if (fresh) {
-      fit.reset(x_[i], y_[i]);
-      for (int k = i; k < i + window; ++k) fit.add(x_[k], y_[k]);
-      fresh = false;
-    }
-    if (!fit.within(first_variance)) {
-      if (i + window < count) {
-        fit.remove(x_[i], y_[i]);
-        fit.add(x_[i + window], y_[i + window]);
-      }
+  for (int i = 0; i + window <= count;) {
+    Sums run = difference(sums_[i + window], sums_[i]);
+    if (!isThin(run, first_variance)) {
       ++i;
       continue;
     }
-    fit.solve();
     std::memset(on_line_.data() + i, 1, window);
-    const int last = extend(fit, i + window, count, 1);
-    const int first = extend(fit, i - 1, free_from - 1, -1);
-    emit(fit, first, last, runs);
+    const int last = extend<1>(run, i + window, count);
+    const int first = extend<-1>(run, i - 1, free_from - 1);
+    emit(run, first, last, runs);
     free_from = last;
     i = last;
-    fresh = true;
   }
 }
 
 /// Adds points from `from` towards `stop` (excluded) while they lie on the line; a few strays are passed
 /// over.
 /// @return the last point on the line, or the one before `from` if none.
-int LineRunFinder::extend(Fit& wanted, int from, int stop, int step) {
-  // A copy, and members read before: the compiler must take a write of bytes for one to any of them.
-  Fit fit = wanted;
-  const float* x = x_.data();
-  const float* y = y_.data();
+template <int kStep>
+int LineRunFinder::extend(Sums& run, int from, int stop) {
+  if (from == stop) return from - kStep;
+  // Members are read before: the compiler must take a write of bytes for one to any of them.
+  const Place* place = place_.data();
+  const Sums* sums = sums_.data();
   std::uint8_t* on_line = on_line_.data();
   const double tolerance_px = params_.line_tolerance_px;
   const int maximum_strays = params_.maximum_strays;
-  int last = from - step;
+  Line line(run, tolerance_px);
   int strays = 0;
-  double solve_at = kSolveGrowth * fit.count();
-  bool stale = false;
-  for (int k = from; k != stop; k += step) {
-    double offset = fit.offset(x[k], y[k]);
-    if (offset > tolerance_px && stale) {
-      fit.solve();
-      stale = false;
-      offset = fit.offset(x[k], y[k]);
-    }
-    if (offset <= tolerance_px) {
-      on_line[k] = 1;
-      fit.add(x[k], y[k]);
-      stale = true;
-      if (fit.count() >= solve_at) {
-        fit.solve();
-        stale = false;
-        solve_at = kSolveGrowth * fit.count();
-      }
-      last = k;
+  int last = from - kStep;
+  for (int k = from; k != stop; k += kStep) {
+    const int begin = k;
+    while (k != stop && line.has(place[k])) k += kStep;
+    if (k != begin) {
+      // The line follows its points when it would break off.
+      const int low = kStep > 0 ? begin : k + 1;
+      const int high = kStep > 0 ? k : begin + 1;
+      add(run, difference(sums[high], sums[low]));
+      std::memset(on_line + low, 1, high - low);
+      last = k - kStep;
       strays = 0;
-    } else {
-      on_line[k] = 0;
-      if (++strays > maximum_strays) break;
+      if (k == stop) break;
+      line = Line(run, tolerance_px);
+      if (line.has(place[k])) {
+        k -= kStep;
+        continue;
+      }
     }
+    on_line[k] = 0;
+    if (++strays > maximum_strays) break;
   }
-  if (stale) fit.solve();
-  wanted = fit;
   return last;
 }
 
-void LineRunFinder::emit(Fit& fit, int first, int last, std::vector<LineRun>& runs) {
+void LineRunFinder::emit(Sums& run, int first, int last, std::vector<LineRun>& runs) {
+  const Place* place = place_.data();
   // Chains run with the bright side on the left, so first -> last keeps that.
-  const double sense = fit.along(x_[last], y_[last]) >= fit.along(x_[first], y_[first]) ? 1.0 : -1.0;
+  const Line line(run, params_.line_tolerance_px);
+  const bool backward =
+      (place[last].x - place[first].x) * line.dx() + (place[last].y - place[first].y) * line.dy() < 0.0;
+  // Enough points whose own gradient agrees with the line: what chains of noise lack.
+  const int agreeing = countAgreeing(line, first, last, backward);
   // Round a corner the gradient turns before the points leave the line: those would bend the fit.
   int low = first;
   int high = last;
-  while (first < last && !agrees(fit, first, sense)) ++first;
-  while (last > first && !agrees(fit, last, sense)) --last;
+  while (first < last && agrees_[first - low] == 0) ++first;
+  while (last > first && agrees_[last - low] == 0) --last;
   if (last - first + 1 < params_.first_fit_points) return;
-  // Enough points whose own gradient agrees with the line: what chains of noise lack.
-  const auto nx = static_cast<float>(sense * fit.dy());
-  const auto ny = static_cast<float>(-sense * fit.dx());
-  const float* gx = gx_.data();
-  const float* gy = gy_.data();
-  const float* agreement = agreement_.data();
-  int agreeing = 0;
-  for (int k = first; k <= last; ++k) {
-    const float dot = nx * gx[k] + ny * gy[k];
-    agreeing += static_cast<int>(dot >= 0.0F) & static_cast<int>(dot * dot >= agreement[k]);
-  }
   if (agreeing < params_.alignment_share * (last - first + 1)) return;
-  if (low != first || high != last) {
-    for (int k = low; k < first; ++k) {
-      if (on_line_[k] != 0) fit.remove(x_[k], y_[k]);
-    }
-    for (int k = high; k > last; --k) {
-      if (on_line_[k] != 0) fit.remove(x_[k], y_[k]);
-    }
-    fit.solve();
+  for (int k = low; k < first; ++k) {
+    if (on_line_[k] != 0) add(run, difference(sums_[k], sums_[k + 1]));
   }
+  for (int k = high; k > last; --k) {
+    if (on_line_[k] != 0) add(run, difference(sums_[k], sums_[k + 1]));
+  }
+  const Fit fit(run);
   if (fit.variance() > params_.maximum_rms_px * params_.maximum_rms_px) return;
   // But they do belong to the edge as far as they lie on it.
   const double reach_px = kReachShare * params_.line_tolerance_px;
-  while (low < first && fit.offset(x_[low], y_[low]) > reach_px) ++low;
-  while (high > last && fit.offset(x_[high], y_[high]) > reach_px) --high;
+  while (low < first && fit.offset(place[low]) > reach_px) ++low;
+  while (high > last && fit.offset(place[high]) > reach_px) --high;
   // A point stands for its pixel: the edge reaches half a pixel beyond its middle.
-  const double begin = fit.along(x_[low], y_[low]);
-  const double end = fit.along(x_[high], y_[high]);
+  const double begin = fit.along(place[low]);
+  const double end = fit.along(place[high]);
   const double way = end >= begin ? 0.5 : -0.5;
-  const Segment2 px{fit.point(begin - way), fit.point(end + way)};
-  if (px.length() < params_.piece_length_px) return;
-  runs.push_back({px, fit.count()});
+  if (std::abs(end - begin) + 1.0 < params_.piece_length_px) return;
+  const Eigen::Vector2d origin(x0_, y0_);
+  runs.push_back({{origin + fit.point(begin - way), origin + fit.point(end + way)}, run.n});
 }
 
-/// The bright side is on the left of the way d: the gradient should be along (d.y, -d.x).
-bool LineRunFinder::agrees(const Fit& fit, int k, double sense) const {
-  const double dot = sense * (fit.dy() * gx_[k] - fit.dx() * gy_[k]);
-  return dot >= 0.0 && dot * dot >= agreement_[k];
+/// How many points have a gradient that agrees with the line. The bright side is on the left of the way d:
+/// the gradient should be along (d.y, -d.x).
+int LineRunFinder::countAgreeing(const Line& line, int first, int last, bool backward) {
+  // The larger part is 1, so that squares fit a float.
+  const double larger = std::max({std::abs(line.dx()), std::abs(line.dy()), 1e-300});
+  const double scale = (backward ? -1.0 : 1.0) / larger;
+  const auto nx = static_cast<float>(scale * line.dy());
+  const auto ny = static_cast<float>(-scale * line.dx());
+  const float cosine_squared = static_cast<float>(params_.alignment_cos * params_.alignment_cos);
+  const float limit = cosine_squared * (nx * nx + ny * ny);
+  const int count = last - first + 1;
+  const Gradient* __restrict gradient = gradient_.data() + first;
+  std::int32_t* __restrict agrees = agrees_.data();
+  int agreeing = 0;
+  for (int k = 0; k < count; ++k) {
+    const auto gx = static_cast<float>(gradient[k].x);
+    const auto gy = static_cast<float>(gradient[k].y);
+    const float dot = nx * gx + ny * gy;
+    const std::int32_t yes = static_cast<std::int32_t>(dot >= 0.0F) &
+                             static_cast<std::int32_t>(dot * dot >= limit * (gx * gx + gy * gy));
+    agrees[k] = yes;
+    agreeing += yes;
+  }
+  return agreeing;
 }
 
 }  // namespace vismem

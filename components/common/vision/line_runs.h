@@ -25,21 +25,40 @@ class LineRunFinder {
   void find(const EdgePointFinder& edges, std::vector<LineRun>& runs);
 
  private:
+  /// Over points: of their places and products of these.
+  struct Sums {
+    double n = 0.0, xy = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0;
+  };
+  struct Place {
+    double x = 0.0, y = 0.0;  // relative to where the chain begins
+  };
+  struct Gradient {
+    std::int16_t x = 0, y = 0;
+  };
+  static Sums difference(const Sums& high, const Sums& low);
+  static void add(Sums& sums, const Sums& more);
+  static bool isThin(const Sums& sums, double limit);
+  class Line;
   class Fit;
 
-  int follow(const std::int32_t* next, std::int32_t first, bool ring);
-  void gather(const EdgePoint* points, int count);
+  int follow(const EdgePointFinder& edges, std::int32_t first, bool ring);
+  void sumUp(int count);
   void split(int count, std::vector<LineRun>& runs);
-  int extend(Fit& fit, int from, int stop, int step);
-  void emit(Fit& fit, int first, int last, std::vector<LineRun>& runs);
-  bool agrees(const Fit& fit, int k, double sense) const;
+  template <int kStep>
+  int extend(Sums& run, int from, int stop);
+  void emit(Sums& run, int first, int last, std::vector<LineRun>& runs);
+  int countAgreeing(const Line& line, int first, int last, bool backward);
 
   SolisParams params_;
+  double x0_ = 0.0;  // where the chain begins: places are relative to it
+  double y0_ = 0.0;
   Room<std::uint8_t> used_;
-  Room<std::int32_t> order_;
-  // The points of one chain: place, gradient and its squared length times that of the cosine to agree.
-  Room<float> x_, y_, gx_, gy_, agreement_;
+  // The points of one chain.
+  Room<Place> place_;
+  Room<Gradient> gradient_;
+  Room<Sums> sums_;  // over the points before each
   Room<std::uint8_t> on_line_;
+  Room<std::int32_t> agrees_;
 };
 
 }  // namespace vismem
