@@ -118,6 +118,37 @@ TriangleMesh cylinderMesh(double radius, double length) {
   return mesh;
 }
 
+TriangleMesh coneMesh(double radius, double length) {
+  TriangleMesh mesh;
+  const double top = 0.5 * length;
+  const double slant = std::hypot(radius, length);
+  const auto outwards = [&](double side) {
+    // As onCircle, between two sides too.
+    const double a = 2.0 * std::numbers::pi * side / kRoundSides;
+    return Eigen::Vector3f(static_cast<float>(std::cos(a) * length / slant),
+                           static_cast<float>(std::sin(a) * length / slant),
+                           static_cast<float>(radius / slant));
+  };
+  for (int i = 0; i < kRoundSides; ++i) {
+    const std::size_t first = mesh.vertices.size();
+    const Eigen::Vector3f here = onCircle(radius, i, -top);
+    const Eigen::Vector3f next = onCircle(radius, i + 1, -top);
+    mesh.vertices.insert(mesh.vertices.end(), {here, next, Eigen::Vector3f(0, 0, static_cast<float>(top)),
+                                               Eigen::Vector3f(0, 0, static_cast<float>(-top)), next, here});
+    mesh.normals.insert(mesh.normals.end(), {outwards(i), outwards(i + 1), outwards(i + 0.5)});
+    mesh.normals.insert(mesh.normals.end(), 3, Eigen::Vector3f(0, 0, -1));
+    mesh.uvs.insert(mesh.uvs.end(), {{turnShare(i), 1.0f}, {turnShare(i + 1), 1.0f}, {turnShare(i), 0.0f}});
+    for (int k = 3; k < 6; ++k) {
+      const Eigen::Vector3f& p = mesh.vertices[first + k];
+      const auto r = static_cast<float>(2.0 * radius);
+      mesh.uvs.emplace_back(0.5f + p.x() / r, 0.5f - p.y() / r);
+    }
+    mesh.triangles.push_back(triangle(first, first + 1, first + 2));
+    mesh.triangles.push_back(triangle(first + 3, first + 4, first + 5));
+  }
+  return mesh;
+}
+
 TriangleMesh sphereMesh(double radius) {
   return capsuleMesh(radius, 0.0);
 }

@@ -26,6 +26,8 @@ TriangleMesh boxMesh(const Eigen::Vector3d& size);
 TriangleMesh planeMesh(const Eigen::Vector2d& size);
 /// Axis along z, centred [m].
 TriangleMesh cylinderMesh(double radius, double length);
+/// Axis along z, its point upwards, centred [m].
+TriangleMesh coneMesh(double radius, double length);
 TriangleMesh sphereMesh(double radius);
 /// @param radii along x, y, z [m].
 TriangleMesh ellipsoidMesh(const Eigen::Vector3d& radii);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sdf/sdf.hh>
+#include <sstream>
 #include <system_error>
 
 namespace vismem {
@@ -34,8 +35,12 @@ bool GeometryReader::usable(const std::string& name, const std::string& what,
   return true;
 }
 
+fs::path GeometryReader::fileOf(const std::string& named_in) const {
+  return file_.empty() ? fs::path(named_in) : file_;
+}
+
 fs::path GeometryReader::resolve(const std::string& uri, const std::string& named_in) {
-  const auto found = resolver_.find(uri, named_in);
+  const auto found = resolver_.find(uri, fileOf(named_in));
   if (!found.note.empty()) warn_(found.note);
   return found.path;
 }
@@ -100,10 +105,27 @@ std::optional<GeometryReader::Shape> GeometryReader::read(const std::string& nam
     if (!mesh) return std::nullopt;
     return plain(std::move(*mesh), false);
   }
-  warn_(
-      "\"" + name +
-      "\" has a geometry that is not simulated (box, plane, cylinder, capsule, sphere, ellipsoid, polyline, "
-      "heightmap, mesh are)");
+  // Nor for cones, which came with SDF 1.11.
+  if (geometry->Element() && geometry->Element()->HasElement("cone")) {
+    const auto cone = geometry->Element()->GetElement("cone");
+    const auto length = [&](const char* what, double otherwise) {
+      const auto text = cone->FindElement(what);
+      const auto value = text && text->GetValue() ? text->GetValue()->GetAsString() : "";
+      double result = otherwise;
+      if (!value.empty()) std::istringstream(value) >> result;
+      return result;
+    };
+    const double radius = length("radius", 0.5);
+    const double height = length("length", 1.0);
+    if (!usable(name, "a cone", {radius, height})) return std::nullopt;
+    return plain(coneMesh(radius, height));
+  }
+  const auto shape = geometry->Element() ? geometry->Element()->GetFirstElement() : nullptr;
+  if (shape && shape->GetName() != "empty") {
+    warn_("\"" + name + "\": <" + shape->GetName() +
+          "> is not simulated (box, plane, cylinder, capsule, cone, sphere, ellipsoid, polyline, heightmap, "
+          "mesh are)");
+  }
   return std::nullopt;
 }
 
@@ -231,7 +253,7 @@ std::optional<OgreMaterial> GeometryReader::script(const std::string& name, cons
   std::vector<fs::path> folders;
   const auto element = material.Element() ? material.Element()->FindElement("script") : nullptr;
   for (auto uri = element ? element->FindElement("uri") : nullptr; uri; uri = uri->GetNextElement("uri")) {
-    const auto path = resolver_.find(uri->Get<std::string>(), material.FilePath()).path;
+    const auto path = resolver_.find(uri->Get<std::string>(), fileOf(material.FilePath())).path;
     if (!path.empty()) folders.push_back(path);
   }
   for (const fs::path& path : folders) {

@@ -28,6 +28,8 @@ class GeometryReader {
   };
   /// @param name of the visual or collision, for warnings. @return empty if there is nothing to use.
   std::optional<Shape> read(const std::string& name, const sdf::Geometry* geometry);
+  /// Names in elements that come from no file are as in this one; empty: from the world's folder.
+  void readAs(std::filesystem::path file) { file_ = std::move(file); }
   /// Colours the parts as the material says; where it says nothing they keep what they have.
   void apply(const std::string& name, const sdf::Material& material, std::vector<MeshPart>& parts);
 
@@ -40,7 +42,10 @@ class GeometryReader {
   std::optional<OgreMaterial> script(const std::string& name, const sdf::Material& material);
   std::shared_ptr<const Texture> texture(const std::string& name, const std::filesystem::path& file);
 
+  std::filesystem::path fileOf(const std::string& named_in) const;
+
   const UriResolver& resolver_;
+  std::filesystem::path file_;
   std::function<void(const std::string&)> warn_;
   std::map<std::string, std::optional<MeshFile>> meshes_;
   std::map<std::string, std::shared_ptr<const Texture>> textures_;

@@ -1,16 +1,20 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <sdf/sdf.hh>
 #include <set>
+#include <sstream>
 #include <utility>
 
 #include "common/config/config_error.h"
 #include "common/config/text_file.h"
 #include "simulator/core/world.h"
+#include "simulator/core/world_document.h"
 #include "simulator/core/world_geometry.h"
 #include "simulator/core/world_outlines.h"
+#include "simulator/core/world_reading.h"
 #include "simulator/core/world_resolver.h"
 #include "simulator/core/world_text.h"
 
@@ -27,6 +31,7 @@ constexpr double kMaxPosition_m = 1e6;
 constexpr std::size_t kMaxLights = 16;
 /// Of libsdformat's complaints when there is no world.
 constexpr std::size_t kMaxReasons = 5;
+constexpr std::size_t kShownReason = 200;
 /// Gazebo's light where a file gives none to a lamp.
 constexpr double kNoFactor = 0.0;
 
@@ -88,26 +93,87 @@ class WorldBuilder {
     }
   }
 
-  void addModel(const sdf::Model& model) {
+  std::unique_ptr<Reading> read(const std::string& xml) {
+    return readSdf(withBuiltInModels(xml), [&](const std::string& uri) { return findInclude(uri); });
+  }
+
+  /// As read; where it gives no world, of what is left without the parts that are to blame.
+  std::unique_ptr<Reading> readWhatCanBe(WorldDocument& document, const std::string& xml,
+                                         const std::string& of, std::vector<LostInclude>& lost) {
+    auto reading = read(xml);
+    if (reading->hasWorld()) return reading;
+    const auto refusal = [&](const std::string& text) -> std::string {
+      const auto part = read(text);
+      if (part->hasWorld()) return "";
+      return part->complaints.empty() ? "no world" : part->complaints.front();
+    };
+    const auto taken_out = document.takeOutRefused(refusal, lost);
+    if (taken_out.empty() && lost.empty()) return reading;
+    auto rest = read(document.text());
+    if (!rest->hasWorld()) return reading;
+    for (const auto& note : taken_out) warn(of + note);
+    return rest;
+  }
+
+  /// A model whose file libsdformat refuses within the world, read by itself.
+  void addLost(const LostInclude& include) {
+    const auto leaveOut = [&](const std::string& why) { warn(include.description + " is left out: " + why); };
+    fs::path file = findInclude(include.uri);
+    std::error_code error;
+    if (fs::is_directory(file, error)) file = sdf::getModelFilePath(file.string());
+    const auto bytes = file.empty() ? std::nullopt : readFile(file, kMaxWorld_bytes);
+    if (!bytes) return leaveOut("no such model");
+    const WorldText text = repairWorldText(*bytes);
+    const std::string of = file.string() + ": ";
+    std::optional<WorldDocument> document;
+    try {
+      document.emplace(text.xml, file.string());
+    } catch (const ConfigError& problem) {
+      return leaveOut(problem.what());
+    }
+    for (const auto& note : text.notes) warn(of + note);
+    for (const auto& note : document->repair()) warn(of + note);
+    document->wrapModel();
+    std::vector<LostInclude> deeper;
+    const auto reading = readWhatCanBe(*document, document->text(), of, deeper);
+    if (!reading->hasWorld() || reading->root.WorldByIndex(0)->ModelCount() == 0) {
+      return leaveOut(reading->complaints.empty() ? "it holds no model" : reading->complaints.front());
+    }
+    for (const auto& inner : deeper) warn(of + inner.description + " is left out");
+    const sdf::Model& model = *reading->root.WorldByIndex(0)->ModelByIndex(0);
+    Pose3d pose;
+    std::istringstream stream(include.pose);
+    const bool placed = static_cast<bool>(stream >> pose);
+    geometry_.readAs(file);
+    addModel(model, include.name.empty() ? model.Name() : include.name,
+             placed ? std::optional(toPose3(pose)) : std::nullopt);
+    geometry_.readAs({});
+  }
+
+  void addModel(const sdf::Model& model) { addModel(model, model.Name(), std::nullopt); }
+  /// @param placed instead of the model's own pose.
+  void addModel(const sdf::Model& model, const std::string& name, const std::optional<Pose3>& placed) {
     WorldModel result;
-    result.name = freeName(model.Name());
-    const auto pose = poseOf(model, "model \"" + model.Name() + "\"");
+    result.name = freeName(name);
+    const auto pose = placed && isUsable(*placed) ? placed : poseOf(model, "model \"" + name + "\"");
     if (!pose) return;
     result.pose = *pose;
-    if (const auto moved = states_.find(model.Name()); moved != states_.end()) result.pose = moved->second;
+    if (const auto moved = states_.find(name); moved != states_.end()) result.pose = moved->second;
     addParts(model, "", Pose3::Identity(), result);
     if (!result.bodies.empty() || !result.outlines.empty()) {
       loaded_.world.models.push_back(std::move(result));
     }
   }
 
-  void addLight(const sdf::Light& light) {
+  /// @param T_world_parent of the link that carries it; it stays where it is when the link's model moves.
+  void addLight(const sdf::Light& light, const Pose3& T_world_parent = Pose3::Identity()) {
     if (loaded_.world.lights.size() >= kMaxLights) {
       warn("light \"" + light.Name() + "\": only the first " + std::to_string(kMaxLights) + " are simulated");
       return;
     }
-    const auto pose = poseOf(light, "light \"" + light.Name() + "\"");
+    auto pose = poseOf(light, "light \"" + light.Name() + "\"");
     if (!pose) return;
+    *pose = T_world_parent * *pose;
     Light result;
     result.name = light.Name();
     result.kind = light.Type() == sdf::LightType::SPOT    ? Light::Kind::kSpot
@@ -153,7 +219,15 @@ class WorldBuilder {
     const auto state = world.Element() ? world.Element()->FindElement("state") : nullptr;
     for (auto model = state ? state->FindElement("model") : nullptr; model;
          model = model->GetNextElement("model")) {
-      if (!model->HasElement("pose") || !model->HasAttribute("name")) continue;
+      if (!model->HasAttribute("name")) continue;
+      if (model->HasElement("scale")) {
+        const auto scale = model->Get<ignition::math::Vector3d>("scale");
+        // Gazebo's versions differ in whether the model's own sizes hold it already.
+        if (!scale.Equal(ignition::math::Vector3d::One, 1e-6)) {
+          warn("the scale of model \"" + model->Get<std::string>("name") + "\" in <state> is not applied");
+        }
+      }
+      if (!model->HasElement("pose")) continue;
       const Pose3 pose = toPose3(model->Get<Pose3d>("pose"));
       if (isUsable(pose)) states_[model->Get<std::string>("name")] = pose;
     }
@@ -242,8 +316,7 @@ class WorldBuilder {
       addCamera(name, *link.SensorByIndex(i), T_model_link, out);
     }
     for (std::uint64_t i = 0; i < link.LightCount(); ++i) {
-      warn("light \"" + link.LightByIndex(i)->Name() + "\" on a link of model \"" + out.name +
-           "\" is not simulated");
+      addLight(*link.LightByIndex(i), out.pose * T_model_link);
     }
     for (std::uint64_t i = 0; i < link.CollisionCount(); ++i) {
       const sdf::Collision& collision = *link.CollisionByIndex(i);
@@ -342,44 +415,43 @@ class WorldBuilder {
 };
 
 /// @param notes what is odd about the text already.
-LoadedWorld build(const std::string& xml, const std::string& file, std::vector<std::string> notes,
-                  WorldBuilder& builder) {
+LoadedWorld build(WorldDocument& document, const std::string& xml, const std::string& file,
+                  const std::vector<std::string>& notes, WorldBuilder& builder) {
   std::vector<fs::path> chain;
   builder.checkIncludes(xml, {}, chain);
-  // Its complaints come back as values; on the console they would stand there twice.
-  sdf::Console::Instance()->SetQuiet(true);
-  sdf::Root root;
-  sdf::ParserConfig config;
-  config.SetFindCallback([&](const std::string& uri) { return builder.findInclude(uri); });
-  sdf::Errors errors;
-  try {
-    errors = root.LoadSdfString(withBuiltInModels(xml), config);
-  } catch (const sdf::Exception& error) {  // not a std::exception
-    throw ConfigError({file + ": libsdformat fails: " + error.GetErrorStr()});
-  } catch (const std::exception& error) {
-    throw ConfigError({file + ": libsdformat fails: " + std::string(error.what())});
-  }
+  std::vector<LostInclude> lost;
+  const auto reading = builder.readWhatCanBe(document, xml, "", lost);
   for (const auto& note : notes) builder.warn(note);
-  for (const auto& error : errors) builder.warn(error.Message());
-  if (root.WorldCount() == 0) {
-    std::string why = root.Model() != nullptr ? "it holds a model, no <world>"
-                      : errors.empty()        ? "no <world> element"
-                                              : "";
-    for (std::size_t i = 0; i < std::min(errors.size(), kMaxReasons); ++i) {
-      why += (i == 0 ? "" : "; ") + errors[i].Message();
+  if (!reading->hasWorld()) {
+    std::string why = reading->root.Model() != nullptr ? "it holds a model, no <world>"
+                      : reading->complaints.empty()    ? "no <world> element"
+                                                       : "";
+    for (std::size_t i = 0; i < std::min(reading->complaints.size(), kMaxReasons); ++i) {
+      why += (i == 0 ? "" : "; ") + shown(reading->complaints[i], kShownReason);
     }
-    std::vector<std::string> reasons = std::move(notes);
-    for (auto& reason : reasons) reason = file + ": " + reason;
+    std::vector<std::string> reasons;
+    for (const auto& note : notes) reasons.push_back(file + ": " + note);
     reasons.push_back(file + ": not a world in SDF: " + why);
     throw ConfigError(std::move(reasons));
   }
-  const sdf::World& world = *root.WorldByIndex(0);
+  for (const auto& complaint : reading->complaints) builder.warn(complaint);
+  const sdf::World& world = *reading->root.WorldByIndex(0);
   if (world.Scene() != nullptr) builder.setScene(*world.Scene());
   builder.readStates(world);
   builder.warnOfTheRest(world);
   for (std::uint64_t i = 0; i < world.LightCount(); ++i) builder.addLight(*world.LightByIndex(i));
   for (std::uint64_t i = 0; i < world.ModelCount(); ++i) builder.addModel(*world.ModelByIndex(i));
+  for (const auto& include : lost) builder.addLost(include);
   return builder.take(world.Name());
+}
+
+/// Of a text that is made fit for libsdformat.
+LoadedWorld buildFrom(const WorldText& text, const std::string& file, WorldBuilder& builder) {
+  WorldDocument document(text.xml, file);
+  std::vector<std::string> notes = text.notes;
+  const auto repaired = document.repair();
+  notes.insert(notes.end(), repaired.begin(), repaired.end());
+  return build(document, repaired.empty() ? text.xml : document.text(), file, notes, builder);
 }
 
 }  // namespace
@@ -396,15 +468,15 @@ LoadedWorld parseWorld(const std::string& bytes, const std::string& file,
   WorldBuilder builder(file, search);
   const WorldText text = repairWorldText(bytes);
   if (text.xml.empty() && !text.notes.empty()) throw ConfigError({file + ": " + text.notes.front()});
-  checkDocument(text.xml, file);
-  return build(text.xml, file, text.notes, builder);
+  return buildFrom(text, file, builder);
 }
 
 LoadedModel loadModel(const std::string& uri, const std::vector<fs::path>& model_paths) {
   WorldBuilder builder(uri, model_paths);
-  LoadedWorld loaded = build("<sdf version='1.9'><world name='one'><include><uri>" + escapeXml(uri) +
-                                 "</uri></include></world></sdf>",
-                             uri, {}, builder);
+  LoadedWorld loaded = buildFrom({"<sdf version='1.9'><world name='one'><include><uri>" + escapeXml(uri) +
+                                      "</uri></include></world></sdf>",
+                                  {}},
+                                 uri, builder);
   return {std::move(loaded.world.models.front()), std::move(loaded.warnings)};
 }
 

@@ -1,14 +1,9 @@
 #include "simulator/core/world_text.h"
 
-#include <tinyxml2.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <optional>
-
-#include "common/config/config_error.h"
-#include "simulator/core/xml_error.h"
 
 namespace vismem {
 namespace {
@@ -19,7 +14,6 @@ constexpr const char* kGroundPlane = R"(<static>true</static><link name="link">
 constexpr const char* kSun =
     R"(<diffuse>0.8 0.8 0.8 1</diffuse><direction>-0.5 0.1 -0.9</direction></light>)";
 constexpr std::size_t kMaxNotedAttributes = 3;
-constexpr std::size_t kMaxNotes = 20;
 
 bool isSpace(char c) {
   return std::isspace(static_cast<unsigned char>(c)) != 0;
@@ -115,24 +109,6 @@ std::size_t copyTag(const std::string& s, std::size_t at, std::string& out,
   return at;
 }
 
-/// Words such as "nan" between tags: SDF has no such numbers, and libsdformat does not say where one stands.
-void noteNotNumbers(std::string_view text, int line, std::vector<std::string>& notes) {
-  for (std::size_t at = 0; at < text.size();) {
-    if (isSpace(text[at])) {
-      if (text[at++] == '\n') ++line;
-      continue;
-    }
-    std::string word;
-    for (; at < text.size() && !isSpace(text[at]); ++at) {
-      word.push_back(static_cast<char>(std::tolower(static_cast<unsigned char>(text[at]))));
-    }
-    if (!word.empty() && (word[0] == '-' || word[0] == '+')) word.erase(0, 1);
-    if (word == "nan" || word == "inf" || word == "infinity") {
-      notes.push_back("line " + std::to_string(line) + ": \"" + word + "\" is no number in SDF");
-    }
-  }
-}
-
 /// The text between <name> and </name> in a piece of XML; empty optional if there is none.
 std::optional<std::string> textOf(std::string_view xml, std::string_view name) {
   const std::string open = "<" + std::string(name);
@@ -215,9 +191,6 @@ WorldText repairWorldText(const std::string& bytes) {
     if (text[at] != '<') {
       const std::size_t next = std::min(text.find('<', at), text.size());
       out.append(text, at, next - at);
-      if (result.notes.size() < kMaxNotes) {
-        noteNotNumbers({text.data() + at, next - at}, line, result.notes);
-      }
       countLines(at, next);
       at = next;
       continue;
@@ -295,23 +268,6 @@ std::string escapeXml(std::string_view text) {
     }
   }
   return out;
-}
-
-void checkDocument(const std::string& xml, const std::string& file) {
-  const auto failure = [&](int line, const std::string& what) {
-    return ConfigError(
-        {file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what + " (must be a world in SDF)"});
-  };
-  tinyxml2::XMLDocument document;
-  if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS) {
-    throw failure(document.ErrorLineNum(), "not XML: " + xmlErrorInWords(document.ErrorName()));
-  }
-  const auto* root = document.RootElement();
-  if (root == nullptr) throw failure(0, "no XML element");
-  const std::string name = root->Name();
-  if (name != "sdf" && name != "gazebo") {  // the older name of the same
-    throw failure(root->GetLineNum(), "begins with the element <" + name + ">");
-  }
 }
 
 }  // namespace vismem

@@ -26,9 +26,4 @@ std::vector<std::string> includedUris(const std::string& xml);
 /// A text between tags with XML's five entities in place of their characters.
 std::string escapeXml(std::string_view text);
 
-/// Looks at a document before libsdformat does, whose own words for what is no XML or no SDF are the whole
-/// text.
-/// @throws ConfigError "FILE:LINE: not XML: ..." or what it begins with instead of <sdf>.
-void checkDocument(const std::string& xml, const std::string& file);
-
 }  // namespace vismem
