@@ -12,6 +12,7 @@ namespace {
 constexpr int kLanes = 16;         // compared at a time
 constexpr double kTurn = 65536.0;  // what an angle of 16 bits wraps at
 constexpr double kDiamondTurn = 4.0;
+constexpr int kShift = 32768;  // makes numbers of 16 bits positive
 
 /// An angle that grows with the direction, -1 .. 3 for a turn: linear along |x| + |y| = 1. A radian is
 /// between 1/2 and 1 of it.
@@ -100,16 +101,17 @@ struct CollinearMerger::Box {
 class CollinearMerger::Lanes {
  public:
   static Box boxOf(const Rod& rod, double reach_px) {
-    // Beyond its range a number stays at its end: boxes that meet still do.
+    // Beyond its range a number stays at its end: boxes that meet still do. Rounded down; up is one more.
     const auto whole = [](double value) {
-      return static_cast<std::int16_t>(std::clamp(value, -32000.0, 32000.0));
+      return static_cast<int>(std::min(std::max(value, -32000.0), 32000.0) + kShift) - kShift;
     };
     const auto [x0, x1] = std::minmax(rod.px.a.x(), rod.px.b.x());
     const auto [y0, y1] = std::minmax(rod.px.a.y(), rod.px.b.y());
     const auto angle = static_cast<int>((diamondAngle(rod.direction) + 1.0) * (kTurn / kDiamondTurn));
-    return {whole(std::floor(x0 - reach_px)), whole(std::ceil(x1 + reach_px)),
-            whole(std::floor(y0 - reach_px)), whole(std::ceil(y1 + reach_px)),
-            static_cast<std::uint16_t>(angle)};
+    return {static_cast<std::int16_t>(whole(x0 - reach_px)),
+            static_cast<std::int16_t>(whole(x1 + reach_px) + 1),
+            static_cast<std::int16_t>(whole(y0 - reach_px)),
+            static_cast<std::int16_t>(whole(y1 + reach_px) + 1), static_cast<std::uint16_t>(angle)};
   }
 
   void reserve(std::size_t count) {
@@ -117,14 +119,17 @@ class CollinearMerger::Lanes {
     angle_.reserve(count + kLanes);
     rod_.reserve(count);
   }
-  void clear() {
-    rod_.clear();
-    pad();
+  /// Those that are new, and some beyond the last one, meet nothing yet.
+  void resize(std::size_t count) {
+    const std::size_t old = rod_.size();
+    rod_.resize(count);
+    const std::size_t padded = count + kLanes;
+    for (auto* column : {&left_, &right_, &top_, &bottom_}) column->resize(padded);
+    angle_.resize(padded);
+    for (std::size_t k = old; k < padded; ++k) set(k, {32767, -32768, 32767, -32768, 0}, 0);
   }
-  void add(const Box& box, int rod) {
-    const std::size_t k = rod_.size();
-    rod_.push_back(rod);
-    pad();
+  void set(std::size_t k, const Box& box, int rod) {
+    if (k < rod_.size()) rod_[k] = rod;
     left_[k] = box.left;
     right_[k] = box.right;
     top_[k] = box.top;
@@ -138,7 +143,7 @@ class CollinearMerger::Lanes {
 
   /// Whether the boxes of some of the kLanes lanes from `begin` on meet this one, with a direction near its
   /// own: those lanes are then marked.
-  bool meet(const Box& box, int begin, std::uint16_t angle_limit, std::uint16_t marks[kLanes]) const {
+  void meet(const Box& box, int begin, std::uint16_t angle_limit, std::uint16_t marks[kLanes]) const {
     const std::int16_t* __restrict left = left_.data() + begin;
     const std::int16_t* __restrict right = right_.data() + begin;
     const std::int16_t* __restrict top = top_.data() + begin;
@@ -151,22 +156,11 @@ class CollinearMerger::Lanes {
       const bool alike = static_cast<std::uint16_t>(angle[k] - lowest) <= span;
       const bool meets =
           (left[k] <= box.right) & (right[k] >= box.left) & (top[k] <= box.bottom) & (bottom[k] >= box.top);
-      marks[k] = static_cast<std::uint16_t>((alike & meets) ? 0xffff : 0);
+      marks[k] = static_cast<std::uint16_t>((alike & meets) ? 1 : 0);
     }
-    std::uint64_t any[kLanes / 4];
-    std::memcpy(any, marks, sizeof(any));
-    return (any[0] | any[1] | any[2] | any[3]) != 0;
   }
 
  private:
-  /// Lanes beyond the last rod, which meet nothing.
-  void pad() {
-    const std::size_t count = rod_.size() + kLanes;
-    for (auto* column : {&left_, &top_}) column->resize(count, 32767);
-    for (auto* column : {&right_, &bottom_}) column->resize(count, -32768);
-    angle_.resize(count, 0);
-  }
-
   std::vector<std::int16_t> left_, right_, top_, bottom_;
   std::vector<std::uint16_t> angle_;
   std::vector<int> rod_;
@@ -183,22 +177,24 @@ void CollinearMerger::reserve(std::size_t segments) {
   given_->reserve(segments);
   joined_->reserve(segments);
   keys_.reserve(segments);
+  boxes_.reserve(segments);
 }
 
 /// Sorts the rods given from top to bottom.
 void CollinearMerger::lay() {
-  constexpr int kShift = 32768;
   keys_.clear();
+  boxes_.clear();
   for (std::size_t i = 0; i < rods_.size(); ++i) {
-    const auto top = static_cast<std::uint64_t>(Lanes::boxOf(rods_[i], reach_px_).top + kShift);
-    keys_.push_back(top << 32 | i);
+    boxes_.push_back(Lanes::boxOf(rods_[i], reach_px_));
+    keys_.push_back(static_cast<std::uint64_t>(boxes_.back().top + kShift) << 32 | i);
   }
   std::sort(keys_.begin(), keys_.end());
-  given_->clear();
-  joined_->clear();
-  for (const std::uint64_t key : keys_) {
-    const auto index = static_cast<int>(key & 0xffffffffU);
-    given_->add(Lanes::boxOf(rods_[index], reach_px_), index);
+  given_->resize(0);
+  joined_->resize(0);
+  given_->resize(keys_.size());
+  for (std::size_t k = 0; k < keys_.size(); ++k) {
+    const auto index = static_cast<int>(keys_[k] & 0xffffffffU);
+    given_->set(k, boxes_[index], index);
   }
 }
 
@@ -212,7 +208,10 @@ void CollinearMerger::findCandidates(int first_fresh, const CollinearMergeParams
   } else {
     const int count = static_cast<int>(rods_.size());
     const int known = joined_->count();
-    for (int i = first_fresh; i < count; ++i) joined_->add(Lanes::boxOf(rods_[i], reach_px_), i);
+    joined_->resize(known + count - first_fresh);
+    for (int i = first_fresh; i < count; ++i) {
+      joined_->set(known + i - first_fresh, Lanes::boxOf(rods_[i], reach_px_), i);
+    }
     for (int i = known; i < joined_->count(); ++i) {
       compare(joined_->rod(i), joined_->box(i), *given_, 0, params);
       compare(joined_->rod(i), joined_->box(i), *joined_, 0, params);
@@ -227,14 +226,18 @@ void CollinearMerger::findCandidates(int first_fresh, const CollinearMergeParams
 /// none after one that lies lower does.
 void CollinearMerger::compare(int index, const Box& box, const Lanes& lanes, int begin,
                               const CollinearMergeParams& params) {
-  const int count = lanes.count();
   const bool sorted = &lanes == given_.get();
   std::uint16_t marks[kLanes];
-  for (int lane = begin; lane < count; lane += kLanes) {
+  for (int lane = begin; lane < lanes.count(); lane += kLanes) {
     if (sorted && lanes.top(lane) > box.bottom) return;
-    if (!lanes.meet(box, lane, angle_limit_, marks)) continue;
-    for (int k = 0; k < kLanes; ++k) {
-      if (marks[k] != 0 && lanes.rod(lane + k) != index) judge(index, lanes.rod(lane + k), params);
+    lanes.meet(box, lane, angle_limit_, marks);
+    for (int four = 0; four < kLanes; four += 4) {
+      std::uint64_t bits;
+      std::memcpy(&bits, marks + four, sizeof(bits));
+      for (; bits != 0; bits &= bits - 1) {
+        const int other = lanes.rod(lane + four + __builtin_ctzll(bits) / 16);
+        if (other != index) judge(index, other, params);
+      }
     }
   }
 }

@@ -56,6 +56,7 @@ class CollinearMerger {
   std::unique_ptr<Lanes> given_;   // the rods given, from top to bottom
   std::unique_ptr<Lanes> joined_;  // the joined ones, in order of their index
   std::vector<std::uint64_t> keys_;
+  std::vector<Box> boxes_;
   double cos_limit_ = 0.0;
   double reach_px_ = 0.0;  // of two rods that can be joined, boxes this much wider meet
   std::uint16_t angle_limit_ = 0;

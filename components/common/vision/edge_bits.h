@@ -30,4 +30,9 @@ struct EdgeLinks {
   std::uint64_t* above_right = nullptr;
 };
 
+/// Planes to work in, with margins.
+struct EdgeWork {
+  std::uint64_t* plane[10] = {};
+};
+
 }  // namespace vismem

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 
 #include "common/vision/edge_sampling.h"
 
@@ -92,7 +93,7 @@ void EdgePointFinder::prepare(const cv::Mat& image) {
 
 /// Planes of bits with margins of zeros: rows above the first one have no points.
 void EdgePointFinder::layPlanes() {
-  constexpr int kPlanes = 7 * kRows + 4 + 2;
+  constexpr int kPlanes = 7 * kRows + 4 + std::size(EdgeWork{}.plane);
   const int stride = words_ + 2 * kEdgeWordMargin;
   planes_.reserve(static_cast<std::size_t>(kPlanes) * stride);
   std::memset(planes_.data(), 0, static_cast<std::size_t>(kPlanes) * stride * sizeof(std::uint64_t));
@@ -108,7 +109,7 @@ void EdgePointFinder::layPlanes() {
     }
   }
   for (std::uint64_t** to : {&links_.left, &links_.above_left, &links_.above, &links_.above_right}) lay(*to);
-  for (std::uint64_t*& to : work_) lay(to);
+  for (std::uint64_t*& to : work_.plane) lay(to);
 }
 
 void EdgePointFinder::find(const cv::Mat& image, double minimum_contrast, bool bridge) {

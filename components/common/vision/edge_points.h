@@ -84,7 +84,7 @@ class EdgePointFinder {
   Room<std::uint64_t> planes_;
   EdgeBits bits_[kRows];
   EdgeLinks links_;
-  std::uint64_t* work_[2] = {nullptr, nullptr};
+  EdgeWork work_;
 };
 
 /// Standard deviation of the image's own noise [grey levels]: from second differences that neither edges nor

@@ -2,7 +2,6 @@
 
 namespace vismem {
 namespace {
-
 #include "common/vision/edge_links.inc"
 #include "common/vision/edge_rows_loops.inc"
 

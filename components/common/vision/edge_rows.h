@@ -47,18 +47,18 @@ struct EdgeRowKernel {
   void (*points)(const std::int16_t* const gradient[3], const std::uint16_t* columns, int count, int y,
                  EdgePoint* points);
   /// Links between neighbours in a row and to the row above, whose ends are free and whose directions agree.
-  /// @param words a multiple of kEdgeWordBlock. @param work two planes.
-  void (*link)(const EdgeBits& here, const EdgeBits& above, int words, std::uint64_t* const work[2],
+  /// @param words a multiple of kEdgeWordBlock.
+  void (*link)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                const EdgeLinks& links);
   /// The same over one missing point. Of a steep edge: to the row two above, at most one column aside.
-  void (*bridge_steep)(const EdgeBits& here, const EdgeBits& above, int words, std::uint64_t* const work[2],
+  void (*bridge_steep)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                        const EdgeLinks& links);
   /// Of a flat edge: two columns aside, in its row or to the row above.
-  void (*bridge_flat)(const EdgeBits& here, const EdgeBits& above, int words, std::uint64_t* const work[2],
+  void (*bridge_flat)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                       const EdgeLinks& links);
   /// Of an edge along a diagonal: two columns aside in the row two above.
-  void (*bridge_diagonal)(const EdgeBits& here, const EdgeBits& above, int words,
-                          std::uint64_t* const work[2], const EdgeLinks& links);
+  void (*bridge_diagonal)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
+                          const EdgeLinks& links);
 };
 
 /// For any processor.
