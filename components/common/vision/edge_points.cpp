@@ -74,19 +74,21 @@ void EdgePointFinder::prepare(const cv::Mat& image) {
   constexpr int kBlockBits = kWordBits * kEdgeWordBlock;
   words_ = (width_ + kBlockBits - 1) / kBlockBits * kEdgeWordBlock;
   count_ = 0;
-  const std::size_t pixels = image.total() + kEdgePointBlock;
+  stride_ = kWordBits * words_ + 2 * kEdgeReadMargin;
+  const std::size_t pixels = image.total() + 2 * kEdgePointBlock;
   points_.reserve(pixels);
   next_.reserve(pixels);
   has_previous_.reserve(pixels);
   smooth_.reserve(width_ + 2 * kEdgeRowMargin);
   difference_.reserve(width_ + 2 * kEdgeRowMargin);
-  gradient_.reserve(std::size_t{6} * width_);
-  magnitude_.reserve(std::size_t{3} * width_);
-  kind_.reserve(std::size_t{3} * width_);
-  maps_.reserve(std::size_t{kRows} * width_);
+  gradient_.reserve(std::size_t{6} * stride_);
+  magnitude_.reserve(std::size_t{3} * stride_);
+  kind_.reserve(std::size_t{3} * stride_);
+  maps_.reserve(std::size_t{kRows} * stride_);
   mask_.reserve(std::size_t{kWordBits} * words_);
   std::memset(mask_.data(), 0, std::size_t{kWordBits} * words_);
-  columns_.reserve(width_ + kEdgePointBlock);
+  columns_.reserve(stride_);
+  packed_.reserve(std::size_t{4} * stride_);
   if (image.channels() == 3) gray_.reserve(std::size_t{5} * width_);
   layPlanes();
 }
@@ -146,34 +148,25 @@ void EdgePointFinder::gradientRow(const cv::Mat& image, int y) {
     row[-2] = row[-1] = row[0];
     row[width_] = row[width_ + 1] = row[width_ - 1];
   }
-  kernel_.gradient(smooth, difference, width_, ring(gradient_, y, 2 * width_), ring(magnitude_, y, width_),
-                   ring(kind_, y, width_));
+  kernel_.gradient(smooth, difference, width_, ring(gradient_, y, 2), ring(magnitude_, y, 1),
+                   ring(kind_, y, 1));
 }
 
 void EdgePointFinder::pointsOfRow(int y) {
   const std::int16_t* magnitude[3];
   const std::int16_t* gradient[3];
   for (int k = 0; k < 3; ++k) {
-    magnitude[k] = ring(magnitude_, y + k - 1, width_);
-    gradient[k] = ring(gradient_, y + k - 1, 2 * width_);
+    magnitude[k] = ring(magnitude_, y + k - 1, 1);
+    gradient[k] = ring(gradient_, y + k - 1, 2);
   }
   EdgeBits& here = bits(y);
-  kernel_.maxima(magnitude, ring(kind_, y, width_), 2, width_ - 2, minimum_, mask_.data(), words_, here);
+  kernel_.maxima(magnitude, ring(kind_, y, 1), 2, width_ - 2, minimum_, mask_.data(), words_, here);
+  std::copy_n(here.edge, words_, here.free_next);
+  std::copy_n(here.edge, words_, here.free_previous);
   std::uint16_t* columns = columns_.data();
-  std::int32_t* index = map(y);
-  int found = 0;
-  for (int word = 0; word < words_; ++word) {
-    const std::uint64_t edge = here.edge[word];
-    here.free_next[word] = here.free_previous[word] = edge;
-    for (std::uint64_t rest = edge; rest != 0; rest &= rest - 1) {
-      const int x = kWordBits * word + __builtin_ctzll(rest);
-      columns[found] = static_cast<std::uint16_t>(x);
-      index[x] = count_ + found;
-      ++found;
-    }
-  }
+  const int found = kernel_.list(here.edge, words_, count_, columns, map(y));
   std::fill_n(columns + found, kEdgePointBlock, std::uint16_t{2});
-  kernel_.points(gradient, columns, found, y, points_.data() + count_);
+  kernel_.points(gradient, {here, words_, columns, found, y, packed_.data()}, points_.data() + count_);
   std::memset(next_.data() + count_, 0, found * sizeof(std::int16_t));
   std::memset(has_previous_.data() + count_, 0, found);
   count_ += found;
@@ -181,12 +174,9 @@ void EdgePointFinder::pointsOfRow(int y) {
   join(y, y - 1, 1);
   if (!bridge_) return;
   // Flat edges a row later: a neighbour in the row below comes before one beyond a gap.
-  kernel_.bridge_flat(bits(y - 1), bits(y - 2), words_, work_, links_);
-  join(y - 1, y - 2, 2);
-  kernel_.bridge_steep(here, bits(y - 2), words_, work_, links_);
-  join(y, y - 2, 1);
-  kernel_.bridge_diagonal(here, bits(y - 2), words_, work_, links_);
-  join(y, y - 2, 2);
+  if (kernel_.bridge_flat(bits(y - 1), bits(y - 2), words_, work_, links_)) join(y - 1, y - 2, 2);
+  if (kernel_.bridge_steep(here, bits(y - 2), words_, work_, links_)) join(y, y - 2, 1);
+  if (kernel_.bridge_diagonal(here, bits(y - 2), words_, work_, links_)) join(y, y - 2, 2);
 }
 
 /// Turns bits into links between points of row y and those to the left or in the row `above`, so many columns

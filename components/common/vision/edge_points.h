@@ -59,16 +59,18 @@ class EdgePointFinder {
   void pointsOfRow(int y);
   void join(int y, int above, int aside);
 
-  std::int16_t* ring(Room<std::int16_t>& rows, int y, int stride) {
-    return rows.data() + static_cast<std::ptrdiff_t>(y % 3) * stride;
+  /// Rows of so many values a pixel.
+  std::int16_t* ring(Room<std::int16_t>& rows, int y, int values) {
+    return rows.data() + values * (static_cast<std::ptrdiff_t>(y % 3) * stride_ + kEdgeReadMargin);
   }
   EdgeBits& bits(int y) { return bits_[y & (kRows - 1)]; }
-  std::int32_t* map(int y) { return maps_.data() + static_cast<std::ptrdiff_t>(y & (kRows - 1)) * width_; }
+  std::int32_t* map(int y) { return maps_.data() + static_cast<std::ptrdiff_t>(y & (kRows - 1)) * stride_; }
 
   const EdgeRowKernel& kernel_;
   int width_ = 0;
   int height_ = 0;
-  int words_ = 0;  // of a plane
+  int words_ = 0;   // of a plane
+  int stride_ = 0;  // of rows that are read by blocks
   std::int16_t minimum_ = 0;
   int count_ = 0;
   bool bridge_ = false;
@@ -81,6 +83,7 @@ class EdgePointFinder {
   Room<std::int32_t> maps_;                         // index of the point at each column, where there is one
   Room<std::uint8_t> mask_;
   Room<std::uint16_t> columns_;
+  Room<std::int32_t> packed_;
   Room<std::uint64_t> planes_;
   EdgeBits bits_[kRows];
   EdgeLinks links_;

@@ -24,13 +24,12 @@ void bitsLoop(const std::uint8_t* mask, int words, const EdgeBits& out) {
   }
 }
 
-void pointsLoop(const std::int16_t* const gradient[3], const std::uint16_t* columns, int count, int y,
-                EdgePoint* points) {
+void pointsLoop(const std::int16_t* const gradient[3], const EdgeRowPoints& row, EdgePoint* points) {
   const std::int16_t* above = gradient[0];
   const std::int16_t* here = gradient[1];
   const std::int16_t* below = gradient[2];
-  for (int k = 0; k < count; ++k) {
-    const int x = columns[k];
+  for (int k = 0; k < row.count; ++k) {
+    const int x = row.columns[k];
     const int u = here[2 * x];
     const int v = here[2 * x + 1];
     const bool steep = (u < 0 ? -u : u) >= (v < 0 ? -v : v);
@@ -48,7 +47,7 @@ void pointsLoop(const std::int16_t* const gradient[3], const std::uint16_t* colu
     offset = offset < kMaximumOffset_px ? offset : kMaximumOffset_px;
     EdgePoint& point = points[k];
     point.x = static_cast<float>(x) + (steep ? offset : 0.0F);
-    point.y = static_cast<float>(y) + (steep ? 0.0F : offset);
+    point.y = static_cast<float>(row.y) + (steep ? 0.0F : offset);
     point.gx = static_cast<std::int16_t>(u);
     point.gy = static_cast<std::int16_t>(v);
     point.squared = squared;
@@ -63,23 +62,33 @@ void maximaLoop(const std::int16_t* const magnitude[3], const std::int16_t* kind
 
 }  // namespace
 
-#ifdef VISMEM_EDGE_ROWS_AVX2
+#ifdef VISMEM_EDGE_ROWS_X86
 const EdgeRowKernel& avx2EdgeRows();
+const EdgeRowKernel& avx512EdgeRows();
 #endif
 
 const EdgeRowKernel& portableEdgeRows() {
-  static constexpr EdgeRowKernel kKernel{"portable",     grayLoop,          columnsLoop, gradientLoop,
-                                         maximaLoop,     pointsLoop,        linkLoop,    bridgeSteepLoop,
-                                         bridgeFlatLoop, bridgeDiagonalLoop};
+  static constexpr EdgeRowKernel kKernel{"portable",      grayLoop,       columnsLoop,       gradientLoop,
+                                         maximaLoop,      listLoop,       pointsLoop,        linkLoop,
+                                         bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop};
   return kKernel;
 }
 
-const EdgeRowKernel& bestEdgeRows() {
-#ifdef VISMEM_EDGE_ROWS_AVX2
-  static const bool kAvx2 = __builtin_cpu_supports("avx2");
-  if (kAvx2) return avx2EdgeRows();
+std::vector<const EdgeRowKernel*> edgeRowKernels() {
+  std::vector<const EdgeRowKernel*> kernels{&portableEdgeRows()};
+#ifdef VISMEM_EDGE_ROWS_X86
+  if (__builtin_cpu_supports("avx2")) kernels.push_back(&avx2EdgeRows());
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) {
+    kernels.push_back(&avx512EdgeRows());
+  }
 #endif
-  return portableEdgeRows();
+  return kernels;
+}
+
+const EdgeRowKernel& bestEdgeRows() {
+  static const EdgeRowKernel& best = *edgeRowKernels().back();
+  return best;
 }
 
 }  // namespace vismem

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "common/vision/edge_bits.h"
 
@@ -9,8 +10,11 @@ namespace vismem {
 
 /// Values beyond both ends of a row of `smooth` and `difference` that `gradient` reads.
 constexpr int kEdgeRowMargin = 2;
+/// Rows of gradients and magnitudes are readable (not more) so many values before their first one, and to the
+/// end of the last word of planes and so many beyond.
+constexpr int kEdgeReadMargin = 16;
 /// So many columns are worked on together: a list of them must be readable that far beyond its end.
-constexpr int kEdgePointBlock = 8;
+constexpr int kEdgePointBlock = 16;
 
 /// Where the gradient is largest across an edge.
 struct EdgePoint {
@@ -19,6 +23,16 @@ struct EdgePoint {
   std::int16_t gx = 0;  ///< gradient, see EdgeRowKernel
   std::int16_t gy = 0;
   std::int32_t squared = 0;  ///< length of the gradient, squared
+};
+
+/// Which points of a row are wanted.
+struct EdgeRowPoints {
+  EdgeBits bits;
+  int words = 0;
+  const std::uint16_t* columns = nullptr;  ///< readable for a block more: columns of the image
+  int count = 0;
+  int y = 0;
+  std::int32_t* work = nullptr;  ///< room for four rows of 64 * words and a block each
 };
 
 /// Steps from rows of an image to linked edge points. The gradient is that of the image smoothed by a
@@ -42,27 +56,35 @@ struct EdgeRowKernel {
   /// @param words of the planes of `out` but the free ends, written.
   void (*maxima)(const std::int16_t* const magnitude[3], const std::int16_t* kind, int begin, int end,
                  std::int16_t minimum, std::uint8_t* mask, int words, const EdgeBits& out);
-  /// The points of row y at `count` columns, from the gradients above, here and below.
-  /// @param columns readable for a block more. @param points has room for a block more.
-  void (*points)(const std::int16_t* const gradient[3], const std::uint16_t* columns, int count, int y,
-                 EdgePoint* points);
+  /// Lists the columns of a row's points, and numbers them from `first` on.
+  /// @param columns room for a row and a block. @param index of each column that has a point; others are
+  /// undefined.
+  /// @return how many.
+  int (*list)(const std::uint64_t* edge, int words, std::int32_t first, std::uint16_t* columns,
+              std::int32_t* index);
+  /// The points of row y, from the gradients above, here and below.
+  /// @param points has room for two blocks more.
+  void (*points)(const std::int16_t* const gradient[3], const EdgeRowPoints& row, EdgePoint* points);
   /// Links between neighbours in a row and to the row above, whose ends are free and whose directions agree.
   /// @param words a multiple of kEdgeWordBlock.
   void (*link)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                const EdgeLinks& links);
-  /// The same over one missing point. Of a steep edge: to the row two above, at most one column aside.
-  void (*bridge_steep)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
+  /// The same over one missing point; they return whether there is any such link. Of a steep edge: to the row
+  /// two above, at most one column aside.
+  bool (*bridge_steep)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                        const EdgeLinks& links);
   /// Of a flat edge: two columns aside, in its row or to the row above.
-  void (*bridge_flat)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
+  bool (*bridge_flat)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                       const EdgeLinks& links);
   /// Of an edge along a diagonal: two columns aside in the row two above.
-  void (*bridge_diagonal)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
+  bool (*bridge_diagonal)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                           const EdgeLinks& links);
 };
 
 /// For any processor.
 const EdgeRowKernel& portableEdgeRows();
+/// All that this processor runs, the fastest last.
+std::vector<const EdgeRowKernel*> edgeRowKernels();
 /// The fastest one that this processor runs; chosen once.
 const EdgeRowKernel& bestEdgeRows();
 

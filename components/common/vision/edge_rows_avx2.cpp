@@ -27,15 +27,16 @@ void maximaLoop(const std::int16_t* const magnitude[3], const std::int16_t* kind
 }
 
 /// Eight points at a time.
-void pointsLoop(const std::int16_t* const gradient[3], const std::uint16_t* columns, int count, int y,
-                EdgePoint* points) {
+void pointsLoop(const std::int16_t* const gradient[3], const EdgeRowPoints& row, EdgePoint* points) {
+  constexpr int kEight = 8;
   const auto* here = reinterpret_cast<const int*>(gradient[1]);
   const auto up = static_cast<int>((gradient[0] - gradient[1]) / 2);
   const auto down = static_cast<int>((gradient[2] - gradient[1]) / 2);
-  const __m256 row = _mm256_set1_ps(static_cast<float>(y));
+  const __m256 y = _mm256_set1_ps(static_cast<float>(row.y));
   const __m256 limit = _mm256_set1_ps(kMaximumOffset_px);
-  for (int k = 0; k < count; k += kEdgePointBlock) {
-    const __m256i x = _mm256_cvtepu16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(columns + k)));
+  for (int k = 0; k < row.count; k += kEight) {
+    const __m256i x =
+        _mm256_cvtepu16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(row.columns + k)));
     const __m256i middle = _mm256_i32gather_epi32(here, x, 4);
     const __m256i size = _mm256_abs_epi16(middle);
     const __m256i flat =
@@ -55,7 +56,7 @@ void pointsLoop(const std::int16_t* const gradient[3], const std::uint16_t* colu
     offset = _mm256_min_ps(offset, limit);
     const __m256 is_flat = _mm256_castsi256_ps(flat);
     const __m256 px = _mm256_add_ps(_mm256_cvtepi32_ps(x), _mm256_andnot_ps(is_flat, offset));
-    const __m256 py = _mm256_add_ps(row, _mm256_and_ps(is_flat, offset));
+    const __m256 py = _mm256_add_ps(y, _mm256_and_ps(is_flat, offset));
     // From columns of numbers to points.
     const __m256i xy_low = _mm256_castps_si256(_mm256_unpacklo_ps(px, py));   // points 0 1 4 5
     const __m256i xy_high = _mm256_castps_si256(_mm256_unpackhi_ps(px, py));  // 2 3 6 7
@@ -77,9 +78,9 @@ void pointsLoop(const std::int16_t* const gradient[3], const std::uint16_t* colu
 
 const EdgeRowKernel& avx2EdgeRows();
 const EdgeRowKernel& avx2EdgeRows() {
-  static constexpr EdgeRowKernel kKernel{"avx2",         grayLoop,          columnsLoop, gradientLoop,
-                                         maximaLoop,     pointsLoop,        linkLoop,    bridgeSteepLoop,
-                                         bridgeFlatLoop, bridgeDiagonalLoop};
+  static constexpr EdgeRowKernel kKernel{"avx2",          grayLoop,       columnsLoop,       gradientLoop,
+                                         maximaLoop,      listLoop,       pointsLoop,        linkLoop,
+                                         bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop};
   return kKernel;
 }
 

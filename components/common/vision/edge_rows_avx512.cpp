@@ -1,0 +1,164 @@
+// The same loops for x86-64 processors with AVX-512 (F, BW, VL, DQ; called only where it is present), which
+// choose values by masks of bits: what the planes are.
+#include <immintrin.h>
+
+#include "common/vision/edge_rows.h"
+
+namespace vismem {
+namespace {
+
+#include "common/vision/edge_links.inc"
+#include "common/vision/edge_rows_loops.inc"
+
+/// Bits of `word` (64 columns from 64 * word on) that are in begin..end-1.
+std::uint64_t inside(int word, int begin, int end) {
+  const int low = begin - 64 * word;
+  const int high = end - 64 * word;
+  const std::uint64_t from = low <= 0 ? ~std::uint64_t{0} : low >= 64 ? 0 : ~std::uint64_t{0} << low;
+  const std::uint64_t to = high <= 0 ? 0 : high >= 64 ? ~std::uint64_t{0} : ~(~std::uint64_t{0} << high);
+  return from & to;
+}
+
+void maximaMasks(const std::int16_t* const magnitude[3], const std::int16_t* kind, int begin, int end,
+                 std::int16_t minimum, std::uint8_t* /*mask*/, int words, const EdgeBits& bits) {
+  const EdgeBits out = bits;
+  const std::int16_t* above = magnitude[0];
+  const std::int16_t* here = magnitude[1];
+  const std::int16_t* below = magnitude[2];
+  const __m512i least = _mm512_set1_epi16(minimum);
+  for (int word = 0; word < words; ++word) {
+    std::uint64_t planes[5] = {};
+    const std::uint64_t valid = inside(word, begin, end);
+    for (int half = 0; half < 2; ++half) {
+      const int x = 64 * word + 32 * half;
+      const auto valid_half = static_cast<__mmask32>(valid >> (32 * half));
+      if (valid_half == 0) continue;
+      const __m512i middle = _mm512_loadu_si512(here + x);
+      const __m512i which = _mm512_loadu_si512(kind + x);
+      const __mmask32 steep = _mm512_test_epi16_mask(which, _mm512_set1_epi16(kSteepBit));
+      const __m512i before =
+          _mm512_mask_blend_epi16(steep, _mm512_loadu_si512(above + x), _mm512_loadu_si512(here + x - 1));
+      const __m512i after =
+          _mm512_mask_blend_epi16(steep, _mm512_loadu_si512(below + x), _mm512_loadu_si512(here + x + 1));
+      __mmask32 edge = _mm512_mask_cmpge_epi16_mask(valid_half, middle, least);
+      edge = _mm512_mask_cmpgt_epi16_mask(edge, middle, before);
+      edge = _mm512_mask_cmpge_epi16_mask(edge, middle, after);
+      const auto put = [&](int plane, __mmask32 mask) {
+        planes[plane] |= static_cast<std::uint64_t>(mask) << (32 * half);
+      };
+      put(0, edge);
+      put(1, edge & steep);
+      put(2, _mm512_mask_test_epi16_mask(edge, which, _mm512_set1_epi16(kRightBit)));
+      put(3, _mm512_mask_test_epi16_mask(edge, which, _mm512_set1_epi16(kDownBit)));
+      put(4, _mm512_mask_test_epi16_mask(edge, which, _mm512_set1_epi16(kDiagonalBit)));
+    }
+    out.edge[word] = planes[0];
+    out.steep[word] = planes[1];
+    out.right[word] = planes[2];
+    out.down[word] = planes[3];
+    out.diagonal[word] = planes[4];
+  }
+}
+
+int listMasks(const std::uint64_t* edge, int words, std::int32_t first, std::uint16_t* columns,
+              std::int32_t* index) {
+  const __m512i steps = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  int found = 0;
+  for (int word = 0; word < words; ++word) {
+    const std::uint64_t bits = edge[word];
+    if (bits == 0) continue;
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      const auto mask = static_cast<__mmask16>(bits >> (16 * quarter));
+      const int x = 64 * word + 16 * quarter;
+      const __m512i here = _mm512_add_epi32(steps, _mm512_set1_epi32(x));
+      const __m512i packed = _mm512_maskz_compress_epi32(mask, here);
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(columns + found), _mm512_cvtepi32_epi16(packed));
+      const __m512i numbers = _mm512_add_epi32(steps, _mm512_set1_epi32(first + found));
+      _mm512_storeu_si512(index + x, _mm512_maskz_expand_epi32(mask, numbers));
+      found += __builtin_popcount(mask);
+    }
+  }
+  return found;
+}
+
+/// Gathers by packing what the planes mark, and then takes sixteen points at a time.
+void pointsMasks(const std::int16_t* const gradient[3], const EdgeRowPoints& row, EdgePoint* points) {
+  const auto* above = reinterpret_cast<const std::int32_t*>(gradient[0]);
+  const auto* here = reinterpret_cast<const std::int32_t*>(gradient[1]);
+  const auto* below = reinterpret_cast<const std::int32_t*>(gradient[2]);
+  const std::ptrdiff_t room = 64 * row.words + kEdgePointBlock;
+  std::int32_t* middles = row.work;
+  std::int32_t* befores = middles + room;
+  std::int32_t* afters = befores + room;
+  int found = 0;
+  for (int word = 0; word < row.words; ++word) {
+    const std::uint64_t bits = row.bits.edge[word];
+    if (bits == 0) continue;
+    const std::uint64_t steep_bits = row.bits.steep[word];
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      const auto mask = static_cast<__mmask16>(bits >> (16 * quarter));
+      const auto steep = static_cast<__mmask16>(steep_bits >> (16 * quarter));
+      const int x = 64 * word + 16 * quarter;
+      const __m512i before =
+          _mm512_mask_blend_epi32(steep, _mm512_loadu_si512(above + x), _mm512_loadu_si512(here + x - 1));
+      const __m512i after =
+          _mm512_mask_blend_epi32(steep, _mm512_loadu_si512(below + x), _mm512_loadu_si512(here + x + 1));
+      _mm512_storeu_si512(middles + found, _mm512_maskz_compress_epi32(mask, _mm512_loadu_si512(here + x)));
+      _mm512_storeu_si512(befores + found, _mm512_maskz_compress_epi32(mask, before));
+      _mm512_storeu_si512(afters + found, _mm512_maskz_compress_epi32(mask, after));
+      found += __builtin_popcount(mask);
+    }
+  }
+  const __m512 y = _mm512_set1_ps(static_cast<float>(row.y));
+  const __m512 limit = _mm512_set1_ps(kMaximumOffset_px);
+  for (int k = 0; k < row.count; k += 16) {
+    const __m512i x =
+        _mm512_cvtepu16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(row.columns + k)));
+    const __m512i middle = _mm512_loadu_si512(middles + k);
+    const __m512i size = _mm512_abs_epi16(middle);
+    const __mmask16 flat = _mm512_cmpgt_epi32_mask(_mm512_srli_epi32(size, 16),
+                                                   _mm512_and_si512(size, _mm512_set1_epi32(0xffff)));
+    const __m512i squared = _mm512_madd_epi16(middle, middle);
+    const __m512i before = _mm512_madd_epi16(middle, _mm512_loadu_si512(befores + k));
+    const __m512i after = _mm512_madd_epi16(middle, _mm512_loadu_si512(afters + k));
+    const __m512i sum = _mm512_add_epi32(_mm512_sub_epi32(squared, before), _mm512_sub_epi32(squared, after));
+    const __m512 curvature = _mm512_cvtepi32_ps(_mm512_max_epi32(sum, _mm512_set1_epi32(1)));
+    const __m512 skew = _mm512_cvtepi32_ps(_mm512_sub_epi32(after, before));
+    __m512 offset = _mm512_div_ps(_mm512_mul_ps(_mm512_set1_ps(0.5F), skew), curvature);
+    offset = _mm512_max_ps(offset, _mm512_sub_ps(_mm512_setzero_ps(), limit));
+    offset = _mm512_min_ps(offset, limit);
+    const auto steep = static_cast<__mmask16>(~flat);
+    const __m512 px = _mm512_add_ps(_mm512_cvtepi32_ps(x), _mm512_maskz_mov_ps(steep, offset));
+    const __m512 py = _mm512_add_ps(y, _mm512_maskz_mov_ps(flat, offset));
+    // From columns of numbers to points: fours of points 0 4 8 12, 1 5 9 13, ...
+    const __m512i xy_low = _mm512_castps_si512(_mm512_unpacklo_ps(px, py));
+    const __m512i xy_high = _mm512_castps_si512(_mm512_unpackhi_ps(px, py));
+    const __m512i gs_low = _mm512_unpacklo_epi32(middle, squared);
+    const __m512i gs_high = _mm512_unpackhi_epi32(middle, squared);
+    const __m512i p0 = _mm512_unpacklo_epi64(xy_low, gs_low);
+    const __m512i p1 = _mm512_unpackhi_epi64(xy_low, gs_low);
+    const __m512i p2 = _mm512_unpacklo_epi64(xy_high, gs_high);
+    const __m512i p3 = _mm512_unpackhi_epi64(xy_high, gs_high);
+    const __m512i p01_low = _mm512_shuffle_i64x2(p0, p1, 0x44);   // 0 4 1 5
+    const __m512i p01_high = _mm512_shuffle_i64x2(p0, p1, 0xee);  // 8 12 9 13
+    const __m512i p23_low = _mm512_shuffle_i64x2(p2, p3, 0x44);
+    const __m512i p23_high = _mm512_shuffle_i64x2(p2, p3, 0xee);
+    auto* out = points + k;
+    _mm512_storeu_si512(out, _mm512_shuffle_i64x2(p01_low, p23_low, 0x88));
+    _mm512_storeu_si512(out + 4, _mm512_shuffle_i64x2(p01_low, p23_low, 0xdd));
+    _mm512_storeu_si512(out + 8, _mm512_shuffle_i64x2(p01_high, p23_high, 0x88));
+    _mm512_storeu_si512(out + 12, _mm512_shuffle_i64x2(p01_high, p23_high, 0xdd));
+  }
+}
+
+}  // namespace
+
+const EdgeRowKernel& avx512EdgeRows();
+const EdgeRowKernel& avx512EdgeRows() {
+  static constexpr EdgeRowKernel kKernel{"avx512",        grayLoop,       columnsLoop,       gradientLoop,
+                                         maximaMasks,     listMasks,      pointsMasks,       linkLoop,
+                                         bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop};
+  return kKernel;
+}
+
+}  // namespace vismem
