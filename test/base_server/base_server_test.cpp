@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <functional>
+#include <thread>
 
 #include "common/drivers/host_clock.h"
 #include "common/geometry/angles.h"
 #include "common/robot_ice/base_ice.h"
 #include "support/ice_client.h"
+#include "support/p2os_robot.h"
 
 namespace vismem {
 namespace {
@@ -136,6 +139,71 @@ TEST_F(BaseServer, StandsBeforeItEndsOnSigterm) {
   EXPECT_THAT(server->error(), HasSubstr("the base stands at x "));
 }
 
+/// A robot on a serial line that is not there at first, is commanded by a client that vanishes, and
+/// unplugged.
+TEST_F(BaseServer, ServesAPioneerThatComesAndGoes) {
+  P2osRobot robot;
+  robot.unplug();
+  ComponentProcess server(
+      "base_server", {kEndpoint, "--BaseServer.Driver=pioneer", "--BaseServer.Port=" + robot.path(),
+                      "--BaseServer.Acceleration_mps2=3"});
+  ASSERT_TRUE(server.waitUntilReady());
+  const auto status = ice.find<avm::ComponentPrx>(server, "base_server/component");
+  const auto eventually = [&](const std::function<bool()>& condition) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (!condition() && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(20ms);
+    return condition();
+  };
+  EXPECT_TRUE(eventually([&] { return status->getStatus().state == avm::ComponentState::Degraded; }));
+  EXPECT_EQ(status->getStatus().reason, "base: " + robot.path() + ": no such device");
+  robot.plugIn();
+  ASSERT_TRUE(eventually([&] { return status->getStatus().state == avm::ComponentState::Running; }))
+      << status->getStatus().reason;
+  const auto base = connect(server);
+  ChildProcess commander({VISMEM_BIN_DIR "/base_commander", server.proxy("Motors"), "0.3", "0"});
+  ASSERT_TRUE(eventually([&] { return robot.speed_mmps() > 299.0; })) << commander.error();
+  ASSERT_TRUE(commander.signal(SIGKILL));
+  EXPECT_TRUE(eventually([&] { return robot.speed_mmps() == 0.0; }));
+  EXPECT_FALSE(robot.watchdogCame()) << "the server's watchdog is the quicker one";
+  robot.unplug();
+  EXPECT_TRUE(eventually([&] { return status->getStatus().state == avm::ComponentState::Degraded; }));
+  robot.plugIn();
+  EXPECT_TRUE(eventually([&] { return base->setVelocity(0.3, 0.0).ok() && robot.speed_mmps() > 299.0; }));
+  ASSERT_TRUE(server.signal(SIGTERM));
+  EXPECT_EQ(server.waitForExit(kPatience), 0);
+  EXPECT_EQ(robot.speed_mmps(), 0.0);
+  EXPECT_THAT(server.error(), HasSubstr("the base stands at x "));
+}
+
+/// The server is frozen while the robot drives, for longer than the robot's own watchdog waits. When it goes
+/// on, none of its packets may wake the old speed up.
+TEST_F(BaseServer, DoesNotReviveASpeedAfterItWasFrozen) {
+  P2osRobot::Traits traits;
+  traits.watchdog_s = 0.6;
+  P2osRobot robot(traits);
+  ComponentProcess server("base_server",
+                          {kEndpoint, "--BaseServer.Driver=pioneer", "--BaseServer.Port=" + robot.path(),
+                           "--BaseServer.Acceleration_mps2=3"});
+  ASSERT_TRUE(server.waitUntilReady());
+  const auto base = connect(server);
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  const auto waitFor = [&](const std::function<bool()>& condition) {
+    while (!condition() && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(5ms);
+    return condition();
+  };
+  // On a busy machine the freeze may come too late, when the server has stopped the robot: then once more.
+  do {
+    ASSERT_TRUE(server.signal(SIGCONT));
+    ASSERT_TRUE(waitFor([&] { return base->setVelocity(0.3, 0.0).ok() && robot.speed_mmps() > 299.0; }));
+    ASSERT_TRUE(server.signal(SIGSTOP));
+    ASSERT_TRUE(waitFor([&] { return robot.watchdogCame() && robot.speed_mmps() == 0.0; }));
+  } while (robot.setSpeed_mmps() == 0.0);
+  robot.fastest_mmps();
+  ASSERT_TRUE(server.signal(SIGCONT));
+  EXPECT_TRUE(waitFor([&] { return !robot.watchdogCame() && robot.setSpeed_mmps() == 0.0; }));
+  EXPECT_EQ(robot.fastest_mmps(), 0.0);
+}
+
 TEST_F(BaseServer, NamesWhatIsWrongWithItsConfiguration) {
   const auto values = serve({"--BaseServer.Watchdog_s=0", "--BaseServer.Serves=wheels", "--BaseServer.Rate=1",
                              "--BaseServer.Odometry.Preset=perfect"});
@@ -149,7 +217,7 @@ TEST_F(BaseServer, NamesWhatIsWrongWithItsConfiguration) {
   const auto driver = serve({"--BaseServer.Driver=simulatd"});
   EXPECT_EQ(driver->waitForExit(kPatience), 2);
   EXPECT_THAT(driver->error(), HasSubstr("BaseServer.Driver = simulatd (unknown driver (did you mean "
-                                         "\"simulated\"?); must be one of: simulated)"));
+                                         "\"simulated\"?); must be one of: pioneer, simulated)"));
 }
 
 }  // namespace

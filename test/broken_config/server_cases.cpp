@@ -118,7 +118,7 @@ std::vector<BrokenConfig> servers() {
       {"BaseDriverEmpty",
        b,
        {"BaseServer.Driver ="},
-       {"broken.cfg:1: BaseServer.Driver = (empty) (must be a driver: simulated)"}},
+       {"broken.cfg:1: BaseServer.Driver = (empty) (must be a driver: pioneer, simulated)"}},
       {"BaseServesUnknown",
        b,
        {"BaseServer.Serves = wheels"},

@@ -12,12 +12,14 @@
 #include "common/process/stream_health.h"
 #include "common/robot_ice/base_ice.h"
 #include "drivers/base_simulated/simulated_mobile_base.h"
+#include "drivers/pioneer_p2os/pioneer_base.h"
 
 namespace vismem {
 namespace {
 
 void registerBaseDrivers(DriverRegistry<MobileBase>& registry) {
   registry.add("simulated", "a differential drive that exists in this process only", makeSimulatedMobileBase);
+  registry.add("pioneer", "a Pioneer robot (P2OS, ARCOS) on a serial port", makePioneerBase);
 }
 
 /// What of the base this process serves.
@@ -42,7 +44,8 @@ class BaseServer : public Component {
     odometry_->start([health = StreamHealth(host.status(), "samples", "base")](
                          const SampleBatch<OdometrySample>& batch) mutable {
       const auto now = std::chrono::steady_clock::now();
-      batch.samples.empty() ? health.nothing(batch.message, now) : health.came(batch.samples.size(), now);
+      batch.samples.empty() ? health.nothing(batch.message, now)
+                            : health.came(batch.samples.size(), now, batch.message);
     });
   }
 

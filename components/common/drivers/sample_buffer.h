@@ -42,6 +42,13 @@ class SampleBuffer {
     changed_.notify_all();
   }
 
+  /// A condition that does not keep the source from delivering: "the stop button is pressed". It is given
+  /// with the samples until it is empty again.
+  void setCondition(std::string condition) {
+    const std::lock_guard lock(mutex_);
+    condition_ = std::move(condition);
+  }
+
   /// The source delivers nothing for now, and why. What was delivered stays.
   void setWaiting(std::string why) {
     const std::lock_guard lock(mutex_);
@@ -76,6 +83,7 @@ class SampleBuffer {
     batch.samples.assign(first, samples_.end());
     if (!batch.samples.empty()) {
       batch.state = SourceState::kRunning;
+      batch.message = condition_;
     } else {
       batch.message = state_ == SourceState::kRunning ? "no newer sample yet" : message_;
     }
@@ -100,6 +108,7 @@ class SampleBuffer {
   bool closed_ = false;
   SourceState state_ = SourceState::kWaiting;
   std::string message_;
+  std::string condition_;
 };
 
 }  // namespace vismem

@@ -4,11 +4,11 @@
 
 namespace vismem {
 
-void StreamHealth::came(std::size_t count, SteadyTime now) {
+void StreamHealth::came(std::size_t count, SteadyTime now, const std::string& condition) {
   status_.alive(reader_);
   last_ = now;
   for (std::size_t i = 0; i < count; ++i) status_.count(stream_);
-  status_.healthy(device_);
+  condition.empty() ? status_.healthy(device_) : status_.fault(device_, condition);
 }
 
 void StreamHealth::nothing(const std::string& why, SteadyTime now) {

@@ -26,7 +26,8 @@ class StreamHealth {
         reader_("reader of the " + device_),
         patience_(patience) {}
 
-  void came(std::size_t count, SteadyTime now);
+  /// @param condition of a device that delivers and yet is not as it should be: a fault while it lasts.
+  void came(std::size_t count, SteadyTime now, const std::string& condition = {});
   /// @param why what the device's driver says.
   void nothing(const std::string& why, SteadyTime now);
 

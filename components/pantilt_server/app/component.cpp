@@ -32,7 +32,8 @@ class PanTiltServer : public Component {
     servant_->start([health = StreamHealth(host.status(), "samples", "pan-tilt unit")](
                         const SampleBatch<PanTiltSample>& batch) mutable {
       const auto now = std::chrono::steady_clock::now();
-      batch.samples.empty() ? health.nothing(batch.message, now) : health.came(batch.samples.size(), now);
+      batch.samples.empty() ? health.nothing(batch.message, now)
+                            : health.came(batch.samples.size(), now, batch.message);
     });
   }
 

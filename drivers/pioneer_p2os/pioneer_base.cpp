@@ -1,0 +1,338 @@
+#include "drivers/pioneer_p2os/pioneer_base.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "common/drivers/host_clock.h"
+#include "common/drivers/retry_pause.h"
+#include "common/geometry/angles.h"
+#include "common/robot/command_limits.h"
+
+namespace vismem {
+namespace {
+
+using namespace std::chrono_literals;
+using p2os::Command;
+using p2os::command;
+
+constexpr char kStopped[] = "the base is stopped";
+constexpr char kConnecting[] = "the robot is being connected";
+/// The wire has room for so many commands at 9600 bit/s: 18 bytes each.
+constexpr auto kShortestInterval = 25ms;
+/// A speed is sent again, should the line have swallowed it.
+constexpr auto kRepeatSpeed = 200ms;
+constexpr auto kRepeatHalt = 100ms;
+constexpr auto kRepeatEnable = 300ms;
+/// Robots stop by themselves after 2 s by default without a packet.
+constexpr auto kPulse = 400ms;
+/// Motors that are told to come on do so within this time.
+constexpr auto kEnabling = 1000ms;
+constexpr auto kStartPatience = 5000ms;
+constexpr auto kBrakePatience = 2000ms;
+/// Motors that went off want a pause or a 0 before they are switched on again.
+constexpr auto kFreshStart = 1000ms;
+
+int rounded(double value) {
+  return static_cast<int>(std::lround(value));
+}
+
+}  // namespace
+
+PioneerBase::PioneerBase(const Params& params)
+    : params_(params),
+      link_(params.port, params.bauds_bps),
+      unavailable_(kStopped),
+      samples_("the base is not started") {}
+
+PioneerBase::~PioneerBase() {
+  stop();
+}
+
+PortReply PioneerBase::start() {
+  const std::lock_guard control(control_);
+  if (!thread_.joinable()) {
+    {
+      const std::lock_guard lock(mutex_);
+      unavailable_ = kConnecting;
+      tried_ = false;
+      order_.reset();
+    }
+    samples_.open(kConnecting);
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  }
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, kStartPatience, [this] { return tried_; });
+  return unavailable_.empty() ? PortReply::accepted() : PortReply::adjusted(unavailable_);
+}
+
+void PioneerBase::stop() {
+  const std::lock_guard control(control_);
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    unavailable_ = kStopped;
+    order_.reset();
+  }
+  thread_.request_stop();
+  link_.wake();
+  thread_.join();
+  thread_ = {};
+  samples_.close(kStopped);
+}
+
+PortReply PioneerBase::setVelocity(double v_mps, double w_radps) {
+  const LimitedVelocity limited = limitVelocity(params_.limits, v_mps, w_radps);
+  if (!limited.reply.ok()) return limited.reply;
+  const auto now = Clock::now();
+  const Speeds speeds{rounded(1000.0 * limited.v_mps), rounded(radToDeg(limited.w_radps))};
+  const bool moves = speeds != Speeds{};
+  {
+    const std::lock_guard lock(mutex_);
+    if (!unavailable_.empty()) return PortReply::rejected(unavailable_);
+    const bool begins_anew = !moves || now - moved_at_ > kFreshStart;
+    if (moves) moved_at_ = now;
+    if (stop_button_) return PortReply::rejected("the stop button is pressed");
+    if (!motors_on_) {
+      may_enable_ = may_enable_ || begins_anew;
+      if (!may_enable_) {
+        return PortReply::rejected(
+            "the motors went off: command 0, or nothing for a second, before the next");
+      }
+    }
+    order_ = Order{speeds, now};
+  }
+  link_.wake();
+  return limited.reply;
+}
+
+SampleBatch<OdometrySample> PioneerBase::samplesSince(StampUs after_us, std::chrono::milliseconds timeout) {
+  return samples_.since(after_us, timeout);
+}
+
+void PioneerBase::away(const std::string& why) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (unavailable_ == kStopped) return;
+    unavailable_ = why;
+    order_.reset();
+    tried_ = true;
+  }
+  samples_.setWaiting(why);
+  changed_.notify_all();
+}
+
+void PioneerBase::run(const std::stop_token& stop) {
+  RetryPause retry;
+  while (!stop.stop_requested()) {
+    std::string why = link_.connect([&stop] { return stop.stop_requested(); });
+    if (stop.stop_requested()) break;
+    if (why.empty()) {
+      retry.worked();
+      why = session(stop);
+    }
+    if (why.empty()) break;
+    away(why);
+    link_.drop();
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, stop, retry.failed(), [] { return false; });
+  }
+  link_.disconnect();
+}
+
+std::string PioneerBase::beginSession() {
+  const p2os::Identity& robot = link_.identity();
+  const auto known = p2os::scaleOf(robot.subclass);
+  if (!params_.scale && !known) {
+    return params_.port + ": the scales of a " + robot.robot_class + " " + robot.subclass +
+           " are not known: set DistanceUnit_mm and TurnFactor_radpm";
+  }
+  scale_ = params_.scale ? *params_.scale : *known;
+  odometry_.setScale(scale_);
+  odometry_.restart();
+  {
+    // A robot that comes back begins anew as after a stop button.
+    const std::lock_guard lock(mutex_);
+    motors_on_ = false;
+    stop_button_ = false;
+    may_enable_ = true;
+  }
+  sent_ = {};
+  stands_ = false;
+  robot_.reset();
+  sent_at_ = enabled_at_ = heard_at_ = Clock::now();
+  const BaseLimits& limits = params_.limits;
+  for (const p2os::Bytes& packet :
+       {command(Command::kOpen), command(Command::kSpeed, 0), command(Command::kTurnRate, 0),
+        command(Command::kSonar, 0), command(Command::kSetMaxSpeed, rounded(1000.0 * limits.max_speed_mps)),
+        command(Command::kSetMaxTurnRate, rounded(radToDeg(limits.max_turn_rate_radps))),
+        command(Command::kSetAcceleration, rounded(1000.0 * params_.acceleration_mps2)),
+        command(Command::kSetAcceleration, -rounded(1000.0 * params_.deceleration_mps2)),
+        command(Command::kSetTurnAcceleration, rounded(radToDeg(params_.turn_acceleration_radps2))),
+        command(Command::kSetTurnAcceleration, -rounded(radToDeg(params_.turn_deceleration_radps2))),
+        command(Command::kConfig, 1), command(Command::kEnable, 1)}) {
+    if (std::string why = link_.send(packet); !why.empty()) return why;
+  }
+  return {};
+}
+
+std::string PioneerBase::session(const std::stop_token& stop) {
+  if (std::string why = beginSession(); !why.empty()) return why;
+  const std::string silent = params_.port + ": the robot says nothing any more";
+  while (!stop.stop_requested()) {
+    const p2os::Link::Received received = link_.receive(Clock::now() + kShortestInterval);
+    if (!received.lost.empty()) return received.lost;
+    if (received.data) handle(*received.data);
+    const auto silence = Clock::now() - heard_at_;
+    if (silence >= params_.lost_after) return silent;
+    if (silence >= params_.silent_after) away(silent);
+    if (std::string why = sendDue(); !why.empty()) return why;
+  }
+  brake();
+  return {};
+}
+
+void PioneerBase::brake() {
+  const auto end = Clock::now() + kBrakePatience;
+  sent_ = {};
+  stands_ = false;
+  while (!stands_ && Clock::now() < end) {
+    if (!link_.sendHalt().empty()) return;
+    const auto again = Clock::now() + kRepeatHalt;
+    while (!stands_ && Clock::now() < again) {
+      const auto received = link_.receive(again);
+      if (!received.lost.empty()) return;
+      if (received.data) handle(*received.data);
+    }
+  }
+}
+
+void PioneerBase::handle(const p2os::Bytes& data) {
+  if (const auto sip = p2os::parseSip(data)) {
+    heard(*sip, data.size());
+  } else if (auto config = p2os::parseConfig(data)) {
+    robot_ = std::move(config);
+  }
+}
+
+void PioneerBase::heard(const p2os::Sip& sip, std::size_t bytes) {
+  heard_at_ = Clock::now();
+  // It was measured before its bytes went over the line, 10 bits each, with header and checksum.
+  const StampUs on_the_way_us = static_cast<StampUs>(bytes + 5) * 10 * kSecondUs / link_.baud_bps();
+  stands_ = sent_ == Speeds{} && sip.left_mmps == 0 && sip.right_mmps == 0;
+  {
+    const std::lock_guard lock(mutex_);
+    watchMotorsLocked(sip);
+    samples_.setCondition(conditionLocked(sip));
+    // Ready once the motors are on, or somebody keeps them off.
+    if (unavailable_ != kStopped &&
+        (motors_on_ || stop_button_ || tried_ || enabled_at_ + kEnabling < heard_at_)) {
+      unavailable_.clear();
+      tried_ = true;
+    }
+  }
+  samples_.add({hostClock_us() - on_the_way_us, samples_given_++, odometry_.add(sip), p2os::forwardSpeed(sip),
+                p2os::turnRate(sip, scale_)});
+  changed_.notify_all();
+}
+
+void PioneerBase::watchMotorsLocked(const p2os::Sip& sip) {
+  const bool on = sip.motors_on && !sip.stop_button;
+  if ((motors_on_ && !on) || sip.stop_button) {
+    may_enable_ = false;
+    order_.reset();
+  }
+  motors_on_ = on;
+  stop_button_ = sip.stop_button;
+}
+
+std::string PioneerBase::conditionLocked(const p2os::Sip& sip) const {
+  if (stop_button_) return "the stop button is pressed";
+  if (!motors_on_ && heard_at_ - enabled_at_ > kRepeatEnable) return "the motors are off";
+  if (sip.left_stalled && sip.right_stalled) return "both wheels are stalled";
+  if (sip.left_stalled) return "the left wheel is stalled";
+  if (sip.right_stalled) return "the right wheel is stalled";
+  if (robot_ && robot_->watchdog_ms == 0) {
+    return "the robot's own watchdog is off: it would drive on without this process (set its watchdog "
+           "parameter)";
+  }
+  if (sip.battery_V < params_.low_battery_V) {
+    std::ostringstream text;
+    text << "the battery is low: under " << params_.low_battery_V << " V";
+    return text.str();
+  }
+  return {};
+}
+
+PioneerBase::Speeds PioneerBase::wantedLocked(Clock::time_point now) {
+  const auto watchdog = std::chrono::duration<double>(params_.limits.watchdog_s);
+  if (order_ && now - order_->at >= watchdog) order_.reset();
+  return order_ && motors_on_ && unavailable_.empty() ? order_->speeds : Speeds{};
+}
+
+std::string PioneerBase::sendDue() {
+  const auto now = Clock::now();
+  const auto since = now - sent_at_;
+  Speeds wanted;
+  bool enable = false;
+  {
+    const std::lock_guard lock(mutex_);
+    wanted = wantedLocked(now);
+    enable = !motors_on_ && !stop_button_ && may_enable_ && order_ && order_->speeds != Speeds{};
+  }
+  if (enable && now - enabled_at_ >= kRepeatEnable) {
+    // Not the speed that the motors went off at.
+    if (std::string why = link_.sendHalt(); !why.empty()) return why;
+    enabled_at_ = now;
+    return link_.send(command(Command::kEnable, 1));
+  }
+  std::string why;
+  if (wanted == Speeds{}) {
+    if (sent_ != wanted || (!stands_ && since >= kRepeatHalt)) {
+      why = link_.sendHalt();
+    } else if (since >= kPulse) {
+      why = link_.send(command(Command::kPulse));
+    } else {
+      return {};
+    }
+  } else {
+    if (since < (sent_ == wanted ? kRepeatSpeed : std::chrono::milliseconds(kShortestInterval))) return {};
+    why = link_.send(command(Command::kSpeed, wanted.v_mmps));
+    if (why.empty()) why = link_.send(command(Command::kTurnRate, wanted.w_degps));
+  }
+  if (sent_ != wanted) stands_ = false;
+  sent_ = wanted;
+  sent_at_ = now;
+  return why;
+}
+
+std::unique_ptr<MobileBase> makePioneerBase(ConfigReader& group) {
+  PioneerBase::Params params;
+  params.port = group.requiredText("Port", "the robot's serial port, such as /dev/ttyUSB0");
+  if (const long baud = group.integer("Baud_bps", 0, 0, 4'000'000); baud != 0) {
+    if (!isBaudRate(static_cast<int>(baud))) {
+      group.problem("Baud_bps", "must be a rate of serial ports, such as 9600, or 0 to try all");
+    }
+    params.bauds_bps = {static_cast<int>(baud)};
+  }
+  params.limits.max_speed_mps = group.real("MaximumSpeed_mps", params.limits.max_speed_mps, 0.01, 2.2);
+  params.limits.max_turn_rate_radps = group.angleDeg("MaximumTurnRate_degps", 100.0, 1.0, 500.0);
+  params.limits.watchdog_s = group.real("Watchdog_s", params.limits.watchdog_s, 0.05, 2.0);
+  params.acceleration_mps2 = group.real("Acceleration_mps2", params.acceleration_mps2, 0.01, 10.0);
+  params.deceleration_mps2 = group.real("Deceleration_mps2", params.deceleration_mps2, 0.01, 10.0);
+  params.turn_acceleration_radps2 = group.angleDeg("TurnAcceleration_degps2", 200.0, 1.0, 5000.0);
+  params.turn_deceleration_radps2 = group.angleDeg("TurnDeceleration_degps2", 1000.0, 1.0, 5000.0);
+  params.low_battery_V = group.real("LowBattery_V", params.low_battery_V, 0.0, 60.0);
+  const auto unit_mm = group.optionalReal("DistanceUnit_mm", 0.01, 100.0);
+  const auto turn_factor = group.optionalReal("TurnFactor_radpm", 0.1, 100.0);
+  if (unit_mm && turn_factor) {
+    params.scale = p2os::Scale{*unit_mm, 1e-3 * *turn_factor};
+  } else if (unit_mm || turn_factor) {
+    group.problem(unit_mm ? "DistanceUnit_mm" : "TurnFactor_radpm",
+                  "must be set together with " + group.key(unit_mm ? "TurnFactor_radpm" : "DistanceUnit_mm"));
+  }
+  return std::make_unique<PioneerBase>(params);
+}
+
+}  // namespace vismem
