@@ -6,6 +6,7 @@
 
 #include "common/config/config_error.h"
 #include "common/process/log.h"
+#include "common/process/status.h"
 #include "common/robot_ice/base_ice.h"
 #include "common/robot_ice/camera_ice.h"
 #include "common/robot_ice/pantilt_ice.h"
@@ -62,7 +63,10 @@ class ReplayComponent : public Component {
     host.serve("Motors", std::make_shared<BaseServant>(player_.base()));
     host.serve("Encoders", odometry_);
     host.serve("Replay", std::make_shared<ReplayServant>(player_));
-    frames_.start(player_.camera());
+    frames_.start(player_.camera(), [&status = host.status()](const FrameResult& result) {
+      status.alive("reader of the recording");
+      if (result.frame) status.count("cameraA");
+    });
     pan_tilt_->start();
     odometry_->start();
   }
