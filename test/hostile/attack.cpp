@@ -17,6 +17,15 @@ constexpr int kBatch = 128;
 /// A long-poll ends after a second; a busy machine with sanitizers takes its time.
 constexpr auto kAnswerWithin = 30s;
 
+double statusMb(pid_t pid, const std::string& key) {
+  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+  for (std::string word; status >> word;) {
+    double kb = 0.0;
+    if (word == key && status >> kb) return kb / 1024.0;
+  }
+  return 0.0;
+}
+
 }  // namespace
 
 AbsurdCaller::AbsurdCaller(const SliceModel& model, const Target& target, std::uint64_t seed)
@@ -176,12 +185,11 @@ PoliteClient::Figures PoliteClient::figures() const {
 }
 
 double residentMb(pid_t pid) {
-  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
-  for (std::string word; status >> word;) {
-    double kb = 0.0;
-    if (word == "VmRSS:" && status >> kb) return kb / 1024.0;
-  }
-  return 0.0;
+  return statusMb(pid, "VmRSS:");
+}
+
+double peakMb(pid_t pid) {
+  return statusMb(pid, "VmHWM:");
 }
 
 }  // namespace vismem::test

@@ -95,5 +95,7 @@ class PoliteClient {
 
 /// Resident memory of a process [MB]; 0 if there is none.
 double residentMb(pid_t pid);
+/// The most it ever was [MB].
+double peakMb(pid_t pid);
 
 }  // namespace vismem::test

@@ -291,6 +291,27 @@ TEST_F(HostileTest, AClientThatNeverReadsCostsNoMemory) {
   EXPECT_THAT(simulator.process->error(), HasSubstr("does not take its answers"));
 }
 
+TEST_F(HostileTest, ASequenceThatIsNotThereIsNotAllocated) {
+  components_.reserve(1);
+  auto& simulator = start("simulator", "Simulator", {"cfg/sim/simulator.cfg"}, {"Simulation"});
+  aim(simulator);
+  RawConnection stranger(simulator.target.tcp_port);
+  ASSERT_TRUE(stranger.receive());
+  const double before_mb = peakMb(simulator.process->pid());
+  // So many points of 16 bytes that 32 bits overflow: to 0, and to little less than 0.
+  for (const std::int64_t points : {std::int64_t{1} << 28, (std::int64_t{1} << 31) - 1}) {
+    WireBytes parameters;
+    parameters.text("guest").size(points).number(1.0).number(2.0).byte(0).byte(0).number(0.5);
+    const Call call{7, "Simulation", "", "", "walkModel", false, parameters.take()};
+    ASSERT_TRUE(stranger.send(request(call)));
+    const auto answer = stranger.receive();
+    ASSERT_TRUE(answer);
+    EXPECT_NE(answer->at(kHeaderSize + 4), 0) << "a call of which most is missing was carried out";
+  }
+  EXPECT_LT(peakMb(simulator.process->pid()), before_mb + 100.0);
+  EXPECT_EQ(simulator.process->stop(kPatience), 0) << simulator.process->error();
+}
+
 TEST_F(HostileTest, ThousandsOfConnectionsDoNotShutOthersOut) {
   components_.reserve(1);
   auto& simulator = start("simulator", "Simulator", {"cfg/sim/simulator.cfg"}, {"cameraA"});

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "common/config/config_error.h"
+#include "common/process/allocation_limit.h"
 #include "common/process/command_line.h"
 #include "common/process/component_servant.h"
 #include "common/process/ice_setup.h"
@@ -302,6 +303,7 @@ int runComponent(int argc, char** argv, const ComponentSpec& spec) {
     if (!stop.request("signal " + std::to_string(number))) _exit(128 + number);
   });
   Logger log(spec.name);
+  limitAllocations(kLargestAllocation);
   try {
     const char* environment_config = std::getenv("ICE_CONFIG");
     const auto line = parseCommandLine({argv + std::min(argc, 1), argv + argc},
