@@ -32,7 +32,7 @@ double estimateNoise(const cv::Mat& image) {
   // Second difference along x of the second difference along y: weights 1 -2 1 each way, deviation 6 sigma.
   constexpr double kDeviation = 6.0;
   constexpr double kLowerQuartile = 0.3186;  // of |x| for a normal x of deviation 1
-  constexpr int kAlong = 96;                 // places in each direction, at most
+  constexpr int kAlong = 64;                 // places in each direction, at most
   constexpr int kDown = 48;
   if (image.cols < 3 || image.rows < 3) return 0.0;
   std::array<std::uint16_t, 8 * 256 + 1> histogram{};

@@ -24,30 +24,6 @@ std::int32_t firstZero(const std::uint8_t* flags, std::int32_t begin, std::int32
 
 }  // namespace
 
-LineRunFinder::Sums LineRunFinder::difference(const Sums& high, const Sums& low) {
-  return {high.n - low.n, high.xy - low.xy, high.x - low.x,
-          high.y - low.y, high.xx - low.xx, high.yy - low.yy};
-}
-
-void LineRunFinder::add(Sums& sums, const Sums& more) {
-  sums.n += more.n;
-  sums.x += more.x;
-  sums.y += more.y;
-  sums.xx += more.xx;
-  sums.xy += more.xy;
-  sums.yy += more.yy;
-}
-
-/// Whether the points' variance about their line is at most `limit`: without roots and divisions.
-bool LineRunFinder::isThin(const Sums& sums, double limit) {
-  const double shift = sums.n * sums.n * limit;
-  const double xx = sums.n * sums.xx - sums.x * sums.x - shift;
-  const double xy = sums.n * sums.xy - sums.x * sums.y;
-  const double yy = sums.n * sums.yy - sums.y * sums.y - shift;
-  // The smaller eigenvalue is under the limit, unless both of the shifted matrix are positive.
-  return static_cast<int>(xx + yy <= 0.0) | static_cast<int>(xx * yy <= xy * xy);
-}
-
 /// Which points lie on the line of others: without roots and divisions. The line is that of least squares
 /// along the axis nearest to it.
 class LineRunFinder::Line {
@@ -112,7 +88,7 @@ void LineRunFinder::find(const EdgePointFinder& edges, std::vector<LineRun>& run
   const std::uint8_t* has_previous = edges.hasPrevious();
   const std::size_t room = static_cast<std::size_t>(edges.capacity()) + kRingOverlap;
   used_.reserve(room);
-  on_line_.reserve(room);
+  strays_.reserve(room);
   agrees_.reserve(room);
   sums_.reserve(room + 1);
   place_.reserve(room);
@@ -187,12 +163,12 @@ void LineRunFinder::split(int count, std::vector<LineRun>& runs) {
   sumUp(count);
   int free_from = 0;  // points before it belong to an earlier run; runs share the point between them
   for (int i = 0; i + window <= count;) {
-    Sums run = difference(sums_[i + window], sums_[i]);
-    if (!isThin(run, first_variance)) {
+    Sums run = sums_[i + window] - sums_[i];
+    if (!run.thin(first_variance)) {
       ++i;
       continue;
     }
-    std::memset(on_line_.data() + i, 1, window);
+    stray_count_ = 0;
     const int last = extend<1>(run, i + window, count);
     const int first = extend<-1>(run, i - 1, free_from - 1);
     emit(run, first, last, runs);
@@ -205,12 +181,11 @@ void LineRunFinder::split(int count, std::vector<LineRun>& runs) {
 /// over.
 /// @return the last point on the line, or the one before `from` if none.
 template <int kStep>
-int LineRunFinder::extend(Sums& run, int from, int stop) {
+inline __attribute__((always_inline)) int LineRunFinder::extend(Sums& run, int from, int stop) {
   if (from == stop) return from - kStep;
   // Members are read before: the compiler must take a write of bytes for one to any of them.
   const Place* place = place_.data();
   const Sums* sums = sums_.data();
-  std::uint8_t* on_line = on_line_.data();
   const double tolerance_px = params_.line_tolerance_px;
   const int maximum_strays = params_.maximum_strays;
   Line line(run, tolerance_px);
@@ -223,8 +198,7 @@ int LineRunFinder::extend(Sums& run, int from, int stop) {
       // The line follows its points when it would break off.
       const int low = kStep > 0 ? begin : k + 1;
       const int high = kStep > 0 ? k : begin + 1;
-      add(run, difference(sums[high], sums[low]));
-      std::memset(on_line + low, 1, high - low);
+      run += sums[high] - sums[low];
       last = k - kStep;
       strays = 0;
       if (k == stop) break;
@@ -234,10 +208,19 @@ int LineRunFinder::extend(Sums& run, int from, int stop) {
         continue;
       }
     }
-    on_line[k] = 0;
+    strays_[stray_count_++] = k;
     if (++strays > maximum_strays) break;
   }
   return last;
+}
+
+/// Takes points begin..end-1 out of a run, but for strays, which are not in it.
+void LineRunFinder::leaveOut(Sums& run, int begin, int end) const {
+  run += sums_[begin] - sums_[end];
+  for (int i = 0; i < stray_count_; ++i) {
+    const int k = strays_[i];
+    if (k >= begin && k < end) run += sums_[k + 1] - sums_[k];
+  }
 }
 
 void LineRunFinder::emit(Sums& run, int first, int last, std::vector<LineRun>& runs) {
@@ -255,12 +238,8 @@ void LineRunFinder::emit(Sums& run, int first, int last, std::vector<LineRun>& r
   while (last > first && agrees_[last - low] == 0) --last;
   if (last - first + 1 < params_.first_fit_points) return;
   if (agreeing < params_.alignment_share * (last - first + 1)) return;
-  for (int k = low; k < first; ++k) {
-    if (on_line_[k] != 0) add(run, difference(sums_[k], sums_[k + 1]));
-  }
-  for (int k = high; k > last; --k) {
-    if (on_line_[k] != 0) add(run, difference(sums_[k], sums_[k + 1]));
-  }
+  if (low != first) leaveOut(run, low, first);
+  if (high != last) leaveOut(run, last + 1, high + 1);
   const Fit fit(run);
   if (fit.variance() > params_.maximum_rms_px * params_.maximum_rms_px) return;
   // But they do belong to the edge as far as they lie on it.

@@ -28,6 +28,28 @@ class LineRunFinder {
   /// Over points: of their places and products of these.
   struct Sums {
     double n = 0.0, xy = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0;
+
+    Sums& operator+=(const Sums& more) {
+      n += more.n;
+      xy += more.xy;
+      x += more.x;
+      y += more.y;
+      xx += more.xx;
+      yy += more.yy;
+      return *this;
+    }
+    friend Sums operator-(const Sums& a, const Sums& b) {
+      return {a.n - b.n, a.xy - b.xy, a.x - b.x, a.y - b.y, a.xx - b.xx, a.yy - b.yy};
+    }
+    /// Whether the points' variance about their line is at most `limit`: without roots and divisions.
+    bool thin(double limit) const {
+      const double shift = n * n * limit;
+      const double a = n * xx - x * x - shift;
+      const double b = n * xy - x * y;
+      const double c = n * yy - y * y - shift;
+      // The smaller eigenvalue is under the limit, unless both of the shifted matrix are positive.
+      return (static_cast<int>(a + c <= 0.0) | static_cast<int>(a * c <= b * b)) != 0;
+    }
   };
   struct Place {
     double x = 0.0, y = 0.0;  // relative to where the chain begins
@@ -35,9 +57,6 @@ class LineRunFinder {
   struct Gradient {
     std::int16_t x = 0, y = 0;
   };
-  static Sums difference(const Sums& high, const Sums& low);
-  static void add(Sums& sums, const Sums& more);
-  static bool isThin(const Sums& sums, double limit);
   class Line;
   class Fit;
 
@@ -46,6 +65,7 @@ class LineRunFinder {
   void split(int count, std::vector<LineRun>& runs);
   template <int kStep>
   int extend(Sums& run, int from, int stop);
+  void leaveOut(Sums& run, int begin, int end) const;
   void emit(Sums& run, int first, int last, std::vector<LineRun>& runs);
   int countAgreeing(const Line& line, int first, int last, bool backward);
 
@@ -56,8 +76,9 @@ class LineRunFinder {
   // The points of one chain.
   Room<Place> place_;
   Room<Gradient> gradient_;
-  Room<Sums> sums_;  // over the points before each
-  Room<std::uint8_t> on_line_;
+  Room<Sums> sums_;            // over the points before each
+  Room<std::int32_t> strays_;  // of the run
+  int stray_count_ = 0;
   Room<std::int32_t> agrees_;
 };
 
