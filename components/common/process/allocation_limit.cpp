@@ -20,18 +20,38 @@ void limitAllocations(std::size_t bytes) {
 
 }  // namespace vismem
 
-// The plain form serves arrays and nothrow as well; aligned ones are left alone, no Ice type needs them.
+// All forms, because a sanitizer's own do not call each other; aligned ones are left alone, no type of Ice
+// needs them.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  if (size > g_largest.load(std::memory_order_relaxed)) return nullptr;
+  return std::malloc(size == 0 ? 1 : size);
+}
 void* operator new(std::size_t size) {
-  if (size <= g_largest.load(std::memory_order_relaxed)) {
-    if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  }
+  if (void* memory = operator new(size, std::nothrow)) return memory;
   throw std::bad_alloc();
+}
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+  return operator new(size, std::nothrow);
+}
+void* operator new[](std::size_t size) {
+  return operator new(size);
 }
 
 void operator delete(void* memory) noexcept {
   std::free(memory);
 }
-
 void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, const std::nothrow_t&) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, const std::nothrow_t&) noexcept {
   std::free(memory);
 }
