@@ -57,7 +57,8 @@ TEST(PanTiltServer, NamesWhatIsWrongWithItsConfiguration) {
   EXPECT_THAT(values.error(), HasSubstr("unknown key \"PanTiltServer.Pan.Mximum_deg\""));
   ComponentProcess none("pantilt_server", {kEndpoint});
   EXPECT_EQ(none.waitForExit(kPatience), 2);
-  EXPECT_THAT(none.error(), HasSubstr("missing key \"PanTiltServer.Driver\" (must be a driver: simulated)"));
+  EXPECT_THAT(none.error(),
+              HasSubstr("missing key \"PanTiltServer.Driver\" (must be a driver: ptu46, simulated)"));
 }
 
 }  // namespace

@@ -11,12 +11,14 @@
 #include "common/process/stream_health.h"
 #include "common/robot_ice/pantilt_ice.h"
 #include "drivers/pantilt_simulated/simulated_pan_tilt_unit.h"
+#include "drivers/ptu46/ptu46_unit.h"
 
 namespace vismem {
 namespace {
 
 void registerPanTiltDrivers(DriverRegistry<PanTiltUnit>& registry) {
   registry.add("simulated", "two joints that exist in this process only", makeSimulatedPanTiltUnit);
+  registry.add("ptu46", "a Directed Perception PTU-46 or D46 on a serial port", makePtu46Unit);
 }
 
 class PanTiltServer : public Component {

@@ -1,0 +1,118 @@
+/// @file The thread that holds the session with a device, and begins another one after it was lost.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "common/drivers/retry_pause.h"
+#include "common/robot/ports.h"
+
+namespace vismem {
+
+/// *Thread-safe*, but for ready() and away(), which are the session's.
+class DeviceThread {
+ public:
+  struct Work {
+    /// One session, from opening the device to its loss or the stop; it calls ready() when commands can be
+    /// taken.
+    /// @return why it ended; empty after a stop.
+    std::function<std::string(const std::stop_token&)> session;
+    /// Ends a wait of the session, after a stop was requested.
+    std::function<void()> wake = [] {};
+    /// The device is away, and why. Called on the thread, also for away().
+    std::function<void(const std::string&)> away = [](const std::string&) {};
+  };
+
+  /// @param stopped why no command is taken between stop() and start(): "the base is stopped".
+  DeviceThread(std::string stopped, Work work)
+      : stopped_(std::move(stopped)), work_(std::move(work)), unavailable_(stopped_) {}
+  ~DeviceThread() { stop(); }
+
+  /// Begins, and waits until the first session is ready or has failed, so long at most.
+  PortReply start(std::chrono::milliseconds patience = std::chrono::seconds(5)) {
+    const std::lock_guard control(control_);
+    if (!thread_.joinable()) {
+      {
+        const std::lock_guard lock(mutex_);
+        unavailable_ = "the device is being connected";
+        tried_ = false;
+        stopping_ = false;
+      }
+      thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+    }
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, patience, [this] { return tried_; });
+    return unavailable_.empty() ? PortReply::accepted() : PortReply::adjusted(unavailable_);
+  }
+
+  /// Returns when the session has ended. @return whether there was something to stop.
+  bool stop() {
+    const std::lock_guard control(control_);
+    if (!thread_.joinable()) return false;
+    {
+      const std::lock_guard lock(mutex_);
+      unavailable_ = stopped_;
+      stopping_ = true;
+    }
+    thread_.request_stop();
+    work_.wake();
+    thread_.join();
+    thread_ = {};
+    return true;
+  }
+
+  /// Commands are taken from now on.
+  void ready() { tell({}); }
+  /// Commands are refused with this reason, until ready().
+  void away(const std::string& why) {
+    if (tell(why)) work_.away(why);
+  }
+
+  /// Why no command is taken; empty if they are.
+  std::string unavailable() const {
+    const std::lock_guard lock(mutex_);
+    return unavailable_;
+  }
+
+ private:
+  bool tell(const std::string& why) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (stopping_) return false;
+      unavailable_ = why;
+      tried_ = true;
+    }
+    changed_.notify_all();
+    return true;
+  }
+
+  void run(const std::stop_token& stop) {
+    RetryPause retry;
+    while (!stop.stop_requested()) {
+      const std::string why = work_.session(stop);
+      if (stop.stop_requested() || why.empty()) return;
+      if (unavailable().empty()) retry.worked();
+      away(why);
+      std::unique_lock lock(mutex_);
+      changed_.wait_for(lock, stop, retry.failed(), [] { return false; });
+    }
+  }
+
+  const std::string stopped_;
+  const Work work_;
+  std::mutex control_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::string unavailable_;
+  bool tried_ = false;
+  bool stopping_ = false;
+  std::jthread thread_;
+};
+
+}  // namespace vismem

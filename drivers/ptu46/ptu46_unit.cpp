@@ -1,0 +1,347 @@
+#include "drivers/ptu46/ptu46_unit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <utility>
+
+#include "common/drivers/host_clock.h"
+#include "common/geometry/angles.h"
+#include "common/robot/command_limits.h"
+
+namespace vismem {
+namespace {
+
+using namespace std::chrono_literals;
+using ptu46::Axis;
+using ptu46::Reply;
+
+constexpr char kStopped[] = "the pan-tilt unit is stopped";
+constexpr double kArcSecond_rad = std::numbers::pi / 180.0 / 3600.0;
+/// A reply takes some 10 ms at 9600 bit/s; a USB adapter holds bytes back for 16 ms.
+constexpr auto kAnswer = 500ms;
+/// Both axes search their ends.
+constexpr auto kReset = 30'000ms;
+constexpr auto kQuiet = 60ms;
+constexpr auto kQuietAtMost = 600ms;
+constexpr int kSilentRounds = 3;
+
+std::string bytesText(const std::string& command) {
+  return command.substr(0, command.find_last_not_of(' ') + 1);
+}
+
+}  // namespace
+
+Ptu46Unit::Ptu46Unit(const Params& params)
+    : params_(params),
+      samples_("the pan-tilt unit is not started"),
+      thread_(kStopped,
+              {[this](const std::stop_token& stop) { return session(stop); }, [this] { port_.wake(); },
+               [this](const std::string& why) { samples_.setWaiting(why); }}) {}
+
+Ptu46Unit::~Ptu46Unit() {
+  stop();
+}
+
+PanTiltLimits Ptu46Unit::limits() const {
+  PanTiltLimits limits{params_.pan.minimum_rad,  params_.pan.maximum_rad, params_.tilt.minimum_rad,
+                       params_.tilt.maximum_rad, params_.pan.rate_radps,  params_.tilt.rate_radps};
+  const std::lock_guard lock(mutex_);
+  const auto narrow = [](const ptu46::AxisRange& range, const AxisParams& axis, double& low, double& high,
+                         double& rate) {
+    if (range.step_rad == 0.0) return;
+    const double a = axis.frame.angle(static_cast<double>(range.minimum), range.step_rad);
+    const double b = axis.frame.angle(static_cast<double>(range.maximum), range.step_rad);
+    low = std::max(low, std::min(a, b));
+    high = std::min(high, std::max(a, b));
+    rate = std::min(rate, static_cast<double>(range.fastest) * range.step_rad);
+  };
+  narrow(ranges_[0], params_.pan, limits.min_pan_rad, limits.max_pan_rad, limits.max_pan_rate_radps);
+  narrow(ranges_[1], params_.tilt, limits.min_tilt_rad, limits.max_tilt_rad, limits.max_tilt_rate_radps);
+  return limits;
+}
+
+PortReply Ptu46Unit::start() {
+  samples_.open("no sample yet");
+  return thread_.start();
+}
+
+void Ptu46Unit::stop() {
+  if (thread_.stop()) samples_.close(kStopped);
+}
+
+PortReply Ptu46Unit::command(const PanTiltCommand& command) {
+  LimitedPanTiltCommand limited = limitCommand(limits(), command);
+  if (!limited.reply.ok()) return limited.reply;
+  if (const std::string why = thread_.unavailable(); !why.empty()) return PortReply::rejected(why);
+  {
+    const std::lock_guard lock(mutex_);
+    if (command.kind == PanTiltCommand::Kind::kVelocity) {
+      const auto possible = [&](double& rate, const ptu46::AxisRange& range, const char* axis) {
+        const double least = slowest(range);
+        if (rate == 0.0 || std::abs(rate) >= least) return;
+        const double nearest = std::abs(rate) < 0.5 * least ? 0.0 : std::copysign(least, rate);
+        std::ostringstream text;
+        text << axis << " rate " << rate << " rad/s to " << nearest << " (the unit's slowest is " << least
+             << ")";
+        limited.reply = PortReply::adjusted(
+            limited.reply.message.empty() ? text.str() : limited.reply.message + "; " + text.str());
+        rate = nearest;
+      };
+      possible(limited.command.pan_rate_radps, ranges_[0], "pan");
+      possible(limited.command.tilt_rate_radps, ranges_[1], "tilt");
+    }
+    command_ = limited.command;
+  }
+  port_.wake();
+  return limited.reply;
+}
+
+SampleBatch<PanTiltSample> Ptu46Unit::samplesSince(StampUs after_us, std::chrono::milliseconds timeout) {
+  return samples_.since(after_us, timeout);
+}
+
+void Ptu46Unit::readUntilQuiet() {
+  const auto end = Clock::now() + kQuietAtMost;
+  while (Clock::now() < end) {
+    const auto input = port_.read(std::min(Clock::now() + kQuiet, end));
+    if (input.kind == SerialPort::Input::Kind::kNothing || input.kind == SerialPort::Input::Kind::kGone)
+      break;
+  }
+  reader_.reset();
+}
+
+std::string Ptu46Unit::ask(const std::string& commands, std::chrono::milliseconds patience) {
+  replies_.clear();
+  const auto wanted = static_cast<std::size_t>(std::count(commands.begin(), commands.end(), ' '));
+  const auto deadline = Clock::now() + patience;
+  const std::span<const char> text(commands);
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  if (std::string why = port_.write(bytes, deadline); !why.empty()) return why;
+  while (replies_.size() < wanted) {
+    while (const auto reply = reader_.next()) {
+      switch (reply->kind) {
+        case Reply::Kind::kPanLimit:
+          limit_hit_ = "pan";
+          break;
+        case Reply::Kind::kTiltLimit:
+          limit_hit_ = "tilt";
+          break;
+        default:
+          replies_.push_back(*reply);
+      }
+    }
+    if (replies_.size() >= wanted) break;
+    const auto input = port_.read(deadline);
+    if (input.kind == SerialPort::Input::Kind::kGone) return input.why;
+    if (input.kind == SerialPort::Input::Kind::kBytes) reader_.add(input.bytes);
+    if (stop_.stop_requested()) return kStopped;
+    if (input.kind != SerialPort::Input::Kind::kBytes && Clock::now() >= deadline) {
+      return params_.port + ": the pan-tilt unit says nothing any more";
+    }
+  }
+  return {};
+}
+
+std::string Ptu46Unit::askNumber(Axis axis, char what, double& value) {
+  const std::string command = ptu46::query(axis, what);
+  if (std::string why = ask(command, kAnswer); !why.empty()) return why;
+  const auto number =
+      replies_[0].kind == Reply::Kind::kDone ? ptu46::numberIn(replies_[0].text) : std::optional<double>();
+  if (!number) {
+    return params_.port + ": to " + bytesText(command) + " the unit says \"" + replies_[0].text +
+           "\", not a number";
+  }
+  value = *number;
+  return {};
+}
+
+std::string Ptu46Unit::learnRanges() {
+  Ranges ranges;
+  for (const Axis axis : {Axis::kPan, Axis::kTilt}) {
+    std::array<double, 5> values{};
+    double arc_seconds = 0.0;
+    std::string why = askNumber(axis, ptu46::kResolution, arc_seconds);
+    const std::array asked{ptu46::kMinimum, ptu46::kMaximum, ptu46::kSlowest, ptu46::kFastest};
+    for (std::size_t i = 0; i < asked.size() && why.empty(); ++i) why = askNumber(axis, asked[i], values[i]);
+    if (!why.empty()) return why;
+    ranges[axis == Axis::kPan ? 0 : 1] = {arc_seconds * kArcSecond_rad, std::lround(values[0]),
+                                          std::lround(values[1]), std::lround(values[2]),
+                                          std::lround(values[3])};
+    if (arc_seconds <= 0.0 || values[0] >= values[1] || values[3] <= 0.0) {
+      return params_.port + ": the unit tells a range without sense";
+    }
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    ranges_ = ranges;
+  }
+  const PanTiltLimits all = limits();
+  if (all.min_pan_rad >= all.max_pan_rad || all.min_tilt_rad >= all.max_tilt_rad) {
+    return params_.port + ": nothing of the configured limits is within the unit's own";
+  }
+  return {};
+}
+
+std::string Ptu46Unit::connect() {
+  if (std::string why = port_.open(params_.port, params_.baud_bps); !why.empty()) return why;
+  limit_hit_.clear();
+  refused_.clear();
+  // The first blank ends whatever half a command the unit may have heard; it may answer that with an error.
+  const std::array<std::uint8_t, 1> blank{' '};
+  if (std::string why = port_.write(blank, Clock::now() + kAnswer); !why.empty()) return why;
+  readUntilQuiet();
+  // Terse, without echo, positions, at once; and it stands. What comes before all is echo.
+  std::string why = ask("ED FT ", kAnswer);
+  if (!why.empty() && port_.isOpen() && replies_.empty() && !stop_.stop_requested()) {
+    const bool garbage = reader_.otherBytes() > 0;
+    return params_.port +
+           (garbage ? ": what answers is no pan-tilt unit (" : ": no pan-tilt unit answers (") +
+           std::to_string(params_.baud_bps) + " bit/s)";
+  }
+  if (why.empty()) why = ask("CI I H ", kAnswer);
+  if (!why.empty()) return why;
+  if (params_.reset && !reset_done_) {
+    thread_.away(params_.port + ": the pan-tilt unit finds its zero");
+    if (why = ask("R ", kReset); !why.empty()) return why;
+    limit_hit_.clear();  // that is how it finds it
+    reset_done_ = true;
+  }
+  return learnRanges();
+}
+
+std::string Ptu46Unit::session(const std::stop_token& stop) {
+  {
+    const std::lock_guard lock(mutex_);
+    command_.reset();
+  }
+  stop_ = stop;
+  std::string why = connect();
+  if (why.empty()) why = sample();
+  if (why.empty()) thread_.ready();
+  const auto period =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / params_.rate_hz));
+  auto next = Clock::now() + period;
+  int silent = 0;
+  while (why.empty() && !stop.stop_requested()) {
+    std::optional<PanTiltCommand> command;
+    {
+      const std::lock_guard lock(mutex_);
+      command = std::exchange(command_, std::nullopt);
+    }
+    if (command) {
+      why = sendCommand(*command);
+    } else if (Clock::now() >= next) {
+      next = std::max(next + period, Clock::now());
+      why = sample();
+    } else {
+      // Nothing is due to come: what does are the limit switches, or the end of the line.
+      const auto input = port_.read(next);
+      if (input.kind == SerialPort::Input::Kind::kGone) why = input.why;
+      if (input.kind == SerialPort::Input::Kind::kBytes) reader_.add(input.bytes);
+      continue;
+    }
+    // One reply may be lost on the wire; what comes late is not mixed up with what is asked next.
+    const bool gone = !why.empty() && why.find("says nothing") == std::string::npos;
+    if (!why.empty() && !gone && ++silent < kSilentRounds) {
+      readUntilQuiet();
+      why.clear();
+    } else if (why.empty()) {
+      silent = 0;
+    }
+  }
+  if (stop.stop_requested() && port_.isOpen()) {
+    stop_ = {};
+    why.clear();
+    readUntilQuiet();
+    static_cast<void>(ask("H ", kAnswer));
+  }
+  port_.close();
+  return why;
+}
+
+std::string Ptu46Unit::sendCommand(const PanTiltCommand& command) {
+  Ranges ranges;
+  {
+    const std::lock_guard lock(mutex_);
+    ranges = ranges_;
+  }
+  const PanTiltLimits bounds = limits();
+  std::string text;
+  const auto add = [&](Axis axis, const AxisParams& params, const ptu46::AxisRange& range, double angle_rad,
+                       double rate_radps, double low, double high, double fastest) {
+    const bool velocity = command.kind == PanTiltCommand::Kind::kVelocity;
+    if (velocity && rate_radps == 0.0) {
+      text += axis == Axis::kPan ? "HP " : "HT ";
+      return;
+    }
+    const double target = velocity ? (rate_radps > 0.0 ? high : low) : angle_rad;
+    const double rate = velocity ? std::abs(rate_radps) : (rate_radps > 0.0 ? rate_radps : fastest);
+    const long speed = std::clamp(std::lround(rate / range.step_rad), range.slowest, range.fastest);
+    const long steps =
+        std::clamp(std::lround(params.frame.steps(target, range.step_rad)), range.minimum, range.maximum);
+    text += ptu46::set(axis, ptu46::kSpeed, speed) + ptu46::set(axis, ptu46::kPosition, steps);
+  };
+  add(Axis::kPan, params_.pan, ranges[0], command.pan_rad, command.pan_rate_radps, bounds.min_pan_rad,
+      bounds.max_pan_rad, bounds.max_pan_rate_radps);
+  add(Axis::kTilt, params_.tilt, ranges[1], command.tilt_rad, command.tilt_rate_radps, bounds.min_tilt_rad,
+      bounds.max_tilt_rad, bounds.max_tilt_rate_radps);
+  if (std::string why = ask(text, kAnswer); !why.empty()) return why;
+  refused_.clear();
+  for (const Reply& reply : replies_) {
+    if (reply.kind == Reply::Kind::kError) refused_ = "the unit refused a command: " + reply.text;
+  }
+  return {};
+}
+
+std::string Ptu46Unit::sample() {
+  Ranges ranges;
+  {
+    const std::lock_guard lock(mutex_);
+    ranges = ranges_;
+  }
+  const StampUs asked_us = hostClock_us();
+  if (std::string why = ask("PP TP ", kAnswer); !why.empty()) return why;
+  const auto pan = ptu46::numberIn(replies_[0].text);
+  const auto tilt = ptu46::numberIn(replies_[1].text);
+  if (!pan || !tilt || replies_[0].kind != Reply::Kind::kDone || replies_[1].kind != Reply::Kind::kDone) {
+    readUntilQuiet();
+    refused_ =
+        "the unit answered \"" + replies_[0].text + "\" and \"" + replies_[1].text + "\" for its angles";
+    samples_.setCondition(refused_);
+    return {};
+  }
+  samples_.setCondition(limit_hit_.empty() ? refused_
+                                           : limit_hit_ + " ran into its limit switch: its zero may be lost");
+  // They were measured while the question and the answer were on their way: in the middle of it.
+  const StampUs stamp_us = asked_us + (hostClock_us() - asked_us) / 2;
+  samples_.add({stamp_us, samples_given_++, params_.pan.frame.angle(*pan, ranges[0].step_rad),
+                params_.tilt.frame.angle(*tilt, ranges[1].step_rad)});
+  return {};
+}
+
+std::unique_ptr<PanTiltUnit> makePtu46Unit(ConfigReader& group) {
+  Ptu46Unit::Params params;
+  params.port = group.requiredText("Port", "the unit's serial port, such as /dev/ttyUSB0");
+  params.baud_bps = static_cast<int>(group.integer("Baud_bps", params.baud_bps, 50, 4'000'000));
+  if (!isBaudRate(params.baud_bps)) group.problem("Baud_bps", "must be a rate of serial ports, such as 9600");
+  params.rate_hz = group.real("Rate_hz", params.rate_hz, 1.0, 50.0);
+  params.reset = group.boolean("Reset", params.reset);
+  const auto read = [&](const std::string& name, Ptu46Unit::AxisParams& axis, double low_deg,
+                        double high_deg) {
+    axis.minimum_rad = group.angleDeg(name + ".Minimum_deg", low_deg, -180.0, 180.0);
+    axis.maximum_rad = group.angleDeg(name + ".Maximum_deg", high_deg, -180.0, 180.0);
+    if (axis.minimum_rad >= axis.maximum_rad) {
+      group.problem(name + ".Minimum_deg", "must be less than " + group.key(name + ".Maximum_deg"));
+    }
+    axis.rate_radps = group.angleDeg(name + ".Rate_degps", 100.0, 1.0, 300.0);
+    axis.frame.zero_rad = group.angleDeg(name + ".Zero_deg", 0.0, -180.0, 180.0);
+    axis.frame.inverted = group.boolean(name + ".Inverted", false);
+  };
+  read("Pan", params.pan, -155.0, 155.0);
+  read("Tilt", params.tilt, -45.0, 30.0);
+  return std::make_unique<Ptu46Unit>(params);
+}
+
+}  // namespace vismem

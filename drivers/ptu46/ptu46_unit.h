@@ -1,0 +1,94 @@
+/// @file A Directed Perception PTU-46 or D46 on a serial line as a pan-tilt unit. SPEC C1.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "common/config/config_reader.h"
+#include "common/drivers/device_thread.h"
+#include "common/drivers/sample_buffer.h"
+#include "common/robot/ports.h"
+#include "common/serial/serial_port.h"
+#include "drivers/ptu46/ptu46_codec.h"
+
+namespace vismem {
+
+/// A thread holds the session: it sends the last command and asks for the angles, `rate_hz` times a second. A
+/// velocity is sent as the way to the limit in its direction at its speed, which units of every age know; so
+/// it ends at the limits by itself. The motors step without feedback: a jam cannot be seen, but a limit
+/// switch that is run into is told as a condition. *Thread-safe*.
+class Ptu46Unit : public PanTiltUnit {
+ public:
+  struct AxisParams {
+    double minimum_rad = 0.0, maximum_rad = 0.0, rate_radps = 0.0;
+    ptu46::AxisFrame frame;
+  };
+  struct Params {
+    std::string port;
+    int baud_bps = 9600;
+    AxisParams pan{-2.7, 2.7, 1.7, {}};
+    AxisParams tilt{-0.78, 0.52, 1.7, {}};
+    double rate_hz = 20.0;
+    bool reset = false;  ///< it shall find its zero at the first connection
+  };
+
+  explicit Ptu46Unit(const Params& params);
+  ~Ptu46Unit() override;
+
+  /// Those of the configuration; once the unit was reached, what of them it can do.
+  PanTiltLimits limits() const override;
+  PortReply start() override;
+  /// A velocity below the unit's slowest becomes that, or 0, whichever is nearer, which is an adjustment.
+  PortReply command(const PanTiltCommand& command) override;
+  SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override;
+  /// The unit is told to halt.
+  void stop() override;
+
+ private:
+  using Clock = SerialPort::Clock;
+  using Ranges = std::array<ptu46::AxisRange, 2>;
+
+  std::string session(const std::stop_token& stop);
+  std::string connect();
+  std::string learnRanges();
+  /// Sends and waits for as many replies as it has commands. @return why the line is lost or silent.
+  std::string ask(const std::string& commands, std::chrono::milliseconds patience);
+  std::string askNumber(ptu46::Axis axis, char what, double& value);
+  std::string sendCommand(const PanTiltCommand& command);
+  std::string sample();
+  void readUntilQuiet();
+  double slowest(const ptu46::AxisRange& range) const {
+    return range.step_rad * static_cast<double>(range.slowest);
+  }
+
+  const Params params_;
+
+  // Of the thread alone.
+  SerialPort port_;
+  std::stop_token stop_;  ///< ends a wait for replies
+  ptu46::ReplyReader reader_;
+  std::vector<ptu46::Reply> replies_;  ///< to the last ask()
+  bool reset_done_ = false;
+  std::string refused_;  ///< what the unit did not do of the last command
+  std::string limit_hit_;
+  std::uint64_t samples_given_ = 0;
+
+  mutable std::mutex mutex_;  ///< of what follows
+  Ranges ranges_;             ///< step_rad 0 before the unit was reached
+  std::optional<PanTiltCommand> command_;
+
+  SampleBuffer<PanTiltSample> samples_;
+  DeviceThread thread_;  ///< last: ends before the rest goes
+};
+
+/// Reads the keys that drivers/ptu46/README.md documents. Problems stay in the reader.
+std::unique_ptr<PanTiltUnit> makePtu46Unit(ConfigReader& group);
+
+}  // namespace vismem
