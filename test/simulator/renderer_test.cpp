@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
@@ -237,6 +238,42 @@ TEST(Renderer, EdgesAreSmoothWhereverPacketsEnd) {
     const double edge_v = k.cy - k.fy * (z_at_0 / 4.95 + slope * y_over_x);
     // Rows 0..edge are sky: edge + 0.5 of them. Four samples a pixel resolve a quarter.
     EXPECT_NEAR(bright_rows, edge_v + 0.5, 0.3) << "column " << u;
+  }
+}
+
+TEST(Renderer, LinesThinnerThanAPixelDoNotComeOutDashed) {
+  // A painted stripe of 5 cm, 6 m away, a little aslant: 0.05 * 0.5 / 6^2 * f = 0.19 pixels high with f =
+  // 277.
+  World world;
+  world.models.push_back(boxModel("floor", {60, 60, 0.1}, at(0, 0, -0.05), {0.1f, 0.1f, 0.1f}));
+  world.models.push_back(boxModel("stripe", {0.05, 14, 0.002}, at(6, 0, 0.001, 0.15), {1, 1, 1}));
+  world.ambient = {1, 1, 1};
+  world.lights.emplace_back();
+  world.lights.back().color.setZero();
+  for (const double k1 : {0.0, -0.25}) {
+    Renderer renderer(world);
+    CameraIntrinsics lens = intrinsicsFromFieldOfView(320, 240, degToRad(60.0));
+    lens.k1 = k1;
+    double sum = 0;
+    int dark = 0;
+    int longest = 0;
+    for (const bool moved : {false, true}) {
+      // Moved, the stripe is where it was in another pixel row.
+      if (moved) renderer.setModelPose(1, at(5.9, 0, 0.001, 0.15));
+      const cv::Mat image = renderer.render(lens, eye());
+      const double floor = image.at<cv::Vec3b>(200, 160)[0];
+      for (int u = 20; u < 300; ++u) {
+        double covered = 0;
+        for (int v = 125; v < 170; ++v) {
+          covered += (image.at<cv::Vec3b>(v, u)[0] - floor) / (255 - floor);
+        }
+        sum += covered;
+        dark = covered < 0.1 ? dark + 1 : 0;
+        longest = std::max(longest, dark);
+      }
+    }
+    EXPECT_NEAR(sum / 560, 0.28, 0.03) << "k1 = " << k1;
+    EXPECT_LE(longest, 6) << "columns without a trace of the stripe, k1 = " << k1;
   }
 }
 

@@ -350,6 +350,29 @@ TEST_F(Strangers, MeshesInEveryFormatTheyCome) {
   expectBounds(shapeOf("nested.dae"), {0, 0, 1}, {2, 3, 1});
 }
 
+TEST_F(Strangers, PicturesThatAreNoneCostTheirTexture) {
+  put("zero.png", "");
+  put("cut.png", std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\0\0\0\0\0\x08\x02\0\0\0", 29));
+  std::string content;
+  for (const char* name : {"zero", "cut"}) {
+    put(std::string(name) + ".obj", "mtllib " + std::string(name) +
+                                        ".mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                                        "usemtl m\nf 1/1 2/2 3/3\n");
+    put(std::string(name) + ".mtl", "newmtl m\nKd 0.2 0.4 0.6\nmap_Kd " + std::string(name) + ".png\n");
+    content += "<model name='" + std::string(name) +
+               "'><link name='l'><visual name='v'><geometry><mesh><uri>" + name +
+               ".obj</uri></mesh></geometry></visual></link></model>";
+  }
+  const auto loaded = load(sdf(content));
+  ASSERT_EQ(loaded.world.bodyCount(), 2) << testing::PrintToString(loaded.warnings);
+  for (const auto& model : loaded.world.models) {
+    EXPECT_FALSE(model.bodies[0].texture);
+    EXPECT_TRUE(model.bodies[0].color.isApprox(Eigen::Vector3f(0.2F, 0.4F, 0.6F)));
+  }
+  EXPECT_THAT(loaded.warnings, Contains(HasSubstr("zero.png: is empty")));
+  EXPECT_THAT(loaded.warnings, Contains(HasSubstr("cut.png: not a picture in a known format")));
+}
+
 TEST_F(Strangers, MirroredMeshesKeepTheirOutside) {
   // A tetrahedron with outward faces, mirrored in one and in three axes.
   put("tetra.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");

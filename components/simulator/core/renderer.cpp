@@ -7,6 +7,7 @@
 #include <list>
 #include <stdexcept>
 
+#include "simulator/core/renderer_narrow.h"
 #include "simulator/core/renderer_scene.h"
 #include "simulator/core/renderer_shading.h"
 
@@ -39,13 +40,19 @@ struct RayTable {
   CameraIntrinsics intrinsics;
   std::vector<Eigen::Vector3f> rays;  ///< of the pixels' centres, row by row
   float pixel_rad = 0.0f;             ///< that a pixel covers in the image's middle
+  /// Corners of the image, as it would be without distortion [px].
+  Eigen::Vector2d ideal_low = Eigen::Vector2d::Zero();
+  Eigen::Vector2d ideal_high = Eigen::Vector2d::Zero();
 
   explicit RayTable(const CameraIntrinsics& k)
       : intrinsics(k), pixel_rad(static_cast<float>(1.0 / std::max(k.fx, k.fy))) {
     rays.reserve(static_cast<std::size_t>(k.width) * k.height);
     for (int v = 0; v < k.height; ++v) {
       for (int u = 0; u < k.width; ++u) {
-        const Eigen::Vector3d ray = idealPixelRay(k, undistortPixel(k, Eigen::Vector2d(u, v)));
+        const Eigen::Vector2d ideal = undistortPixel(k, Eigen::Vector2d(u, v));
+        ideal_low = ideal_low.cwiseMin(ideal);
+        ideal_high = ideal_high.cwiseMax(ideal);
+        const Eigen::Vector3d ray = idealPixelRay(k, ideal);
         rays.emplace_back(ray.normalized().cast<float>());
       }
     }
@@ -75,12 +82,16 @@ struct Renderer::Impl {
   RendererOptions options;
   RenderScene scene;
   Shader shader;
-  std::list<RayTable> tables;  ///< the last used first
+  NarrowBodies narrow;
+  std::vector<char> narrow_marks;  ///< of all pixels; empty: none
+  std::list<RayTable> tables;      ///< the last used first
   /// Colour and body of every pixel's centre, kept from frame to frame for their memory.
   std::array<std::vector<float>, 3> colors;
   std::vector<int> slots;
 
-  Impl(const World& world, RendererOptions o) : options(std::move(o)), scene(world), shader(world, scene) {}
+  Impl(const World& world, RendererOptions o) : options(std::move(o)), scene(world), shader(world, scene) {
+    for (const auto& model : world.models) narrow.add(model);
+  }
 
   const RayTable& tableFor(const CameraIntrinsics& k) {
     if (const auto problem = checkIntrinsics(k); !problem.empty()) {
@@ -195,7 +206,8 @@ struct Renderer::Impl {
     for (int v = first; v < last; ++v) {
       for (int u = 0; u < width; ++u) {
         const int pixel = v * width + u;
-        if (marks[static_cast<std::size_t>(pixel - (first - 1) * width)] == 0) {
+        const bool may_hide_some = !narrow_marks.empty() && narrow_marks[pixel] != 0;
+        if (marks[static_cast<std::size_t>(pixel - (first - 1) * width)] == 0 && !may_hide_some) {
           write(pixel, {colors[0][pixel], colors[1][pixel], colors[2][pixel]});
           continue;
         }
@@ -228,6 +240,7 @@ Renderer::~Renderer() = default;
 int Renderer::addModel(const WorldModel& model) {
   const int index = impl_->scene.addModel(model);
   impl_->shader.addSlots();
+  impl_->narrow.add(model);
   return index;
 }
 
@@ -262,6 +275,7 @@ cv::Mat Renderer::render(const CameraIntrinsics& k, const Pose3& T_world_camera)
     });
   });
   enterStage(m.options.probe, "antialiasing");
+  m.narrow.mark(k, T_world_camera, table.ideal_low, table.ideal_high, m.scene, m.narrow_marks);
   cv::Mat image(k.height, k.width, CV_8UC3);
   m.forBands(k.height, [&](int first, int last) { m.refineRows(table, T_world_camera, first, last, image); });
   return image;

@@ -64,7 +64,8 @@ class Renderer {
   void setModelVisible(int model, bool visible);
 
   /// A CV_8UC3 image in the order R, G, B. One ray a pixel through its centre, bent exactly as the lens does;
-  /// pixels beside another body or a step of brightness get four rays.
+  /// pixels beside another body or a step of brightness get four rays, as do those that an edge of a narrow
+  /// body passes.
   /// @throws std::invalid_argument for unusable intrinsics or a pose that is not finite.
   cv::Mat render(const CameraIntrinsics& intrinsics, const Pose3& T_world_camera);
   /// Depth and identity of what a camera sees; throws as render.

@@ -57,6 +57,8 @@ class RenderScene {
 
   const BodySlot& slot(int i) const { return slots_[i]; }
   std::size_t slotCount() const { return slots_.size(); }
+  const Pose3& poseOf(int model) const { return models_[model].pose; }
+  bool isVisible(int model) const { return models_[model].visible; }
   /// From the coordinates of a slot's model to the world's.
   const Eigen::Matrix3f& rotationOf(int slot) const { return models_[slots_[slot].model].R; }
 

@@ -114,9 +114,12 @@ struct LoadedWorld {
 /// and the reason.
 LoadedWorld loadWorld(const std::filesystem::path& file,
                       const std::vector<std::filesystem::path>& model_paths = {});
+/// How often libsdformat is asked about parts of a world that it refuses as a whole; 10 to 30 ms each, and
+/// more for large worlds.
+constexpr int kRescueTries = 120;
 /// As loadWorld on a text. @param file for messages only. @param search all folders in their order.
 LoadedWorld parseWorld(const std::string& bytes, const std::string& file,
-                       const std::vector<std::filesystem::path>& search);
+                       const std::vector<std::filesystem::path>& search, int rescue_tries = kRescueTries);
 
 struct LoadedModel {
   WorldModel model;

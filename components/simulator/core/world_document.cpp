@@ -21,8 +21,6 @@ namespace {
 using tinyxml2::XMLElement;
 using tinyxml2::XMLNode;
 
-/// libsdformat takes some 30 ms for the smallest text: a bound for files that are wrong everywhere.
-constexpr int kMaxTries = 300;
 /// World, model, link, visual, geometry, shape: deeper parts go as one.
 constexpr int kMaxDepth = 6;
 constexpr const char* kNoNumber = "1e300";
@@ -92,7 +90,7 @@ class Notes {
 struct WorldDocument::Impl {
   tinyxml2::XMLDocument document;
   XMLElement* trash = nullptr;  ///< of the same document, but no part of its text
-  int tries = 0;
+  int tries_left = 0;
 
   XMLElement* root() { return document.RootElement(); }
   XMLElement* world() { return root()->FirstChildElement("world"); }
@@ -181,7 +179,7 @@ struct WorldDocument::Impl {
     document.Accept(&printer);
     return printer.CStr();
   }
-  std::string ask(const Refusal& refusal) { return ++tries > kMaxTries ? "" : refusal(text()); }
+  std::string ask(const Refusal& refusal) { return --tries_left < 0 ? "" : refusal(text()); }
   void putAway(const std::vector<XMLElement*>& parts) {
     for (XMLElement* part : parts) trash->InsertEndChild(part);
   }
@@ -273,8 +271,9 @@ std::vector<std::string> WorldDocument::repair() {
   return notes.take();
 }
 
-std::vector<std::string> WorldDocument::takeOutRefused(const Refusal& refusal,
+std::vector<std::string> WorldDocument::takeOutRefused(const Refusal& refusal, int tries,
                                                        std::vector<LostInclude>& lost) {
+  impl_->tries_left = tries;
   std::vector<std::string> notes;
   XMLElement* world = impl_->world();
   if (world == nullptr) return notes;
@@ -308,7 +307,7 @@ std::vector<std::string> WorldDocument::takeOutRefused(const Refusal& refusal,
     const auto known = refused.find(child);
     if (known == refused.end() || known->second.empty()) world->InsertEndChild(child);
   }
-  if (impl_->tries > kMaxTries) notes.emplace_back("too much of it is wrong to look at all of it");
+  if (impl_->tries_left < 0) notes.emplace_back("too much of it is wrong to look at all of it");
   return notes;
 }
 

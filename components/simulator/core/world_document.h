@@ -37,7 +37,7 @@ class WorldDocument {
   /// The elements of the world one by one: those that are refused alone lose the parts that are to blame, or
   /// are taken out. @param lost gets the includes among them. @return what was taken out and why, one line
   /// each.
-  std::vector<std::string> takeOutRefused(const Refusal& refusal, std::vector<LostInclude>& lost);
+  std::vector<std::string> takeOutRefused(const Refusal& refusal, int tries, std::vector<LostInclude>& lost);
 
   /// The file's first model in a world of its own, for a model that is included; does nothing without one.
   void wrapModel();

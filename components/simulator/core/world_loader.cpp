@@ -42,9 +42,11 @@ Eigen::Vector3f toColor(const ignition::math::Color& c) {
 
 class WorldBuilder {
  public:
-  WorldBuilder(std::string file, std::vector<fs::path> search)
+  WorldBuilder(std::string file, std::vector<fs::path> search, int rescue_tries = kRescueTries)
       : file_(std::move(file)),
+        rescue_tries_(rescue_tries),
         resolver_(std::move(search)),
+        reader_([this](const std::string& uri) { return findInclude(uri); }),
         geometry_(resolver_, [this](const std::string& text) { warn(text); }) {}
 
   /// The same trouble with many parts is one warning.
@@ -93,23 +95,15 @@ class WorldBuilder {
     }
   }
 
-  std::unique_ptr<Reading> read(const std::string& xml) {
-    return readSdf(withBuiltInModels(xml), [&](const std::string& uri) { return findInclude(uri); });
-  }
-
   /// As read; where it gives no world, of what is left without the parts that are to blame.
   std::unique_ptr<Reading> readWhatCanBe(WorldDocument& document, const std::string& xml,
                                          const std::string& of, std::vector<LostInclude>& lost) {
-    auto reading = read(xml);
+    auto reading = reader_.read(withBuiltInModels(xml));
     if (reading->hasWorld()) return reading;
-    const auto refusal = [&](const std::string& text) -> std::string {
-      const auto part = read(text);
-      if (part->hasWorld()) return "";
-      return part->complaints.empty() ? "no world" : part->complaints.front();
-    };
-    const auto taken_out = document.takeOutRefused(refusal, lost);
+    const auto refusal = [&](const std::string& text) { return reader_.refusal(withBuiltInModels(text)); };
+    const auto taken_out = document.takeOutRefused(refusal, rescue_tries_, lost);
     if (taken_out.empty() && lost.empty()) return reading;
-    auto rest = read(document.text());
+    auto rest = reader_.read(withBuiltInModels(document.text()));
     if (!rest->hasWorld()) return reading;
     for (const auto& note : taken_out) warn(of + note);
     return rest;
@@ -406,7 +400,9 @@ class WorldBuilder {
   static Pose3 toPlan(const Pose3& pose) { return vismem::toPose3(toPose2(pose)); }
 
   std::string file_;
+  int rescue_tries_;
   UriResolver resolver_;
+  SdfReader reader_;
   GeometryReader geometry_;
   LoadedWorld loaded_;
   std::set<std::string> warned_;
@@ -463,9 +459,9 @@ LoadedWorld loadWorld(const fs::path& file, const std::vector<fs::path>& model_p
   return parseWorld(bytes, file.string(), search);
 }
 
-LoadedWorld parseWorld(const std::string& bytes, const std::string& file,
-                       const std::vector<fs::path>& search) {
-  WorldBuilder builder(file, search);
+LoadedWorld parseWorld(const std::string& bytes, const std::string& file, const std::vector<fs::path>& search,
+                       int rescue_tries) {
+  WorldBuilder builder(file, search, rescue_tries);
   const WorldText text = repairWorldText(bytes);
   if (text.xml.empty() && !text.notes.empty()) throw ConfigError({file + ": " + text.notes.front()});
   return buildFrom(text, file, builder);

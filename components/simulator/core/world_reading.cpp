@@ -5,36 +5,61 @@
 #include <sdf/sdf.hh>
 
 namespace vismem {
+namespace {
 
-std::unique_ptr<Reading> readSdf(const std::string& xml,
-                                 const std::function<std::string(const std::string& uri)>& find_include) {
-  // Its complaints come back as values; on the console they would stand there twice.
-  sdf::Console::Instance()->SetQuiet(true);
-  console_bridge::noOutputHandler();  // of the URDF parser, which it asks about what it cannot read
-  // A copy of the description of the format is made in a third of the time that reading it takes.
+/// An empty tree that knows the format. A copy is made in a third of the time that reading the description
+/// takes.
+sdf::SDFPtr emptyTree() {
   static const sdf::SDFPtr kFormat = [] {
     auto format = std::make_shared<sdf::SDF>();
     sdf::init(format);
     return format;
   }();
-  auto reading = std::make_unique<Reading>();
+  auto tree = std::make_shared<sdf::SDF>();
+  tree->Root(kFormat->Root()->Clone());
+  return tree;
+}
+
+void readInto(Reading& reading, const sdf::SDFPtr& tree, const std::string& xml,
+              const std::function<std::string(const std::string&)>& find_include) {
   sdf::ParserConfig config;
   config.SetFindCallback(find_include);
   try {
-    auto tree = std::make_shared<sdf::SDF>();
-    tree->Root(kFormat->Root()->Clone());
     sdf::Errors errors;
     if (sdf::readString(xml, config, tree, errors)) {
-      const auto more = reading->root.Load(tree, config);
+      const auto more = reading.root.Load(tree, config);
       errors.insert(errors.end(), more.begin(), more.end());
     }
-    for (const auto& error : errors) reading->complaints.push_back(error.Message());
+    for (const auto& error : errors) reading.complaints.push_back(error.Message());
   } catch (const sdf::Exception& error) {  // not a std::exception
-    reading->complaints.push_back("libsdformat fails: " + error.GetErrorStr());
+    reading.complaints.push_back("libsdformat fails: " + error.GetErrorStr());
   } catch (const std::exception& error) {
-    reading->complaints.push_back("libsdformat fails: " + std::string(error.what()));
+    reading.complaints.push_back("libsdformat fails: " + std::string(error.what()));
   }
+}
+
+}  // namespace
+
+SdfReader::SdfReader(std::function<std::string(const std::string& uri)> find_include)
+    : find_include_(std::move(find_include)) {
+  // Its complaints come back as values; on the console they would stand there twice.
+  sdf::Console::Instance()->SetQuiet(true);
+  console_bridge::noOutputHandler();  // of the URDF parser, which it asks about what it cannot read
+}
+
+std::unique_ptr<Reading> SdfReader::read(const std::string& xml) const {
+  auto reading = std::make_unique<Reading>();
+  readInto(*reading, emptyTree(), xml, find_include_);
   return reading;
+}
+
+std::string SdfReader::refusal(const std::string& xml) {
+  if (!scratch_) scratch_ = emptyTree();
+  scratch_->Root()->Clear();
+  Reading reading;
+  readInto(reading, scratch_, xml, find_include_);
+  if (reading.hasWorld()) return "";
+  return reading.complaints.empty() ? "no world" : reading.complaints.front();
 }
 
 }  // namespace vismem
