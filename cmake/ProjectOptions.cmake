@@ -1,6 +1,7 @@
 # Language level, warnings, sanitizers, ccache and output folders for the whole tree.
 option(VISMEM_WERROR "Treat warnings as errors" OFF)
 set(VISMEM_SANITIZE "" CACHE STRING "Value of -fsanitize=, empty for none")
+option(VISMEM_LIBUSB "Build the drivers that need libusb-1.0" ON)
 option(VISMEM_FUZZ "Build libFuzzer targets (needs clang)" OFF)
 
 set(CMAKE_CXX_STANDARD 20)

@@ -34,11 +34,12 @@ foreach(label IN LISTS VISMEM_TEST_LABELS)
 endforeach()
 
 # vismem_test(NAME LABEL unit|property|golden|contract|component|system|faults SOURCES file... LIBRARIES lib...
-#             [TIMEOUT seconds] [PROGRAMS target...])
+#             [TIMEOUT seconds] [PROGRAMS target...] [EMULATED_DEVICES])
 # One CTest entry per test program. PROGRAMS are built first: tests that start real processes name them.
+# EMULATED_DEVICES: it runs under umockdev, which puts its own devices in the place of the machine's.
 # VISMEM_SOURCE_DIR and VISMEM_BIN_DIR are defined for tests that need test/data, cfg/ or the programs.
 function(vismem_test name)
-  cmake_parse_arguments(A "" "LABEL;TIMEOUT" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
+  cmake_parse_arguments(A "EMULATED_DEVICES" "LABEL;TIMEOUT" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
   add_executable(${name} ${A_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/components ${PROJECT_SOURCE_DIR}/test)
   target_compile_definitions(${name} PRIVATE VISMEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
@@ -59,9 +60,18 @@ function(vismem_test name)
     math(EXPR A_TIMEOUT "5 * ${A_TIMEOUT}")
   endif()
   # The paths in cfg/ are relative to the project, where components are started.
-  add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  set(wrapper)
+  if(A_EMULATED_DEVICES)
+    find_program(VISMEM_UMOCKDEV umockdev-wrapper REQUIRED)
+    set(wrapper ${VISMEM_UMOCKDEV})
+  endif()
+  add_test(NAME ${name} COMMAND ${wrapper} $<TARGET_FILE:${name}> WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(${name} PROPERTIES LABELS "${A_LABEL}" TIMEOUT ${A_TIMEOUT}
                        ENVIRONMENT "TSAN_OPTIONS=ignore_noninstrumented_modules=1;UBSAN_OPTIONS=print_stacktrace=1")
+  if(A_EMULATED_DEVICES)
+    # What umockdev preloads comes before the runtime of the address sanitizer, which is no harm.
+    set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT "ASAN_OPTIONS=verify_asan_link_order=0")
+  endif()
 endfunction()
 
 # vismem_benchmark(NAME SOURCES file... LIBRARIES lib... [PROGRAMS target...])

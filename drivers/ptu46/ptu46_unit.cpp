@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <utility>
 
 #include "common/drivers/host_clock.h"
+#include "common/drivers/slowest_rate.h"
 #include "common/geometry/angles.h"
 #include "common/robot/command_limits.h"
 
@@ -78,19 +78,8 @@ PortReply Ptu46Unit::command(const PanTiltCommand& command) {
   {
     const std::lock_guard lock(mutex_);
     if (command.kind == PanTiltCommand::Kind::kVelocity) {
-      const auto possible = [&](double& rate, const ptu46::AxisRange& range, const char* axis) {
-        const double least = slowest(range);
-        if (rate == 0.0 || std::abs(rate) >= least) return;
-        const double nearest = std::abs(rate) < 0.5 * least ? 0.0 : std::copysign(least, rate);
-        std::ostringstream text;
-        text << axis << " rate " << rate << " rad/s to " << nearest << " (the unit's slowest is " << least
-             << ")";
-        limited.reply = PortReply::adjusted(
-            limited.reply.message.empty() ? text.str() : limited.reply.message + "; " + text.str());
-        rate = nearest;
-      };
-      possible(limited.command.pan_rate_radps, ranges_[0], "pan");
-      possible(limited.command.tilt_rate_radps, ranges_[1], "tilt");
+      atLeastSlowest("pan", slowest(ranges_[0]), limited.command.pan_rate_radps, limited.reply);
+      atLeastSlowest("tilt", slowest(ranges_[1]), limited.command.tilt_rate_radps, limited.reply);
     }
     command_ = limited.command;
   }

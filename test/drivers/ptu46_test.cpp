@@ -133,8 +133,8 @@ TEST_F(Ptu46Test, GoesWhereItIsToldInTheUnitsSteps) {
   const PortReply slow = velocity(20 * kStep_rad, 10 * kStep_rad);
   EXPECT_EQ(slow.kind, PortReply::Kind::kAdjusted);
   EXPECT_THAT(slow.message,
-              HasSubstr("pan rate 0.017952 rad/s to 0.0278255 (the unit's slowest is 0.0278255)"));
-  EXPECT_THAT(slow.message, HasSubstr("tilt rate 0.00897598 rad/s to 0 ("));
+              HasSubstr("pan rate 1.02857 deg/s to 1.59429 (the slowest is 1.59429)"));
+  EXPECT_THAT(slow.message, HasSubstr("tilt rate 0.514286 deg/s to 0 ("));
   EXPECT_TRUE(eventually([&] { return device.position()[0] > 1002.0; }));
   unit().stop();
   EXPECT_FALSE(device.moves());

@@ -57,8 +57,9 @@ TEST(PanTiltServer, NamesWhatIsWrongWithItsConfiguration) {
   EXPECT_THAT(values.error(), HasSubstr("unknown key \"PanTiltServer.Pan.Mximum_deg\""));
   ComponentProcess none("pantilt_server", {kEndpoint});
   EXPECT_EQ(none.waitForExit(kPatience), 2);
-  EXPECT_THAT(none.error(),
-              HasSubstr("missing key \"PanTiltServer.Driver\" (must be a driver: ptu46, simulated)"));
+  EXPECT_THAT(
+      none.error(),
+      HasSubstr("missing key \"PanTiltServer.Driver\" (must be a driver: maestro, ptu46, simulated)"));
 }
 
 }  // namespace

@@ -12,6 +12,9 @@
 #include "common/robot_ice/pantilt_ice.h"
 #include "drivers/pantilt_simulated/simulated_pan_tilt_unit.h"
 #include "drivers/ptu46/ptu46_unit.h"
+#ifdef VISMEM_HAS_MAESTRO
+#include "drivers/pololu_maestro/maestro_pan_tilt.h"
+#endif
 
 namespace vismem {
 namespace {
@@ -19,6 +22,9 @@ namespace {
 void registerPanTiltDrivers(DriverRegistry<PanTiltUnit>& registry) {
   registry.add("simulated", "two joints that exist in this process only", makeSimulatedPanTiltUnit);
   registry.add("ptu46", "a Directed Perception PTU-46 or D46 on a serial port", makePtu46Unit);
+#ifdef VISMEM_HAS_MAESTRO
+  registry.add("maestro", "two servos on a Pololu Maestro by USB", makeMaestroPanTilt);
+#endif
 }
 
 class PanTiltServer : public Component {

@@ -1,0 +1,201 @@
+#include "drivers/pololu_maestro/maestro_pan_tilt.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "common/drivers/host_clock.h"
+#include "common/drivers/slowest_rate.h"
+#include "common/geometry/angles.h"
+#include "common/robot/command_limits.h"
+
+namespace vismem {
+namespace {
+
+constexpr char kStopped[] = "the pan-tilt unit is stopped";
+
+}  // namespace
+
+MaestroPanTilt::MaestroPanTilt(const Params& params)
+    : params_(params),
+      samples_("the pan-tilt unit is not started"),
+      thread_(kStopped, {[this](const std::stop_token& stop) { return session(stop); }, [] {},
+                         [this](const std::string& why) { samples_.setWaiting(why); }}) {}
+
+MaestroPanTilt::~MaestroPanTilt() {
+  stop();
+}
+
+PanTiltLimits MaestroPanTilt::limits() const {
+  return {params_.pan.minimum_rad,  params_.pan.maximum_rad, params_.tilt.minimum_rad,
+          params_.tilt.maximum_rad, params_.pan.rate_radps,  params_.tilt.rate_radps};
+}
+
+PortReply MaestroPanTilt::start() {
+  samples_.open("no sample yet");
+  return thread_.start();
+}
+
+void MaestroPanTilt::stop() {
+  if (thread_.stop()) samples_.close(kStopped);
+}
+
+PortReply MaestroPanTilt::command(const PanTiltCommand& command) {
+  LimitedPanTiltCommand limited = limitCommand(limits(), command);
+  if (!limited.reply.ok()) return limited.reply;
+  if (const std::string why = thread_.unavailable(); !why.empty()) return PortReply::rejected(why);
+  if (command.kind == PanTiltCommand::Kind::kVelocity) {
+    atLeastSlowest("pan", params_.pan.pulse.slowest_radps(), limited.command.pan_rate_radps, limited.reply);
+    atLeastSlowest("tilt", params_.tilt.pulse.slowest_radps(), limited.command.tilt_rate_radps,
+                   limited.reply);
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    command_ = limited.command;
+  }
+  commanded_.notify_all();
+  return limited.reply;
+}
+
+SampleBatch<PanTiltSample> MaestroPanTilt::samplesSince(StampUs after_us, std::chrono::milliseconds timeout) {
+  return samples_.since(after_us, timeout);
+}
+
+std::string MaestroPanTilt::session(const std::stop_token& stop) {
+  using Clock = std::chrono::steady_clock;
+  {
+    const std::lock_guard lock(mutex_);
+    command_.reset();
+  }
+  std::string why = connect();
+  if (why.empty()) thread_.ready();
+  const auto period =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / params_.rate_hz));
+  auto next = Clock::now() + period;
+  while (why.empty() && !stop.stop_requested()) {
+    std::optional<PanTiltCommand> command;
+    {
+      std::unique_lock lock(mutex_);
+      commanded_.wait_until(lock, stop, next, [this] { return command_.has_value(); });
+      command = std::exchange(command_, std::nullopt);
+    }
+    if (command) why = sendCommand(*command);
+    if (why.empty() && Clock::now() >= next) {
+      next = std::max(next + period, Clock::now());
+      why = readState();
+    }
+  }
+  if (why.empty()) static_cast<void>(halt());
+  usb_.close();
+  return why;
+}
+
+std::string MaestroPanTilt::connect() {
+  std::string why = usb_.open(params_.serial);
+  if (!why.empty()) return why;
+  const int channels = usb_.model().channels;
+  for (const Joint* joint : {&params_.pan, &params_.tilt}) {
+    if (joint->channel >= channels) {
+      return std::string("a ") + usb_.model().name + " has no channel " + std::to_string(joint->channel) +
+             " (they are 0.." + std::to_string(channels - 1) + ")";
+    }
+  }
+  if (why = usb_.transfer(maestro::clearErrors()); !why.empty()) return why;
+  std::vector<std::uint8_t> answer;
+  if (why = usb_.transfer(maestro::getServos(usb_.model()), answer); !why.empty()) return why;
+  const auto state = maestro::parseServos(usb_.model(), answer);
+  if (!state) return "the Maestro's answer is too short";
+  for (const Joint* joint : {&params_.pan, &params_.tilt}) {
+    const bool off = state->servos[static_cast<std::size_t>(joint->channel)].position_qus == 0;
+    if (off) why = move(*joint, std::clamp(0.0, joint->minimum_rad, joint->maximum_rad), joint->rate_radps);
+    if (!why.empty()) return why;
+  }
+  return readState();
+}
+
+std::string MaestroPanTilt::halt() {
+  std::string why = readState();
+  for (const Joint* joint : {&params_.pan, &params_.tilt}) {
+    if (!why.empty()) return why;
+    why = usb_.transfer(maestro::setTarget(
+        joint->channel, state_.servos[static_cast<std::size_t>(joint->channel)].position_qus));
+  }
+  return why;
+}
+
+std::string MaestroPanTilt::move(const Joint& joint, double target_rad, double rate_radps) {
+  // The speed first, so that the way never begins at the one before.
+  if (std::string why = usb_.transfer(maestro::setSpeed(joint.channel, joint.pulse.speed(rate_radps)));
+      !why.empty()) {
+    return why;
+  }
+  return usb_.transfer(maestro::setTarget(joint.channel, joint.pulse.target_qus(target_rad)));
+}
+
+std::string MaestroPanTilt::sendCommand(const PanTiltCommand& command) {
+  const auto send = [&](const Joint& joint, double angle_rad, double rate_radps) -> std::string {
+    if (command.kind == PanTiltCommand::Kind::kPosition) {
+      return move(joint, angle_rad, rate_radps > 0.0 ? rate_radps : joint.rate_radps);
+    }
+    if (rate_radps != 0.0)
+      return move(joint, rate_radps > 0.0 ? joint.maximum_rad : joint.minimum_rad, rate_radps);
+    if (std::string why = readState(); !why.empty()) return why;
+    return usb_.transfer(maestro::setTarget(
+        joint.channel, state_.servos[static_cast<std::size_t>(joint.channel)].position_qus));
+  };
+  std::string why = send(params_.pan, command.pan_rad, command.pan_rate_radps);
+  if (why.empty()) why = send(params_.tilt, command.tilt_rad, command.tilt_rate_radps);
+  return why;
+}
+
+std::string MaestroPanTilt::readState() {
+  std::vector<std::uint8_t> answer;
+  const StampUs asked_us = hostClock_us();
+  if (std::string why = usb_.transfer(maestro::getServos(usb_.model()), answer); !why.empty()) return why;
+  auto state = maestro::parseServos(usb_.model(), answer);
+  if (!state) return "the Maestro's answer is too short";
+  state_ = std::move(*state);
+  const int pan_qus = state_.servos[static_cast<std::size_t>(params_.pan.channel)].position_qus;
+  const int tilt_qus = state_.servos[static_cast<std::size_t>(params_.tilt.channel)].position_qus;
+  std::ostringstream condition;
+  if (pan_qus == 0 || tilt_qus == 0) {
+    condition << (pan_qus == 0 ? "the pan" : "the tilt")
+              << " servo is switched off (by a script of the Maestro?)";
+  } else if (state_.errors != 0) {
+    condition << "the Maestro reports errors, bits 0x" << std::hex << state_.errors;
+  }
+  samples_.setCondition(condition.str());
+  if (pan_qus == 0 || tilt_qus == 0) return {};
+  samples_.add({asked_us + (hostClock_us() - asked_us) / 2, samples_given_++,
+                params_.pan.pulse.angle(pan_qus), params_.tilt.pulse.angle(tilt_qus)});
+  return {};
+}
+
+std::unique_ptr<PanTiltUnit> makeMaestroPanTilt(ConfigReader& group) {
+  MaestroPanTilt::Params params;
+  params.serial = group.text("Serial", "");
+  params.rate_hz = group.real("Rate_hz", params.rate_hz, 1.0, 200.0);
+  const auto read = [&](const std::string& name, MaestroPanTilt::Joint& joint, int channel,
+                        double range_deg) {
+    joint.channel = static_cast<int>(group.integer(name + ".Channel", channel, 0, 23));
+    joint.minimum_rad = group.angleDeg(name + ".Minimum_deg", -range_deg, -180.0, 180.0);
+    joint.maximum_rad = group.angleDeg(name + ".Maximum_deg", range_deg, -180.0, 180.0);
+    if (joint.minimum_rad >= joint.maximum_rad) {
+      group.problem(name + ".Minimum_deg", "must be less than " + group.key(name + ".Maximum_deg"));
+    }
+    joint.rate_radps = group.angleDeg(name + ".Rate_degps", 150.0, 1.0, 1000.0);
+    joint.pulse.centre_us = group.real(name + ".Centre_us", 1500.0, 500.0, 2500.0);
+    joint.pulse.us_per_rad = radToDeg(group.real(name + ".PulsePerDegree_us", 10.0, 0.5, 100.0));
+    if (group.boolean(name + ".Inverted", false)) joint.pulse.us_per_rad = -joint.pulse.us_per_rad;
+  };
+  read("Pan", params.pan, 0, 60.0);
+  read("Tilt", params.tilt, 1, 40.0);
+  if (params.pan.channel == params.tilt.channel) {
+    group.problem("Tilt.Channel", "must be another than " + group.key("Pan.Channel"));
+  }
+  return std::make_unique<MaestroPanTilt>(params);
+}
+
+}  // namespace vismem
