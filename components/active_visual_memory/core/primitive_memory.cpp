@@ -1,0 +1,171 @@
+#include "active_visual_memory/core/primitive_memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+/// The new finding's corners in the order of the old ones (a triangle may begin at any of its corners).
+void alignVertices(const Primitive& known, Primitive& found) {
+  const std::size_t n = known.vertices.size();
+  if (found.vertices.size() != n || n == 0) return;
+  const auto distance = [&](std::size_t shift, bool turned) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t j = turned ? (shift + n - i) % n : (shift + i) % n;
+      sum += (known.vertices[i] - found.vertices[j]).norm();
+    }
+    return sum;
+  };
+  const bool cyclic = known.kind == PrimitiveKind::kParallelogram || known.kind == PrimitiveKind::kTriangle;
+  const bool reversible = known.kind == PrimitiveKind::kStripe;
+  std::size_t shift = 0;
+  double best = distance(0, false);
+  for (std::size_t s = 1; s < n && (cyclic || reversible); ++s) {
+    if (const double d = distance(s, false); d < best) {
+      best = d;
+      shift = s;
+    }
+  }
+  std::rotate(found.vertices.begin(), found.vertices.begin() + static_cast<std::ptrdiff_t>(shift),
+              found.vertices.end());
+  if (found.hidden_vertex >= 0) {
+    found.hidden_vertex = static_cast<int>((static_cast<std::size_t>(found.hidden_vertex) + n - shift) % n);
+  }
+}
+
+}  // namespace
+
+void PrimitiveMemory::take(Entry& entry, Primitive found, double dt_s) const {
+  Primitive& known = entry.value;
+  ++entry.findings;
+  const double weight = std::max(params_.smoothing, 1.0 / entry.findings);
+  alignVertices(known, found);
+  for (std::size_t i = 0; i < known.vertices.size(); ++i) {
+    // A corner that is only inferred now does not move one that was seen.
+    if (static_cast<int>(i) == found.hidden_vertex && known.hidden_vertex < 0) continue;
+    known.vertices[i] += weight * (found.vertices[i] - known.vertices[i]);
+  }
+  known.centre += weight * (found.centre - known.centre);
+  known.length_m += weight * (found.length_m - known.length_m);
+  known.width_m += weight * (found.width_m - known.width_m);
+  known.radius_m += weight * (found.radius_m - known.radius_m);
+  const double turn = known.kind == PrimitiveKind::kArrow
+                          ? angleDifference(found.heading_rad, known.heading_rad)
+                          : 0.5 * angleDifference(2.0 * found.heading_rad, 2.0 * known.heading_rad);
+  known.heading_rad = wrapAngle(known.heading_rad + weight * turn);
+  known.quality += weight * (found.quality - known.quality);
+  // Once a corner was seen it stays known; until then the hypothesis follows the findings.
+  if (found.hidden_vertex < 0)
+    known.hidden_vertex = -1;
+  else if (known.hidden_vertex >= 0)
+    known.hidden_vertex = found.hidden_vertex;
+  known.segments = std::move(found.segments);
+  known.life = std::min(params_.max_life, known.life + params_.gain_per_s * dt_s);
+}
+
+bool PrimitiveMemory::update(StampUs stamp_us, std::span<const MemorySegment> segments) {
+  if (has_last_ && stamp_us >= last_us_ && stamp_us - last_us_ < params_.interval_us) return false;
+  const double dt_s = has_last_ && stamp_us > last_us_ ? std::min(1.0, toSeconds(stamp_us - last_us_))
+                                                       : toSeconds(params_.interval_us);
+  has_last_ = true;
+  last_us_ = stamp_us;
+
+  std::vector<Primitive> found = findPrimitives(segments, params_.finder);
+  std::vector<bool> taken(found.size(), false);
+  for (Entry& entry : entries_) {
+    int best = -1;
+    double nearest = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (taken[i] || !sameShape(entry.value, found[i], params_.finder)) continue;
+      const double distance = (found[i].centre - entry.value.centre).norm();
+      if (distance < nearest) {
+        nearest = distance;
+        best = static_cast<int>(i);
+      }
+    }
+    if (best >= 0) {
+      taken[best] = true;
+      take(entry, std::move(found[best]), dt_s);
+      entry.value.last_seen_us = stamp_us;
+      continue;
+    }
+    const auto alive =
+        std::count_if(entry.value.segments.begin(), entry.value.segments.end(), [&](std::uint64_t id) {
+          return std::any_of(segments.begin(), segments.end(),
+                             [&](const MemorySegment& s) { return s.id == id; });
+        });
+    if (2 * alive < static_cast<std::ptrdiff_t>(entry.value.segments.size())) {
+      entry.value.life -= params_.loss_per_s * dt_s;
+    }
+  }
+  std::erase_if(entries_, [](const Entry& entry) { return entry.value.life <= 0.0; });
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (taken[i]) continue;
+    Entry entry;
+    entry.value = std::move(found[i]);
+    entry.value.id = next_id_++;
+    entry.value.life = params_.gain_per_s * dt_s;
+    entry.value.first_seen_us = entry.value.last_seen_us = stamp_us;
+    entry.findings = 1;
+    entries_.push_back(std::move(entry));
+  }
+  return true;
+}
+
+std::vector<Primitive> PrimitiveMemory::published() const {
+  std::vector<Primitive> shapes;
+  for (const Entry& entry : entries_) {
+    if (isPublished(entry)) shapes.push_back(entry.value);
+  }
+  return shapes;
+}
+
+std::vector<VertexHypothesis> PrimitiveMemory::hypotheses() const {
+  std::vector<VertexHypothesis> corners;
+  for (const Entry& entry : entries_) {
+    if (!isPublished(entry) || entry.value.hidden_vertex < 0) continue;
+    corners.push_back(
+        {entry.value.id, entry.value.vertices[static_cast<std::size_t>(entry.value.hidden_vertex)]});
+  }
+  return corners;
+}
+
+std::vector<SideCompletion> PrimitiveMemory::completions(std::span<const MemorySegment> segments) const {
+  const PolygonParams& polygons = params_.finder.polygons;
+  std::vector<SideCompletion> completions;
+  for (const Entry& entry : entries_) {
+    const Primitive& shape = entry.value;
+    const bool outline =
+        shape.kind == PrimitiveKind::kParallelogram || shape.kind == PrimitiveKind::kTriangle;
+    if (!isPublished(entry) || !outline) continue;
+    const std::size_t n = shape.vertices.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Segment2 side{shape.vertices[i], shape.vertices[(i + 1) % n]};
+      SideCompletion completion{side, {}};
+      for (const MemorySegment& segment : segments) {
+        if (!std::binary_search(shape.segments.begin(), shape.segments.end(), segment.id)) continue;
+        const Segment2 floor = segment.odom.floor();
+        const bool along = lineAngleDifference(floor.direction(), side.direction()) <= polygons.parallel_rad;
+        const double reach = polygons.broken_offset_m + polygons.corner_gap_m;
+        if (along && distanceToLine(floor.middle(), side) <= reach) completion.segments.push_back(segment.id);
+      }
+      if (completion.segments.size() < 2) continue;
+      std::sort(completion.segments.begin(), completion.segments.end());
+      completions.push_back(std::move(completion));
+    }
+  }
+  return completions;
+}
+
+void PrimitiveMemory::clear() {
+  entries_.clear();
+  has_last_ = false;
+}
+
+}  // namespace vismem

@@ -1,0 +1,40 @@
+/// @file Shapes on the floor that several remembered segments make up. Pure. SPEC M8, M9.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "common/robot/samples.h"
+
+namespace vismem {
+
+/// kStripe: two parallel edges of opposite polarity, the borders of a painted line.
+enum class PrimitiveKind { kStripe, kParallelogram, kTriangle, kArrow, kCircle };
+
+/// A shape in odom, plan view [m].
+struct Primitive {
+  std::uint64_t id = 0;  ///< never used twice; 0 in what a finder returns
+  PrimitiveKind kind = PrimitiveKind::kParallelogram;
+  /// kStripe: both ends of the middle line. kParallelogram, kTriangle: the corners in turn,
+  /// counter-clockwise. kArrow: tip, tail, ends of the heads (left and right of the pointing direction).
+  /// kCircle: none.
+  std::vector<Eigen::Vector2d> vertices;
+  /// Mean of the corners, middle of the stripe or circle, middle between tip and tail.
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  /// Direction of the stripe or of the parallelogram's longer side (in [0, pi)); where an arrow points.
+  double heading_rad = 0.0;
+  double length_m = 0.0;  ///< of a stripe or an arrow; longer side of a parallelogram
+  double width_m = 0.0;  ///< of a stripe or of a painted circle's line (0: an edge); shorter side; arrow head
+  double radius_m = 0.0;  ///< of a circle, of its line's middle
+  /// A parallelogram's corner that was inferred from the other three, as index into `vertices`; -1: all seen.
+  int hidden_vertex = -1;
+  double quality = 0.0;                 ///< 0..1, how well the segments fit the shape
+  std::vector<std::uint64_t> segments;  ///< ids of the remembered segments it is made of, sorted
+  double life = 0.0;
+  double salience = 0.0;
+  StampUs first_seen_us = 0;
+  StampUs last_seen_us = 0;
+};
+
+}  // namespace vismem
