@@ -31,13 +31,13 @@ AttentionPool::Params quiet() {
 TEST(Attention, SalienceGrowsByOnePerTickAndIsZeroAfterAVisit) {
   AttentionPool pool(quiet());
   const std::vector<MemorySegment> memory{segmentAt(5, 0), segmentAt(6, 90)};
-  for (int i = 0; i <= 10; ++i) pool.update(i * kTick, memory, {}, {}, {});
-  EXPECT_DOUBLE_EQ(pool.salienceOf(5), 10.0);
-  EXPECT_DOUBLE_EQ(pool.salienceOf(6), 10.0);
+  for (int i = 0; i <= 10; ++i) pool.update(i * kTick, {memory, {}, {}}, {}, {}, {});
+  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, 5), 10.0);
+  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, 6), 10.0);
   const auto first = pool.mostSalient();
   ASSERT_TRUE(first);
   pool.visited(first->id, panTiltTowards({}, *first->p_odom), {}, {});
-  EXPECT_DOUBLE_EQ(pool.salienceOf(*pool.segmentOf(first->id)), 0.0);
+  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, *pool.segmentOf(first->id)), 0.0);
   // The other one lies 90 degrees away and is next: inhibition of return.
   EXPECT_DOUBLE_EQ(pool.mostSalient()->salience, 10.0);
   EXPECT_NE(pool.mostSalient()->id, first->id);
@@ -46,20 +46,20 @@ TEST(Attention, SalienceGrowsByOnePerTickAndIsZeroAfterAVisit) {
 TEST(Attention, TheAttendedPointDoesNotGrow) {
   AttentionPool pool(quiet());
   const std::vector<MemorySegment> memory{segmentAt(5, 0)};
-  for (int i = 0; i <= 5; ++i) pool.update(i * kTick, memory, {}, {}, {});
+  for (int i = 0; i <= 5; ++i) pool.update(i * kTick, {memory, {}, {}}, {}, {}, {});
   const auto id = pool.mostSalient()->id;
-  for (int i = 6; i <= 20; ++i) pool.update(i * kTick, memory, {}, {}, id);
-  EXPECT_DOUBLE_EQ(pool.salienceOf(5), 5.0);
+  for (int i = 6; i <= 20; ++i) pool.update(i * kTick, {memory, {}, {}}, {}, {}, id);
+  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, 5), 5.0);
 }
 
 TEST(Attention, AVisitRefreshesWhatLiesNear) {
   AttentionPool pool(quiet());
   const std::vector<MemorySegment> memory{segmentAt(1, 0), segmentAt(2, 8), segmentAt(3, 40)};
-  for (int i = 0; i <= 10; ++i) pool.update(i * kTick, memory, {}, {}, {});
+  for (int i = 0; i <= 10; ++i) pool.update(i * kTick, {memory, {}, {}}, {}, {}, {});
   pool.visited(pool.mostSalient()->id, {0.0, 0.0}, {}, {});
-  EXPECT_DOUBLE_EQ(pool.salienceOf(1), 0.0);
-  EXPECT_DOUBLE_EQ(pool.salienceOf(2), 0.0);
-  EXPECT_GT(pool.salienceOf(3), 0.0);
+  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, 1), 0.0);
+  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, 2), 0.0);
+  EXPECT_GT(pool.salienceOf(AttentionKind::kSegment, 3), 0.0);
 }
 
 TEST(Attention, VisitsFollowTheGrowthRatesOfClients) {
@@ -98,7 +98,7 @@ TEST(Attention, ForcedSearchComesLessOftenTheMoreIsKnown) {
     std::vector<MemorySegment> memory;
     for (int i = 0; i < objects; ++i) memory.push_back(segmentAt(i + 1, 30.0 * i));
     for (StampUs t = 0;; t += 50'000) {
-      pool.update(t, memory, {}, {}, {});
+      pool.update(t, {memory, {}, {}}, {}, {}, {});
       for (const auto& point : pool.points()) {
         if (point.kind == AttentionKind::kScanning) return toSeconds(t);
       }
@@ -112,7 +112,7 @@ TEST(Attention, ForcedSearchComesLessOftenTheMoreIsKnown) {
 TEST(Attention, ScanningPointsLeadAndGoAfterTheirVisit) {
   AttentionPool pool(quiet());
   const std::vector<MemorySegment> memory{segmentAt(1, 0)};
-  for (int i = 0; i <= 50; ++i) pool.update(i * kTick, memory, {}, {}, {});
+  for (int i = 0; i <= 50; ++i) pool.update(i * kTick, {memory, {}, {}}, {}, {}, {});
   pool.addScanningPoint();
   pool.addScanningPoint();
   EXPECT_EQ(pool.points().size(), 2u) << "one scanning point waits at most";

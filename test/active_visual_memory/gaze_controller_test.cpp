@@ -62,7 +62,7 @@ struct Bench {
     o.frame.stamp_us = now;
     o.T_odom_robot = robot;
     o.pan_tilt = head;
-    pool.update(now, memory, robot, params.gaze.mount, gaze.attended());
+    pool.update(now, {memory, {}, {}}, robot, params.gaze.mount, gaze.attended());
     if (const auto command = gaze.step(o, memory, pool)) {
       last = *command;
       if (command->kind == PanTiltCommand::Kind::kPosition) {
@@ -187,7 +187,7 @@ TEST(GazeController, VisitsTenObjectsEvenly) {
     for (MemorySegment& s : memory) s.last_seen_us = bench.now + 33'333;
     bench.step(memory);
     for (int k = 0; k < 10; ++k) {
-      const double salience = bench.pool.salienceOf(k + 1);
+      const double salience = bench.pool.salienceOf(AttentionKind::kSegment, k + 1);
       if (salience < before[k] - 1.0) ++visits[k];
       before[k] = salience;
     }

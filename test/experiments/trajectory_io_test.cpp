@@ -70,6 +70,26 @@ TEST(MemoryCsv, HasTheColumnsThatOthersRead) {
             "12.345678,7,1.0000,2.0000,0.0000,3.0000,4.0000,0.5000,skirting,80.0000,0.1414,12.000000\n");
 }
 
+TEST(PrimitivesCsv, HasARowPerShape) {
+  MemorySnapshot memory;
+  memory.stamp_us = 1'000'000;
+  Primitive shape;
+  shape.id = 4;
+  shape.kind = PrimitiveKind::kTriangle;
+  shape.vertices = {{0.0, 0.0}, {0.6, 0.0}, {0.3, 0.9}};
+  shape.centre = {0.3, 0.3};
+  shape.quality = 0.75;
+  shape.life = 50.0;
+  memory.primitives.push_back(shape);
+  std::ostringstream out;
+  writePrimitivesCsv(memory, out);
+  EXPECT_EQ(
+      out.str(),
+      "t_s,id,kind,x_m,y_m,heading_rad,length_m,width_m,radius_m,hidden_vertex,quality,life,vertices_m\n"
+      "1.000000,4,triangle,0.3000,0.3000,0.0000,0.0000,0.0000,0.0000,-1,0.7500,50.0000,"
+      "0.0000 0.0000; 0.6000 0.0000; 0.3000 0.9000\n");
+}
+
 TEST(RacesCsv, HasARowPerRaceAndEstimate) {
   PoseEstimate estimate;
   estimate.stamp_us = 200'000;

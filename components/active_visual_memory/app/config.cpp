@@ -93,9 +93,35 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   readAssociation(r.group("Association"), p.association);
 }
 
+void readPrimitives(ConfigReader r, PrimitiveMemory::Params& p) {
+  p.interval_us = toStampUs(r.real("Interval_s", toSeconds(p.interval_us), 0.0, 60.0));
+  p.published_life = r.real("PublishedLife", p.published_life, 0.0, p.max_life);
+  p.finder.confirmed_only = r.boolean("ConfirmedOnly", p.finder.confirmed_only);
+  PolygonParams& polygons = p.finder.polygons;
+  polygons.min_side_m = r.real("Side.Minimum_m", polygons.min_side_m, 0.01, 100.0);
+  polygons.max_side_m = r.real("Side.Maximum_m", polygons.max_side_m, 0.01, 100.0);
+  polygons.corner_gap_m = r.real("Corner.Gap_m", polygons.corner_gap_m, 0.001, 5.0);
+  polygons.parallel_rad = r.angleDeg("Parallel_deg", radToDeg(polygons.parallel_rad), 0.1, 45.0);
+  StripeParams& stripes = p.finder.stripes;
+  stripes.min_width_m = r.real("Stripe.MinimumWidth_m", stripes.min_width_m, 0.001, 5.0);
+  stripes.max_width_m = r.real("Stripe.MaximumWidth_m", stripes.max_width_m, 0.001, 5.0);
+  CircleParams& circles = p.finder.circles;
+  circles.min_radius_m = r.real("Circle.MinimumRadius_m", circles.min_radius_m, 0.01, 100.0);
+  circles.max_radius_m = r.real("Circle.MaximumRadius_m", circles.max_radius_m, 0.01, 100.0);
+  circles.tolerance_m = r.real("Circle.Tolerance_m", circles.tolerance_m, 0.001, 5.0);
+  const auto ordered = [&](const char* low, double low_value, const char* high, double high_value) {
+    if (low_value >= high_value) r.problem(low, "must be less than " + r.key(high));
+  };
+  ordered("Side.Minimum_m", polygons.min_side_m, "Side.Maximum_m", polygons.max_side_m);
+  ordered("Stripe.MinimumWidth_m", stripes.min_width_m, "Stripe.MaximumWidth_m", stripes.max_width_m);
+  ordered("Circle.MinimumRadius_m", circles.min_radius_m, "Circle.MaximumRadius_m", circles.max_radius_m);
+}
+
 void readAttention(ConfigReader r, AttentionPool::Params& p) {
   using Scanning = AttentionPool::Scanning;
   p.segment_rate = r.real("SegmentRate", p.segment_rate, 0.0, 1000.0);
+  p.primitive_rate = r.real("PrimitiveRate", p.primitive_rate, 0.0, 1000.0);
+  p.hypothesis_rate = r.real("HypothesisRate", p.hypothesis_rate, 0.0, 1000.0);
   p.client_rate = r.real("ClientRate", p.client_rate, 0.0, 1000.0);
   p.visit_angle_rad = r.angleDeg("VisitAngle_deg", radToDeg(p.visit_angle_rad), 0.0, 180.0);
   p.forced_search_s = r.real("ForcedSearch_s", p.forced_search_s, 0.1, 3600.0);
@@ -169,6 +195,10 @@ MemoryPipelineParams readMemoryPipeline(ConfigReader& reader) {
   readGate(reader.group("FrameGate"), p.memory.gate);
   readGround(reader.group("Ground"), p.memory.projector);
   readMemory(reader.group("Memory"), p.memory.memory);
+  ConfigReader kidnap = reader.group("Kidnap");
+  p.memory.kidnap.enabled = kidnap.boolean("Enabled", p.memory.kidnap.enabled);
+  p.memory.kidnap.duration_s = kidnap.real("Duration_s", p.memory.kidnap.duration_s, 0.0, 60.0);
+  readPrimitives(reader.group("Primitives"), p.memory.primitives);
   readAttention(reader.group("Attention"), p.memory.attention);
   readGaze(reader.group("Gaze"), p.memory.gaze);
   // Scanning looks where the head can turn to.

@@ -277,6 +277,10 @@ bool PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline&
     status_.healthy("images");
     const std::chrono::duration<double> spent = Clock::now() - begin;
     status_.count("iterations");
+    if (result.kidnapped) {
+      status_.error("moved by hand: the memory was set aside at " +
+                    std::to_string(toSeconds(observation->frame.stamp_us)) + " s");
+    }
     status_.latency("iteration", spent.count());
     gaze_.publish(result.gaze);
     if (result.command && pan_tilt_) send(*result.command);

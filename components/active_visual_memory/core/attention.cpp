@@ -48,25 +48,59 @@ PanTilt AttentionPool::directionOf(const AttentionPoint& point, const Pose2& T_o
   return panTiltTowards(mount, transform(inverse(T_odom_robot), *point.p_odom));
 }
 
-void AttentionPool::follow(std::span<const MemorySegment> segments, const Pose2& T_odom_robot) {
-  std::unordered_map<std::uint64_t, const MemorySegment*> alive;
-  for (const MemorySegment& segment : segments) alive.emplace(segment.id, &segment);
-  std::erase_if(entries_, [&](const Entry& e) { return e.segment_id != 0 && !alive.contains(e.segment_id); });
-  for (Entry& entry : entries_) {
-    if (entry.segment_id == 0) continue;
-    const auto found = alive.find(entry.segment_id);
-    entry.point.p_odom = focusOf(found->second->odom, T_odom_robot.position(), params_.focus_distance_m);
-    alive.erase(found);
+void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_robot) {
+  struct Object {
+    AttentionKind kind;
+    std::uint64_t id;
+    Eigen::Vector3d place;
+    double rate;
+    bool old = false;
+  };
+  // In the order of the memory, not of a hash: the same input must give the same ids.
+  std::vector<Object> alive;
+  alive.reserve(objects.segments.size() + objects.primitives.size() + objects.hypotheses.size());
+  for (const MemorySegment& segment : objects.segments) {
+    const Eigen::Vector3d place = focusOf(segment.odom, T_odom_robot.position(), params_.focus_distance_m);
+    alive.push_back({AttentionKind::kSegment, segment.id, place, params_.segment_rate});
   }
-  // In the order of the memory, not of the hash: the same input must give the same ids.
-  for (const MemorySegment& segment : segments) {
-    if (!alive.contains(segment.id)) continue;
+  const auto onFloor = [](const Eigen::Vector2d& p) { return Eigen::Vector3d(p.x(), p.y(), 0.0); };
+  for (const Primitive& primitive : objects.primitives) {
+    if (primitive.kind == PrimitiveKind::kStripe) continue;
+    alive.push_back(
+        {AttentionKind::kPrimitive, primitive.id, onFloor(primitive.centre), params_.primitive_rate});
+  }
+  for (const VertexHypothesis& corner : objects.hypotheses) {
+    alive.push_back(
+        {AttentionKind::kHypothesis, corner.primitive_id, onFloor(corner.p_odom), params_.hypothesis_rate});
+  }
+
+  const auto key = [](AttentionKind kind, std::uint64_t id) {
+    return 4 * id + static_cast<std::uint64_t>(kind);
+  };
+  std::unordered_map<std::uint64_t, Object*> by_key;
+  for (Object& object : alive) by_key.emplace(key(object.kind, object.id), &object);
+  double highest = 0.0;
+  std::erase_if(entries_, [&](Entry& entry) {
+    if (entry.object_id != 0) {
+      const auto found = by_key.find(key(entry.point.kind, entry.object_id));
+      if (found == by_key.end()) return true;
+      entry.point.p_odom = found->second->place;
+      found->second->old = true;
+    }
+    highest = std::max(highest, entry.point.salience);
+    return false;
+  });
+  for (const Object& object : alive) {
+    if (object.old) continue;
     Entry entry;
     entry.point.id = next_id_++;
-    entry.point.kind = AttentionKind::kSegment;
-    entry.point.p_odom = focusOf(segment.odom, T_odom_robot.position(), params_.focus_distance_m);
-    entry.segment_id = segment.id;
-    entry.rate = params_.segment_rate;
+    entry.point.kind = object.kind;
+    entry.point.p_odom = object.place;
+    // What was inferred is worth a look at once (M9); seen there or not, it then waits its turn like the
+    // others.
+    if (object.kind == AttentionKind::kHypothesis) entry.point.salience = highest + params_.hypothesis_lead;
+    entry.object_id = object.id;
+    entry.rate = object.rate;
     entries_.push_back(std::move(entry));
   }
 }
@@ -75,7 +109,7 @@ double AttentionPool::objects(const Pose2& T_odom_robot, const CameraMount& moun
   std::vector<PanTilt> groups;
   double count = 0.0;
   for (const Entry& entry : entries_) {
-    if (entry.segment_id == 0) continue;
+    if (entry.point.kind != AttentionKind::kSegment) continue;
     if (!params_.count_groups) {
       ++count;
       continue;
@@ -89,10 +123,9 @@ double AttentionPool::objects(const Pose2& T_odom_robot, const CameraMount& moun
   return params_.count_groups ? static_cast<double>(groups.size()) : count;
 }
 
-void AttentionPool::update(StampUs stamp_us, std::span<const MemorySegment> segments,
-                           const Pose2& T_odom_robot, const CameraMount& mount,
-                           std::optional<std::uint64_t> attended) {
-  follow(segments, T_odom_robot);
+void AttentionPool::update(StampUs stamp_us, const AttentionObjects& objects, const Pose2& T_odom_robot,
+                           const CameraMount& mount, std::optional<std::uint64_t> attended) {
+  follow(objects, T_odom_robot);
   std::erase_if(entries_, [&](const Entry& e) { return e.request && e.request->deadline_us < stamp_us; });
   const double ticks = clock_.advance(stamp_us) / toSeconds(params_.tick_us);
   for (Entry& entry : entries_) {
@@ -102,7 +135,7 @@ void AttentionPool::update(StampUs stamp_us, std::span<const MemorySegment> segm
   if (!last_scan_us_ || stamp_us < *last_scan_us_) last_scan_us_ = stamp_us;
   const double period = std::min(
       params_.max_forced_search_s,
-      params_.forced_search_s * (1.0 + objects(T_odom_robot, mount) / params_.forced_search_objects));
+      params_.forced_search_s * (1.0 + this->objects(T_odom_robot, mount) / params_.forced_search_objects));
   if (lookingAround() || toSeconds(stamp_us - *last_scan_us_) >= period) {
     addScanningPoint();
     last_scan_us_ = stamp_us;
@@ -129,24 +162,22 @@ std::optional<AttentionPoint> AttentionPool::find(std::uint64_t id) const {
 
 std::optional<std::uint64_t> AttentionPool::segmentOf(std::uint64_t point_id) const {
   for (const Entry& entry : entries_) {
-    if (entry.point.id == point_id && entry.segment_id != 0) return entry.segment_id;
+    if (entry.point.id == point_id && entry.point.kind == AttentionKind::kSegment) return entry.object_id;
   }
   return std::nullopt;
 }
 
-double AttentionPool::salienceOf(std::uint64_t segment_id) const {
+double AttentionPool::salienceOf(AttentionKind kind, std::uint64_t object_id) const {
   for (const Entry& entry : entries_) {
-    if (entry.segment_id == segment_id) return entry.point.salience;
+    if (entry.point.kind == kind && entry.object_id == object_id) return entry.point.salience;
   }
   return 0.0;
 }
 
 void AttentionPool::visited(std::uint64_t id, const PanTilt& axis, const Pose2& T_odom_robot,
                             const CameraMount& mount) {
-  std::erase_if(entries_, [&](const Entry& e) {
-    if (e.point.kind != AttentionKind::kScanning && e.point.kind != AttentionKind::kHypothesis) return false;
-    return e.point.id == id;
-  });
+  std::erase_if(entries_,
+                [&](const Entry& e) { return e.point.id == id && e.point.kind == AttentionKind::kScanning; });
   for (Entry& entry : entries_) {
     const bool near =
         angleBetween(directionOf(entry.point, T_odom_robot, mount), axis) <= params_.visit_angle_rad;

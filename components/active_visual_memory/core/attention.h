@@ -14,15 +14,25 @@
 
 namespace vismem {
 
+/// What the memory holds that may be looked at.
+struct AttentionObjects {
+  std::span<const MemorySegment> segments;
+  std::span<const Primitive> primitives;  ///< stripes are looked at as the segments they are
+  std::span<const VertexHypothesis> hypotheses;
+};
+
 /// Everything that may be looked at. *Single-threaded* (owner: the perception loop).
-/// Invariant: salience >= 0; one point per remembered segment; at most one scanning point waits.
+/// Invariant: salience >= 0; one point per remembered object; at most one scanning point waits.
 class AttentionPool {
  public:
   enum class Scanning { kRandom, kSystematic, kAlternate };
 
   struct Params {
-    StampUs tick_us = 200'000;      ///< salience grows by its rate once per tick (A1)
-    double segment_rate = 1.0;      ///< growth per tick
+    StampUs tick_us = 200'000;  ///< salience grows by its rate once per tick (A1)
+    double segment_rate = 1.0;  ///< growth per tick
+    double primitive_rate = 1.0;
+    double hypothesis_rate = 2.0;
+    double hypothesis_lead = 1.0;   ///< a new hypothesis starts this far above the most salient other
     double client_rate = 1.0;       ///< times the request's priority
     double visit_angle_rad = 0.26;  ///< a visit resets what lies this near to the axis (15 degrees)
     double forced_search_s = 2.5;   ///< A3: a scanning point every so long, times (1 + objects / 5)
@@ -46,9 +56,9 @@ class AttentionPool {
 
   explicit AttentionPool(const Params& params);
 
-  /// Follows the memory's segments, lets salience grow and inserts scanning points when due.
+  /// Follows the memory's objects, lets salience grow and inserts scanning points when due.
   /// @param attended id of the point that is being looked at: it does not grow.
-  void update(StampUs stamp_us, std::span<const MemorySegment> segments, const Pose2& T_odom_robot,
+  void update(StampUs stamp_us, const AttentionObjects& objects, const Pose2& T_odom_robot,
               const CameraMount& mount, std::optional<std::uint64_t> attended);
 
   /// The most salient point; the older of equals.
@@ -56,8 +66,9 @@ class AttentionPool {
   std::optional<AttentionPoint> find(std::uint64_t id) const;
   /// Id of the segment that a point stands for.
   std::optional<std::uint64_t> segmentOf(std::uint64_t point_id) const;
-  /// Salience of a remembered segment, 0 if it has no point.
-  double salienceOf(std::uint64_t segment_id) const;
+  /// Salience of a remembered object, 0 if it has no point.
+  /// @param object_id of the segment (kSegment), or of the primitive (kPrimitive, kHypothesis).
+  double salienceOf(AttentionKind kind, std::uint64_t object_id) const;
 
   /// The axis looked along `axis`: the point itself and what lies near is reset to 0, a scanning point goes.
   void visited(std::uint64_t id, const PanTilt& axis, const Pose2& T_odom_robot, const CameraMount& mount);
@@ -75,11 +86,11 @@ class AttentionPool {
  private:
   struct Entry {
     AttentionPoint point;
-    std::uint64_t segment_id = 0;  ///< 0: not a segment
+    std::uint64_t object_id = 0;  ///< of the segment or primitive it stands for; 0: none
     double rate = 1.0;
     std::optional<GazeRequest> request;
   };
-  void follow(std::span<const MemorySegment> segments, const Pose2& T_odom_robot);
+  void follow(const AttentionObjects& objects, const Pose2& T_odom_robot);
   double objects(const Pose2& T_odom_robot, const CameraMount& mount) const;
   PanTilt directionOf(const AttentionPoint& point, const Pose2& T_odom_robot, const CameraMount& mount) const;
   PanTilt nextSystematic();

@@ -10,11 +10,15 @@ AttentiveVisualMemory::AttentiveVisualMemory(const Params& params)
       gate_(params.gate),
       projector_(params.projector),
       memory_(params.memory),
+      primitives_(params.primitives),
+      kidnap_(params.kidnap),
       pool_(params.attention),
       gaze_(params.gaze) {}
 
 void AttentiveVisualMemory::reset() {
   memory_.clear();
+  primitives_.clear();
+  kidnap_.reset();
   pool_.clearPlaces();
   gaze_.abandonTarget();
   last_camera_.reset();
@@ -71,9 +75,17 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::step(const RobotObserva
   const auto floor = projector_.project(observation.frame.intrinsics, T_odom_camera, observed, rate);
   last_update_.analysis =
       std::make_shared<const ImageAnalysis>(memory_.update(observation, observed, floor, rate));
+  // What was remembered belongs to another place: only what this image shows is true here.
+  const bool kidnapped = kidnap_.update(observation.frame.stamp_us, memory_.agreement());
+  if (kidnapped) {
+    reset();
+    memory_.update(observation, observed, floor, rate);
+  }
   gate_.passed(observation);
   ++revision_;
-  return finish(observation, probe);
+  StepResult result = finish(observation, probe);
+  result.kidnapped = kidnapped;
+  return result;
 }
 
 AttentiveVisualMemory::StepResult AttentiveVisualMemory::glance(const RobotObservation& observation,
@@ -95,22 +107,36 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::finish(const RobotObser
     if (!memory_.onTrial(element)) segments.push_back(element.value);
   }
 
+  enterStage(probe, "primitives");
+  if (primitives_.update(observation.frame.stamp_us, segments)) {
+    memory_.complete(primitives_.completions(segments));
+  }
+  std::vector<Primitive> primitives = primitives_.published();
+  std::vector<VertexHypothesis> hypotheses = primitives_.hypotheses();
+
   StepResult result;
   enterStage(probe, "gaze");
-  pool_.update(observation.frame.stamp_us, segments, observation.T_odom_robot, params_.gaze.mount,
-               gaze_.attended());
+  pool_.update(observation.frame.stamp_us, {segments, primitives, hypotheses}, observation.T_odom_robot,
+               params_.gaze.mount, gaze_.attended());
   result.command = gaze_.step(observation, segments, pool_);
   result.gaze = gaze_.status(observation.frame.stamp_us, pool_);
   mailbox_.publish(result.gaze);
   enterStage(probe, "memory");
   if (analysed) {
-    for (MemorySegment& segment : segments) segment.salience = pool_.salienceOf(segment.id);
+    for (MemorySegment& segment : segments) {
+      segment.salience = pool_.salienceOf(AttentionKind::kSegment, segment.id);
+    }
+    for (Primitive& primitive : primitives) {
+      primitive.salience = pool_.salienceOf(AttentionKind::kPrimitive, primitive.id);
+    }
     auto snapshot = std::make_shared<MemorySnapshot>();
     snapshot->stamp_us = observation.frame.stamp_us;
     snapshot->revision = revision_;
     snapshot->epoch = epoch_;
     snapshot->T_odom_robot = observation.T_odom_robot;
     snapshot->segments = std::move(segments);
+    snapshot->primitives = std::move(primitives);
+    snapshot->hypotheses = std::move(hypotheses);
     last_update_.snapshot = std::move(snapshot);
   }
   result.update = last_update_;

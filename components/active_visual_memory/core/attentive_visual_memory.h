@@ -1,5 +1,5 @@
 /// @file The whole attentive visual memory as one machine: observation in, memory and gaze out. Pure.
-/// SPEC M1-M6, V5, V6, A1-A6. Deterministic: the same observations and seed give the same results.
+/// SPEC M1-M10, V5, V6, A1-A6. Deterministic: the same observations and seed give the same results.
 #pragma once
 
 #include <memory>
@@ -10,6 +10,7 @@
 #include "active_visual_memory/core/frame_gate.h"
 #include "active_visual_memory/core/gaze_controller.h"
 #include "active_visual_memory/core/ground_projector.h"
+#include "active_visual_memory/core/primitive_memory.h"
 #include "active_visual_memory/core/segment_memory.h"
 #include "common/profiling/stage_probe.h"
 
@@ -19,6 +20,8 @@ struct AttentiveVisualMemoryParams {
   FrameGate::Params gate;
   GroundProjector::Params projector;
   SegmentMemory::Params memory;
+  PrimitiveMemory::Params primitives;
+  KidnapDetector::Params kidnap;
   AttentionPool::Params attention;
   GazeController::Params gaze;
 
@@ -37,6 +40,7 @@ class AttentiveVisualMemory {
   struct StepResult {
     MemoryUpdate update;  ///< both pointers set; the last one again for a frame that was not analysed
     GazeStatus gaze;
+    bool kidnapped = false;                 ///< the memory was just set aside (M10)
     std::optional<PanTiltCommand> command;  ///< to give now; empty: nothing new to say
   };
 
@@ -73,6 +77,8 @@ class AttentiveVisualMemory {
   FrameGate gate_;
   GroundProjector projector_;
   SegmentMemory memory_;
+  PrimitiveMemory primitives_;
+  KidnapDetector kidnap_;
   AttentionPool pool_;
   GazeController gaze_;
   GazeMailbox mailbox_;

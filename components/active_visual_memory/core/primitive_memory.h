@@ -9,12 +9,6 @@
 
 namespace vismem {
 
-/// A corner that was inferred and not seen yet: a tentative focus of attention.
-struct VertexHypothesis {
-  std::uint64_t primitive_id = 0;
-  Eigen::Vector2d p_odom = Eigen::Vector2d::Zero();
-};
-
 /// A side of a confirmed shape that the memory holds in pieces or in part: what completes it.
 struct SideCompletion {
   Segment2 side;                        ///< from corner to corner

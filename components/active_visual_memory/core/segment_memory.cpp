@@ -182,7 +182,13 @@ void SegmentMemory::look(MemoryElement& element, const View& view) const {
   element.colours->right += 0.2 * (sides->right - element.colours->right);
 }
 
-void SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view) {
+bool SegmentMemory::isWellKnown(const MemoryElement& element, StampUs stamp_us) const {
+  return !onTrial(element) && element.value.confirmed && !isNew(element, stamp_us) &&
+         toSeconds(stamp_us - element.value.last_seen_us) <= params_.well_known_s &&
+         travel_m_ - element.seen_travel_m <= params_.well_known_travel_m;
+}
+
+Sighting SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view) {
   Sighting sighting = Sighting::kOutOfView;
   const auto& k = view.observation.frame.intrinsics;
   const double m = params_.view_margin_px;
@@ -205,6 +211,7 @@ void SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& px, 
   }
   // Several images may fall into one tick of life; the best of them counts.
   element.sighting = std::max(element.sighting, sighting);
+  return sighting;
 }
 
 bool SegmentMemory::isBare(const Segment2& place, const MemoryElement& element, const View& view) const {
@@ -268,6 +275,46 @@ void SegmentMemory::reviewEnds(MemoryElement& element, const std::vector<const F
   review(element.short_b, element.line.endB(), high, true);
 }
 
+void SegmentMemory::absorb(MemoryElement& a, const MemoryElement& b) const {
+  if (a.line.along().dot(b.line.along()) < 0.0) {
+    a.line.absorb(FloorLine(reversed(b.line.asObservation()), params_.line), params_.line);
+  } else {
+    a.line.absorb(b.line, params_.line);
+  }
+  if (a.value.label == kUnknownLabel) a.value.label = b.value.label;
+  if (!a.colours) a.colours = b.colours;
+  a.strength = std::max(a.strength, b.strength);
+  a.value.life = std::max(a.value.life, b.value.life);
+  a.value.confirmed = a.value.confirmed || b.value.confirmed;
+  a.value.first_seen_us = std::min(a.value.first_seen_us, b.value.first_seen_us);
+  a.value.last_seen_us = std::max(a.value.last_seen_us, b.value.last_seen_us);
+  a.sighting = std::max(a.sighting, b.sighting);
+  a.sightings = std::max(a.sightings, b.sightings);
+}
+
+void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
+  std::vector<std::uint64_t> absorbed;
+  for (const SideCompletion& side : sides) {
+    MemoryElement* whole = nullptr;
+    for (MemoryElement& element : elements_) {
+      if (!std::binary_search(side.segments.begin(), side.segments.end(), element.value.id)) continue;
+      if (std::count(absorbed.begin(), absorbed.end(), element.value.id) > 0) continue;  // of two shapes
+      if (!whole) {
+        whole = &element;
+        continue;
+      }
+      if (!samePolarity(whole->line.segment(), whole->strength, element.line.segment(), element.strength))
+        continue;
+      absorb(*whole, element);
+      absorbed.push_back(element.value.id);
+    }
+    if (whole) publish(*whole);
+  }
+  std::erase_if(elements_, [&](const MemoryElement& element) {
+    return std::count(absorbed.begin(), absorbed.end(), element.value.id) > 0;
+  });
+}
+
 void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
   std::vector<bool> gone(elements_.size(), false);
   for (std::size_t m = 0; m < cached.size(); ++m) {
@@ -289,20 +336,7 @@ void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
       if (near.distance_m > std::min(params_.near_distance_m, 0.02 + 3.0 * sigma)) continue;
       // Pieces that only meet end to end must continue each other well.
       if (near.gap_m > 0.0 && near.angle_rad > 0.5 * params_.near_angle_rad) continue;
-      if (a.line.along().dot(b.line.along()) < 0.0) {
-        a.line.absorb(FloorLine(reversed(b.line.asObservation()), params_.line), params_.line);
-      } else {
-        a.line.absorb(b.line, params_.line);
-      }
-      if (a.value.label == kUnknownLabel) a.value.label = b.value.label;
-      if (!a.colours) a.colours = b.colours;
-      a.strength = std::max(a.strength, b.strength);
-      a.value.life = std::max(a.value.life, b.value.life);
-      a.value.confirmed = a.value.confirmed || b.value.confirmed;
-      a.value.first_seen_us = std::min(a.value.first_seen_us, b.value.first_seen_us);
-      a.value.last_seen_us = std::max(a.value.last_seen_us, b.value.last_seen_us);
-      a.sighting = std::max(a.sighting, b.sighting);
-      a.sightings = std::max(a.sightings, b.sightings);
+      absorb(a, b);
       gone[cached[n]] = true;
     }
   }
@@ -403,12 +437,20 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
   }
   for (const auto& support : association.supports) assign(support);
 
+  agreement_ = {};
   for (std::size_t p = 0; p < expected.size(); ++p) {
     MemoryElement& element = elements_[index_of[p]];
+    // While the camera turns nothing can be judged absent, so what is found tells nothing either.
+    const bool tells =
+        turn_rate_radps <= params_.max_absence_turn_radps && isWellKnown(element, analysis.stamp_us);
     if (seen[p].empty()) {
-      judgeUnobserved(element, expected[p].predicted.px, view);
+      const Sighting sighting = judgeUnobserved(element, expected[p].predicted.px, view);
+      if (tells && sighting == Sighting::kAbsent) ++agreement_.absent;
+      if (tells && sighting == Sighting::kCovered) ++agreement_.covered;
       continue;
     }
+    if (tells) ++agreement_.matched;
+    if (isNew(element, analysis.stamp_us)) ++agreement_.fresh;
     for (const FloorSegment* piece : seen[p]) take(element, *piece, view);
     if (params_.fusion == Fusion::kCovariance) reviewEnds(element, seen[p], floor, view);
     publish(element);
@@ -448,6 +490,7 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
         take(*best, segment, view);
       } else {
         begin(segment, view);
+        ++agreement_.fresh;
       }
     }
     mergeDuplicates(cache(observation.T_odom_robot));

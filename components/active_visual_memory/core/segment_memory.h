@@ -1,4 +1,4 @@
-/// @file The remembered segments: prediction, matching, fusion, confirmation, life. Pure. SPEC V5, M1-M6.
+/// @file The remembered segments: prediction, matching, fusion, confirmation, life. Pure. SPEC V5, M1-M6, M9.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,10 @@
 #include "active_visual_memory/core/floor_evidence.h"
 #include "active_visual_memory/core/floor_line.h"
 #include "active_visual_memory/core/ground_projector.h"
+#include "active_visual_memory/core/kidnap_detector.h"
 #include "active_visual_memory/core/life.h"
 #include "active_visual_memory/core/parallax.h"
+#include "active_visual_memory/core/primitive_memory.h"
 #include "common/robot/observation.h"
 #include "common/visual_memory/memory_snapshot.h"
 
@@ -70,8 +72,11 @@ class SegmentMemory {
     bool confirm_by_parallax = true;   ///< false: everything is confirmed at once, as in the chapter
     double max_anchor_turn_rad = 2.0;  ///< parallax is begun anew after the robot turned this far
     double max_anchor_travel_m = 3.0;
-    double suspect_fading = 4.0;  ///< so much faster unseen things fade that may be standing edges
-    int short_votes = 6;          ///< images that must see a line end earlier, with bare floor beyond
+    double suspect_fading = 4.0;       ///< so much faster unseen things fade that may be standing edges
+    double new_s = 8.0;                ///< M10: first seen this lately is new
+    double well_known_s = 40.0;        ///< elements seen this lately ..
+    double well_known_travel_m = 3.0;  ///< .. before this much was driven tell a new place from drift
+    int short_votes = 6;               ///< images that must see a line end earlier, with bare floor beyond
     LifeParams life;
     AssociationParams association;
     FloorLine::Params line;
@@ -85,8 +90,14 @@ class SegmentMemory {
   ImageAnalysis update(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
                        const std::vector<FloorSegment>& floor, double turn_rate_radps);
 
+  /// How the last image met what was well remembered (M10).
+  const SceneAgreement& agreement() const { return agreement_; }
+
   /// Only lets time pass: an image that was not analysed.
   void age(StampUs stamp_us);
+
+  /// M9: the pieces of one side of a shape become one segment, with the id of the oldest.
+  void complete(const std::vector<SideCompletion>& sides);
 
   /// Sets everything aside (M10, a new epoch). Ids go on.
   void clear();
@@ -104,12 +115,17 @@ class SegmentMemory {
   void confirm(MemoryElement& element, const FloorSegment& observed, const View& view);
   void begin(const FloorSegment& observed, const View& view);
   void look(MemoryElement& element, const View& view) const;
-  void judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view);
+  Sighting judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view);
   void reviewEnds(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
                   const std::vector<FloorSegment>& floor, const View& view);
+  bool isNew(const MemoryElement& element, StampUs stamp_us) const {
+    return toSeconds(stamp_us - element.value.first_seen_us) < params_.new_s;
+  }
+  bool isWellKnown(const MemoryElement& element, StampUs stamp_us) const;
   bool isBare(const Segment2& place, const MemoryElement& element, const View& view) const;
   bool isOfAnotherKind(const Segment2& place, const MemoryElement& element,
                        const std::vector<FloorSegment>& floor) const;
+  void absorb(MemoryElement& a, const MemoryElement& b) const;
   void mergeDuplicates(const std::vector<int>& cached);
   void countLife(StampUs stamp_us);
   void publish(MemoryElement& element) const;
@@ -121,6 +137,7 @@ class SegmentMemory {
   std::optional<Pose2> last_pose_;
   double travel_m_ = 0.0;
   double turn_rad_ = 0.0;
+  SceneAgreement agreement_;
 };
 
 }  // namespace vismem

@@ -41,6 +41,62 @@ MemorySegment fromIce(const avm::MemorySegment& s) {
   return result;
 }
 
+avm::Primitive toIce(const Primitive& p) {
+  avm::Primitive result;
+  result.id = static_cast<Ice::Long>(p.id);
+  result.kind = static_cast<avm::PrimitiveKind>(p.kind);
+  for (const Eigen::Vector2d& v : p.vertices) result.vertices.push_back(vismem::toIce(v));
+  result.centre = vismem::toIce(p.centre);
+  result.heading = p.heading_rad;
+  result.lengthM = p.length_m;
+  result.widthM = p.width_m;
+  result.radiusM = p.radius_m;
+  result.hiddenVertex = p.hidden_vertex;
+  result.quality = p.quality;
+  result.life = p.life;
+  result.salience = p.salience;
+  result.segments.assign(p.segments.begin(), p.segments.end());
+  result.firstSeenUs = p.first_seen_us;
+  result.lastSeenUs = p.last_seen_us;
+  return result;
+}
+
+Primitive fromIce(const avm::Primitive& p) {
+  Primitive result;
+  result.id = static_cast<std::uint64_t>(p.id);
+  result.kind = static_cast<PrimitiveKind>(p.kind);
+  for (const avm::Vector2& v : p.vertices) result.vertices.push_back(vismem::fromIce(v));
+  result.centre = vismem::fromIce(p.centre);
+  result.heading_rad = p.heading;
+  result.length_m = p.lengthM;
+  result.width_m = p.widthM;
+  result.radius_m = p.radiusM;
+  result.hidden_vertex = p.hiddenVertex;
+  result.quality = p.quality;
+  result.life = p.life;
+  result.salience = p.salience;
+  result.segments.assign(p.segments.begin(), p.segments.end());
+  result.first_seen_us = p.firstSeenUs;
+  result.last_seen_us = p.lastSeenUs;
+  return result;
+}
+
+/// Why a primitive of a peer is unusable; empty if it is usable.
+std::string checkPrimitive(const avm::Primitive& p) {
+  const std::string name = "primitive " + std::to_string(p.id);
+  for (const avm::Vector2& v : p.vertices) {
+    if (!allFinite({v.x, v.y})) return name + " has a corner that is not finite";
+  }
+  if (!allFinite({p.centre.x, p.centre.y, p.heading, p.lengthM, p.widthM, p.radiusM, p.quality, p.life,
+                  p.salience})) {
+    return name + " is not finite";
+  }
+  if (p.hiddenVertex < -1 || p.hiddenVertex >= static_cast<int>(p.vertices.size())) {
+    return name + ".hiddenVertex " + std::to_string(p.hiddenVertex) + " names no corner";
+  }
+  return {};
+}
+
 bool finite(const avm::MemorySegment& s) {
   const auto matrix = [](const avm::Symmetric3& m) {
     return allFinite({m.m00, m.m01, m.m02, m.m11, m.m12, m.m22});
@@ -66,6 +122,10 @@ avm::MemorySnapshot toIce(const MemorySnapshot& s) {
   result.robotInOdom = toIce(s.T_odom_robot);
   result.segments.reserve(s.segments.size());
   for (const MemorySegment& segment : s.segments) result.segments.push_back(toIce(segment));
+  for (const Primitive& primitive : s.primitives) result.primitives.push_back(toIce(primitive));
+  for (const VertexHypothesis& corner : s.hypotheses) {
+    result.hypotheses.push_back({static_cast<Ice::Long>(corner.primitive_id), toIce(corner.p_odom)});
+  }
   return result;
 }
 
@@ -77,6 +137,10 @@ MemorySnapshot fromIce(const avm::MemorySnapshot& s) {
   result.T_odom_robot = fromIce(s.robotInOdom);
   result.segments.reserve(s.segments.size());
   for (const avm::MemorySegment& segment : s.segments) result.segments.push_back(fromIce(segment));
+  for (const avm::Primitive& primitive : s.primitives) result.primitives.push_back(fromIce(primitive));
+  for (const avm::VertexHypothesis& corner : s.hypotheses) {
+    result.hypotheses.push_back({static_cast<std::uint64_t>(corner.primitive), fromIce(corner.place)});
+  }
   return result;
 }
 
@@ -125,6 +189,12 @@ std::string checkUpdate(const avm::MemoryUpdate& update) {
   if (!finite(update.snapshot.robotInOdom)) return "snapshot.robotInOdom is not finite";
   for (const avm::MemorySegment& s : update.snapshot.segments) {
     if (!finite(s)) return "segment " + std::to_string(s.id) + " is not finite";
+  }
+  for (const avm::Primitive& p : update.snapshot.primitives) {
+    if (std::string problem = checkPrimitive(p); !problem.empty()) return problem;
+  }
+  for (const avm::VertexHypothesis& corner : update.snapshot.hypotheses) {
+    if (!allFinite({corner.place.x, corner.place.y})) return "a hypothesis is not finite";
   }
   const avm::ImageAnalysis& a = update.analysis;
   if (!finite(a.robotInOdom)) return "analysis.robotInOdom is not finite";

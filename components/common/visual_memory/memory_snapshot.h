@@ -15,6 +15,7 @@
 #include "common/robot/ports.h"
 #include "common/robot/samples.h"
 #include "common/vision/image_segment.h"
+#include "common/visual_memory/primitive.h"
 
 namespace vismem {
 
@@ -40,6 +41,8 @@ struct MemorySnapshot {
   std::uint32_t epoch = 0;     ///< counts up when the memory was set aside and begun anew
   Pose2 T_odom_robot;          ///< at stamp_us
   std::vector<MemorySegment> segments;
+  std::vector<Primitive> primitives;         ///< shapes made of the segments (M8), oldest first
+  std::vector<VertexHypothesis> hypotheses;  ///< corners of them to look for (M9)
 };
 
 /// What the memory expected in an image: the visible part of a remembered segment.
@@ -56,7 +59,7 @@ struct ImageAnalysis {
   CameraIntrinsics intrinsics;
   Pose2 T_odom_robot;
   Pose3 T_robot_camera = Pose3::Identity();
-  std::vector<ImageSegment> observed;      ///< all segments, also those above the horizon
+  std::vector<ImageSegment> observed;  ///< all segments, also those above the horizon
   std::vector<PredictedSegment> predicted;
   struct Match {
     int observed = 0;   ///< index into `observed`

@@ -37,4 +37,10 @@ struct Primitive {
   StampUs last_seen_us = 0;
 };
 
+/// A corner that was inferred and not seen yet: a tentative focus of attention (M9).
+struct VertexHypothesis {
+  std::uint64_t primitive_id = 0;
+  Eigen::Vector2d p_odom = Eigen::Vector2d::Zero();  ///< on the floor [m]
+};
+
 }  // namespace vismem

@@ -71,6 +71,8 @@ void writeFiles(const Record& record, const fs::path& out) {
     writeWith(out / "truth.tum", [&](std::ostream& text) { writeTum(record.truth, text); });
   }
   writeWith(out / "races.csv", [&](std::ostream& text) { writeRacesCsv(record.estimates, text); });
+  writeWith(out / "primitives.csv",
+            [&](std::ostream& text) { writePrimitivesCsv(*record.last.snapshot, text); });
   writeWith(out / "memory.csv", [&](std::ostream& text) { writeMemoryCsv(*record.last.snapshot, text); });
 }
 

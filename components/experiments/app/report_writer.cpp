@@ -83,6 +83,9 @@ void writeReport(const RunOptions& options, const RunRecord& record, const RunSu
   }
   writeStream(out / "memory.csv",
               [&](std::ostream& s) { writeMemoryCsv(record.memory ? *record.memory : MemorySnapshot{}, s); });
+  writeStream(out / "primitives.csv", [&](std::ostream& s) {
+    writePrimitivesCsv(record.memory ? *record.memory : MemorySnapshot{}, s);
+  });
   writeStream(out / "races.csv", [&](std::ostream& s) { writeRacesCsv(record.estimates, s); });
 
   const std::string title = titleOf(options);

@@ -24,6 +24,9 @@ Trajectory parseTum(std::string_view text, const std::string& file_name);
 /// `t_s,id,x1_m,...,label,life,position_std_m,last_seen_s`, in odom; position_std_m is the root of the larger
 /// end's mean variance in the plane.
 void writeMemoryCsv(const MemorySnapshot& memory, std::ostream& out);
+/// The shapes in memory (M8), one a line, in the odometry frame; the corners as "x y; x y" in the order of
+/// Primitive::vertices.
+void writePrimitivesCsv(const MemorySnapshot& memory, std::ostream& out);
 
 /// `t_s,race,x_m,y_m,theta_rad,health,weight,victories,age`, one row per race and estimate, in world.
 void writeRacesCsv(const std::vector<PoseEstimate>& estimates, std::ostream& out);

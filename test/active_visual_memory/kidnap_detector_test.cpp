@@ -1,0 +1,73 @@
+#include "active_visual_memory/core/kidnap_detector.h"
+
+#include <gtest/gtest.h>
+
+namespace vismem {
+namespace {
+
+constexpr StampUs kFrame = 100'000;
+
+/// Shows the same scene for so long. @return stamps at which a kidnapping was told.
+int told(KidnapDetector& detector, StampUs& now, const SceneAgreement& scene, double seconds) {
+  int count = 0;
+  for (const StampUs end = now + toStampUs(seconds); now < end; now += kFrame) {
+    count += detector.update(now, scene) ? 1 : 0;
+  }
+  return count;
+}
+
+TEST(KidnapDetector, TellsOnceAfterASecondOfAnotherScene) {
+  KidnapDetector detector({});
+  StampUs now = 0;
+  EXPECT_EQ(told(detector, now, {5, 0, 0, 0}, 3.0), 0);
+  EXPECT_EQ(told(detector, now, {0, 4, 1, 3}, 0.9), 0);
+  EXPECT_EQ(told(detector, now, {0, 4, 1, 3}, 0.3), 1);
+}
+
+TEST(KidnapDetector, TakesAnOcclusionForNone) {
+  KidnapDetector detector({});
+  StampUs now = 0;
+  EXPECT_EQ(told(detector, now, {0, 0, 8, 6}, 30.0), 0);
+}
+
+TEST(KidnapDetector, TakesTheRemovalOfOneObjectForNone) {
+  KidnapDetector detector({});
+  StampUs now = 0;
+  EXPECT_EQ(told(detector, now, {4, 4, 0, 3}, 30.0), 0);
+}
+
+TEST(KidnapDetector, WantsToSeeSomethingNew) {
+  KidnapDetector detector({});
+  StampUs now = 0;
+  EXPECT_EQ(told(detector, now, {0, 8, 0, 1}, 30.0), 0);  // the light went out, say
+}
+
+TEST(KidnapDetector, ForgetsDoubtsWhenTheSceneAgreesAgain) {
+  KidnapDetector detector({});
+  StampUs now = 0;
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_EQ(told(detector, now, {0, 4, 0, 3}, 0.5), 0);
+    EXPECT_EQ(told(detector, now, {4, 0, 0, 0}, 0.7), 0);
+  }
+}
+
+TEST(KidnapDetector, CountsNoTimeInWhichNothingIsExpected) {
+  KidnapDetector detector({});
+  StampUs now = 0;
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(told(detector, now, {0, 4, 0, 3}, 0.4), 0);
+    EXPECT_EQ(told(detector, now, {0, 0, 0, 3}, 5.0), 0);
+  }
+  EXPECT_EQ(told(detector, now, {0, 4, 0, 3}, 0.5), 1);  // 0.4 + 0.4 s before
+}
+
+TEST(KidnapDetector, CanBeOff) {
+  KidnapDetector::Params off;
+  off.enabled = false;
+  KidnapDetector detector(off);
+  StampUs now = 0;
+  EXPECT_EQ(told(detector, now, {0, 8, 0, 8}, 30.0), 0);
+}
+
+}  // namespace
+}  // namespace vismem
