@@ -82,6 +82,9 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   p.gate_sigmas = r.real("Match.Sigmas", p.gate_sigmas, 0.5, 100.0);
   p.drift_per_m = r.real("Drift.PerMetre", p.drift_per_m, 0.0, 1.0);
   p.drift_per_rad = r.real("Drift.PerRadian", p.drift_per_rad, 0.0, 1.0);
+  p.align = r.boolean("Align.Enabled", p.align);
+  p.alignment.shift_per_m = r.real("Align.Shift_per_m", p.alignment.shift_per_m, 0.0, 1.0);
+  p.alignment.turn_per_rad = r.real("Align.Turn_per_rad", p.alignment.turn_per_rad, 0.0, 1.0);
   p.confirm_by_parallax = r.boolean("Confirm.ByParallax", p.confirm_by_parallax);
   p.parallax.least_height_m = r.real("Confirm.LeastHeight_m", p.parallax.least_height_m, 0.005, 2.0);
   p.parallax.min_baseline_m = r.real("Confirm.Baseline_m", p.parallax.min_baseline_m, 0.01, 10.0);
@@ -167,6 +170,16 @@ void readGaze(ConfigReader r, GazeController::Params& p) {
   }
   p.max_pan_rate_radps = r.angleDeg("Rate.Pan_degps", radToDeg(p.max_pan_rate_radps), 1.0, 2000.0);
   p.max_tilt_rate_radps = r.angleDeg("Rate.Tilt_degps", radToDeg(p.max_tilt_rate_radps), 1.0, 2000.0);
+  p.max_pan_acceleration_radps2 =
+      r.angleDeg("Acceleration.Pan_degps2", radToDeg(p.max_pan_acceleration_radps2), 10.0, 50'000.0);
+  p.max_tilt_acceleration_radps2 =
+      r.angleDeg("Acceleration.Tilt_degps2", radToDeg(p.max_tilt_acceleration_radps2), 10.0, 50'000.0);
+  p.saccade_slowdown = r.real("Saccade.Slowdown", p.saccade_slowdown, 1.0, 10.0);
+  p.max_pan_acceleration_radps2 =
+      r.angleDeg("Acceleration.Pan_degps2", radToDeg(p.max_pan_acceleration_radps2), 10.0, 50'000.0);
+  p.max_tilt_acceleration_radps2 =
+      r.angleDeg("Acceleration.Tilt_degps2", radToDeg(p.max_tilt_acceleration_radps2), 10.0, 50'000.0);
+  p.saccade_slowdown = r.real("Saccade.Slowdown", p.saccade_slowdown, 1.0, 10.0);
   p.gain_per_s = r.real("Gain_per_s", p.gain_per_s, 0.01, 100.0);
   p.pan_dead_zone_rad = r.angleDeg("DeadZone.Pan_deg", radToDeg(p.pan_dead_zone_rad), 0.0, 45.0);
   p.tilt_dead_zone_rad = r.angleDeg("DeadZone.Tilt_deg", radToDeg(p.tilt_dead_zone_rad), 0.0, 45.0);
@@ -194,6 +207,8 @@ MemoryPipelineParams readMemoryPipeline(ConfigReader& reader) {
   readVision(reader.group("Vision"), p.vision);
   readGate(reader.group("FrameGate"), p.memory.gate);
   readGround(reader.group("Ground"), p.memory.projector);
+  p.memory.thin_lines.sigma_px =
+      reader.real("Ground.ThinLineBlur_px", p.memory.thin_lines.sigma_px, 0.0, 10.0);
   readMemory(reader.group("Memory"), p.memory.memory);
   ConfigReader kidnap = reader.group("Kidnap");
   p.memory.kidnap.enabled = kidnap.boolean("Enabled", p.memory.kidnap.enabled);

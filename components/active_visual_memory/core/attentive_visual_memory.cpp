@@ -72,7 +72,8 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::step(const RobotObserva
   readMail();
   const double rate = turnRate(observation);
   const Pose3 T_odom_camera = toPose3(observation.T_odom_robot) * observation.T_robot_camera;
-  const auto floor = projector_.project(observation.frame.intrinsics, T_odom_camera, observed, rate);
+  const auto floor = projector_.project(observation.frame.intrinsics, T_odom_camera,
+                                        correctThinLines(observed, params_.thin_lines), rate);
   last_update_.analysis =
       std::make_shared<const ImageAnalysis>(memory_.update(observation, observed, floor, rate));
   // What was remembered belongs to another place: only what this image shows is true here.

@@ -12,12 +12,14 @@
 #include "active_visual_memory/core/ground_projector.h"
 #include "active_visual_memory/core/primitive_memory.h"
 #include "active_visual_memory/core/segment_memory.h"
+#include "active_visual_memory/core/thin_lines.h"
 #include "common/profiling/stage_probe.h"
 
 namespace vismem {
 
 struct AttentiveVisualMemoryParams {
   FrameGate::Params gate;
+  ThinLineParams thin_lines;
   GroundProjector::Params projector;
   SegmentMemory::Params memory;
   PrimitiveMemory::Params primitives;

@@ -30,7 +30,8 @@ ExtentEnd fuseEnds(const ExtentEnd& known, const ExtentEnd& seen, double outward
   if (known.open) return further > -gate ? seen : known;
   if (std::abs(further) > gate) return further > 0.0 && may_extend ? seen : known;
   ExtentEnd fused = known;
-  const double known_variance = known.variance_m2 + params.end_noise_m * params.end_noise_m;
+  const double noise = further > 0.0 ? params.end_outward_m : params.end_noise_m;
+  const double known_variance = known.variance_m2 + noise * noise;
   const double gain = known_variance / (known_variance + seen.variance_m2);
   fused.t_m += gain * (seen.t_m - known.t_m);
   fused.variance_m2 = std::max((1.0 - gain) * known_variance, params.end_floor_m * params.end_floor_m);
@@ -81,6 +82,11 @@ Eigen::Matrix2d FloorLine::covarianceAt(const ExtentEnd& end) const {
   const Eigen::Vector2d u = along();
   const Eigen::Vector2d n = normal();
   return end.variance_m2 * u * u.transpose() + offsetVariance(end.t_m) * n * n.transpose();
+}
+
+void FloorLine::move(const SmallMotion& motion) {
+  origin_ = motion.apply(origin_);
+  direction_rad_ = wrapAngle(direction_rad_ + motion.turn_rad);
 }
 
 void FloorLine::drift(double offset_sigma_m, double angle_sigma_rad) {

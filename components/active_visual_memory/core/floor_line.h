@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "active_visual_memory/core/drift_alignment.h"
 #include "active_visual_memory/core/ground_projector.h"
 #include "common/geometry/segment.h"
 
@@ -32,10 +33,11 @@ class FloorLine {
     double angle_noise_rad = 0.0010;
     double end_floor_m = 0.005;
     double end_noise_m = 0.003;
-    double end_gate_sigmas = 3.0;    ///< two true ends nearer than this are one
-    double end_gate_m = 0.03;        ///< or nearer than this
-    int known_views = 3;             ///< a true end seen this often is moved outwards only ..
-    double worse_view = 4.0;         ///< .. by views of at most this many times its best variance
+    double end_outward_m = 0.010;  ///< the same for an end that is seen further out: what hid it may give way
+    double end_gate_sigmas = 3.0;  ///< two true ends nearer than this are one
+    double end_gate_m = 0.03;      ///< or nearer than this
+    int known_views = 3;           ///< a true end seen this often is moved outwards only ..
+    double worse_view = 4.0;       ///< .. by views of at most this many times its best variance
     double measure_floor_m = 0.004;  ///< least sigma of an observed offset
   };
 
@@ -58,6 +60,9 @@ class FloorLine {
   double offsetVariance(double t_m) const;
   /// The part of it that comes from the direction alone.
   double turnVariance(double t_m) const { return t_m * t_m * P_(1, 1); }
+
+  /// Carries the line along with a motion of the plane.
+  void move(const SmallMotion& motion);
 
   /// Grows the uncertainty by what odometry may have drifted: offset sigma and angle sigma are added.
   void drift(double offset_sigma_m, double angle_sigma_rad);

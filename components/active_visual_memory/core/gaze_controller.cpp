@@ -8,6 +8,19 @@
 
 namespace vismem {
 
+namespace {
+
+constexpr double kLeastRate_radps = 0.01;
+
+/// The motion of a robot on an arc, from its length and the turn.
+Pose2 arc(double way_m, double turn_rad) {
+  const double half = 0.5 * turn_rad;
+  const double chord = std::abs(half) < 1e-6 ? way_m : way_m * std::sin(half) / half;
+  return {chord * std::cos(half), chord * std::sin(half), turn_rad};
+}
+
+}  // namespace
+
 GazeState nextGazeState(GazeState state, const GazeConditions& c) {
   switch (state) {
     case GazeState::kSelect:
@@ -80,6 +93,7 @@ GazeController::GazeController(const Params& params) : params_(params), mode_(pa
 void GazeController::setMode(GazeMode mode) {
   if (mode == mode_) return;
   mode_ = mode;
+  saccade_.reset();
   hold_sent_ = false;
   sent_.reset();
   abandonTarget();
@@ -139,33 +153,85 @@ GazeController::Aim GazeController::aimAt(const AttentionPoint& point, const Pos
   return aim;
 }
 
-Pose2 GazeController::lead(const RobotObservation& observation) const {
-  const double dt = params_.lookahead_s;
-  return observation.T_odom_robot * Pose2{robot_v_mps_ * dt, 0.0, robot_w_radps_ * dt};
+PanTilt GazeController::aimAhead(const AttentionPoint& point, const RobotObservation& observation,
+                                 double ahead_s) const {
+  AttentionPoint later = point;
+  if (point.kind == AttentionKind::kClient && point.p_odom) {
+    later.p_odom = motion_.at(observation.frame.stamp_us + toStampUs(ahead_s));
+  }
+  const Pose2 moved = arc(robot_v_mps_ * ahead_s, robot_w_radps_ * ahead_s);
+  return aimAt(later, observation.T_odom_robot * moved).clamped;
 }
 
-std::optional<PanTiltCommand> GazeController::steer(const PanTilt& target, const PanTilt& actual,
-                                                    StampUs stamp_us) {
+std::optional<PanTiltCommand> GazeController::steerByRates(const PanTilt& error) const {
   PanTiltCommand command;
-  if (params_.control == Control::kProportional) {
-    command.kind = PanTiltCommand::Kind::kVelocity;
-    command.pan_rate_radps = proportionalSpeed(target.pan_rad - actual.pan_rad, params_.pan_dead_zone_rad,
-                                               params_.gain_per_s, params_.max_pan_rate_radps);
-    command.tilt_rate_radps = proportionalSpeed(target.tilt_rad - actual.tilt_rad, params_.tilt_dead_zone_rad,
-                                                params_.gain_per_s, params_.max_tilt_rate_radps);
-    return command;
-  }
-  const bool same = sent_ && std::abs(sent_->pan_rad - target.pan_rad) < params_.resend_rad &&
-                    std::abs(sent_->tilt_rad - target.tilt_rad) < params_.resend_rad;
-  if (same && toSeconds(stamp_us - sent_us_) < params_.resend_s) return std::nullopt;
-  command.kind = PanTiltCommand::Kind::kPosition;
-  command.pan_rad = target.pan_rad;
-  command.tilt_rad = target.tilt_rad;
-  command.pan_rate_radps = params_.max_pan_rate_radps;
-  command.tilt_rate_radps = params_.max_tilt_rate_radps;
-  sent_ = target;
-  sent_us_ = stamp_us;
+  command.kind = PanTiltCommand::Kind::kVelocity;
+  command.pan_rate_radps = proportionalSpeed(error.pan_rad, params_.pan_dead_zone_rad, params_.gain_per_s,
+                                             params_.max_pan_rate_radps);
+  command.tilt_rate_radps = proportionalSpeed(error.tilt_rad, params_.tilt_dead_zone_rad, params_.gain_per_s,
+                                              params_.max_tilt_rate_radps);
   return command;
+}
+
+std::optional<PanTiltCommand> GazeController::steer(const AttentionPoint& point,
+                                                    const RobotObservation& observation) {
+  const StampUs now = observation.frame.stamp_us;
+  const PanTilt actual = *observation.pan_tilt;
+  if (params_.control == Control::kProportional) {
+    const PanTilt aim = aimAhead(point, observation, params_.lookahead_s);
+    return steerByRates({aim.pan_rad - actual.pan_rad, aim.tilt_rad - actual.tilt_rad});
+  }
+  // The command acts from now + lookahead on and should bring the axes to where
+  // they have to be when the next one acts. It names a place a step further on,
+  // so that a late successor does not make the head stop.
+  const double step_s = dt_s_ > 0.0 ? std::min(dt_s_, params_.max_step_s) : params_.max_step_s;
+  const PanTilt near = aimAhead(point, observation, params_.lookahead_s);
+  const PanTilt next = aimAhead(point, observation, params_.lookahead_s + step_s);
+  PanTilt goal = aimAhead(point, observation, params_.lookahead_s + 2.0 * step_s);
+  PanTilt step = next;
+
+  const double error =
+      std::max(std::abs(near.pan_rad - actual.pan_rad), std::abs(near.tilt_rad - actual.tilt_rad));
+  if (saccade_ && (saccade_id_ != point.id || now >= saccade_->end())) saccade_.reset();
+  if (!saccade_ && error > params_.saccade_rad) {
+    saccade_.emplace(now, actual, near,
+                     AxisLimits{params_.max_pan_rate_radps, params_.max_pan_acceleration_radps2},
+                     AxisLimits{params_.max_tilt_rate_radps, params_.max_tilt_acceleration_radps2},
+                     params_.saccade_slowdown);
+    saccade_id_ = point.id;
+  }
+  if (saccade_) {
+    const double left_s = std::max(0.0, toSeconds(saccade_->end() - now));
+    goal = aimAhead(point, observation, std::max(left_s, params_.lookahead_s + step_s));
+    step = saccade_->at(now + toStampUs(step_s), goal);
+  }
+
+  const bool same = sent_ && std::abs(sent_->pan_rad - goal.pan_rad) < params_.resend_rad &&
+                    std::abs(sent_->tilt_rad - goal.tilt_rad) < params_.resend_rad;
+  if (same && !saccade_ && toSeconds(now - sent_us_) < params_.resend_s) return std::nullopt;
+  const auto rate = [&](double from, double to, double aim, double most) {
+    // Nothing left of the step but still off the aim: at leisure.
+    const double needed = std::abs(to - from) / step_s;
+    const double least = std::abs(aim - from) / (4.0 * step_s);
+    return std::clamp(std::max(needed, std::min(least, 0.1 * most)), kLeastRate_radps, most);
+  };
+  PanTiltCommand command;
+  command.kind = PanTiltCommand::Kind::kPosition;
+  command.pan_rad = goal.pan_rad;
+  command.tilt_rad = goal.tilt_rad;
+  command.pan_rate_radps = rate(actual.pan_rad, step.pan_rad, goal.pan_rad, params_.max_pan_rate_radps);
+  command.tilt_rate_radps = rate(actual.tilt_rad, step.tilt_rad, goal.tilt_rad, params_.max_tilt_rate_radps);
+  sent_ = goal;
+  sent_us_ = now;
+  return command;
+}
+
+void GazeController::noteError(std::uint64_t point_id, const PanTilt& error, double dt_s) {
+  const bool known = error_ && error_id_ == point_id && dt_s > 0.0;
+  error_rate_radps_ =
+      known ? std::hypot(error.pan_rad - error_->pan_rad, error.tilt_rad - error_->tilt_rad) / dt_s : 0.0;
+  error_ = error;
+  error_id_ = point_id;
 }
 
 std::optional<PanTiltCommand> GazeController::hold() {
@@ -182,7 +248,8 @@ std::optional<PanTiltCommand> GazeController::hold() {
 
 void GazeController::select(const RobotObservation& observation, AttentionPool& pool) {
   target_.reset();
-  // Unreachable points are given up at once; each try removes or resets one, so this ends.
+  // Unreachable points are given up at once; each try removes or resets one, so
+  // this ends.
   for (std::size_t tries = pool.points().size() + 2; tries > 0; --tries) {
     auto candidate = pool.mostSalient();
     if (!candidate) {
@@ -217,11 +284,15 @@ std::optional<PanTiltCommand> GazeController::attend(const RobotObservation& obs
   }
   Aim aim;
   if (target_ && !conditions.target_gone) {
+    if (target_->kind == AttentionKind::kClient && target_->p_odom) {
+      motion_.observe(target_->id, *target_->p_odom, now);
+    }
     aim = aimAt(*target_, observation.T_odom_robot);
     const double in_state_s = toSeconds(now - entered_us_);
-    const double error = std::max(std::abs(aim.clamped.pan_rad - actual.pan_rad),
-                                  std::abs(aim.clamped.tilt_rad - actual.tilt_rad));
-    conditions.arrived = error <= params_.arrived_rad && head_rate_radps_ <= params_.quiet_radps;
+    const PanTilt off{aim.clamped.pan_rad - actual.pan_rad, aim.clamped.tilt_rad - actual.tilt_rad};
+    noteError(target_->id, off, dt_s_);
+    const double error = std::max(std::abs(off.pan_rad), std::abs(off.tilt_rad));
+    conditions.arrived = error <= params_.arrived_rad && error_rate_radps_ <= params_.quiet_radps;
     conditions.timed_out = !aim.reachable || in_state_s >= params_.saccade_timeout_s;
     conditions.analysed = in_state_s >= params_.analyse_s;
     const bool client = target_->kind == AttentionKind::kClient;
@@ -251,7 +322,7 @@ std::optional<PanTiltCommand> GazeController::attend(const RobotObservation& obs
   }
   enter(next, now);
   if (!target_) return std::nullopt;
-  return steer(aimAt(*target_, lead(observation)).clamped, actual, now);
+  return steer(*target_, observation);
 }
 
 std::optional<PanTiltCommand> GazeController::step(const RobotObservation& observation,
@@ -262,13 +333,12 @@ std::optional<PanTiltCommand> GazeController::step(const RobotObservation& obser
   const PanTilt actual = *observation.pan_tilt;
   const double dt = toSeconds(now - last_stamp_us_);
   if (last_angles_ && dt > 0.0 && dt < 1.0) {
-    head_rate_radps_ =
-        std::hypot(actual.pan_rad - last_angles_->pan_rad, actual.tilt_rad - last_angles_->tilt_rad) / dt;
+    dt_s_ = dt;
     const Pose2 moved = inverse(last_pose_) * observation.T_odom_robot;
     robot_v_mps_ = moved.x / dt;
     robot_w_radps_ = moved.theta / dt;
   } else {
-    head_rate_radps_ = robot_v_mps_ = robot_w_radps_ = 0.0;
+    dt_s_ = robot_v_mps_ = robot_w_radps_ = 0.0;
   }
   last_angles_ = actual;
   last_pose_ = observation.T_odom_robot;
@@ -285,11 +355,12 @@ std::optional<PanTiltCommand> GazeController::step(const RobotObservation& obser
       point.kind = AttentionKind::kClient;
       point.p_odom = fixation_;
       target_ = point;
-      const Aim aim = aimAt(point, lead(observation));
+      motion_.observe(point.id, *point.p_odom, now);
+      const Aim aim = aimAt(point, observation.T_odom_robot);
       const double error = std::max(std::abs(aim.clamped.pan_rad - actual.pan_rad),
                                     std::abs(aim.clamped.tilt_rad - actual.tilt_rad));
       enter(error <= params_.arrived_rad ? GazeState::kTrack : GazeState::kSaccade, now);
-      return steer(aim.clamped, actual, now);
+      return steer(point, observation);
     }
     case GazeMode::kAttend:
       break;

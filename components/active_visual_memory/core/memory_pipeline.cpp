@@ -4,6 +4,17 @@
 
 namespace vismem {
 
+namespace {
+
+/// Where colours tell what an edge is, one between two places of one colour is a shadow.
+AttentiveVisualMemoryParams forPalette(AttentiveVisualMemoryParams params, bool has_palette) {
+  const bool by_parallax = params.memory.confirm_by_parallax;
+  if (has_palette && by_parallax) params.memory.confirm_unlabelled = false;
+  return params;
+}
+
+}  // namespace
+
 MemoryPipelineParams MemoryPipelineParams::standard() {
   return {ExtractorParams{}, AttentiveVisualMemoryParams::standard()};
 }
@@ -15,7 +26,7 @@ MemoryPipelineParams MemoryPipelineParams::chapter() {
 }
 
 MemoryPipeline::MemoryPipeline(const Params& params, std::shared_ptr<const Palette> palette)
-    : extractor_(params.vision, std::move(palette)), memory_(params.memory) {}
+    : extractor_(params.vision, palette), memory_(forPalette(params.memory, palette != nullptr)) {}
 
 AttentiveVisualMemory::StepResult MemoryPipeline::process(const RobotObservation& observation,
                                                           StageProbe* probe) {

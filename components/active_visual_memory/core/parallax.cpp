@@ -8,17 +8,32 @@ namespace vismem {
 void ParallaxEstimate::add(Channel channel, double baseline_m, double shift_m, double variance_m2,
                            const Params& params) {
   Sums& sums = sums_[channel];
-  if (sums.count > 0 && std::abs(baseline_m - sums.last) < params.min_step_m) return;
   const double w = 1.0 / (variance_m2 + params.sample_sigma_m * params.sample_sigma_m);
-  sums.low = sums.count == 0 ? baseline_m : std::min(sums.low, baseline_m);
-  sums.high = sums.count == 0 ? baseline_m : std::max(sums.high, baseline_m);
-  sums.last = baseline_m;
-  ++sums.count;
-  sums.w += w;
-  sums.wb += w * baseline_m;
-  sums.wbb += w * baseline_m * baseline_m;
-  sums.ws += w * shift_m;
-  sums.wbs += w * baseline_m * shift_m;
+  if (sums.count > 0 && std::abs(baseline_m - sums.last_b) < params.min_step_m) {
+    sums.countIn(-sums.last_w, sums.last_b, sums.last_s);
+    const double known = sums.last_single_w * sums.last_views;
+    sums.last_s = (known * sums.last_s + w * shift_m) / (known + w);
+    sums.last_single_w = (known + w) / (sums.last_views + 1);
+    ++sums.last_views;
+    sums.last_w = sums.last_single_w * std::min(sums.last_views, params.views_per_place);
+  } else {
+    sums.low = sums.count == 0 ? baseline_m : std::min(sums.low, baseline_m);
+    sums.high = sums.count == 0 ? baseline_m : std::max(sums.high, baseline_m);
+    ++sums.count;
+    sums.last_w = sums.last_single_w = w;
+    sums.last_b = baseline_m;
+    sums.last_s = shift_m;
+    sums.last_views = 1;
+  }
+  sums.countIn(sums.last_w, sums.last_b, sums.last_s);
+}
+
+void ParallaxEstimate::Sums::countIn(double weight, double b, double s) {
+  w += weight;
+  wb += weight * b;
+  wbb += weight * b * b;
+  ws += weight * s;
+  wbs += weight * b * s;
 }
 
 std::optional<ParallaxEstimate::Slope> ParallaxEstimate::slope(Channel channel, const Params& params) const {

@@ -19,10 +19,12 @@ class ParallaxEstimate {
     double least_height_m = 0.06;  ///< lower things count as lying on the floor
     double sigmas = 2.0;
     double sample_sigma_m = 0.006;  ///< least sigma of a sample: errors of near views are correlated
+    int views_per_place = 4;        ///< so many views from one place are worth more than one
   };
 
   enum class Verdict { kUnknown, kOnFloor, kOffFloor };
 
+  /// Views from one place make one sample, their mean.
   /// @param baseline_m  displacement of the camera along the channel's axis since the first sample.
   /// @param shift_m     displacement of the floor place along the same axis.
   void add(Channel channel, double baseline_m, double shift_m, double variance_m2, const Params& params);
@@ -45,8 +47,13 @@ class ParallaxEstimate {
  private:
   struct Sums {
     double w = 0, wb = 0, wbb = 0, ws = 0, wbs = 0;
-    double low = 0, high = 0, last = 0;
+    double low = 0, high = 0;
     int count = 0;
+    // The newest sample, which may become better.
+    double last_w = 0, last_b = 0, last_s = 0;
+    double last_single_w = 0;
+    int last_views = 0;
+    void countIn(double weight, double b, double s);
   };
   std::array<Sums, 3> sums_;
 };

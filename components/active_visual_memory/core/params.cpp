@@ -9,7 +9,9 @@ AttentiveVisualMemoryParams AttentiveVisualMemoryParams::standard() {
 
 AttentiveVisualMemoryParams AttentiveVisualMemoryParams::chapter() {
   AttentiveVisualMemoryParams p;
+  p.thin_lines.sigma_px = 0.0;
   p.memory.fusion = SegmentMemory::Fusion::kChapter;
+  p.memory.align = false;
   p.memory.confirm_by_parallax = false;
   p.memory.min_sightings = 1;
   p.memory.suspect_fading = 1.0;

@@ -23,14 +23,57 @@ void SegmentMemory::clear() {
   elements_.clear();
   clock_.reset();
   last_pose_.reset();
+  drift_.reset();
 }
 
 void SegmentMemory::travel(const Pose2& T_odom_robot) {
   if (last_pose_) {
     travel_m_ += (T_odom_robot.position() - last_pose_->position()).norm();
     turn_rad_ += std::abs(angleDifference(T_odom_robot.theta, last_pose_->theta));
+    if (params_.align) drift_.travel(inverse(*last_pose_) * T_odom_robot, params_.alignment);
   }
   last_pose_ = T_odom_robot;
+}
+
+void SegmentMemory::alignTo(const std::vector<std::vector<const FloorSegment*>>& seen,
+                            const std::vector<int>& index_of, const View& view) {
+  std::vector<DriftResidual> residuals;
+  for (std::size_t p = 0; p < seen.size(); ++p) {
+    const MemoryElement& element = elements_[index_of[p]];
+    if (onTrial(element)) continue;
+    // What did not prove to rest on the floor while the camera moved may be something that moves along.
+    const double moved = (view.camera - element.anchor_camera).norm();
+    if (!element.on_floor && moved > params_.parallax.min_baseline_m) continue;
+    const double doubt = element.on_floor || moved < params_.parallax.min_step_m ? 1.0 : params_.align_doubt;
+    const double noise = std::pow(params_.align_noise * doubt, 2);
+    const FloorLine& line = element.line;
+    const Eigen::Vector2d n = line.normal();
+    const Eigen::Vector2d u = line.along();
+    for (const FloorSegment* piece : seen[p]) {
+      const bool against = u.dot(piece->odom.b - piece->odom.a) < 0.0;
+      const FloorSegment observed = against ? reversed(*piece) : *piece;
+      const double distance = (observed.odom.middle() - view.camera).norm();
+      const double slack = params_.slack_m + params_.slack_share * distance;
+      const auto add = [&](const Eigen::Vector2d& at, const Eigen::Matrix2d& P, bool open,
+                           const ExtentEnd& known) {
+        const double t = line.tOf(at);
+        residuals.push_back(
+            {at, n, line.offsetOf(at), noise * (n.dot(P * n) + line.offsetVariance(t) + slack * slack)});
+        const double gap = t - known.t_m;
+        if (open || known.open || std::abs(gap) > params_.max_end_shift_m) return;
+        residuals.push_back({at, u, gap, noise * (u.dot(P * u) + known.variance_m2 + slack * slack)});
+      };
+      add(observed.odom.a, observed.P_a, observed.open_a, line.endA());
+      add(observed.odom.b, observed.P_b, observed.open_b, line.endB());
+    }
+  }
+  const auto motion = drift_.solve(view.observation.T_odom_robot.position(), residuals, params_.alignment);
+  if (!motion) return;
+  for (MemoryElement& element : elements_) {
+    element.line.move(*motion);
+    element.anchor_line.move(*motion);
+    element.anchor_camera = motion->apply(element.anchor_camera);
+  }
 }
 
 std::vector<int> SegmentMemory::cache(const Pose2& T_odom_robot) const {
@@ -67,7 +110,7 @@ bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment
 }
 
 void SegmentMemory::confirm(MemoryElement& element, const FloorSegment& observed, const View& view) {
-  if (!params_.confirm_by_parallax || element.value.confirmed) return;
+  if (!params_.confirm_by_parallax || element.on_floor) return;
   const bool stale = turn_rad_ - element.anchor_turn_rad > params_.max_anchor_turn_rad ||
                      (view.camera - element.anchor_camera).norm() > params_.max_anchor_travel_m;
   if (stale) {
@@ -77,12 +120,20 @@ void SegmentMemory::confirm(MemoryElement& element, const FloorSegment& observed
     element.anchor_camera = view.camera;
     element.anchor_turn_rad = turn_rad_;
   }
+  if ((view.camera - element.anchor_camera).norm() < params_.parallax.min_step_m) {
+    // From one place the anchor gets better with every view, and there is no parallax yet.
+    element.anchor_line = element.line;
+    element.parallax = ParallaxEstimate{};
+  }
   const FloorLine& anchor = element.anchor_line;
   const Eigen::Vector2d baseline = view.camera - element.anchor_camera;
   const double along = anchor.along().dot(baseline);
   const double across = anchor.normal().dot(baseline);
-  const double drift = params_.drift_per_rad * (turn_rad_ - element.anchor_turn_rad) *
-                       (observed.odom.middle() - view.camera).norm();
+  const double distance = (observed.odom.middle() - view.camera).norm();
+  // An aligned memory has only the errors of the alignment, which do not grow with the way.
+  const double drift = params_.align
+                           ? params_.aligned_m + params_.aligned_rad * distance
+                           : params_.drift_per_rad * (turn_rad_ - element.anchor_turn_rad) * distance;
   const auto add = [&](ParallaxEstimate::Channel channel, double b, double shift, double variance) {
     element.parallax.add(channel, b, shift, variance + drift * drift, params_.parallax);
   };
@@ -119,7 +170,7 @@ void SegmentMemory::confirm(MemoryElement& element, const FloorSegment& observed
   }
   if (element.parallax.verdict(view.height, element.not_vertical, params_.parallax) ==
       ParallaxEstimate::Verdict::kOnFloor) {
-    element.value.confirmed = true;
+    element.on_floor = true;
   }
 }
 
@@ -142,11 +193,33 @@ void SegmentMemory::take(MemoryElement& element, const FloorSegment& seen, const
     element.line.fuse(observed, params_.line);
   }
   element.strength += 0.2 * (observed.strength - element.strength);
-  if (element.value.label == kUnknownLabel) element.value.label = observed.label;
+  vote(element, observed.label, (observed.odom.middle() - view.camera).norm());
   // Several pieces in one image are one sighting.
   if (element.value.last_seen_us != view.observation.frame.stamp_us) ++element.sightings;
   element.value.last_seen_us = view.observation.frame.stamp_us;
   element.sighting = Sighting::kObserved;
+}
+
+void SegmentMemory::vote(MemoryElement& element, const Label& label, double distance_m) const {
+  if (params_.fusion == Fusion::kChapter) {
+    if (element.value.label == kUnknownLabel) element.value.label = label;
+    return;
+  }
+  const double weight = 1.0 / std::max(0.25, distance_m * distance_m);
+  const auto known = std::find_if(element.votes.begin(), element.votes.end(),
+                                  [&](const auto& one) { return one.first == label; });
+  if (known == element.votes.end()) {
+    element.votes.emplace_back(label, weight);
+  } else {
+    known->second += weight;
+  }
+  double all = 0.0;
+  const std::pair<Label, double>* best = nullptr;
+  for (const auto& one : element.votes) {
+    all += one.second;
+    if (one.first != kUnknownLabel && (!best || one.second > best->second)) best = &one;
+  }
+  element.value.label = best && best->second >= params_.label_share * all ? best->first : kUnknownLabel;
 }
 
 void SegmentMemory::begin(const FloorSegment& observed, const View& view) {
@@ -155,7 +228,8 @@ void SegmentMemory::begin(const FloorSegment& observed, const View& view) {
   element.value.label = observed.label;
   element.value.life = params_.life.initial;
   element.value.first_seen_us = element.value.last_seen_us = view.observation.frame.stamp_us;
-  element.value.confirmed = !params_.confirm_by_parallax;
+  element.on_floor = !params_.confirm_by_parallax;
+  vote(element, observed.label, (observed.odom.middle() - view.camera).norm());
   element.line = FloorLine(observed, params_.line);
   element.strength = observed.strength;
   element.sightings = 1;
@@ -282,10 +356,19 @@ void SegmentMemory::absorb(MemoryElement& a, const MemoryElement& b) const {
     a.line.absorb(b.line, params_.line);
   }
   if (a.value.label == kUnknownLabel) a.value.label = b.value.label;
+  for (const auto& vote : b.votes) {
+    const auto known = std::find_if(a.votes.begin(), a.votes.end(),
+                                    [&](const auto& one) { return one.first == vote.first; });
+    if (known == a.votes.end()) {
+      a.votes.push_back(vote);
+    } else {
+      known->second += vote.second;
+    }
+  }
   if (!a.colours) a.colours = b.colours;
   a.strength = std::max(a.strength, b.strength);
   a.value.life = std::max(a.value.life, b.value.life);
-  a.value.confirmed = a.value.confirmed || b.value.confirmed;
+  a.on_floor = a.on_floor || b.on_floor;
   a.value.first_seen_us = std::min(a.value.first_seen_us, b.value.first_seen_us);
   a.value.last_seen_us = std::max(a.value.last_seen_us, b.value.last_seen_us);
   a.sighting = std::max(a.sighting, b.sighting);
@@ -356,7 +439,7 @@ void SegmentMemory::countLife(StampUs stamp_us) {
       // What is new since the last tick has its first life already.
       // What only ever showed itself along the viewing ray may be a standing edge, whose floor place moves:
       // it must not stay long where nobody looks.
-      const bool suspect = !element.value.confirmed && !element.not_vertical;
+      const bool suspect = !element.on_floor && !element.not_vertical;
       const bool unseen = element.sighting == Sighting::kOutOfView;
       element.value.life = agedLife(element.value.life, element.sighting,
                                     suspect && unseen ? params_.suspect_fading * dt : dt, params_.life);
@@ -382,6 +465,8 @@ void SegmentMemory::publish(MemoryElement& element) const {
   element.value.P_a.topLeftCorner<2, 2>() = element.line.covarianceA();
   element.value.P_b.topLeftCorner<2, 2>() = element.line.covarianceB();
   element.value.uncertainty = uncertaintyOf(element.value.life);
+  element.value.confirmed =
+      element.on_floor && (params_.confirm_unlabelled || element.value.label != kUnknownLabel);
 }
 
 void SegmentMemory::age(StampUs stamp_us) {
@@ -436,6 +521,8 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
     if (assign(match)) analysis.matches.push_back(match);
   }
   for (const auto& support : association.supports) assign(support);
+
+  if (params_.align) alignTo(seen, index_of, view);
 
   agreement_ = {};
   for (std::size_t p = 0; p < expected.size(); ++p) {

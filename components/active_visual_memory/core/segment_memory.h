@@ -2,9 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "active_visual_memory/core/association.h"
+#include "active_visual_memory/core/drift_alignment.h"
 #include "active_visual_memory/core/floor_evidence.h"
 #include "active_visual_memory/core/floor_line.h"
 #include "active_visual_memory/core/ground_projector.h"
@@ -24,7 +26,10 @@ struct MemoryElement {
   double strength = 0.0;  ///< mean contrast [grey levels]
   int sightings = 0;      ///< images that showed it
   std::optional<SideColours> colours;
+  /// What the images called it, nearer views counting more; `unknown` votes too.
+  std::vector<std::pair<Label, double>> votes;
   ParallaxEstimate parallax;
+  bool on_floor = false;      ///< its place rests while the camera moves (M1)
   bool not_vertical = false;  ///< some view ruled out a vertical edge
   FloorLine anchor_line;      ///< where the first sample of `parallax` saw it
   Eigen::Vector2d anchor_camera = Eigen::Vector2d::Zero();
@@ -42,8 +47,9 @@ struct MemoryElement {
 };
 
 /// The memory of floor segments in the odometry frame. *Single-threaded* (owner: the perception loop).
-/// Motion prediction (M6) is exact and free: elements rest in odom, and only the camera moves.
-/// Invariants: life in [threshold, maximum]; at most max_elements; ids are never used twice.
+/// Motion prediction (M6) is exact and free: elements rest in odom, and only the camera moves. What the
+/// images show of odometry's own drift moves all elements together, so that they stay right relative to the
+/// robot. Invariants: life in [threshold, maximum]; at most max_elements; ids are never used twice.
 class SegmentMemory {
  public:
   enum class Fusion { kChapter, kCovariance };
@@ -63,15 +69,24 @@ class SegmentMemory {
     double slack_m = 0.01;             ///< of a match on the floor, for what the covariances do not model
     double slack_share = 0.008;        ///< added to slack_m per metre from the camera
     double gate_sigmas = 3.0;
-    double drift_per_m = 0.02;    ///< odometry drift per metre travelled while an element was not seen
-    double drift_per_rad = 0.01;  ///< heading drift per radian turned [rad]
-    int min_sightings = 3;        ///< seen in fewer images it is on trial: not published, soon forgotten
+    double drift_per_m = 0.01;     ///< odometry drift per metre travelled while an element was not seen
+    double drift_per_rad = 0.003;  ///< heading drift per radian turned [rad]
+    int min_sightings = 3;         ///< seen in fewer images it is on trial: not published, soon forgotten
     double parallax_noise_share = 0.1;  ///< share of an end's variance that changes from view to view; the
                                         ///< rest (camera height, pitch) is common to all and cancels
     int max_elements = 1000;
-    bool confirm_by_parallax = true;   ///< false: everything is confirmed at once, as in the chapter
-    double max_anchor_turn_rad = 2.0;  ///< parallax is begun anew after the robot turned this far
-    double max_anchor_travel_m = 3.0;
+    bool align = true;  ///< the whole memory follows the drift of odometry that the images show
+    DriftAlignment::Params alignment;
+    double align_doubt = 3.0;    ///< and times this for what is not known yet to rest on the floor
+    double align_noise = 2.0;    ///< errors of neighbouring images are alike: standard deviations times this
+    double aligned_m = 0.003;    ///< error of the alignment: of places ..
+    double aligned_rad = 0.004;  ///< .. and of the heading
+    double max_end_shift_m = 0.15;      ///< ends further apart than this are not compared
+    double label_share = 0.4;           ///< of the votes that a label needs
+    bool confirm_unlabelled = true;     ///< false: what has no label (a shadow, a pattern) is never confirmed
+    bool confirm_by_parallax = true;    ///< false: everything is confirmed at once, as in the chapter
+    double max_anchor_turn_rad = 20.0;  ///< parallax is begun anew after the robot turned this far
+    double max_anchor_travel_m = 4.0;
     double suspect_fading = 4.0;       ///< so much faster unseen things fade that may be standing edges
     double new_s = 8.0;                ///< M10: first seen this lately is new
     double well_known_s = 40.0;        ///< elements seen this lately ..
@@ -109,10 +124,13 @@ class SegmentMemory {
   struct View;
   std::vector<int> cache(const Pose2& T_odom_robot) const;
   void travel(const Pose2& T_odom_robot);
+  void alignTo(const std::vector<std::vector<const FloorSegment*>>& seen, const std::vector<int>& index_of,
+               const View& view);
   std::vector<Expectation> expect(const View& view, std::vector<int>& index_of) const;
   bool fitsOnFloor(const MemoryElement& element, const FloorSegment& observed, double distance_m) const;
   void take(MemoryElement& element, const FloorSegment& observed, const View& view);
   void confirm(MemoryElement& element, const FloorSegment& observed, const View& view);
+  void vote(MemoryElement& element, const Label& label, double distance_m) const;
   void begin(const FloorSegment& observed, const View& view);
   void look(MemoryElement& element, const View& view) const;
   Sighting judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view);
@@ -137,6 +155,7 @@ class SegmentMemory {
   std::optional<Pose2> last_pose_;
   double travel_m_ = 0.0;
   double turn_rad_ = 0.0;
+  DriftAlignment drift_;
   SceneAgreement agreement_;
 };
 
