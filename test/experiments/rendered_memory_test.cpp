@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "common/routes/route_follower.h"
 #include "common/segment_map/segment_map.h"
 #include "common/vision/palette.h"
 #include "experiments/core/lockstep.h"
-#include "experiments/core/route_follower.h"
 #include "simulator/core/simulation.h"
 
 namespace vismem {
@@ -76,12 +76,12 @@ class RoomRun {
     config.world = loadWorld(kProject + "/cfg/worlds/room.world").world;
     config.seed = seed;
     config.start = start;
-    config.camera_rate_hz = 10.0;
+    config.cameras.front().rate_hz = 10.0;
     return config;
   }
   static ObservationAssembler::Params assembler(const Simulation& simulation) {
     ObservationAssembler::Params params;
-    params.mount = simulation.config().mount;
+    params.mount = simulation.config().mount();
     return params;
   }
 

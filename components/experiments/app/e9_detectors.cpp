@@ -14,6 +14,7 @@
 #include "common/vision/segment_extractor.h"
 #include "experiments/app/annotated_images.h"
 #include "experiments/app/evaluation_setup.h"
+#include "experiments/app/experiment_files.h"
 #include "experiments/core/map_projection.h"
 #include "experiments/core/segment_accuracy.h"
 #include "experiments/core/segment_figure.h"
@@ -133,12 +134,6 @@ Counts countOf(const std::vector<Segment2>& segments) {
   return counts;
 }
 
-std::string text(const char* pattern, auto... values) {
-  char buffer[200];
-  std::snprintf(buffer, sizeof buffer, pattern, values...);
-  return buffer;
-}
-
 struct DetectorView {
   const char* name;
   const char* title;
@@ -146,20 +141,6 @@ struct DetectorView {
 constexpr DetectorView kViews[] = {{"hough", "Canny + Hough"},
                                    {"chapter", "Solis as published (chapter)"},
                                    {"solis", "Solis, ours (default)"}};
-
-class CsvFile {
- public:
-  CsvFile(const fs::path& file, const char* head) : file_(file), out_(file) { out_ << head << '\n'; }
-  void row(const std::string& line) { out_ << line << '\n'; }
-  void close() {
-    out_.close();
-    if (!out_) throw std::runtime_error(file_.string() + ": cannot be written");
-  }
-
- private:
-  fs::path file_;
-  std::ofstream out_;
-};
 
 /// Figure 3: what each detector finds.
 SegmentRow detectedRow(const Scene& scene, nlohmann::json& json, CsvFile& counts, CsvFile& all) {

@@ -152,9 +152,7 @@ Route routeFromFile(const fs::path& file) {
   return parseRoute(readText(file), file.string());
 }
 
-std::unique_ptr<Simulation> makeSimulation(const EvaluationOptions& options,
-                                           const std::optional<Route>& route,
-                                           const std::optional<Pose2>& start) {
+SimulationConfig simulationConfig(const EvaluationOptions& options) {
   Properties properties = Properties::load(projectFile("cfg/" + options.setup + "/simulator.cfg"));
   properties.set("Simulator.World", options.world.string());
   ConfigReader config(properties);
@@ -165,6 +163,13 @@ std::unique_ptr<Simulation> makeSimulation(const EvaluationOptions& options,
   simulated.world = loadWorld(options.world, robot.model_paths).world;
   simulated.seed = options.seed;
   simulated.cameras.front().rate_hz = options.camera_rate_hz;
+  return std::move(robot.simulation);
+}
+
+std::unique_ptr<Simulation> makeSimulation(const EvaluationOptions& options,
+                                           const std::optional<Route>& route,
+                                           const std::optional<Pose2>& start) {
+  SimulationConfig simulated = simulationConfig(options);
   if (start) simulated.start = *start;
   auto simulation = std::make_unique<Simulation>(std::move(simulated));
 

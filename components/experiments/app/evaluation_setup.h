@@ -40,6 +40,10 @@ Trajectory loadTruth(const std::filesystem::path& file);
 /// Reads a route. @throws ConfigError as parseRoute, also when the file cannot be read.
 Route routeFromFile(const std::filesystem::path& file);
 
+/// What the setup's simulator.cfg says of the robot, in the options' world, with their seed and camera rate.
+/// @throws ConfigError.
+SimulationConfig simulationConfig(const EvaluationOptions& options);
+
 /// The robot of the options' setup in their world, playing their scenario. A route is driven by a simulated
 /// operator unless the scenario drives itself.
 /// @throws ConfigError, std::invalid_argument for a world, start or scenario that cannot be used.

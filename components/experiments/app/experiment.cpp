@@ -1,5 +1,7 @@
 /// @file experiment: the chapter's experiments, one command each. SPEC E1-E9; DESIGN 11.
 #include <algorithm>
+#include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -12,6 +14,7 @@
 #include "common/tool/command_line_tool.h"
 #include "experiments/app/evaluation_setup.h"
 #include "experiments/app/experiments.h"
+#include "experiments/app/over_runs.h"
 
 namespace {
 
@@ -24,8 +27,7 @@ void write(const std::filesystem::path& file, const std::string& text) {
   if (!out) throw std::runtime_error(file.string() + ": cannot be written");
 }
 
-int run(const Experiment& experiment, ExperimentOptions options) {
-  if (options.out.empty()) options.out = std::filesystem::path("out") / experiment.name;
+nlohmann::json runOnce(const Experiment& experiment, const ExperimentOptions& options) {
   std::filesystem::create_directories(options.out);
   nlohmann::json result{{"experiment", experiment.name},
                         {"mode", options.mode},
@@ -33,7 +35,47 @@ int run(const Experiment& experiment, ExperimentOptions options) {
                         {"out", options.out.string()}};
   result.update(experiment.run(options));
   write(options.out / "result.json", result.dump(2) + "\n");
-  std::cout << result.dump() << "\n";
+  return result;
+}
+
+struct Seeds {
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
+};
+
+/// "A..B". @throws CLI::ValidationError.
+Seeds parseSeeds(const std::string& text) {
+  Seeds seeds;
+  char rest = 0;
+  unsigned long long first = 0;
+  unsigned long long last = 0;
+  if (std::sscanf(text.c_str(), "%llu..%llu%c", &first, &last, &rest) != 2 || last < first ||
+      last - first >= 10'000) {
+    throw CLI::ValidationError("--seeds",
+                               "\"" + text + "\" (expected A..B with A <= B, at most 10000 seeds)");
+  }
+  seeds.first = first;
+  seeds.last = last;
+  return seeds;
+}
+
+/// Each seed in a folder of its own and a line of its own; then the numbers over all of them.
+int runSeeds(const Experiment& experiment, const ExperimentOptions& options, const Seeds& seeds) {
+  std::vector<nlohmann::json> results;
+  for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
+    ExperimentOptions one = options;
+    one.seed = seed;
+    one.out = options.out / ("seed" + std::to_string(seed));
+    results.push_back(runOnce(experiment, one));
+    std::cout << results.back().dump() << std::endl;
+  }
+  const nlohmann::json all{{"experiment", experiment.name},
+                           {"mode", options.mode},
+                           {"seeds", {seeds.first, seeds.last}},
+                           {"out", options.out.string()},
+                           {"over_seeds", overRuns(results)}};
+  write(options.out / "result.json", all.dump(2) + "\n");
+  std::cout << all.dump() << "\n";
   return 0;
 }
 
@@ -53,7 +95,21 @@ int main(int argc, char** argv) {
   app.add_option("--mode", options.mode, "default or chapter")
       ->check(CLI::IsMember({"default", "chapter"}))
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "of all that is random")->capture_default_str();
+  CLI::Option* seed = app.add_option("--seed", options.seed, "of all that is random")->capture_default_str();
+  std::string seeds;
+  app.add_option("--seeds", seeds,
+                 "A..B: once for each seed, a line each, then mean, least and most over all")
+      ->excludes(seed)
+      ->check([](const std::string& text) {
+        try {
+          parseSeeds(text);
+          return std::string();
+        } catch (const CLI::Error& error) {
+          return std::string(error.what());
+        }
+      });
+  app.add_option("--variant", options.variant,
+                 "of an experiment that has several: only the one of this name (default: all)");
   app.add_option("--out", options.out, "folder for all that is written (default: out/EXPERIMENT)");
   app.add_option(
       "--data", options.data,
@@ -67,7 +123,10 @@ int main(int argc, char** argv) {
     cv::setNumThreads(1);
     const auto chosen = std::find_if(experiments().begin(), experiments().end(),
                                      [&](const Experiment& experiment) { return experiment.name == name; });
-    return run(*chosen, options);
+    if (options.out.empty()) options.out = std::filesystem::path("out") / chosen->name;
+    if (!seeds.empty()) return runSeeds(*chosen, options, parseSeeds(seeds));
+    std::cout << runOnce(*chosen, options).dump() << "\n";
+    return 0;
   } catch (const std::exception& error) {
     std::cerr << "experiment: " << error.what() << "\n";
     return 1;

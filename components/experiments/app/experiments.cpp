@@ -2,12 +2,16 @@
 
 #include <nlohmann/json.hpp>
 
+#include "experiments/app/e1_look_around.h"
+#include "experiments/app/e3_occlusion.h"
 #include "experiments/app/e9_detectors.h"
 
 namespace vismem {
 
 const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> all{
+      {"E1", "The robot turns in a room: one image against the memory (figure 13)", lookAround},
+      {"E3", "A second robot covers the view: the memory bridges it (figures 16 to 18)", occlusion},
       {"E9", "Canny+Hough beside Solis on the same images, and merging (figures 3 and 10)", compareDetectors},
   };
   return all;

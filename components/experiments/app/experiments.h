@@ -13,6 +13,7 @@ namespace vismem {
 struct ExperimentOptions {
   std::string mode = "default";  ///< "default" or "chapter"
   std::uint64_t seed = 1;
+  std::string variant;         ///< only the variant of this name; empty: all
   std::filesystem::path out;   ///< exists; everything is written there
   std::filesystem::path data;  ///< recordings and photographs; may be absent
 };

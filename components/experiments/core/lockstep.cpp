@@ -8,6 +8,7 @@ namespace vismem {
 namespace {
 
 constexpr std::chrono::milliseconds kNoWait{0};
+constexpr StampUs kNever_us = std::numeric_limits<StampUs>::min() / 2;
 
 }  // namespace
 
@@ -16,9 +17,17 @@ Lockstep::Lockstep(SteppedRobot& robot, const ObservationAssembler::Params& asse
     : robot_(robot),
       assembler_(assembler),
       memory_(memory),
-      localizer_(localizer),
-      newest_pan_tilt_us_(std::numeric_limits<StampUs>::min() / 2),
-      newest_odometry_us_(std::numeric_limits<StampUs>::min() / 2) {}
+      localizer_(&localizer),
+      newest_pan_tilt_us_(kNever_us),
+      newest_odometry_us_(kNever_us) {}
+
+Lockstep::Lockstep(SteppedRobot& robot, const ObservationAssembler::Params& assembler, MemoryPipeline& memory)
+    : robot_(robot),
+      assembler_(assembler),
+      memory_(memory),
+      localizer_(nullptr),
+      newest_pan_tilt_us_(kNever_us),
+      newest_odometry_us_(kNever_us) {}
 
 bool Lockstep::step(const Visitor& visit) {
   enterStage(probe_, "motion");
@@ -47,7 +56,7 @@ void Lockstep::process(const RobotObservation& observation, const Visitor& visit
   const AttentiveVisualMemory::StepResult memory = memory_.process(observation, probe_);
   if (memory.command && !robot_.panTilt().command(*memory.command).ok()) ++rejected_;
   enterStage(probe_, "localization");
-  const PoseEstimate estimate = localizer_.step(memory.update);
+  const PoseEstimate estimate = localizer_ ? localizer_->step(memory.update) : PoseEstimate{};
   enterStage(probe_, "report");
   ++processed_;
   if (visit) visit({observation, memory, estimate});

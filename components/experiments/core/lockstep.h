@@ -21,8 +21,8 @@ struct LockstepFrame {
   const PoseEstimate& estimate;
 };
 
-/// Runs a stepped robot, the visual memory with its gaze, and localization. The same robot, parameters and
-/// seeds give the same results. *Single-threaded*; what it is given must outlive it.
+/// Runs a stepped robot, the visual memory with its gaze, and localization if wanted. The same robot,
+/// parameters and seeds give the same results. *Single-threaded*; what it is given must outlive it.
 class Lockstep {
  public:
   /// Called for each frame that was processed.
@@ -32,6 +32,8 @@ class Lockstep {
 
   Lockstep(SteppedRobot& robot, const ObservationAssembler::Params& assembler, MemoryPipeline& memory,
            Localizer& localizer);
+  /// Without localization: estimates say nothing.
+  Lockstep(SteppedRobot& robot, const ObservationAssembler::Params& assembler, MemoryPipeline& memory);
 
   /// Hears of the stages "motion", "render", "assemble", those of MemoryPipeline and "localization"; it must
   /// outlive this.
@@ -57,7 +59,7 @@ class Lockstep {
   SteppedRobot& robot_;
   ObservationAssembler assembler_;
   MemoryPipeline& memory_;
-  Localizer& localizer_;
+  Localizer* localizer_;  ///< may be null
   Driver driver_;
   StageProbe* probe_ = nullptr;
   std::optional<StampUs> first_frame_us_;

@@ -1,0 +1,272 @@
+#include "experiments/app/e3_occlusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <random>
+#include <stdexcept>
+
+#include "active_visual_memory/core/overlay.h"
+#include "common/geometry/angles.h"
+#include "common/vision/app/image_file.h"
+#include "experiments/app/experiment_files.h"
+#include "experiments/app/experiment_run.h"
+#include "experiments/app/score_json.h"
+#include "experiments/core/board.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kCovered_s = 10.0;
+constexpr double kSpeed_mps = 0.13;
+constexpr double kAhead_m = 0.72;  ///< of the other robot's middle: it leaves little of the view
+constexpr int kPanel_px = 420;
+constexpr const char* kGuest = "guest";
+constexpr const char* kRemoved = "rectangle";
+
+ExperimentRunOptions runOptions(const ExperimentOptions& options) {
+  std::mt19937_64 random(options.seed * 104'729 + 5);
+  const auto draw = [&](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1.0p-53);
+  };
+  ExperimentRunOptions run;
+  run.mode = options.mode;
+  run.seed = options.seed;
+  // Along the room's middle, the rectangle ahead to the right.
+  run.start = {draw(0.9, 1.1), draw(-0.1, 0.1), draw(3.04, 3.24)};
+  return run;
+}
+
+/// Learns the surroundings: a short way, and time to look about.
+void learn(ExperimentRun& run) {
+  run.drive(0.4, 0.2);
+  run.stand(14.0);
+}
+
+void lookAhead(ExperimentRun& run) {
+  const Pose2 T_odom_robot = run.snapshot().T_odom_robot;
+  const Eigen::Vector2d ahead = (T_odom_robot * Pose2{20.0, 0.0, 0.0}).position();
+  run.pipeline().memory().gazeClient().fixate({ahead.x(), ahead.y(), -4.5});
+}
+
+/// Of the remembered edges, those in world.
+struct Remembered {
+  std::vector<RememberedEdge> edges;
+  const RememberedEdge* find(std::uint64_t id) const {
+    const auto found = std::find_if(edges.begin(), edges.end(), [&](const auto& e) { return e.id == id; });
+    return found == edges.end() ? nullptr : &*found;
+  }
+};
+
+Remembered memoryOf(const ExperimentRun& run) {
+  return {rememberedIn(run.snapshot(), run.trueRobot())};
+}
+
+/// An element by its id, or one that has taken its place.
+const RememberedEdge* survivorOf(const RememberedEdge& before, const Remembered& after) {
+  if (const RememberedEdge* same = after.find(before.id)) return same;
+  for (const RememberedEdge& e : after.edges) {
+    const bool along = lineAngleDifference(e.world.direction(), before.world.direction()) < degToRad(5.0);
+    if (along && distanceToSegment(before.world.a, e.world) < 0.08 &&
+        distanceToSegment(before.world.b, e.world) < 0.08) {
+      return &e;
+    }
+  }
+  return nullptr;
+}
+
+BoardPanel pictureOf(const ExperimentRun& run, std::string title) {
+  return {std::move(title), {}, drawAnalysis(run.lastImage()->image, run.analysis(), 2), {}};
+}
+
+BoardPanel planOf(ExperimentRun& run, const MemoryScore& score, const std::string& title) {
+  BoardPanel panel{title, {}, {}, planOfScore(score, memoryOf(run).edges, run.truth().edges())};
+  panel.plan->robot = run.trueRobot();
+  const auto model = run.simulation().scene().find(kGuest);
+  for (const ModelStatus& status : run.simulation().scene().status()) {
+    if (!model || status.name != kGuest || !status.present) continue;
+    const Eigen::Vector2d at = status.T_world_model.translation().head<2>();
+    constexpr int kSides = 12;
+    for (int i = 0; i < kSides; ++i) {
+      const auto corner = [&](int k) {
+        const double a = 2.0 * 3.14159265358979 * k / kSides;
+        return Eigen::Vector2d(at + 0.35 * Eigen::Vector2d(std::cos(a), std::sin(a)));
+      };
+      panel.plan->lines.push_back({{corner(i), corner(i + 1)}, colors::kLost, 3.0, false});
+    }
+  }
+  panel.caption = {text("%zu elements in memory", memoryOf(run).edges.size())};
+  return panel;
+}
+
+void place(ExperimentRun& run, double ahead_m) {
+  const Pose2 at = run.simulation().truth().T_world_robot * Pose2{ahead_m, 0.0, 0.0};
+  const PortReply reply = run.simulation().scene().place(kGuest, toPose3(at));
+  if (!reply.ok()) throw std::runtime_error(std::string(kGuest) + ": " + reply.message);
+}
+
+/// Stands or drives while another robot is close in front.
+nlohmann::json bridge(const ExperimentOptions& options, bool drives) {
+  ExperimentRun run(runOptions(options));
+  learn(run);
+  lookAhead(run);
+  run.stand(1.5);
+  const Remembered before = memoryOf(run);
+  const Pose2 T_world_odom_before = run.trueRobot() * inverse(run.snapshot().T_odom_robot);
+  const MemoryScore score_before = run.score();
+  Board board;
+  board.title = drives ? "A second robot in front of the driving robot (figures 16 to 18)"
+                       : "A second robot in front of the standing robot (figures 16 to 18)";
+  board.subtitle =
+      text("E3, %s mode, seed %llu", options.mode.c_str(), static_cast<unsigned long long>(options.seed));
+  board.rows.resize(2);
+  const auto show = [&](const char* title, const MemoryScore& score) {
+    board.rows[0].push_back(pictureOf(run, title));
+    board.rows[1].push_back(planOf(run, score, title));
+  };
+  show("before", score_before);
+
+  const PropShape shape{PropShape::Kind::kRobot, {0.7, 0.7, 1.0}, {0.2, 0.3, 0.7}};
+  const PortReply added = run.simulation().scene().add(
+      kGuest, shape, toPose3(run.simulation().truth().T_world_robot * Pose2{kAhead_m, 0.0, 0.0}));
+  if (!added.ok()) throw std::runtime_error(std::string(kGuest) + ": " + added.message);
+  double covered = 0.0;
+  int images = 0;
+  run.onFrame([&](const LockstepFrame& frame) {
+    // The share of the view that the other robot takes, as the world itself says.
+    const auto truth = run.simulation().truthImages();
+    const auto model = run.simulation().scene().find(kGuest);
+    if (!truth || !model || frame.observation.frame.image.empty()) return;
+    covered += static_cast<double>(cv::countNonZero(truth->model == *model)) /
+               static_cast<double>(truth->model.total());
+    ++images;
+  });
+  const StampUs end = run.simulation().now() + toStampUs(kCovered_s);
+  run.run(
+      [&](MobileBase& base) {
+        place(run, kAhead_m);
+        base.setVelocity(drives ? kSpeed_mps : 0.0, 0.0);
+      },
+      [&] { return run.simulation().now() >= end; }, kCovered_s + 1.0);
+  const MemoryScore score_covered = run.score();
+  show("covered for 10 s", score_covered);
+  const Remembered covered_memory = memoryOf(run);
+  const Pose2 T_world_odom_after = run.trueRobot() * inverse(run.snapshot().T_odom_robot);
+  run.onFrame({});
+  run.simulation().scene().remove(kGuest);
+
+  int known = 0;
+  int known_all = 0;
+  int survived_all = 0;
+  int survived = 0;
+  int in_place = 0;
+  double worst_m = 0.0;
+  for (const RememberedEdge& e : before.edges) {
+    const RememberedEdge* now = survivorOf(e, covered_memory);
+    ++known_all;
+    survived_all += now != nullptr;
+    if (!e.confirmed) continue;
+    ++known;
+    if (!now) continue;
+    ++survived;
+    // What odometry did to this place meanwhile, and 5 cm.
+    const Eigen::Vector2d p = transform(inverse(T_world_odom_before), e.world.middle());
+    const double drift = (transform(T_world_odom_after, p) - e.world.middle()).norm();
+    const double moved = distanceToLine(e.world.middle(), now->world);
+    worst_m = std::max(worst_m, moved);
+    in_place += moved <= drift + 0.05;
+  }
+  run.pipeline().memory().gazeClient().setMode(GazeMode::kAttend);
+  run.stand(10.0);
+  const MemoryScore score_after = run.score();
+  show("10 s after it left", score_after);
+  board.legend = legendOfScore();
+  writeImageFile(drawBoard(board, kPanel_px),
+                 options.out / (drives ? "figure16_18_drive.png" : "figure16_18_stand.png"));
+  const auto share = [&](int count) { return known > 0 ? static_cast<double>(count) / known : 0.0; };
+  return {{"known_before", known},
+          {"view_covered", images > 0 ? covered / images : 0.0},
+          {"survived", share(survived)},
+          {"survived_with_unconfirmed", known_all > 0 ? static_cast<double>(survived_all) / known_all : 0.0},
+          {"survived_in_place", share(in_place)},
+          {"worst_shift_m", worst_m},
+          {"before", toJson(score_before)},
+          {"covered", toJson(score_covered)},
+          {"after", toJson(score_after)}};
+}
+
+/// Elements on the sides of the model that will go.
+std::vector<RememberedEdge> onModel(const ExperimentRun& run) {
+  // The rectangle of room.world.
+  const Eigen::Vector2d corners[] = {{-1.8, 0.9}, {-1.2, 0.9}, {-1.2, 1.3}, {-1.8, 1.3}};
+  std::vector<RememberedEdge> found;
+  for (const RememberedEdge& e : memoryOf(run).edges) {
+    for (int i = 0; i < 4; ++i) {
+      const Segment2 side{corners[i], corners[(i + 1) % 4]};
+      if (lineAngleDifference(e.world.direction(), side.direction()) < degToRad(10.0) &&
+          distanceToLine(side.middle(), e.world) < 0.1 && distanceToSegment(e.world.middle(), side) < 0.1) {
+        found.push_back(e);
+        break;
+      }
+    }
+  }
+  return found;
+}
+
+nlohmann::json removal(const ExperimentOptions& options) {
+  ExperimentRun run(runOptions(options));
+  learn(run);
+  const Pose2 T_odom_world = run.snapshot().T_odom_robot * inverse(run.trueRobot());
+  const Eigen::Vector2d middle = transform(T_odom_world, Eigen::Vector2d(-1.5, 1.1));
+  run.pipeline().memory().gazeClient().fixate({middle.x(), middle.y(), 0.0});
+  run.stand(2.0);
+  const auto known = onModel(run);
+  if (known.empty()) return {{"known", 0}};
+  const double removed_s = run.now_s();
+  const PortReply reply = run.simulation().scene().remove(kRemoved);
+  if (!reply.ok()) throw std::runtime_error(reply.message);
+  const bool gone = run.run([](MobileBase& base) { base.setVelocity(0.0, 0.0); },
+                            [&] { return onModel(run).empty(); }, 60.0);
+  return {{"known", known.size()}, {"gone", gone}, {"gone_after_s", run.now_s() - removed_s}};
+}
+
+nlohmann::json outOfView(const ExperimentOptions& options) {
+  ExperimentRun run(runOptions(options));
+  learn(run);
+  const auto known = onModel(run);
+  if (known.empty()) return {{"known", 0}};
+  // Away from it.
+  const Pose2 T_odom_robot = run.snapshot().T_odom_robot;
+  const Eigen::Vector2d behind = (T_odom_robot * Pose2{-3.0, -3.0, 0.0}).position();
+  run.pipeline().memory().gazeClient().fixate({behind.x(), behind.y(), 0.0});
+  run.stand(1.0);
+  const double turned_s = run.now_s();
+  std::optional<double> first_s;
+  const auto all_gone = [&] {
+    std::size_t alive = 0;
+    const Remembered now = memoryOf(run);
+    for (const RememberedEdge& e : known) alive += now.find(e.id) != nullptr;
+    if (alive < known.size() && !first_s) first_s = run.now_s() - turned_s;
+    return alive == 0;
+  };
+  run.run([](MobileBase& base) { base.setVelocity(0.0, 0.0); }, all_gone, 60.0);
+  nlohmann::json json{{"known", known.size()}, {"last_gone_after_s", run.now_s() - turned_s}};
+  json["first_gone_after_s"] = first_s ? *first_s : 60.0;
+  return json;
+}
+
+}  // namespace
+
+nlohmann::json occlusion(const ExperimentOptions& options) {
+  nlohmann::json json;
+  const auto wanted = [&](const char* name) { return options.variant.empty() || options.variant == name; };
+  if (wanted("stand")) json["stand"] = bridge(options, false);
+  if (wanted("drive")) json["drive"] = bridge(options, true);
+  if (wanted("remove")) json["remove"] = removal(options);
+  if (wanted("unseen")) json["unseen"] = outOfView(options);
+  if (json.empty()) throw std::invalid_argument("E3 has no variant \"" + options.variant + "\"");
+  return json;
+}
+
+}  // namespace vismem

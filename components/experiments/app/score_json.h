@@ -1,0 +1,12 @@
+/// @file A memory's score as JSON.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "experiments/core/memory_score.h"
+
+namespace vismem {
+
+nlohmann::json toJson(const MemoryScore& score);
+
+}  // namespace vismem

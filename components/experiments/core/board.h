@@ -1,0 +1,61 @@
+/// @file Figures of experiments: pictures and plans of the floor side by side. Values in, picture out. Pure.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/geometry/pose.h"
+#include "common/geometry/segment.h"
+#include "experiments/core/canvas.h"
+#include "experiments/core/figures.h"
+#include "experiments/core/memory_score.h"
+#include "experiments/core/segment_figure.h"
+
+namespace vismem {
+
+struct PlanLine {
+  Segment2 world;  ///< [m]
+  Rgb color;
+  double width_px = 1.6;
+  bool dashed = false;
+};
+
+/// The floor from above, in the order in which it is drawn.
+struct Plan {
+  Eigen::Vector2d low = Eigen::Vector2d::Zero();  ///< what is shown of the world [m]
+  Eigen::Vector2d high = Eigen::Vector2d::Ones();
+  std::vector<PlanLine> lines;
+  std::vector<std::vector<Eigen::Vector2d>> paths;  ///< [m]
+  std::optional<Pose2> robot;                       ///< in world
+  std::optional<ViewCone> view;                     ///< from the robot
+};
+
+/// A picture (CV_8UC3, R G B) or a plan.
+struct BoardPanel {
+  std::string title;
+  std::vector<std::string> caption;  ///< lines below it
+  cv::Mat picture;
+  std::optional<Plan> plan;
+};
+
+struct Board {
+  std::string title;
+  std::string subtitle;
+  std::vector<std::vector<BoardPanel>> rows;
+  std::vector<LegendEntry> legend;
+};
+
+/// @param panel_width of each panel [px]; heights follow from what they show.
+/// @return CV_8UC3 (R, G, B).
+cv::Mat drawBoard(const Board& board, int panel_width);
+
+/// What a score says, over the true edges: right green, partial orange, false red, unconfirmed dashed, missed
+/// dark.
+Plan planOfScore(const MemoryScore& score, const std::vector<RememberedEdge>& memory,
+                 const std::vector<TrueEdge>& truth);
+/// The colours of planOfScore.
+std::vector<LegendEntry> legendOfScore();
+
+}  // namespace vismem
