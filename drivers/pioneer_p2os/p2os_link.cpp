@@ -69,6 +69,7 @@ Link::Answer Link::handshake(const std::function<bool()>& given_up, std::string&
   if (why.empty()) why = send(command(Command::kClose));
   if (!why.empty()) return Answer::kNothing;
   readUntilQuiet();
+  if (given_up()) return Answer::kNothing;  // which may have been said meanwhile
   for (int step = 0; step < kSyncSteps; ++step) {
     why = send(sync(step));
     if (!why.empty()) return Answer::kNothing;

@@ -51,19 +51,22 @@ PioneerBase::~PioneerBase() {
 }
 
 PortReply PioneerBase::start() {
-  const std::lock_guard control(control_);
-  if (!thread_.joinable()) {
-    {
-      const std::lock_guard lock(mutex_);
-      unavailable_ = kConnecting;
-      tried_ = false;
-      order_.reset();
+  {
+    const std::lock_guard control(control_);
+    if (!thread_.joinable()) {
+      {
+        const std::lock_guard lock(mutex_);
+        unavailable_ = kConnecting;
+        tried_ = false;
+        order_.reset();
+      }
+      samples_.open(kConnecting);
+      thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
     }
-    samples_.open(kConnecting);
-    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
+  // Without control_: stop() need not wait for this.
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, kStartPatience, [this] { return tried_; });
+  changed_.wait_for(lock, kStartPatience, [this] { return tried_ || unavailable_ == kStopped; });
   return unavailable_.empty() ? PortReply::accepted() : PortReply::adjusted(unavailable_);
 }
 
@@ -75,6 +78,7 @@ void PioneerBase::stop() {
     unavailable_ = kStopped;
     order_.reset();
   }
+  changed_.notify_all();
   thread_.request_stop();
   link_.wake();
   thread_.join();

@@ -36,18 +36,21 @@ class DeviceThread {
 
   /// Begins, and waits until the first session is ready or has failed, so long at most.
   PortReply start(std::chrono::milliseconds patience = std::chrono::seconds(5)) {
-    const std::lock_guard control(control_);
-    if (!thread_.joinable()) {
-      {
-        const std::lock_guard lock(mutex_);
-        unavailable_ = "the device is being connected";
-        tried_ = false;
-        stopping_ = false;
+    {
+      const std::lock_guard control(control_);
+      if (!thread_.joinable()) {
+        {
+          const std::lock_guard lock(mutex_);
+          unavailable_ = "the device is being connected";
+          tried_ = false;
+          stopping_ = false;
+        }
+        thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
       }
-      thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
     }
+    // Without control_: stop() need not wait for this.
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, patience, [this] { return tried_; });
+    changed_.wait_for(lock, patience, [this] { return tried_ || stopping_; });
     return unavailable_.empty() ? PortReply::accepted() : PortReply::adjusted(unavailable_);
   }
 
@@ -60,6 +63,7 @@ class DeviceThread {
       unavailable_ = stopped_;
       stopping_ = true;
     }
+    changed_.notify_all();
     thread_.request_stop();
     work_.wake();
     thread_.join();
