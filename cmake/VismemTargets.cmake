@@ -33,6 +33,11 @@ foreach(label IN LISTS VISMEM_TEST_LABELS)
   add_custom_target(tests_${label})
 endforeach()
 
+# What sanitizers shall know in every test.
+set(sanitizer_options
+  "TSAN_OPTIONS=ignore_noninstrumented_modules=1 suppressions=${PROJECT_SOURCE_DIR}/cmake/tsan.supp"
+  "UBSAN_OPTIONS=print_stacktrace=1")
+
 # vismem_test(NAME LABEL unit|property|golden|contract|component|system|faults SOURCES file... LIBRARIES lib...
 #             [TIMEOUT seconds] [PROGRAMS target...] [EMULATED_DEVICES])
 # One CTest entry per test program. PROGRAMS are built first: tests that start real processes name them.
@@ -67,7 +72,7 @@ function(vismem_test name)
   endif()
   add_test(NAME ${name} COMMAND ${wrapper} $<TARGET_FILE:${name}> WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(${name} PROPERTIES LABELS "${A_LABEL}" TIMEOUT ${A_TIMEOUT}
-                       ENVIRONMENT "TSAN_OPTIONS=ignore_noninstrumented_modules=1;UBSAN_OPTIONS=print_stacktrace=1")
+                       ENVIRONMENT "${sanitizer_options}")
   if(A_EMULATED_DEVICES)
     # What umockdev preloads comes before the runtime of the address sanitizer, which is no harm.
     set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT "ASAN_OPTIONS=verify_asan_link_order=0")
@@ -108,7 +113,7 @@ function(vismem_fuzzer name)
     add_dependencies(tests_unit ${target})
     add_test(NAME ${target} COMMAND ${target} ${PROJECT_SOURCE_DIR}/test/fuzz/seeds/${name}
              WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-    set_tests_properties(${target} PROPERTIES LABELS unit TIMEOUT 300)
+    set_tests_properties(${target} PROPERTIES LABELS unit TIMEOUT 300 ENVIRONMENT "${sanitizer_options}")
   endif()
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/components ${PROJECT_SOURCE_DIR}/test)
   target_compile_definitions(${target} PRIVATE VISMEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
