@@ -276,6 +276,7 @@ def check_looking(client, pan_tilt_text, camera_text):
     encoders = client.find(jderobot.PTEncodersPrx, pan_tilt_text)
     camera = client.find(jderobot.CameraPrx, camera_text)
     first_reading(encoders.getPTEncodersData)
+    grab(camera, "GRAY8")  # The description has the lens of the newest image.
     focal = camera.getCameraDescription().fdistx
     step_deg = 5.0
     expected = focal * math.tan(math.radians(step_deg))
