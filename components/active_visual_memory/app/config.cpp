@@ -85,6 +85,7 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   p.align = r.boolean("Align.Enabled", p.align);
   p.alignment.shift_per_m = r.real("Align.Shift_per_m", p.alignment.shift_per_m, 0.0, 1.0);
   p.alignment.turn_per_rad = r.real("Align.Turn_per_rad", p.alignment.turn_per_rad, 0.0, 1.0);
+  p.alignment.turn_per_m = r.angleDeg("Align.Turn_deg_per_m", radToDeg(p.alignment.turn_per_m), 0.0, 90.0);
   p.confirm_by_parallax = r.boolean("Confirm.ByParallax", p.confirm_by_parallax);
   p.parallax.least_height_m = r.real("Confirm.LeastHeight_m", p.parallax.least_height_m, 0.005, 2.0);
   p.parallax.min_baseline_m = r.real("Confirm.Baseline_m", p.parallax.min_baseline_m, 0.01, 10.0);
@@ -170,11 +171,6 @@ void readGaze(ConfigReader r, GazeController::Params& p) {
   }
   p.max_pan_rate_radps = r.angleDeg("Rate.Pan_degps", radToDeg(p.max_pan_rate_radps), 1.0, 2000.0);
   p.max_tilt_rate_radps = r.angleDeg("Rate.Tilt_degps", radToDeg(p.max_tilt_rate_radps), 1.0, 2000.0);
-  p.max_pan_acceleration_radps2 =
-      r.angleDeg("Acceleration.Pan_degps2", radToDeg(p.max_pan_acceleration_radps2), 10.0, 50'000.0);
-  p.max_tilt_acceleration_radps2 =
-      r.angleDeg("Acceleration.Tilt_degps2", radToDeg(p.max_tilt_acceleration_radps2), 10.0, 50'000.0);
-  p.saccade_slowdown = r.real("Saccade.Slowdown", p.saccade_slowdown, 1.0, 10.0);
   p.max_pan_acceleration_radps2 =
       r.angleDeg("Acceleration.Pan_degps2", radToDeg(p.max_pan_acceleration_radps2), 10.0, 50'000.0);
   p.max_tilt_acceleration_radps2 =

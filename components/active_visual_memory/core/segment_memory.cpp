@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "active_visual_memory/core/drift_residuals.h"
 #include "active_visual_memory/core/floor_matching.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
@@ -46,25 +47,10 @@ void SegmentMemory::alignTo(const std::vector<std::vector<const FloorSegment*>>&
     if (!element.on_floor && moved > params_.parallax.min_baseline_m) continue;
     const double doubt = element.on_floor || moved < params_.parallax.min_step_m ? 1.0 : params_.align_doubt;
     const double noise = std::pow(params_.align_noise * doubt, 2);
-    const FloorLine& line = element.line;
-    const Eigen::Vector2d n = line.normal();
-    const Eigen::Vector2d u = line.along();
     for (const FloorSegment* piece : seen[p]) {
-      const bool against = u.dot(piece->odom.b - piece->odom.a) < 0.0;
-      const FloorSegment observed = against ? reversed(*piece) : *piece;
-      const double distance = (observed.odom.middle() - view.camera).norm();
+      const double distance = (piece->odom.middle() - view.camera).norm();
       const double slack = params_.slack_m + params_.slack_share * distance;
-      const auto add = [&](const Eigen::Vector2d& at, const Eigen::Matrix2d& P, bool open,
-                           const ExtentEnd& known) {
-        const double t = line.tOf(at);
-        residuals.push_back(
-            {at, n, line.offsetOf(at), noise * (n.dot(P * n) + line.offsetVariance(t) + slack * slack)});
-        const double gap = t - known.t_m;
-        if (open || known.open || std::abs(gap) > params_.max_end_shift_m) return;
-        residuals.push_back({at, u, gap, noise * (u.dot(P * u) + known.variance_m2 + slack * slack)});
-      };
-      add(observed.odom.a, observed.P_a, observed.open_a, line.endA());
-      add(observed.odom.b, observed.P_b, observed.open_b, line.endB());
+      addDriftResiduals(element.line, *piece, slack, noise, params_.max_end_shift_m, residuals);
     }
   }
   const auto motion = drift_.solve(view.observation.T_odom_robot.position(), residuals, params_.alignment);
@@ -206,20 +192,8 @@ void SegmentMemory::vote(MemoryElement& element, const Label& label, double dist
     return;
   }
   const double weight = 1.0 / std::max(0.25, distance_m * distance_m);
-  const auto known = std::find_if(element.votes.begin(), element.votes.end(),
-                                  [&](const auto& one) { return one.first == label; });
-  if (known == element.votes.end()) {
-    element.votes.emplace_back(label, weight);
-  } else {
-    known->second += weight;
-  }
-  double all = 0.0;
-  const std::pair<Label, double>* best = nullptr;
-  for (const auto& one : element.votes) {
-    all += one.second;
-    if (one.first != kUnknownLabel && (!best || one.second > best->second)) best = &one;
-  }
-  element.value.label = best && best->second >= params_.label_share * all ? best->first : kUnknownLabel;
+  element.votes.add(label, weight);
+  element.value.label = element.votes.winner(params_.label_share);
 }
 
 void SegmentMemory::begin(const FloorSegment& observed, const View& view) {
@@ -349,32 +323,6 @@ void SegmentMemory::reviewEnds(MemoryElement& element, const std::vector<const F
   review(element.short_b, element.line.endB(), high, true);
 }
 
-void SegmentMemory::absorb(MemoryElement& a, const MemoryElement& b) const {
-  if (a.line.along().dot(b.line.along()) < 0.0) {
-    a.line.absorb(FloorLine(reversed(b.line.asObservation()), params_.line), params_.line);
-  } else {
-    a.line.absorb(b.line, params_.line);
-  }
-  if (a.value.label == kUnknownLabel) a.value.label = b.value.label;
-  for (const auto& vote : b.votes) {
-    const auto known = std::find_if(a.votes.begin(), a.votes.end(),
-                                    [&](const auto& one) { return one.first == vote.first; });
-    if (known == a.votes.end()) {
-      a.votes.push_back(vote);
-    } else {
-      known->second += vote.second;
-    }
-  }
-  if (!a.colours) a.colours = b.colours;
-  a.strength = std::max(a.strength, b.strength);
-  a.value.life = std::max(a.value.life, b.value.life);
-  a.on_floor = a.on_floor || b.on_floor;
-  a.value.first_seen_us = std::min(a.value.first_seen_us, b.value.first_seen_us);
-  a.value.last_seen_us = std::max(a.value.last_seen_us, b.value.last_seen_us);
-  a.sighting = std::max(a.sighting, b.sighting);
-  a.sightings = std::max(a.sightings, b.sightings);
-}
-
 void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
   std::vector<std::uint64_t> absorbed;
   for (const SideCompletion& side : sides) {
@@ -388,7 +336,7 @@ void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
       }
       if (!samePolarity(whole->line.segment(), whole->strength, element.line.segment(), element.strength))
         continue;
-      absorb(*whole, element);
+      absorb(*whole, element, params_.line);
       absorbed.push_back(element.value.id);
     }
     if (whole) publish(*whole);
@@ -419,7 +367,7 @@ void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
       if (near.distance_m > std::min(params_.near_distance_m, 0.02 + 3.0 * sigma)) continue;
       // Pieces that only meet end to end must continue each other well.
       if (near.gap_m > 0.0 && near.angle_rad > 0.5 * params_.near_angle_rad) continue;
-      absorb(a, b);
+      absorb(a, b, params_.line);
       gone[cached[n]] = true;
     }
   }
@@ -458,15 +406,8 @@ void SegmentMemory::countLife(StampUs stamp_us) {
 }
 
 void SegmentMemory::publish(MemoryElement& element) const {
-  const Segment2 floor = element.line.segment();
-  element.value.odom = {{floor.a.x(), floor.a.y(), 0.0}, {floor.b.x(), floor.b.y(), 0.0}};
-  element.value.P_a.setZero();
-  element.value.P_b.setZero();
-  element.value.P_a.topLeftCorner<2, 2>() = element.line.covarianceA();
-  element.value.P_b.topLeftCorner<2, 2>() = element.line.covarianceB();
-  element.value.uncertainty = uncertaintyOf(element.value.life);
-  element.value.confirmed =
-      element.on_floor && (params_.confirm_unlabelled || element.value.label != kUnknownLabel);
+  vismem::publish(element,
+                  element.on_floor && (params_.confirm_unlabelled || element.value.label != kUnknownLabel));
 }
 
 void SegmentMemory::age(StampUs stamp_us) {

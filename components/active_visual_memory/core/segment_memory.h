@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "active_visual_memory/core/association.h"
@@ -12,39 +11,13 @@
 #include "active_visual_memory/core/ground_projector.h"
 #include "active_visual_memory/core/kidnap_detector.h"
 #include "active_visual_memory/core/life.h"
+#include "active_visual_memory/core/memory_element.h"
 #include "active_visual_memory/core/parallax.h"
 #include "active_visual_memory/core/primitive_memory.h"
 #include "common/robot/observation.h"
 #include "common/visual_memory/memory_snapshot.h"
 
 namespace vismem {
-
-/// A remembered segment with what only the memory needs to know of it.
-struct MemoryElement {
-  MemorySegment value;  ///< as published; its geometry is a copy of `line`
-  FloorLine line;
-  double strength = 0.0;  ///< mean contrast [grey levels]
-  int sightings = 0;      ///< images that showed it
-  std::optional<SideColours> colours;
-  /// What the images called it, nearer views counting more; `unknown` votes too.
-  std::vector<std::pair<Label, double>> votes;
-  ParallaxEstimate parallax;
-  bool on_floor = false;      ///< its place rests while the camera moves (M1)
-  bool not_vertical = false;  ///< some view ruled out a vertical edge
-  FloorLine anchor_line;      ///< where the first sample of `parallax` saw it
-  Eigen::Vector2d anchor_camera = Eigen::Vector2d::Zero();
-  double anchor_turn_rad = 0.0;
-  double seen_travel_m = 0.0;  ///< odometer when last fused
-  double seen_turn_rad = 0.0;
-  Sighting sighting = Sighting::kObserved;  ///< best since life was last counted
-  struct ShortVotes {
-    int count = 0;
-    double t_m = 0.0;
-    double variance_m2 = 0.0;
-  };
-  ShortVotes short_a;
-  ShortVotes short_b;
-};
 
 /// The memory of floor segments in the odometry frame. *Single-threaded* (owner: the perception loop).
 /// Motion prediction (M6) is exact and free: elements rest in odom, and only the camera moves. What the
@@ -143,7 +116,6 @@ class SegmentMemory {
   bool isBare(const Segment2& place, const MemoryElement& element, const View& view) const;
   bool isOfAnotherKind(const Segment2& place, const MemoryElement& element,
                        const std::vector<FloorSegment>& floor) const;
-  void absorb(MemoryElement& a, const MemoryElement& b) const;
   void mergeDuplicates(const std::vector<int>& cached);
   void countLife(StampUs stamp_us);
   void publish(MemoryElement& element) const;

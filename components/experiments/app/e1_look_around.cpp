@@ -88,6 +88,31 @@ class Elements {
   CsvFile csv_;
 };
 
+/// What became of each true edge.
+class Edges {
+ public:
+  explicit Edges(const std::filesystem::path& file)
+      : csv_(file, "variant,after,edge,x1_m,y1_m,x2_m,y2_m,label,curve,longest_view_px,state") {}
+  void add(const char* variant, const char* after, const MemoryScore& score,
+           const std::vector<TrueEdge>& edges) {
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      const TrueEdge& edge = edges[i];
+      const bool missed = std::count(score.missed.begin(), score.missed.end(), static_cast<int>(i)) > 0;
+      const Eigen::Vector2d a = edge.pieces.front().a;
+      const Eigen::Vector2d b = edge.pieces.back().b;
+      csv_.row(text("%s,%s,%zu,%.3f,%.3f,%.3f,%.3f,%s,%d,%.1f,%s", variant, after, i, a.x(), a.y(), b.x(),
+                    b.y(), edge.label.c_str(), edge.curve ? 1 : 0, edge.longest_view_px,
+                    !edge.shown_in_full ? "not shown in full"
+                    : missed            ? "missed"
+                                        : "found"));
+    }
+  }
+  void close() { csv_.close(); }
+
+ private:
+  CsvFile csv_;
+};
+
 BoardPanel planPanel(const ExperimentRun& run, const MemoryScore& score, std::string title) {
   BoardPanel panel;
   panel.title = std::move(title);
@@ -124,7 +149,8 @@ void drawFigure13(ExperimentRun& run, const MemoryScore& score, const Experiment
   writeImageFile(drawBoard(board, kPanel_px), options.out / "figure13.png");
 }
 
-nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& options, Elements& elements) {
+nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& options, Elements& elements,
+                          Edges& edges) {
   ExperimentRunOptions run_options;
   run_options.world = variant.world;
   run_options.mode = options.mode;
@@ -141,6 +167,7 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
   const auto judge = [&](const char* after) {
     const MemoryScore score = run.score();
     elements.add(variant.name, after, score, rememberedIn(run.snapshot(), run.trueRobot()));
+    edges.add(variant.name, after, score, run.truth().edges());
     json[after] = toJson(score);
     json[after]["edges_per_image_mean"] = run.meanEdgesPerImage();
     json[after]["edges_per_image_most"] = run.mostEdgesInAnImage();
@@ -167,12 +194,14 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
 
 nlohmann::json lookAround(const ExperimentOptions& options) {
   Elements elements(options.out / "elements.csv");
+  Edges edges(options.out / "edges.csv");
   nlohmann::json json;
   for (const Variant& variant : kVariants) {
     if (!options.variant.empty() && options.variant != variant.name) continue;
-    json[variant.name] = runVariant(variant, options, elements);
+    json[variant.name] = runVariant(variant, options, elements, edges);
   }
   elements.close();
+  edges.close();
   if (json.empty()) throw std::invalid_argument("E1 has no variant \"" + options.variant + "\"");
   return json;
 }
