@@ -24,22 +24,10 @@ constexpr double kUsableObservation = 0.3;
 constexpr double kVeryReliable = 0.8;
 constexpr double kLargestLead = 0.1;
 
-/// Beyond a map of 20 m the fields pay for themselves only where something is near: searching goes on by
-/// brute force outside, so the truncation changes speed alone.
-constexpr double kTruncation_m = 2.0;
-
-MapIndex::Params indexParams(const LocalizerParams& params) {
-  MapIndex::Params index;
-  index.field.cell_m = params.cell_m;
-  index.field.truncation_m = kTruncation_m;
-  index.build_fields = params.health.use_field;
-  return index;
-}
-
 class ChapterStrategy : public RaceStrategy {
  public:
   ChapterStrategy(const SegmentMap& map_edges, const LocalizerParams& params)
-      : params_(params), map_(map_edges, indexParams(params)), observation_(map_, params.health) {}
+      : params_(params), map_(map_edges, chapterIndex(params)), observation_(map_, params.health) {}
 
   bool observe(const MemoryUpdate& update) override {
     observation_.set(update);

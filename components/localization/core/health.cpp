@@ -12,7 +12,19 @@ namespace {
 constexpr double kReferenceWidth_px = 320.0;  // the size of image that the chapter's pixel values are for
 constexpr double kReferenceHeight_px = 240.0;
 
+/// Beyond a map of 20 m the fields pay for themselves only where something is near: searching goes on by
+/// brute force outside, so the truncation changes speed alone.
+constexpr double kTruncation_m = 2.0;
+
 }  // namespace
+
+MapIndex::Params chapterIndex(const LocalizerParams& params) {
+  MapIndex::Params index;
+  index.field.cell_m = params.cell_m;
+  index.field.truncation_m = kTruncation_m;
+  index.build_fields = params.health.use_field;
+  return index;
+}
 
 SamplingGrid::SamplingGrid(int width, int height, double top_px, double bottom_px) : width_(width) {
   const double scale = height / kReferenceHeight_px;

@@ -11,6 +11,9 @@
 
 namespace vismem {
 
+/// How the map must be indexed for this mode's health.
+MapIndex::Params chapterIndex(const LocalizerParams& params);
+
 /// A point of an observed image segment (L3).
 struct ImagePoint {
   Eigen::Vector2d px = Eigen::Vector2d::Zero();  ///< ideal pixel

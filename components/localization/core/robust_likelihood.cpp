@@ -10,6 +10,9 @@
 namespace vismem {
 namespace {
 
+constexpr double kTruncation_m = 1.0;          // of the fields: several times the largest sigma with blur
+constexpr double kMinimumPlanLength_m = 0.03;  // shorter map segments are vertical edges
+
 /// Image segments are sampled this finely, but in no more pieces than that: a fixed cost per segment.
 constexpr double kPiece_px = 6.0;
 constexpr int kMaximumPieces = 12;
@@ -39,6 +42,16 @@ void capPoints(RobustObservation& observation, double effective_points) {
 }
 
 }  // namespace
+
+MapIndex::Params robustIndex(const LocalizerParams& params) {
+  MapIndex::Params index;
+  index.field.cell_m = params.cell_m;
+  index.field.truncation_m = kTruncation_m;
+  if (params.robust.direction_gate) index.direction_gate_rad = params.robust.direction_gate_rad;
+  index.minimum_plan_length_m = kMinimumPlanLength_m;
+  index.build_fields = params.robust.use_field;
+  return index;
+}
 
 RobustObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& map,
                                 const RobustParams& params) {

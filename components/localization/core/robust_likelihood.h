@@ -11,6 +11,9 @@
 
 namespace vismem {
 
+/// How the map must be indexed for this mode's likelihood.
+MapIndex::Params robustIndex(const LocalizerParams& params);
+
 /// A point on a remembered segment, in the robot's frame at the observation's stamp.
 struct EvidencePoint {
   Eigen::Vector2d p_robot = Eigen::Vector2d::Zero();  ///< [m]

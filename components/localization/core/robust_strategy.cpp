@@ -11,24 +11,12 @@
 namespace vismem {
 namespace {
 
-constexpr double kTruncation_m = 1.0;          // several times the largest sigma with blur
-constexpr double kMinimumPlanLength_m = 0.03;  // shorter map segments are vertical edges
-constexpr double kExplorerBlur_m = 0.15;       // an explorer must only come within about 0.3 m
+constexpr double kExplorerBlur_m = 0.15;  // an explorer must only come within about 0.3 m
 constexpr double kRefinementBlur_m = 0.08;
 constexpr std::size_t kExplorerStride = 3;
 /// Nobody knows a pose worse than this: keeps the covariance of an undetermined direction finite.
 constexpr double kLargestStd_m = 5.0;
 constexpr double kLargestStd_rad = 1.0;
-
-MapIndex::Params indexParams(const LocalizerParams& params) {
-  MapIndex::Params index;
-  index.field.cell_m = params.cell_m;
-  index.field.truncation_m = kTruncation_m;
-  if (params.robust.direction_gate) index.direction_gate_rad = params.robust.direction_gate_rad;
-  index.minimum_plan_length_m = kMinimumPlanLength_m;
-  index.build_fields = params.robust.use_field;
-  return index;
-}
 
 Eigen::Matrix3d broadPrior() {
   return Eigen::Vector3d(1.0 / (kLargestStd_m * kLargestStd_m), 1.0 / (kLargestStd_m * kLargestStd_m),
@@ -40,7 +28,7 @@ class RobustStrategy : public RaceStrategy {
  public:
   RobustStrategy(const SegmentMap& map_edges, const LocalizerParams& params)
       : params_(params),
-        map_(map_edges, indexParams(params)),
+        map_(map_edges, robustIndex(params)),
         constructed_(map_),
         likelihood_(map_, params_.robust) {}
 

@@ -1,0 +1,26 @@
+// What a camera, or a memory, would hold of a map from a place: for tests of localization without images.
+#pragma once
+
+#include <memory>
+
+#include "common/segment_map/segment_map.h"
+#include "common/visual_memory/memory_snapshot.h"
+
+namespace vismem::test {
+
+/// A camera of 60 degrees at 320x240, 0.45 m up in the robot's middle.
+ImageAnalysis emptyView(double pan_rad, double tilt_rad);
+
+/// The map's segments within `range_m` that project into the image; nothing hides anything.
+/// @param view with intrinsics and camera pose. @param range_m of a part of the segment, in plan view.
+void addMapSegments(ImageAnalysis& view, const SegmentMap& map, const Pose2& T_world_robot,
+                    double range_m = 4.0);
+
+/// What such a camera shows, as an update with an empty memory. Odometry is the truth.
+MemoryUpdate viewFrom(const SegmentMap& map, const Pose2& T_world_robot, StampUs stamp_us, double pan_rad,
+                      double tilt_rad, double range_m = 4.0);
+
+/// Adds to a snapshot's memory the map's parts within `range_m` of the robot: confirmed, seen just now.
+void remember(MemorySnapshot& snapshot, const SegmentMap& map, const Pose2& T_world_robot, double range_m);
+
+}  // namespace vismem::test
