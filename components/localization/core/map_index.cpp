@@ -43,6 +43,8 @@ MapIndex::MapIndex(const SegmentMap& map, const Params& params) : has_fields_(pa
   }
   int labels = static_cast<int>(ids_.size());
   if (has_any) any_ = labels++;
+  names_.assign(static_cast<std::size_t>(labels), kAnyLabel);
+  for (const auto& [name, id] : ids_) names_[static_cast<std::size_t>(id)] = name;
   by_label_.resize(static_cast<std::size_t>(labels));
   floor_.resize(static_cast<std::size_t>(labels));
   binned_.resize(static_cast<std::size_t>(labels * bins_));

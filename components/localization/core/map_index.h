@@ -39,6 +39,7 @@ class MapIndex {
   /// The same for the floor: empty too for labels without a segment that touches it.
   std::optional<int> floorLabelId(const Label& label) const;
   int labelCount() const { return static_cast<int>(by_label_.size()); }
+  const Label& labelName(int label) const { return names_[static_cast<std::size_t>(label)]; }
   /// All segments of space that count for the label.
   const std::vector<Segment3>& segments(int label) const {
     return by_label_[static_cast<std::size_t>(label)];
@@ -64,6 +65,7 @@ class MapIndex {
   int bins_ = 1;
   bool has_fields_ = true;
   std::map<Label, int> ids_;
+  std::vector<Label> names_;
   std::optional<int> any_;  // of labels that have no segments of their own, if the map has `any`
   std::vector<std::vector<Segment3>> by_label_;
   std::vector<std::vector<Segment2>> floor_;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <numbers>
+#include <string>
+#include <vector>
 
 namespace vismem {
 
@@ -96,8 +98,29 @@ struct RobustParams {
 
 enum class LocalizationMode { kDefault, kChapter };
 
+/// B4: how directions of gaze are rated.
+struct GazeAdvisorParams {
+  double minimum_pan_rad = -159.0 * std::numbers::pi / 180.0;  ///< of the camera's axis
+  double maximum_pan_rad = 159.0 * std::numbers::pi / 180.0;
+  double minimum_tilt_rad = -31.0 * std::numbers::pi / 180.0;
+  double maximum_tilt_rad = 0.0;  ///< what localizes lies on the floor
+  double step_rad = 15.0 * std::numbers::pi / 180.0;
+  double range_m = 4.0;   ///< floor further away than this is not expected to be seen well
+  double aim_m = 3.0;     ///< distance of the place that is looked at where the axis meets no floor before
+  double sigma_m = 0.15;  ///< races that differ by less than this about a line agree about it
+  double disagreement_weight = 1.0;
+  double information_weight = 0.3;
+  double coverage_weight = 0.3;
+  double staleness_weight = 0.1;
+  double age_s = 8.0;          ///< unseen for this long counts 63 %
+  double none_share = 0.2;     ///< least belief in "none of these races": it makes coverage count instead
+  double travel_weight = 0.1;  ///< cost of a turn of the camera by 180 degrees
+};
+
 struct LocalizerParams {
   LocalizationMode mode = LocalizationMode::kDefault;
+  /// Labels of map segments that stand up and hide the floor behind them; "*_foot": all that end so.
+  std::vector<std::string> opaque_labels{"skirting", "*_foot"};
   double tick_s = 0.2;    ///< of stamps between iterations; odometry moves the races with every update
   double cell_m = 0.025;  ///< of the distance fields
   RaceParams races;

@@ -1,0 +1,200 @@
+// Units of localization/core/gaze_advisor and visible_map (SPEC B4).
+#include "localization/core/gaze_advisor.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/angles.h"
+#include "localization/map_views.h"
+
+namespace vismem {
+namespace {
+
+MapSegment wall(double x1, double y1, double x2, double y2, const Label& label = "skirting") {
+  return {{{x1, y1, 0.0}, {x2, y2, 0.0}}, label, 0.0};
+}
+
+/// A corridor along x, 1.5 m wide. To the left doors at x = -6 and x = 4: a robot at -8 sees what one at 2
+/// sees. What tells them apart: a door to the right at x = 3.5.
+SegmentMap twoPlaces() {
+  SegmentMap map;
+  map.segments = {wall(-12, 0.75, -6.4, 0.75),
+                  wall(-6.4, 0.75, -5.6, 0.75, "door_foot"),
+                  wall(-5.6, 0.75, 3.6, 0.75),
+                  wall(3.6, 0.75, 4.4, 0.75, "door_foot"),
+                  wall(4.4, 0.75, 12, 0.75),
+                  wall(-12, -0.75, 3.1, -0.75),
+                  wall(3.1, -0.75, 3.9, -0.75, "door_foot"),
+                  wall(3.9, -0.75, 12, -0.75)};
+  return map;
+}
+
+const Pose2 kHere{2, 0, 0};
+const Pose2 kThere{-8, 0, 0};
+
+PoseEstimate estimateWith(std::vector<RaceReport> races) {
+  PoseEstimate estimate;
+  estimate.P = Eigen::Vector3d(0.04, 0.04, 0.01).asDiagonal();
+  for (const RaceReport& race : races) {
+    if (race.winner) estimate.T_world_robot = race.T_world_robot;
+  }
+  estimate.races = std::move(races);
+  return estimate;
+}
+
+RaceReport race(const Pose2& pose, double weight, bool winner, double health = 0.8) {
+  RaceReport report;
+  report.T_world_robot = pose;
+  report.weight = weight;
+  report.health = health;
+  report.winner = winner;
+  return report;
+}
+
+/// All around was just seen, so that coverage says nothing.
+void lookAllAround(GazeAdvisor& advisor, StampUs stamp_us) {
+  for (int pan_deg = -180; pan_deg < 180; pan_deg += 30) {
+    ImageAnalysis view = test::emptyView(degToRad(pan_deg), degToRad(-15));
+    view.stamp_us = stamp_us;
+    auto snapshot = std::make_shared<MemorySnapshot>();
+    advisor.look({snapshot, std::make_shared<ImageAnalysis>(view)});
+  }
+}
+
+bool shows(const GazeAdvice& advice, const Eigen::Vector2d& p_robot) {
+  const ImageAnalysis view = test::emptyView(advice.direction.pan_rad, advice.direction.tilt_rad);
+  return CameraView(view.intrinsics, view.T_robot_camera).shows(p_robot);
+}
+
+class GazeAdvisorTest : public testing::Test {
+ protected:
+  MemoryUpdate update() const { return test::viewFrom(map_, kHere, kSecondUs, 0.0, degToRad(-15)); }
+
+  const SegmentMap map_ = twoPlaces();
+  GazeAdvisor advisor_{GazeAdvisorParams{}, localizerPreset(LocalizationMode::kDefault), map_};
+};
+
+TEST_F(GazeAdvisorTest, LooksAtWhatTellsTheRacesApart) {
+  lookAllAround(advisor_, kSecondUs);
+  const auto advice =
+      advisor_.advise(estimateWith({race(kHere, 0.5, false), race(kThere, 0.5, true)}), update());
+  ASSERT_FALSE(advice.empty());
+  EXPECT_TRUE(shows(advice.front(), {1.5, -0.75})) << radToDeg(advice.front().direction.pan_rad);
+  EXPECT_GT(advice.front().disagreement, 0.4);
+  // Backwards both places show two plain walls.
+  for (const GazeAdvice& one : advice) {
+    if (std::abs(one.direction.pan_rad) > degToRad(140)) {
+      EXPECT_NEAR(one.disagreement, 0.0, 1e-6);
+    }
+  }
+}
+
+// Entropy of a trusted pose fails exactly here: the winner is wrong, and content with what it sees.
+TEST_F(GazeAdvisorTest, LooksThereToo_WhenTheWinnerIsWrongAndStrong) {
+  lookAllAround(advisor_, kSecondUs);
+  const auto advice =
+      advisor_.advise(estimateWith({race(kHere, 0.05, false), race(kThere, 0.95, true)}), update());
+  EXPECT_TRUE(shows(advice.front(), {1.5, -0.75})) << radToDeg(advice.front().direction.pan_rad);
+}
+
+TEST_F(GazeAdvisorTest, OneRaceLooksForWhatFixesItAlongTheCorridor) {
+  lookAllAround(advisor_, kSecondUs);
+  PoseEstimate estimate = estimateWith({race({7.5, 0, 0}, 1.0, true)});
+  // Between plain walls: y and heading are known, x is not. The doors' feet lie behind.
+  estimate.P = Eigen::Vector3d(0.25, 1e-4, 1e-4).asDiagonal();
+  const auto advice = advisor_.advise(estimate, update());
+  EXPECT_NEAR(advice.front().disagreement, 0.0, 1e-12);
+  EXPECT_GE(advice.front().information, 0.0);
+  estimate.P = Eigen::Vector3d(1e-4, 0.25, 1e-4).asDiagonal();
+  const auto across = advisor_.advise(estimate, update());
+  // Walls fix the position across: worth a look only while it is not known.
+  EXPECT_GT(across.front().information, 0.5);
+  EXPECT_GT(across.front().information, advice.front().information + 0.3);
+}
+
+TEST_F(GazeAdvisorTest, WithoutRacesItLooksWhereItDidNotLook) {
+  for (const int pan_deg : {-60, -30, 0, 30, 60}) {
+    ImageAnalysis view = test::emptyView(degToRad(pan_deg), degToRad(-15));
+    view.stamp_us = kSecondUs;
+    advisor_.look({std::make_shared<MemorySnapshot>(), std::make_shared<ImageAnalysis>(view)});
+  }
+  const auto advice = advisor_.advise(PoseEstimate{}, update());
+  // viewFrom stands at heading 0 in odom.
+  EXPECT_GT(std::abs(advice.front().direction.pan_rad), degToRad(100));
+  EXPECT_NEAR(advice.front().coverage, 1.0, 1e-6);
+}
+
+TEST_F(GazeAdvisorTest, ANoneOfThesePartRemainsAndGrowsWithPoorHealth) {
+  for (const int pan_deg : {-60, -30, 0, 30, 60}) {
+    ImageAnalysis view = test::emptyView(degToRad(pan_deg), degToRad(-15));
+    view.stamp_us = kSecondUs;
+    advisor_.look({std::make_shared<MemorySnapshot>(), std::make_shared<ImageAnalysis>(view)});
+  }
+  // The races explain little of what is seen: probably the robot is at neither place.
+  const auto advice =
+      advisor_.advise(estimateWith({race(kHere, 0.5, false, 0.2), race(kThere, 0.5, true, 0.2)}), update());
+  EXPECT_GT(advice.front().coverage, 0.9);
+}
+
+TEST_F(GazeAdvisorTest, ThePlaceLiesOnTheAxis) {
+  const MemoryUpdate update = this->update();
+  for (const GazeAdvice& one : advisor_.advise(estimateWith({race(kHere, 1.0, true)}), update)) {
+    const Eigen::Vector3d p_robot = transform(inverse(update.snapshot->T_odom_robot), one.p_odom);
+    const Eigen::Vector3d ray = p_robot - Eigen::Vector3d(0, 0, 0.45);
+    EXPECT_NEAR(angleDifference(std::atan2(ray.y(), ray.x()), one.direction.pan_rad), 0.0, 1e-6);
+    EXPECT_NEAR(std::atan2(ray.z(), ray.head<2>().norm()), one.direction.tilt_rad, 1e-6);
+    EXPECT_GE(p_robot.z(), -1e-9);
+  }
+}
+
+TEST(VisibleMap, WallsHideWhatIsBehindThemButNotThemselves) {
+  SegmentMap map;
+  map.segments = {wall(2, -3, 2, 3), wall(3, -3, 3, 3), wall(1, -0.2, 1, 0.2, "marking")};
+  const MapIndex index(map, {});
+  const VisibleMap visible(index, std::vector<std::string>{"skirting", "*_foot"});
+  std::vector<VisiblePoint> points;
+  visible.around({0, 0, 0}, 5.0, {}, nullptr, points);
+  double nearer = 0.0;
+  double hidden = 0.0;
+  double marking = 0.0;
+  for (const VisiblePoint& point : points) {
+    (point.p_robot.x() < 1.5 ? marking : point.p_robot.x() < 2.5 ? nearer : hidden) += point.length_m;
+  }
+  EXPECT_NEAR(marking, 0.4, 1e-9);
+  EXPECT_NEAR(nearer, 6.0, 1e-9);  // a marking does not hide the wall
+  EXPECT_EQ(hidden, 0.0);
+  // Something stands 0.5 m ahead: it hides a part of the wall, and the marking behind it.
+  const std::vector<Eigen::Vector2d> obstacle{{0.5, 0.0}};
+  visible.around({0, 0, 0}, 5.0, obstacle, nullptr, points);
+  for (const VisiblePoint& point : points) {
+    EXPECT_GT(std::abs(std::atan2(point.p_robot.y(), point.p_robot.x())), degToRad(10));
+  }
+}
+
+TEST(VisibleMap, SeesOnlyWhatTheCameraShows) {
+  SegmentMap map;
+  map.segments = {wall(-3, 1, 3, 1)};
+  const MapIndex index(map, {});
+  const VisibleMap visible(index, std::vector<std::string>{});
+  const ImageAnalysis view = test::emptyView(degToRad(90), degToRad(-20));
+  const CameraView camera(view.intrinsics, view.T_robot_camera);
+  std::vector<VisiblePoint> points;
+  visible.around({0, 0, 0}, 5.0, {}, &camera, points);
+  ASSERT_FALSE(points.empty());
+  for (const VisiblePoint& point : points) {
+    EXPECT_LT(std::abs(point.p_robot.x()), std::tan(degToRad(31)) * std::hypot(1.0, 0.45));
+  }
+}
+
+TEST(VisibleMap, KnowsNamesAndEndingsOfLabels) {
+  const std::vector<std::string> names{"skirting", "*_foot"};
+  EXPECT_TRUE(isListed("skirting", names));
+  EXPECT_TRUE(isListed("door_foot", names));
+  EXPECT_FALSE(isListed("line", names));
+  EXPECT_FALSE(isListed("foot", names));
+}
+
+}  // namespace
+}  // namespace vismem
