@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/geometry/angles.h"
+#include "common/geometry/projection.h"
 
 namespace vismem {
 namespace {
@@ -88,7 +89,9 @@ TEST(ObserveImage, PointsOnAFloorLineLieOnIt) {
   analysis.T_robot_camera = cameraPose(mount, 0.0, degToRad(-45));
   analysis.observed = {{{{140, 119.5}, {180, 119.5}}, "skirting", 30.0},
                        {{{140, 20}, {180, 20}}, kUnknownLabel, 30.0}};
-  const RobustObservation observation = observeImage(analysis, map, {});
+  RobustParams params;
+  params.camera_sigma_rad = 0.01;
+  const RobustObservation observation = observeImage(analysis, map, params);
   ASSERT_FALSE(observation.points.empty());
   for (const EvidencePoint& point : observation.points) {
     EXPECT_NEAR(point.p_robot.x(), 1.0, 1e-9);
@@ -134,8 +137,8 @@ TEST(RobustLikelihood, HandWorkedExample) {
   // 0.06 m from the wall at sigma 0.06 m: exp(-1/2) = 0.60653; log(0.95 * 0.60653 + 0.05) = log(0.62620) =
   // -0.46808.
   observation.points = {{{1.0, 0.06}, 0.0, 0, 0.06, 1.0}};
-  EXPECT_NEAR(likelihood.rate(observation, {0, 0, 0}).log_likelihood, -0.46808, 1e-4);
-  EXPECT_NEAR(likelihood.rate(observation, {0, 0, 0}).explained, 0.60653, 1e-4);
+  EXPECT_NEAR(likelihood.rate(observation, {}).log_likelihood, -0.46808, 1e-4);
+  EXPECT_NEAR(likelihood.rate(observation, {}).explained, 0.60653, 1e-4);
 }
 
 TEST(RobustLikelihood, AnyOutlierCostsAtMostLogEpsilon) {
@@ -144,9 +147,9 @@ TEST(RobustLikelihood, AnyOutlierCostsAtMostLogEpsilon) {
   const RobustLikelihood likelihood(map, params);
   RobustObservation observation;
   observation.points = {{{1.0, 0.0}, 0.0, 0, 0.06, 1.0}};
-  const double clean = likelihood.rate(observation, {0, 0, 0}).log_likelihood;
+  const double clean = likelihood.rate(observation, {}).log_likelihood;
   observation.points.push_back({{500.0, 500.0}, 0.0, 0, 0.06, 1.0});
-  const double dirty = likelihood.rate(observation, {0, 0, 0}).log_likelihood;
+  const double dirty = likelihood.rate(observation, {}).log_likelihood;
   EXPECT_NEAR(dirty - clean, std::log(params.outlier_share), 1e-9);
 }
 
@@ -156,7 +159,7 @@ TEST(RobustLikelihood, PointsOfAnotherDirectionDoNotMatch) {
   const RobustLikelihood likelihood(map, params);
   RobustObservation observation;
   observation.points = {{{2.0, 0.0}, degToRad(90), 0, 0.06, 1.0}};  // on the wall along x, but across it
-  EXPECT_LT(likelihood.rate(observation, {0, 0, 0}).explained, 0.01);
+  EXPECT_LT(likelihood.rate(observation, {}).explained, 0.01);
 }
 
 TEST(RobustLikelihood, RefinementFindsThePlaceInSpiteOfFalseSegments) {
@@ -174,26 +177,131 @@ TEST(RobustLikelihood, RefinementFindsThePlaceInSpiteOfFalseSegments) {
   segments.push_back(remembered(-1.0, 0.5, -0.2, 1.4));
   const RobustObservation observation = observeMemory(snapshotOf(segments), map, params);
   const Pose2 start{1.08, 1.13, 0.47};
-  const auto refined = likelihood.refine(observation, start, Eigen::Matrix3d::Zero(), 1.0, 10, 0.0);
+  const auto refined = likelihood.refine(observation, {start}, Matrix5d::Zero(), 1.0, 10, 0.0);
   // Bilinear values on a 5 cm grid: a centimetre and a degree.
-  EXPECT_NEAR(refined.T_world_robot.x, truth.x, 0.01);
-  EXPECT_NEAR(refined.T_world_robot.y, truth.y, 0.01);
-  EXPECT_NEAR(refined.T_world_robot.theta, truth.theta, degToRad(1.0));
+  EXPECT_NEAR(refined.placement.T_world_robot.x, truth.x, 0.01);
+  EXPECT_NEAR(refined.placement.T_world_robot.y, truth.y, 0.01);
+  EXPECT_NEAR(refined.placement.T_world_robot.theta, truth.theta, degToRad(1.0));
 }
 
 TEST(RobustLikelihood, OneInfiniteLineSaysNothingAlongItself) {
   SegmentMap one;
   one.segments = {wall(-50, 0, 50, 0)};
   const MapIndex map(one, {});
-  const RobustParams params;
+  RobustParams params;
+  params.memory_shift_m = 0.0;
+  params.memory_turn_rad = 0.0;
   const RobustLikelihood likelihood(map, params);
   const RobustObservation observation = observeMemory(snapshotOf({remembered(-2, 1, 2, 1)}), map, params);
   const Pose2 start{3.0, -0.95, 0.0};
-  const auto refined = likelihood.refine(observation, start, Eigen::Matrix3d::Zero(), 1.0, 5, 0.0);
-  EXPECT_NEAR(refined.T_world_robot.y, -1.0, 0.005);
-  EXPECT_NEAR(refined.T_world_robot.x, 3.0, 1e-6);
+  const auto refined = likelihood.refine(observation, {start}, Matrix5d::Zero(), 1.0, 5, 0.0);
+  EXPECT_NEAR(refined.placement.T_world_robot.y, -1.0, 0.005);
+  EXPECT_NEAR(refined.placement.T_world_robot.x, 3.0, 1e-6);
   EXPECT_NEAR(refined.information(0, 0), 0.0, 1e-6);
   EXPECT_GT(refined.information(1, 1), 100.0);
+}
+
+TEST(RobustLikelihood, AMemoryThatMayBeTurnedTellsTheHeadingNoBetterThanThat) {
+  const MapIndex map = cornerMap();
+  const RobustObservation observation =
+      observeMemory(snapshotOf({remembered(0.2, 0, 2.5, 0), remembered(0, 0.2, 0, 2.5)}), map, {});
+  RobustParams params;
+  params.memory_shift_m = 0.0;
+  params.memory_turn_rad = 0.0;
+  const Matrix5d prior = Matrix5d::Zero();
+  const auto rigid = RobustLikelihood(map, params).refine(observation, {}, prior, 1.0, 0, 0.0);
+  params.memory_shift_m = 0.05;
+  params.memory_turn_rad = degToRad(4);
+  const auto loose = RobustLikelihood(map, params).refine(observation, {}, prior, 1.0, 0, 0.0);
+  const auto variances = [](const RobustLikelihood::Refined& refined) {
+    return Eigen::Vector3d(refined.information.topLeftCorner<3, 3>().inverse().diagonal());
+  };
+  // Independent errors add up.
+  EXPECT_NEAR(variances(loose)[0] - variances(rigid)[0], 0.05 * 0.05, 1e-6);
+  EXPECT_NEAR(variances(loose)[1] - variances(rigid)[1], 0.05 * 0.05, 1e-6);
+  EXPECT_NEAR(variances(loose)[2] - variances(rigid)[2], degToRad(4) * degToRad(4), 1e-6);
+}
+
+/// A camera 0.45 m above the floor that looks 20 degrees down and along one wall of a corridor, whose walls
+/// stand 1 m to each side; the robot stands at the origin and looks along it.
+class LeaningCamera : public testing::Test {
+ protected:
+  static constexpr double kLean_rad = degToRad(1.0);
+  static MapIndex corridor() {
+    SegmentMap map;
+    map.segments = {wall(-5, 1, 5, 1), wall(-5, -1, 5, -1), wall(4, -1, 4, 1)};
+    MapIndex::Params params;
+    params.direction_gate_rad = degToRad(20);
+    return MapIndex(map, params);
+  }
+  /// What the camera sees when it really looks `lean` further down than the robot believes.
+  static RobustObservation look(const MapIndex& map, double pan, double lean, const RobustParams& params) {
+    CameraMount mount;
+    mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 0.45, 0, 0, 0);
+    ImageAnalysis analysis;
+    analysis.intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+    analysis.T_robot_camera = cameraPose(mount, pan, degToRad(-20));
+    Pose3 T_robot_real = analysis.T_robot_camera;
+    T_robot_real.linear() =
+        Eigen::AngleAxisd(lean, Eigen::Vector3d::UnitY()).toRotationMatrix() * T_robot_real.linear();
+    for (const double y : {-1.0, 1.0}) {
+      const Segment3 edge{{0.5, y, 0.0}, {3.5, y, 0.0}};
+      if (const auto px = projectSegment(analysis.intrinsics, T_robot_real, edge)) {
+        analysis.observed.push_back({*px, "skirting", 30.0});
+      }
+    }
+    return observeImage(analysis, map, params);
+  }
+};
+
+TEST_F(LeaningCamera, MovesFloorPointsAsItsDerivativeSays) {
+  const MapIndex map = corridor();
+  const RobustParams params;
+  const RobustObservation leaning = look(map, 0.4, kLean_rad, params);
+  ASSERT_FALSE(leaning.points.empty());
+  // Put right by the derivative, the points of the leaning camera lie on the walls again, but for second
+  // order.
+  for (const EvidencePoint& point : leaning.points) {
+    const Eigen::Vector2d corrected = point.p_robot + point.d_lean * Eigen::Vector2d(kLean_rad, 0.0);
+    const double before = std::abs(std::abs(point.p_robot.y()) - 1.0);
+    const double after = std::abs(std::abs(corrected.y()) - 1.0);
+    EXPECT_GT(before, 0.005);
+    EXPECT_LT(after, 0.2 * before);
+  }
+}
+
+TEST_F(LeaningCamera, IsToldFromATurnOfTheRobotByLookingToBothSides) {
+  const MapIndex map = corridor();
+  RobustParams params;
+  params.lean_bias_rad = degToRad(1.0);
+  params.lean_sway_rad = 0.0;
+  const auto headingAfterLooks = [&](double bias_rad) {
+    const RobustLikelihood likelihood(map, params);
+    Placement at;
+    Vector5d std;
+    std << 0.1, 0.1, 0.1, bias_rad, bias_rad;
+    Matrix5d information = std.cwiseProduct(std).cwiseInverse().asDiagonal();
+    double worst = 0.0;
+    for (int i = 0; i < 12; ++i) {
+      const auto refined =
+          likelihood.refine(look(map, i % 2 ? 0.5 : -0.5, kLean_rad, params), at, information, 1.0, 5, 0.0);
+      at = refined.placement;
+      information += refined.information;
+      // The robot moves on and forgets a little of its pose, not how its camera is mounted.
+      Matrix5d P = information.inverse();
+      P.diagonal().head<3>().array() += 1e-3;
+      information = P.inverse();
+      if (i >= 6) worst = std::max(worst, std::abs(at.T_world_robot.theta));
+    }
+    if (bias_rad > 1e-3) {
+      EXPECT_NEAR(at.lean_bias.x(), kLean_rad, degToRad(0.15));
+    }
+    return worst;
+  };
+  const double known = headingAfterLooks(1e-6);
+  const double estimated = headingAfterLooks(degToRad(1.0));
+  EXPECT_GT(known, degToRad(0.5));
+  EXPECT_LT(estimated, degToRad(0.2));
 }
 
 }  // namespace

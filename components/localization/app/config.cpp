@@ -70,6 +70,10 @@ void readRobust(ConfigReader r, RobustParams& p) {
   p.image_share = r.real("ImageShare", p.image_share, 0.0, 1.0);
   p.image_range_m = r.real("ImageRange_m", p.image_range_m, 0.1, kFar);
   p.camera_sigma_rad = r.angleDeg("CameraSigma_deg", radToDeg(p.camera_sigma_rad), 0.0, 20.0);
+  p.lean_bias_rad = r.angleDeg("LeanBias_deg", radToDeg(p.lean_bias_rad), 0.0, 20.0);
+  p.lean_sway_rad = r.angleDeg("LeanSway_deg", radToDeg(p.lean_sway_rad), 0.0, 20.0);
+  p.memory_shift_m = r.real("MemoryShift_m", p.memory_shift_m, 0.0, 10.0);
+  p.memory_turn_rad = r.angleDeg("MemoryTurn_deg", radToDeg(p.memory_turn_rad), 0.0, 90.0);
   p.point_step_m = r.real("PointStep_m", p.point_step_m, 0.01, 10.0);
   p.maximum_points = count(r, "MaximumPoints", p.maximum_points, 10, 100'000);
   p.range_m = r.real("Range_m", p.range_m, 0.1, kFar);

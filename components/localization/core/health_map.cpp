@@ -38,7 +38,7 @@ RatePlace robustRating(const MemoryUpdate& update, const MapIndex& map, const Ro
   auto observation = std::make_shared<RobustObservation>(observe(update, map, params));
   if (observation->points.empty()) return {};
   return [observation, likelihood = RobustLikelihood(map, params), by_likelihood](const Pose2& pose) {
-    const Rating rating = likelihood.rate(*observation, pose);
+    const Rating rating = likelihood.rate(*observation, {pose});
     return by_likelihood ? rating.log_likelihood : rating.explained;
   };
 }

@@ -117,7 +117,9 @@ void Localizer::beginEpoch() {
 
 void Localizer::setPose(const Pose2& T_world_robot) {
   Race race = strategy_->foundAt(T_world_robot, engine_);
-  race.P =
+  race.P.topRightCorner<3, 2>().setZero();
+  race.P.bottomLeftCorner<2, 3>().setZero();
+  race.P.topLeftCorner<3, 3>() =
       Eigen::Vector3d(kGivenStd_m * kGivenStd_m, kGivenStd_m * kGivenStd_m, kGivenStd_rad * kGivenStd_rad)
           .asDiagonal();
   table_.replaceAll(std::move(race));
@@ -147,7 +149,8 @@ void Localizer::report() {
                                winner && race.id == winner->id});
   }
   estimate_.T_world_robot = winner ? std::optional<Pose2>(winner->T_world_robot) : std::nullopt;
-  estimate_.P = winner ? winner->P : Eigen::Matrix3d::Zero();
+  estimate_.P = Eigen::Matrix3d::Zero();
+  if (winner) estimate_.P = winner->P.topLeftCorner<3, 3>();
 }
 
 }  // namespace vismem

@@ -60,8 +60,16 @@ struct RobustParams {
   HealthSource source = HealthSource::kBoth;
   double image_share =
       0.85;  ///< of the effective points where both have some: what is seen now is not yet bent
-  double image_range_m = 4.0;       ///< floor points of the image further away than this are not used
-  double camera_sigma_rad = 0.01;   ///< of the camera's pitch and heading: what floor points inherit
+  double image_range_m = 4.0;        ///< floor points of the image further away than this are not used
+  double camera_sigma_rad = 0.0035;  ///< of the camera's direction, each floor point by itself
+  /// How far the camera may lean from where the kinematics put it, about the robot's x and y axes: for good
+  /// (calibration), and in one image (bumps, a walking body). Both are estimated with the pose; 0 takes one
+  /// as known.
+  double lean_bias_rad = 0.5 * std::numbers::pi / 180.0;
+  double lean_sway_rad = 0.2 * std::numbers::pi / 180.0;
+  /// How far the memory as a whole may lie beside what is seen now (odometry's error since). 0: not at all.
+  double memory_shift_m = 0.03;
+  double memory_turn_rad = 2.0 * std::numbers::pi / 180.0;
   double point_step_m = 0.10;       ///< spacing of sampling points along remembered segments
   int maximum_points = 160;         ///< per observation; the spacing grows where there would be more
   double range_m = 5.0;             ///< remembered points further away than this are not used

@@ -12,6 +12,9 @@
 
 namespace vismem {
 
+using Vector5d = Eigen::Matrix<double, 5, 1>;
+using Matrix5d = Eigen::Matrix<double, 5, 5>;
+
 /// L1: a place where the robot may be, with its health in 0..1.
 struct Individual {
   Pose2 T_world_robot;
@@ -27,10 +30,14 @@ struct Race {
   int victories = 0;           ///< 0..maximum_victories
   int age = 0;                 ///< iterations since birth; a candidate at the same place adds one more
   int since_best = 1'000'000;  ///< iterations since it was the best; large if it never was
-  std::vector<Individual> individuals;          ///< chapter mode: best first after rating
-  Eigen::Matrix3d P = Eigen::Matrix3d::Zero();  ///< default mode: covariance of (x, y, theta)
-  double evidence = 0.0;                        ///< default mode [nats]
-  double log_likelihood = 0.0;                  ///< default mode: of the last observation [nats]
+  std::vector<Individual> individuals;  ///< chapter mode: best first after rating
+  /// Default mode: how far the camera leans from where the robot's kinematics put it, about the robot's y
+  /// axis (positive looks down) and its x axis (positive drops the right side) [rad]. The lasting part of it;
+  /// what changes from image to image is estimated with each image and forgotten.
+  Eigen::Vector2d camera_lean = Eigen::Vector2d::Zero();
+  Matrix5d P = Matrix5d::Zero();  ///< default mode: covariance of (x, y, theta, lean about y, lean about x)
+  double evidence = 0.0;          ///< default mode [nats]
+  double log_likelihood = 0.0;    ///< default mode: of the last observation [nats]
 };
 
 /// True if two poses count as one place: x, y and heading (on the circle) each within their limit.

@@ -21,7 +21,10 @@ constexpr double kLongestPiece_m = 0.2;  // towards the horizon pixels stand for
 constexpr double kMinimumLength_m = 0.05;  // a shorter remembered segment has no usable direction
 
 /// Damping where the observation says nothing about a direction: one metre, one radian.
-const Eigen::Matrix3d kDamping = Eigen::Matrix3d::Identity();
+const Matrix5d kDamping = Matrix5d::Identity();
+
+/// A lean that is taken as known is held by this [rad].
+constexpr double kFixedLean_rad = 1e-6;
 
 /// A step further than this leaves the part of the field that the gradient describes.
 constexpr double kLongestStep_m = 0.5;
@@ -31,6 +34,17 @@ constexpr double kLongestTurn_rad = 0.4;
 double variancesAcross(const Eigen::Matrix3d& P, const Eigen::Vector2d& along_odom) {
   const Eigen::Vector2d across(-along_odom.y(), along_odom.x());
   return across.dot(P.topLeftCorner<2, 2>() * across);
+}
+
+/// How the floor point at `ray` from the camera's foot moves when the camera, `height` above the floor, leans
+/// by a small angle about the y axis and about the x axis: the ray turns, and meets the floor elsewhere.
+Eigen::Matrix2d movedByLean(const Eigen::Vector2d& ray, double height) {
+  const double x = ray.x();
+  const double y = ray.y();
+  Eigen::Matrix2d d;
+  d << -height - x * x / height, x * y / height,  //
+      -x * y / height, height + y * y / height;
+  return d;
 }
 
 /// Scales the points' weights so that they sum to at most `effective_points`; the amount stays as it was.
@@ -108,6 +122,7 @@ RobustObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& 
     observation.amount += weight;
   }
   observation.segment_weight = observation.amount;
+  observation.remembered = observation.points.size();
   capPoints(observation, params.effective_points);
   return observation;
 }
@@ -148,6 +163,7 @@ RobustObservation observeImage(const ImageAnalysis& analysis, const MapIndex& ma
       point.sigma_m = std::min(params.maximum_sigma_m,
                                std::hypot(params.sigma_m, across_ray * std_range, along_ray * std_bearing));
       point.weight = params.points_per_metre * std::min(piece.length(), kLongestPiece_m);
+      point.d_lean = movedByLean(ray, height);
       observation.amount += point.weight;
       observation.points.push_back(point);
     }
@@ -184,8 +200,10 @@ std::optional<FieldSample> RobustLikelihood::sample(const EvidencePoint& point,
                            : map_.nearestBruteForce(point.label, p_world, direction);
 }
 
-Rating RobustLikelihood::rate(const RobustObservation& observation, const Pose2& T_world_robot, double blur_m,
+Rating RobustLikelihood::rate(const RobustObservation& observation, const Placement& placement, double blur_m,
                               std::size_t stride) const {
+  const Pose2& T_world_robot = placement.T_world_robot;
+  const Eigen::Vector2d lean = placement.lean();
   Rating rating;
   const double eps = params_.outlier_share;
   const double log_eps = std::log(eps);
@@ -195,8 +213,9 @@ Rating RobustLikelihood::rate(const RobustObservation& observation, const Pose2&
   for (std::size_t i = 0; i < observation.points.size(); i += stride) {
     const EvidencePoint& point = observation.points[i];
     weights += point.weight;
-    const Eigen::Vector2d p(T_world_robot.x + c * point.p_robot.x() - s * point.p_robot.y(),
-                            T_world_robot.y + s * point.p_robot.x() + c * point.p_robot.y());
+    const Eigen::Vector2d p_robot = point.p_robot + point.d_lean * lean;
+    const Eigen::Vector2d p(T_world_robot.x + c * p_robot.x() - s * p_robot.y(),
+                            T_world_robot.y + s * p_robot.x() + c * p_robot.y());
     const auto field = sample(point, p, T_world_robot.theta);
     if (!field) {
       rating.log_likelihood += point.weight * log_eps;
@@ -211,43 +230,91 @@ Rating RobustLikelihood::rate(const RobustObservation& observation, const Pose2&
   return rating;
 }
 
-RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& observation, const Pose2& start,
-                                                   const Eigen::Matrix3d& prior_information, double share,
-                                                   int steps, double blur_m) const {
-  Refined result{start, Eigen::Matrix3d::Zero()};
+/// Quadratic form of -share * log L around a placement, in (x, y, theta, lean).
+struct RobustLikelihood::Curvature {
+  Matrix5d H = Matrix5d::Zero();
+  Vector5d g = Vector5d::Zero();
+};
+
+RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const EvidencePoint> points,
+                                                        const Placement& placement, double share,
+                                                        double blur_m) const {
+  Curvature result;
   const double eps = params_.outlier_share;
+  const Pose2& pose = placement.T_world_robot;
+  const Eigen::Vector2d lean = placement.lean();
+  Eigen::Matrix2d R;
+  R << std::cos(pose.theta), -std::sin(pose.theta), std::sin(pose.theta), std::cos(pose.theta);
+  for (const EvidencePoint& point : points) {
+    const Eigen::Vector2d arm = R * (point.p_robot + point.d_lean * lean);
+    const auto field = sample(point, pose.position() + arm, pose.theta);
+    if (!field) continue;
+    const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+    const double inlier = (1.0 - eps) * std::exp(-0.5 * field->distance_m * field->distance_m / variance);
+    // Derivative of the bounded loss: far points pull less and less.
+    const double weight = share * point.weight / variance * inlier / (inlier + eps);
+    const Eigen::Vector2d& gradient = field->gradient;
+    Vector5d J;
+    J.head<2>() = gradient;
+    J[2] = gradient.y() * arm.x() - gradient.x() * arm.y();
+    J.tail<2>() = point.d_lean.transpose() * (R.transpose() * gradient);
+    result.H += weight * J * J.transpose();
+    result.g += weight * field->distance_m * J;
+  }
+  return result;
+}
+
+/// The memory may be shifted and turned as a whole: what it says about the pose is worth no more than that.
+void RobustLikelihood::soften(Curvature& memory) const {
+  if (params_.memory_shift_m <= 0.0 && params_.memory_turn_rad <= 0.0) return;
+  const double shift = std::max(params_.memory_shift_m, 1e-6);
+  const double turn = std::max(params_.memory_turn_rad, 1e-6);
+  const Eigen::Vector3d known(1.0 / (shift * shift), 1.0 / (shift * shift), 1.0 / (turn * turn));
+  const Eigen::Matrix3d H = memory.H.topLeftCorner<3, 3>();
+  // Marginalising a shift that moves the points just as the pose does.
+  const Eigen::Matrix3d kept =
+      Eigen::Matrix3d::Identity() - H * (H + Eigen::Matrix3d(known.asDiagonal())).inverse();
+  memory.H.topLeftCorner<3, 3>() = kept * H;
+  memory.g.head<3>() = (kept * memory.g.head<3>()).eval();
+}
+
+RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& observation,
+                                                   const Placement& start, const Matrix5d& prior_information,
+                                                   double share, int steps, double blur_m) const {
+  Refined result{start, Matrix5d::Zero()};
+  Placement& at = result.placement;
+  const double sway = std::max(params_.lean_sway_rad, kFixedLean_rad);
+  const Eigen::Matrix2d sway_information = Eigen::Matrix2d::Identity() / (sway * sway);
+  const std::span points(observation.points);
+  const std::span remembered = points.first(observation.remembered);
   // One pass more than steps: the last one only takes the curvature at the result.
   for (int step = 0; step <= steps; ++step) {
-    Pose2& pose = result.T_world_robot;
-    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d g = Eigen::Vector3d::Zero();
-    const double c = std::cos(pose.theta);
-    const double s = std::sin(pose.theta);
-    for (const EvidencePoint& point : observation.points) {
-      const Eigen::Vector2d arm(c * point.p_robot.x() - s * point.p_robot.y(),
-                                s * point.p_robot.x() + c * point.p_robot.y());
-      const auto field = sample(point, Eigen::Vector2d(pose.x, pose.y) + arm, pose.theta);
-      if (!field) continue;
-      const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
-      const double inlier = (1.0 - eps) * std::exp(-0.5 * field->distance_m * field->distance_m / variance);
-      // Derivative of the bounded loss: far points pull less and less.
-      const double weight = share * point.weight / variance * inlier / (inlier + eps);
-      const Eigen::Vector3d J(field->gradient.x(), field->gradient.y(),
-                              -field->gradient.x() * arm.y() + field->gradient.y() * arm.x());
-      H += weight * J * J.transpose();
-      g += weight * field->distance_m * J;
-    }
-    result.information = H;
+    Curvature curve = curvature(remembered, at, share, blur_m);
+    soften(curve);
+    const Curvature seen = curvature(points.subspan(observation.remembered), at, share, blur_m);
+    curve.H += seen.H;
+    curve.g += seen.g;
+    // The sway moves the points as the lasting lean does: the same columns, and a prior of its own.
+    const Eigen::Matrix<double, 5, 2> cross = curve.H.rightCols<2>();
+    const Eigen::Matrix2d sway_covariance = (curve.H.bottomRightCorner<2, 2>() + sway_information).inverse();
+    const Eigen::Vector2d sway_gradient = curve.g.tail<2>() + sway_information * at.lean_sway;
+    result.information = curve.H - cross * sway_covariance * cross.transpose();
     if (step == steps) break;
-    const Eigen::Vector3d off(pose.x - start.x, pose.y - start.y, angleDifference(pose.theta, start.theta));
-    const Eigen::Matrix3d A = H + prior_information + kDamping;
-    Eigen::Vector3d move = -A.ldlt().solve(g + prior_information * off);
+    Vector5d off;
+    off << at.T_world_robot.x - start.T_world_robot.x, at.T_world_robot.y - start.T_world_robot.y,
+        angleDifference(at.T_world_robot.theta, start.T_world_robot.theta), at.lean_bias - start.lean_bias;
+    const Matrix5d A = result.information + prior_information + kDamping;
+    Vector5d move =
+        -A.ldlt().solve(curve.g - cross * sway_covariance * sway_gradient + prior_information * off);
     const double length = move.head<2>().norm();
     const double shrink = std::min({1.0, kLongestStep_m / std::max(length, 1e-12),
-                                    kLongestTurn_rad / std::max(std::abs(move.z()), 1e-12)});
+                                    kLongestTurn_rad / std::max(std::abs(move[2]), 1e-12)});
     move *= shrink;
-    pose = {pose.x + move.x(), pose.y + move.y(), wrapAngle(pose.theta + move.z())};
-    if (move.head<2>().norm() < 1e-5 && std::abs(move.z()) < 1e-5) steps = step + 1;
+    const Pose2& pose = at.T_world_robot;
+    at.T_world_robot = {pose.x + move[0], pose.y + move[1], wrapAngle(pose.theta + move[2])};
+    at.lean_bias += move.tail<2>();
+    at.lean_sway -= sway_covariance * (shrink * sway_gradient + cross.transpose() * move);
+    if (move.head<2>().norm() < 1e-5 && std::abs(move[2]) < 1e-5) steps = step + 1;
   }
   return result;
 }

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "common/visual_memory/memory_snapshot.h"
 #include "localization/core/map_index.h"
 #include "localization/core/params.h"
+#include "localization/core/race.h"
 
 namespace vismem {
 
@@ -21,6 +23,8 @@ struct EvidencePoint {
   int label = 0;
   double sigma_m = 0.0;  ///< across the segment
   double weight = 0.0;   ///< independent points it stands for
+  /// How a lean of the camera moves the point [m/rad] (see Race::camera_lean); zero for remembered points.
+  Eigen::Matrix2d d_lean = Eigen::Matrix2d::Zero();
 };
 
 /// A remembered segment that can be matched with segments of the map.
@@ -31,7 +35,8 @@ struct EvidenceSegment {
 };
 
 struct RobustObservation {
-  std::vector<EvidencePoint> points;
+  std::vector<EvidencePoint> points;      ///< those of the memory first
+  std::size_t remembered = 0;             ///< how many they are
   std::vector<EvidenceSegment> segments;  ///< of the memory
   double segment_weight = 0.0;            ///< sum over the segments
   double amount = 0.0;                    ///< sum of the points' weights before the cap of `effective_points`
@@ -49,6 +54,16 @@ RobustObservation observeImage(const ImageAnalysis& analysis, const MapIndex& ma
 /// Memory, image or both, as `source` says; both must be of one stamp.
 RobustObservation observe(const MemoryUpdate& update, const MapIndex& map, const RobustParams& params);
 
+/// Where the robot and its camera may be when an image was taken.
+struct Placement {
+  Pose2 T_world_robot;
+  Eigen::Vector2d lean_bias =
+      Eigen::Vector2d::Zero();  ///< lasting lean of the camera (Race::camera_lean) [rad]
+  Eigen::Vector2d lean_sway = Eigen::Vector2d::Zero();  ///< and of this image alone [rad]
+
+  Eigen::Vector2d lean() const { return lean_bias + lean_sway; }
+};
+
 struct Rating {
   double log_likelihood = 0.0;  ///< sum of weight * log((1 - eps) exp(-d^2 / 2 sigma^2) + eps), <= 0
   double explained = 0.0;       ///< weighted share of points that agree with the map, 0..1
@@ -61,21 +76,26 @@ class RobustLikelihood {
 
   /// @param blur widens every sigma (as root sum of squares) [m]: a coarse search must not fall between
   /// narrow peaks. @param stride only every n-th point is used.
-  Rating rate(const RobustObservation& observation, const Pose2& T_world_robot, double blur_m = 0.0,
+  Rating rate(const RobustObservation& observation, const Placement& placement, double blur_m = 0.0,
               std::size_t stride = 1) const;
 
   struct Refined {
-    Pose2 T_world_robot;
-    /// Curvature of -log L (without the prior) at the result, in (x, y, theta).
-    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Placement placement;
+    /// Curvature of -log L (without the prior) at the result in (x, y, theta, lasting lean), with the lean of
+    /// this one image marginalised.
+    Matrix5d information = Matrix5d::Zero();
   };
 
   /// Gauss-Newton steps on -share * log L + the prior's squared distance.
-  /// @param prior_information about the start pose; zero for none. @param share scales the observation.
-  Refined refine(const RobustObservation& observation, const Pose2& start,
-                 const Eigen::Matrix3d& prior_information, double share, int steps, double blur_m) const;
+  /// @param prior_information about the start; zero for none. @param share scales the observation.
+  Refined refine(const RobustObservation& observation, const Placement& start,
+                 const Matrix5d& prior_information, double share, int steps, double blur_m) const;
 
  private:
+  struct Curvature;
+  Curvature curvature(std::span<const EvidencePoint> points, const Placement& placement, double share,
+                      double blur_m) const;
+  void soften(Curvature& memory) const;
   std::optional<FieldSample> sample(const EvidencePoint& point, const Eigen::Vector2d& p_world,
                                     double heading) const;
 

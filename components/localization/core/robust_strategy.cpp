@@ -17,11 +17,16 @@ constexpr std::size_t kExplorerStride = 3;
 /// Nobody knows a pose worse than this: keeps the covariance of an undetermined direction finite.
 constexpr double kLargestStd_m = 5.0;
 constexpr double kLargestStd_rad = 1.0;
+constexpr double kLeastLean_rad = 1e-6;  // a lean that is taken as known
+/// Of a camera's lasting lean, per square root of an iteration: a quarter of a degree in ten minutes.
+constexpr double kLeanWalk_rad = 1e-4;
 
-Eigen::Matrix3d broadPrior() {
-  return Eigen::Vector3d(1.0 / (kLargestStd_m * kLargestStd_m), 1.0 / (kLargestStd_m * kLargestStd_m),
-                         1.0 / (kLargestStd_rad * kLargestStd_rad))
-      .asDiagonal();
+/// What is known of any race beforehand.
+Matrix5d broadPrior(const RobustParams& params) {
+  const double bias = std::max(params.lean_bias_rad, kLeastLean_rad);
+  Vector5d std;
+  std << kLargestStd_m, kLargestStd_m, kLargestStd_rad, bias, bias;
+  return std.cwiseProduct(std).cwiseInverse().asDiagonal();
 }
 
 class RobustStrategy : public RaceStrategy {
@@ -30,7 +35,8 @@ class RobustStrategy : public RaceStrategy {
       : params_(params),
         map_(map_edges, robustIndex(params)),
         constructed_(map_),
-        likelihood_(map_, params_.robust) {}
+        likelihood_(map_, params_.robust),
+        broad_prior_(broadPrior(params_.robust)) {}
 
   bool observe(const MemoryUpdate& update) override {
     observation_ = vismem::observe(update, map_, params_.robust);
@@ -41,7 +47,7 @@ class RobustStrategy : public RaceStrategy {
     const RobustParams& robust = params_.robust;
     const double theta = race.T_world_robot.theta;
     const Eigen::Vector2d shift = transform(Pose2{0.0, 0.0, theta}, T_before_now.position());
-    Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+    Matrix5d F = Matrix5d::Identity();
     F(0, 2) = -shift.y();
     F(1, 2) = shift.x();
     const double travelled = shift.norm();
@@ -49,15 +55,11 @@ class RobustStrategy : public RaceStrategy {
     const double std_rad =
         robust.odometry_turn_share * std::abs(T_before_now.theta) + robust.odometry_turn_per_m * travelled;
     race.P = F * race.P * F.transpose();
-    race.P.diagonal() += Eigen::Vector3d(std_m * std_m, std_m * std_m, std_rad * std_rad);
+    race.P.diagonal().head<3>() += Eigen::Vector3d(std_m * std_m, std_m * std_m, std_rad * std_rad);
     race.T_world_robot = race.T_world_robot * T_before_now;
   }
 
-  void rate(Race& race) const override {
-    const Rating rating = likelihood_.rate(observation_, race.T_world_robot);
-    race.health = rating.explained;
-    race.log_likelihood = rating.log_likelihood;
-  }
+  void rate(Race& race) const override { rate(race, {race.T_world_robot, race.camera_lean}); }
 
   std::vector<Race> search(int explorers, const RaceTable& table, double reliability,
                            RandomEngine& engine) const override {
@@ -70,16 +72,17 @@ class RobustStrategy : public RaceStrategy {
       }
       if (!pose) pose = uniformExplorer(map_, params_.explorers.margin_m, engine);
       population.push_back(
-          {*pose, likelihood_.rate(observation_, *pose, kExplorerBlur_m, kExplorerStride).explained});
+          {*pose, likelihood_.rate(observation_, {*pose}, kExplorerBlur_m, kExplorerStride).explained});
     }
     std::vector<Individual> best = bestPlaces(population, params_.robust.refined_explorers,
                                               params_.explorers.list_health, table.params());
     for (Individual& one : best) {
-      one.T_world_robot = likelihood_
-                              .refine(observation_, one.T_world_robot, broadPrior(), 1.0,
-                                      params_.robust.refinement_steps, kRefinementBlur_m)
-                              .T_world_robot;
-      one.health = likelihood_.rate(observation_, one.T_world_robot).explained;
+      const Placement refined = likelihood_
+                                    .refine(observation_, {one.T_world_robot}, broad_prior_, 1.0,
+                                            params_.robust.refinement_steps, kRefinementBlur_m)
+                                    .placement;
+      one.T_world_robot = refined.T_world_robot;
+      one.health = likelihood_.rate(observation_, refined).explained;
     }
     std::vector<Race> races;
     const Race* winner = table.winner();
@@ -100,9 +103,8 @@ class RobustStrategy : public RaceStrategy {
     race.T_world_robot = T_world_robot;
     rate(race);
     race.evidence = race.log_likelihood;
-    const auto refined =
-        likelihood_.refine(observation_, T_world_robot, Eigen::Matrix3d::Zero(), 1.0, 0, 0.0);
-    race.P = (refined.information + broadPrior()).inverse();
+    const auto refined = likelihood_.refine(observation_, {T_world_robot}, broad_prior_, 1.0, 0, 0.0);
+    race.P = (refined.information + broad_prior_).inverse();
     return race;
   }
 
@@ -112,19 +114,22 @@ class RobustStrategy : public RaceStrategy {
 
   void evolve(Race& race, RandomEngine&) const override {
     const RobustParams& robust = params_.robust;
-    race.P.diagonal() += Eigen::Vector3d(robust.walk_m * robust.walk_m, robust.walk_m * robust.walk_m,
-                                         robust.walk_rad * robust.walk_rad);
-    const Eigen::Matrix3d prior =
-        robust.kalman ? Eigen::Matrix3d(race.P.inverse() + broadPrior()) : broadPrior();
+    Vector5d walk;
+    walk << robust.walk_m, robust.walk_m, robust.walk_rad, kLeanWalk_rad, kLeanWalk_rad;
+    race.P.diagonal() += walk.cwiseProduct(walk);
+    const Matrix5d prior = robust.kalman ? Matrix5d(race.P.inverse() + broad_prior_) : broad_prior_;
     // The memory repeats itself from image to image: only a share of it is new to the filter.
     const double share = robust.kalman ? robust.information_share : 1.0;
+    Placement placement{race.T_world_robot, race.camera_lean};
     if (robust.refinement_steps > 0) {
       const auto refined =
-          likelihood_.refine(observation_, race.T_world_robot, prior, share, robust.refinement_steps, 0.0);
-      race.T_world_robot = refined.T_world_robot;
+          likelihood_.refine(observation_, placement, prior, share, robust.refinement_steps, 0.0);
+      placement = refined.placement;
+      race.T_world_robot = placement.T_world_robot;
+      race.camera_lean = placement.lean_bias;
       race.P = (prior + refined.information).inverse();
     }
-    rate(race);
+    rate(race, placement);
     race.evidence = robust.forgetting * race.evidence + (1.0 - robust.forgetting) * race.log_likelihood;
   }
 
@@ -175,6 +180,12 @@ class RobustStrategy : public RaceStrategy {
   }
 
  private:
+  void rate(Race& race, const Placement& placement) const {
+    const Rating rating = likelihood_.rate(observation_, placement);
+    race.health = rating.explained;
+    race.log_likelihood = rating.log_likelihood;
+  }
+
   double bestEvidence(const RaceTable& table) const {
     double best = -1e300;
     for (const Race& race : table.races()) best = std::max(best, race.evidence);
@@ -185,6 +196,7 @@ class RobustStrategy : public RaceStrategy {
   MapIndex map_;
   ConstructedExplorers constructed_;
   RobustLikelihood likelihood_;
+  Matrix5d broad_prior_;
   RobustObservation observation_;
 };
 
