@@ -97,6 +97,7 @@ void readRobust(ConfigReader r, RobustParams& p) {
   p.walk_m = r.real("Walk_m", p.walk_m, 0.0, 1.0);
   p.walk_rad = r.angleDeg("Walk_deg", radToDeg(p.walk_rad), 0.0, 90.0);
   p.information_share = r.real("InformationShare", p.information_share, 1e-4, 1.0);
+  p.news_share = r.real("NewsShare", p.news_share, 0.0, 1.0);
   p.forgetting = r.real("Forgetting", p.forgetting, 0.0, 0.9999);
   p.lead = r.real("Lead", p.lead, 0.0, 1e6);
   p.birth_penalty = r.real("BirthPenalty", p.birth_penalty, 0.0, 1e6);

@@ -92,6 +92,9 @@ struct RobustParams {
   double walk_m = 0.01;  ///< of the pose per square root of an iteration: what odometry does not know
   double walk_rad = 0.01;
   double information_share = 0.3;   ///< of one observation that is new since the last iteration
+  /// Evidence is the mean of some 1 / (1 - forgetting) observations, of which this share is news: so many
+  /// times it counts when shares of belief are made of it (but at least once).
+  double news_share = 0.15;
   double forgetting = 0.95;         ///< of evidence per iteration; 0: the last observation alone
   double lead = 1.5;                ///< evidence [nats] by which a rival must lead to become the winner
   double birth_penalty = 1.0;       ///< evidence [nats] a new race starts behind a reliable winner

@@ -149,10 +149,14 @@ class RobustStrategy : public RaceStrategy {
 
   std::vector<double> weights(const RaceTable& table) const override {
     const double best = bestEvidence(table);
+    const double worth = std::max(1.0, params_.robust.news_share / (1.0 - params_.robust.forgetting));
     std::vector<double> shares;
     double sum = 0.0;
-    for (const Race& race : table.races()) sum += std::exp(race.evidence - best);
-    for (const Race& race : table.races()) shares.push_back(std::exp(race.evidence - best) / sum);
+    for (const Race& race : table.races()) {
+      shares.push_back(std::exp(worth * (race.evidence - best)));
+      sum += shares.back();
+    }
+    for (double& share : shares) share /= sum;
     return shares;
   }
 
