@@ -144,16 +144,11 @@ TEST_F(BaseServer, StandsBeforeItEndsOnSigterm) {
 TEST_F(BaseServer, ServesAPioneerThatComesAndGoes) {
   P2osRobot robot;
   robot.unplug();
-  ComponentProcess server(
-      "base_server", {kEndpoint, "--BaseServer.Driver=pioneer", "--BaseServer.Port=" + robot.path(),
-                      "--BaseServer.Acceleration_mps2=3"});
+  ComponentProcess server("base_server",
+                          {kEndpoint, "--BaseServer.Driver=pioneer", "--BaseServer.Port=" + robot.path(),
+                           "--BaseServer.Acceleration_mps2=3"});
   ASSERT_TRUE(server.waitUntilReady());
   const auto status = ice.find<avm::ComponentPrx>(server, "base_server/component");
-  const auto eventually = [&](const std::function<bool()>& condition) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (!condition() && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(20ms);
-    return condition();
-  };
   EXPECT_TRUE(eventually([&] { return status->getStatus().state == avm::ComponentState::Degraded; }));
   EXPECT_EQ(status->getStatus().reason, "base: " + robot.path() + ": no such device");
   robot.plugIn();

@@ -305,9 +305,9 @@ TEST(CameraServerConfig, SeveralCamerasEachWithItsOwnKeys) {
 TEST(CameraServerConfig, NamesEverythingThatIsWrong) {
   EXPECT_THAT(problemsOf(""),
               ElementsAre("a.cfg: missing key \"CameraServer.Camera.cameraA.Driver\" (must be a driver: "
-                          "files, pattern)"));
-  EXPECT_THAT(problemsOf("CameraServer.Camera.cameraA.Driver=v4l\n"),
-              ElementsAre(HasSubstr("Driver = v4l (unknown driver; must be one of: files, pattern)")));
+                          "files, pattern, v4l2)"));
+  EXPECT_THAT(problemsOf("CameraServer.Camera.cameraA.Driver=usb\n"),
+              ElementsAre(HasSubstr("Driver = usb (unknown driver; must be one of: files, pattern, v4l2)")));
   EXPECT_THAT(problemsOf("CameraServer.Camera.cam/1.Driver=pattern\n"),
               ElementsAre(HasSubstr("a camera's name must be of letters, digits, _ and -")));
   const std::string camera = "CameraServer.Camera.cameraA.Driver=pattern\nCameraServer.Camera.cameraA.";

@@ -166,7 +166,7 @@ TEST(CameraServer, NamesWhatIsWrongWithItsConfiguration) {
   EXPECT_EQ(server.waitForExit(kPatience), 2);
   EXPECT_THAT(server.error(),
               HasSubstr("CameraServer.Camera.cameraA.Driver = film (unknown driver (did you mean "
-                        "\"files\"?); must be one of: files, pattern)"));
+                        "\"files\"?); must be one of: files, pattern, v4l2)"));
   EXPECT_THAT(server.error(), HasSubstr("CameraServer.Camera.rear.Bars = 1 (must be 2..64)"));
   EXPECT_THAT(server.error(), HasSubstr("unknown key \"CameraServer.Camera.rear.Wdth_px\" (did you mean "
                                         "\"CameraServer.Camera.rear.Width_px\"?)"));

@@ -9,6 +9,7 @@
 #include "drivers/pololu_maestro/maestro_codec.h"
 #include "drivers/pololu_maestro/maestro_pan_tilt.h"
 #include "support/emulated_maestro.h"
+#include "support/eventually.h"
 
 namespace vismem {
 namespace {
@@ -16,8 +17,6 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
-
-constexpr auto kPatience = 20s;
 
 TEST(MaestroCodec, AsksAsPololusOwnSoftware) {
   const auto target = maestro::setTarget(2, 6000);
@@ -68,15 +67,6 @@ TEST(MaestroCodec, TurnsAnglesIntoPulses) {
   const maestro::Pulse inverted{1500.0, -radToDeg(10.0)};
   EXPECT_EQ(inverted.target_qus(degToRad(45.0)), 4 * 1050);
   EXPECT_EQ(inverted.speed(degToRad(100.0)), 40);
-}
-
-bool eventually(const std::function<bool()>& condition) {
-  const auto deadline = Clock::now() + kPatience;
-  while (!condition()) {
-    if (Clock::now() > deadline) return false;
-    std::this_thread::sleep_for(2ms);
-  }
-  return true;
 }
 
 class MaestroTest : public testing::Test {

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "common/robot/samples.h"
+#include "support/eventually.h"
 #include "support/p2os_robot.h"
 
 namespace vismem {
@@ -19,17 +20,7 @@ using testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 using Faults = P2osRobot::Faults;
 
-constexpr auto kPatience = 20s;
 constexpr StampUs kEverything = std::numeric_limits<StampUs>::min();
-
-bool eventually(const std::function<bool()>& condition) {
-  const auto deadline = Clock::now() + kPatience;
-  while (!condition()) {
-    if (Clock::now() > deadline) return false;
-    std::this_thread::sleep_for(2ms);
-  }
-  return true;
-}
 
 class PioneerTest : public testing::Test {
  protected:

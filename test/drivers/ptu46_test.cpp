@@ -8,6 +8,7 @@
 #include "common/geometry/angles.h"
 #include "drivers/ptu46/ptu46_codec.h"
 #include "drivers/ptu46/ptu46_unit.h"
+#include "support/eventually.h"
 #include "support/ptu46_device.h"
 
 namespace vismem {
@@ -21,7 +22,6 @@ using testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 using Faults = Ptu46Device::Faults;
 
-constexpr auto kPatience = 20s;
 constexpr double kStep_rad = 185.142853 / 3600.0 * std::numbers::pi / 180.0;
 
 std::vector<Reply> repliesIn(const std::string& stream, std::size_t piece) {
@@ -88,15 +88,6 @@ TEST(Ptu46Codec, LetsGoOfGarbageThatNeverEnds) {
   EXPECT_EQ(found->text, "3");
 }
 
-bool eventually(const std::function<bool()>& condition) {
-  const auto deadline = Clock::now() + kPatience;
-  while (!condition()) {
-    if (Clock::now() > deadline) return false;
-    std::this_thread::sleep_for(2ms);
-  }
-  return true;
-}
-
 class Ptu46Test : public testing::Test {
  protected:
   Ptu46Unit& unit(const std::function<void(Ptu46Unit::Params&)>& change = [](auto&) {}) {
@@ -132,8 +123,7 @@ TEST_F(Ptu46Test, GoesWhereItIsToldInTheUnitsSteps) {
   // Slower than the unit can: the nearest that it can.
   const PortReply slow = velocity(20 * kStep_rad, 10 * kStep_rad);
   EXPECT_EQ(slow.kind, PortReply::Kind::kAdjusted);
-  EXPECT_THAT(slow.message,
-              HasSubstr("pan rate 1.02857 deg/s to 1.59429 (the slowest is 1.59429)"));
+  EXPECT_THAT(slow.message, HasSubstr("pan rate 1.02857 deg/s to 1.59429 (the slowest is 1.59429)"));
   EXPECT_THAT(slow.message, HasSubstr("tilt rate 0.514286 deg/s to 0 ("));
   EXPECT_TRUE(eventually([&] { return device.position()[0] > 1002.0; }));
   unit().stop();

@@ -13,6 +13,8 @@
 #include <thread>
 #include <utility>
 
+#include "support/eventually.h"
+
 namespace vismem {
 
 inline Ice::InitializationData quietIce() {
@@ -61,15 +63,5 @@ class LoopbackClient {
  private:
   Ice::CommunicatorHolder communicator_;
 };
-
-/// Waits for a condition with a deadline that only a failure meets.
-inline bool eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (std::chrono::steady_clock::now() < deadline) {
-    if (condition()) return true;
-    std::this_thread::yield();
-  }
-  return condition();
-}
 
 }  // namespace vismem

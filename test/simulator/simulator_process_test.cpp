@@ -21,15 +21,6 @@ const std::string kConfig = "--Ice.Config=" VISMEM_SOURCE_DIR "/cfg/sim/simulato
 const std::string kWorld = "--Simulator.World=" VISMEM_SOURCE_DIR "/cfg/worlds/corridor.world";
 const std::string kEndpoint = "--Simulator.Endpoints=tcp -h 127.0.0.1 -p 0";
 
-template <typename Condition>
-bool waitFor(Condition&& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (std::chrono::steady_clock::now() < deadline) {
-    if (condition()) return true;
-  }
-  return false;
-}
-
 TEST(SimulatorProcess, ServesARobotThatSeesMovesAndCanBeKidnapped) {
   ComponentProcess process("simulator", {kConfig, kWorld, kEndpoint});
   ASSERT_TRUE(process.waitUntilReady());
@@ -42,19 +33,19 @@ TEST(SimulatorProcess, ServesARobotThatSeesMovesAndCanBeKidnapped) {
   RemoteSimulation simulation(Ice::uncheckedCast<avm::SimulationPrx>(proxy("Simulation")));
 
   FrameResult first;
-  ASSERT_TRUE(waitFor([&] { return (first = camera.next(500ms)).frame.has_value(); })) << first.message;
+  ASSERT_TRUE(eventually([&] { return (first = camera.next(500ms)).frame.has_value(); })) << first.message;
   EXPECT_EQ(first.frame->image.cols, 320);
   EXPECT_EQ(first.frame->image.rows, 240);
   FrameResult second;
-  ASSERT_TRUE(waitFor([&] { return (second = camera.next(500ms)).frame.has_value(); }));
+  ASSERT_TRUE(eventually([&] { return (second = camera.next(500ms)).frame.has_value(); }));
   EXPECT_GT(second.frame->stamp_us, first.frame->stamp_us);
 
   ASSERT_TRUE(pan_tilt.command({PanTiltCommand::Kind::kPosition, 0.5, -0.3, 0.0, 0.0}).ok());
-  EXPECT_TRUE(waitFor([&] {
+  EXPECT_TRUE(eventually([&] {
     const auto batch = pan_tilt.samplesSince(-1, 500ms);
     return !batch.samples.empty() && std::abs(batch.samples.back().pan_rad - 0.5) < 1e-3;
   }));
-  EXPECT_TRUE(waitFor([&] {
+  EXPECT_TRUE(eventually([&] {
     EXPECT_TRUE(base.setVelocity(0.3, 0.0).ok());
     const auto batch = base.samplesSince(-1, 500ms);
     return !batch.samples.empty() && batch.samples.back().T_odom_robot.x > 0.05;
@@ -62,7 +53,7 @@ TEST(SimulatorProcess, ServesARobotThatSeesMovesAndCanBeKidnapped) {
 
   EXPECT_FALSE(simulation.kidnap({0.0, 0.0, 0.0}).ok()) << "inside the core";
   ASSERT_TRUE(simulation.kidnap({4.25, 0.0, 1.0}).ok());
-  EXPECT_TRUE(waitFor([&] {
+  EXPECT_TRUE(eventually([&] {
     const auto truth = simulation.truthSince(-1, 500ms);
     return !truth.samples.empty() && truth.samples.back().kidnaps == 1 &&
            std::abs(truth.samples.back().T_world_robot.x - 4.25) < 0.5;
@@ -75,7 +66,7 @@ TEST(SimulatorProcess, ServesARobotThatSeesMovesAndCanBeKidnapped) {
   EXPECT_EQ(simulation.status().stamp_us, paused.stamp_us);
   EXPECT_FALSE(simulation.setSpeed(0.0).ok());
   EXPECT_TRUE(simulation.resume().ok());
-  EXPECT_TRUE(waitFor([&] { return simulation.status().stamp_us > paused.stamp_us; }));
+  EXPECT_TRUE(eventually([&] { return simulation.status().stamp_us > paused.stamp_us; }));
 
   ASSERT_TRUE(process.signal(SIGTERM));
   EXPECT_EQ(process.waitForExit(kPatience), 0) << process.error();
@@ -105,7 +96,7 @@ TEST(SimulatorProcess, InLockStepTimeWaitsForWhoTakesImages) {
     EXPECT_EQ(simulation.status().stamp_us, last_us);
   }
   ASSERT_TRUE(simulation.setLockStep(0).ok());
-  EXPECT_TRUE(waitFor([&] { return simulation.status().stamp_us > last_us + 100'000; }));
+  EXPECT_TRUE(eventually([&] { return simulation.status().stamp_us > last_us + 100'000; }));
 }
 
 TEST(SimulatorProcess, ShowsTruthBesideImagesAndStartsAgainWhenReset) {
@@ -133,7 +124,7 @@ TEST(SimulatorProcess, ShowsTruthBesideImagesAndStartsAgainWhenReset) {
   EXPECT_THAT(simulation.playScenario("scenario 1\nat\n").message, HasSubstr("scenario:2: \"at\""));
   EXPECT_TRUE(simulation.playScenario("scenario 1\nat 0.5 kidnap at_m=-4.25,0\n").ok());
   EXPECT_TRUE(simulation.step(60).ok());
-  EXPECT_TRUE(waitFor([&] {
+  EXPECT_TRUE(eventually([&] {
     const auto truth = simulation.truthSince(-1, 500ms);
     return !truth.samples.empty() && truth.samples.back().kidnaps == 1;
   }));

@@ -11,12 +11,9 @@
 
 #include "common/process/child_process.h"
 #include "common/process/ready_line.h"
+#include "support/eventually.h"
 
 namespace vismem {
-
-/// How long a test waits for what must happen. Generous, because the machine may be busy; nothing waits that
-/// long unless something is wrong.
-inline constexpr std::chrono::seconds kPatience{20};
 
 /// A program of the build with its arguments. Ask for ephemeral ports, so that tests run side by side:
 ///

@@ -3,145 +3,128 @@
 #include <sys/ioctl.h>
 // After sys/ioctl.h, which it needs and does not name.
 #include <linux/usbdevice_fs.h>
-#include <umockdev.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <deque>
+#include <functional>
 #include <iomanip>
+#include <optional>
 #include <sstream>
-#include <stdexcept>
 #include <utility>
+
+#include "support/emulated_node.h"
 
 namespace vismem {
 namespace {
 
-constexpr char kDevice[] = "/sys/devices/usb1/1-1";
-constexpr char kNode[] = "/dev/bus/usb/001/002";
-
-/// The handler of the node's ioctls, as GObject wants it.
-struct Handler {
-  UMockdevIoctlBase parent;
-  EmulatedMaestro* maestro;
-  std::deque<gulong>* done;
-  UMockdevIoctlData* unanswered;  ///< a transfer that waits until it is given up
-};
-struct HandlerClass {
-  UMockdevIoctlBaseClass parent;
-};
-gboolean handleIoctl(UMockdevIoctlBase* base, UMockdevIoctlClient* client);
-void initialiseClass(gpointer handlers, gpointer) {
-  static_cast<HandlerClass*>(handlers)->parent.handle_ioctl = handleIoctl;
-}
-GType handlerType() {
-  static const GType type =
-      g_type_register_static_simple(UMOCKDEV_TYPE_IOCTL_BASE, "VismemMaestroHandler", sizeof(HandlerClass),
-                                    initialiseClass, sizeof(Handler), nullptr, G_TYPE_FLAG_NONE);
-  return type;
+/// The device and configuration descriptors.
+std::string descriptorsOf(std::uint16_t product) {
+  std::ostringstream hex;
+  hex << std::hex << std::setfill('0');
+  // Device: USB 2.0, vendor-specific, 64 bytes, vendor, product, release 1.00, strings 1, 2, 3, one
+  // configuration; configuration: 9 + 9 bytes, one interface of vendor class without endpoints.
+  const std::string low_high{static_cast<char>(product & 0xFFU), static_cast<char>(product >> 8U)};
+  using namespace std::string_literals;
+  const std::string bytes = "\x12\x01\x00\x02\xff\x00\x00\x40\xfb\x1f"s + low_high +
+                            "\x00\x01\x01\x02\x03\x01"s +
+                            "\x09\x02\x12\x00\x01\x01\x00\xc0\x32\x09\x04\x00\x00\x00\xff\x00\x00\x00"s;
+  for (const char c : bytes) hex << std::setw(2) << (static_cast<unsigned>(c) & 0xFFU);
+  return hex.str();
 }
 
-UMockdevIoctlData* resolve(UMockdevIoctlData* from, gsize offset, gsize size) {
-  GError* error = nullptr;
-  UMockdevIoctlData* data =
-      umockdev_ioctl_data_resolve(from, static_cast<gint>(offset), static_cast<gint>(size), &error);
-  if (error != nullptr) {
-    const std::string what = error->message;
-    g_error_free(error);
-    throw std::runtime_error(what);
-  }
-  return data;
-}
-
-gboolean handleIoctl(UMockdevIoctlBase* base, UMockdevIoctlClient* client) {
-  auto* handler = reinterpret_cast<Handler*>(base);
-  const auto request = static_cast<unsigned>(umockdev_ioctl_client_get_request(client) & 0xFFFFFFFFU);
-  const auto complete = [client](long result, int error) {
-    umockdev_ioctl_client_complete(client, result, error);
-    return TRUE;
-  };
-  if (!handler->maestro->plugged()) return complete(-1, ENODEV);
-  UMockdevIoctlData* arg = umockdev_ioctl_client_get_arg(client);
-  switch (request) {
-    case USBDEVFS_GET_CAPABILITIES: {
-      UMockdevIoctlData* capabilities = resolve(arg, 0, sizeof(std::uint32_t));
-      const std::uint32_t none = 0;
-      std::memcpy(capabilities->data, &none, sizeof none);
-      umockdev_ioctl_data_update(capabilities, 0, capabilities->data, static_cast<gint>(sizeof none));
-      g_object_unref(capabilities);
-      return complete(0, 0);
-    }
-    case USBDEVFS_SUBMITURB: {
-      UMockdevIoctlData* urb_data = resolve(arg, 0, sizeof(usbdevfs_urb));
-      auto* urb = reinterpret_cast<usbdevfs_urb*>(urb_data->data);
-      UMockdevIoctlData* buffer =
-          resolve(urb_data, offsetof(usbdevfs_urb, buffer), static_cast<gsize>(urb->buffer_length));
-      const gulong address = urb_data->client_addr;
-      if (handler->maestro->silent()) {
-        handler->unanswered = static_cast<UMockdevIoctlData*>(g_object_ref(urb_data));
-      } else {
-        std::array<std::uint8_t, 8> setup{};
-        std::memcpy(setup.data(), buffer->data, setup.size());
-        const auto transfer = handler->maestro->control(setup);
-        urb->status = transfer.status;
-        urb->actual_length = static_cast<int>(transfer.data.size());
-        std::copy(transfer.data.begin(), transfer.data.end(), buffer->data + 8);
-        umockdev_ioctl_data_update(buffer, 0, buffer->data, buffer->data_len);
-        umockdev_ioctl_data_update(urb_data, 0, urb_data->data, static_cast<gint>(sizeof(usbdevfs_urb)));
-        handler->done->push_back(address);
-      }
-      g_object_unref(buffer);
-      g_object_unref(urb_data);
-      return complete(0, 0);
-    }
-    case USBDEVFS_REAPURB:
-    case USBDEVFS_REAPURBNDELAY: {
-      if (handler->done->empty()) return complete(-1, EAGAIN);
-      const gulong address = handler->done->front();
-      handler->done->pop_front();
-      UMockdevIoctlData* pointer = resolve(arg, 0, sizeof(void*));
-      std::memcpy(pointer->data, &address, sizeof address);
-      umockdev_ioctl_data_update(pointer, 0, pointer->data, static_cast<gint>(sizeof address));
-      g_object_unref(pointer);
-      return complete(0, 0);
-    }
-    case USBDEVFS_DISCARDURB: {
-      if (handler->unanswered == nullptr) return complete(-1, EINVAL);
-      UMockdevIoctlData* given_up = std::exchange(handler->unanswered, nullptr);
-      reinterpret_cast<usbdevfs_urb*>(given_up->data)->status = -ENOENT;
-      umockdev_ioctl_data_update(given_up, 0, given_up->data, static_cast<gint>(sizeof(usbdevfs_urb)));
-      handler->done->push_back(given_up->client_addr);
-      g_object_unref(given_up);
-      return complete(0, 0);
-    }
-    default:
-      return complete(0, 0);
-  }
+EmulatedNode::Description describe(std::uint16_t product, int number) {
+  std::ostringstream id;
+  id << std::hex << std::setfill('0') << std::setw(4) << product;
+  const std::string port = std::to_string(number);
+  const std::string address = "00" + std::to_string(number + 1);
+  const std::string device = "/devices/usb1/1-" + port;
+  const std::string node = "bus/usb/001/" + address;
+  return {
+      "/sys" + device, "/dev/" + node,
+      "P: " + device + "\nN: " + node +
+          "\nE: DEVTYPE=usb_device\nE: SUBSYSTEM=usb\nE: BUSNUM=001\nE: DEVNUM=" + address +
+          "\nE: MAJOR=189\nE: MINOR=" + port + "\nE: DEVNAME=/dev/" + node +
+          "\nA: busnum=1\\n\nA: devnum=" + std::to_string(number + 1) +
+          "\\n\nA: speed=12\\n\nA: bConfigurationValue=1\\n\nA: idVendor=1ffb\\n\nA: idProduct=" + id.str() +
+          "\\n\nA: dev=189:" + port + "\\n\nH: descriptors=" + descriptorsOf(product) + "\n\n"};
 }
 
 }  // namespace
 
+/// The node as usbfs has it: what a transfer's ioctls do.
 struct EmulatedMaestro::Node {
-  UMockdevTestbed* testbed = umockdev_testbed_new();
-  Handler* handler = nullptr;
-  std::deque<gulong> done;
-  std::atomic<bool> plugged = false;
-  ~Node() {
-    if (handler != nullptr) g_object_unref(handler);
-    g_object_unref(testbed);
-  }
+  Node(EmulatedMaestro& maestro, std::uint16_t product, int number)
+      : node(describe(product, number), [this, &maestro](unsigned code, const auto& argument) {
+          return handle(maestro, code, argument);
+        }) {}
+
+  IoctlAnswer handle(EmulatedMaestro& maestro, unsigned code,
+                     const std::function<IoctlMemory(std::size_t)>& argument);
+
+  std::deque<std::uint64_t> done;         ///< transfers that are to be reaped
+  std::optional<IoctlMemory> unanswered;  ///< a transfer that waits until it is given up
+  EmulatedNode node;                      ///< last: ends before what it uses
 };
 
-EmulatedMaestro::EmulatedMaestro(std::uint16_t product, const std::string& serial)
+IoctlAnswer EmulatedMaestro::Node::handle(EmulatedMaestro& maestro, unsigned code,
+                                          const std::function<IoctlMemory(std::size_t)>& argument) {
+  switch (code) {
+    case USBDEVFS_GET_CAPABILITIES: {
+      const IoctlMemory capabilities = argument(sizeof(std::uint32_t));
+      capabilities.as<std::uint32_t>() = 0;
+      capabilities.commit();
+      return {};
+    }
+    case USBDEVFS_SUBMITURB: {
+      const IoctlMemory transfer = argument(sizeof(usbdevfs_urb));
+      auto& urb = transfer.as<usbdevfs_urb>();
+      if (maestro.silent()) {
+        unanswered.emplace(transfer);
+        return {};
+      }
+      const IoctlMemory buffer =
+          transfer.at(offsetof(usbdevfs_urb, buffer), static_cast<std::size_t>(urb.buffer_length));
+      std::array<std::uint8_t, 8> setup{};
+      std::memcpy(setup.data(), buffer.bytes(), setup.size());
+      const Transfer answer = maestro.control(setup);
+      urb.status = answer.status;
+      urb.actual_length = static_cast<int>(answer.data.size());
+      std::copy(answer.data.begin(), answer.data.end(), buffer.bytes() + setup.size());
+      buffer.commit();
+      transfer.commit();
+      done.push_back(transfer.address());
+      return {};
+    }
+    case USBDEVFS_REAPURB:
+    case USBDEVFS_REAPURBNDELAY: {
+      if (done.empty()) return IoctlAnswer::failed(EAGAIN);
+      const IoctlMemory pointer = argument(sizeof(void*));
+      pointer.as<std::uint64_t>() = done.front();
+      pointer.commit();
+      done.pop_front();
+      return {};
+    }
+    case USBDEVFS_DISCARDURB: {
+      if (!unanswered) return IoctlAnswer::failed(EINVAL);
+      unanswered->as<usbdevfs_urb>().status = -ENOENT;
+      unanswered->commit();
+      done.push_back(unanswered->address());
+      unanswered.reset();
+      return {};
+    }
+    default:
+      return {};
+  }
+}
+
+EmulatedMaestro::EmulatedMaestro(std::uint16_t product, const std::string& serial, int number)
     : product_(product),
       serial_(serial),
       servos_(product == 0x0089 ? 6U : 12U),
-      node_(std::make_unique<Node>()) {
-  if (umockdev_in_mock_environment() == FALSE) {
-    throw std::runtime_error("not under umockdev: run this test by ctest, or behind umockdev-wrapper");
-  }
+      node_(std::make_unique<Node>(*this, product, number)) {
   plugIn();
 }
 
@@ -150,86 +133,11 @@ EmulatedMaestro::~EmulatedMaestro() {
 }
 
 void EmulatedMaestro::plugIn() {
-  if (node_->plugged) return;
-  std::ostringstream hex;
-  hex << std::hex << std::setfill('0');
-  const auto byte = [&](unsigned value) { hex << std::setw(2) << (value & 0xFFU); };
-  // Device: USB 2.0, vendor-specific, 64 bytes, vendor, product, release 1.00, strings 1, 2, 3, one
-  // configuration; configuration: 9 + 9 bytes, one interface of vendor class without endpoints.
-  const std::array<unsigned, 36> descriptors{0x12,
-                                             1,
-                                             0,
-                                             2,
-                                             0xff,
-                                             0,
-                                             0,
-                                             64,
-                                             0xfb,
-                                             0x1f,
-                                             product_ & 0xFFU,
-                                             static_cast<unsigned>(product_) >> 8U,
-                                             0,
-                                             1,
-                                             1,
-                                             2,
-                                             3,
-                                             1,
-                                             9,
-                                             2,
-                                             18,
-                                             0,
-                                             1,
-                                             1,
-                                             0,
-                                             0xc0,
-                                             50,
-                                             9,
-                                             4,
-                                             0,
-                                             0,
-                                             0,
-                                             0xff,
-                                             0,
-                                             0,
-                                             0};
-  for (const unsigned value : descriptors) byte(value);
-  std::ostringstream product;
-  product << std::hex << std::setfill('0') << std::setw(4) << product_;
-  const std::string description =
-      "P: /devices/usb1/1-1\nN: bus/usb/001/002\nE: DEVTYPE=usb_device\nE: SUBSYSTEM=usb\n"
-      "E: BUSNUM=001\nE: DEVNUM=002\nE: MAJOR=189\nE: MINOR=1\n"
-      "E: DEVNAME=/dev/bus/usb/001/002\n"
-      "A: busnum=1\\n\nA: devnum=2\\n\nA: speed=12\\n\nA: bConfigurationValue=1\\n\n"
-      "A: idVendor=1ffb\\n\nA: idProduct=" +
-      product.str() + "\\n\nA: dev=189:1\\n\nH: descriptors=" + hex.str() + "\n\n";
-  GError* error = nullptr;
-  if (umockdev_testbed_add_from_string(node_->testbed, description.c_str(), &error) == FALSE) {
-    throw std::runtime_error(error->message);
-  }
-  if (node_->handler == nullptr) {
-    node_->handler = static_cast<Handler*>(g_object_new(handlerType(), nullptr));
-    node_->handler->maestro = this;
-    node_->handler->done = &node_->done;
-    node_->handler->unanswered = nullptr;
-  }
-  if (umockdev_testbed_attach_ioctl(node_->testbed, kNode,
-                                    reinterpret_cast<UMockdevIoctlBase*>(node_->handler), &error) == FALSE) {
-    throw std::runtime_error(error->message);
-  }
-  node_->plugged = true;
+  node_->node.plugIn();
 }
 
 void EmulatedMaestro::unplug() {
-  if (!node_->plugged.exchange(false)) return;
-  GError* error = nullptr;
-  umockdev_testbed_detach_ioctl(node_->testbed, kNode, &error);
-  if (error != nullptr) g_error_free(error);
-  umockdev_testbed_uevent(node_->testbed, kDevice, "remove");
-  umockdev_testbed_remove_device(node_->testbed, kDevice);
-}
-
-bool EmulatedMaestro::plugged() const {
-  return node_->plugged;
+  node_->node.unplug();
 }
 
 bool EmulatedMaestro::silent() {

@@ -16,7 +16,9 @@ namespace vismem {
 class EmulatedMaestro {
  public:
   /// @param product 0x0089 is a Micro Maestro 6, 0x008A a Mini Maestro 12. Plugged in.
-  explicit EmulatedMaestro(std::uint16_t product = 0x0089, const std::string& serial = "00012345");
+  /// @param number of its USB port, from 1; each only once.
+  explicit EmulatedMaestro(std::uint16_t product = 0x0089, const std::string& serial = "00012345",
+                           int number = 1);
   ~EmulatedMaestro();
 
   void unplug();
@@ -39,7 +41,6 @@ class EmulatedMaestro {
   };
   Transfer control(const std::array<std::uint8_t, 8>& setup);
   bool silent();
-  bool plugged() const;
 
  private:
   using Clock = std::chrono::steady_clock;

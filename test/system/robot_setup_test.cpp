@@ -1,6 +1,6 @@
 // The setup of a robot (cfg/robot): the whole application starts without the devices, names them, and runs
-// once they appear. The devices are emulated: a robot and a pan-tilt unit on pseudo terminals, a camera by
-// HTTP.
+// once they appear. The devices are emulated: a robot and a pan-tilt unit on pseudo terminals, a camera on
+// umockdev.
 #include <avm/component.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <memory>
 #include <thread>
 
+#include "support/emulated_camera.h"
 #include "support/ice_client.h"
-#include "support/mjpeg_server.h"
 #include "support/p2os_robot.h"
 #include "support/ptu46_device.h"
 
@@ -42,14 +42,6 @@ class RobotSetup : public testing::Test {
     eventually([&] { return !status(process, name).reason.empty(); });
     return status(process, name).reason;
   }
-  static bool eventually(const std::function<bool()>& condition) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > deadline) return false;
-      std::this_thread::sleep_for(50ms);
-    }
-    return true;
-  }
 
   IceClient ice;
 };
@@ -60,7 +52,7 @@ TEST_F(RobotSetup, NamesTheDevicesThatAreAbsent) {
   const auto camera = start("camera_server", "CameraServer");
   EXPECT_EQ(reason(*base, "base_server"), "base: /dev/ttyPIONEER: no such device");
   EXPECT_EQ(reason(*pan_tilt, "pantilt_server"), "pan-tilt unit: /dev/ttyPTU: no such device");
-  EXPECT_THAT(reason(*camera, "camera_server"), HasSubstr("http://127.0.0.1:8080/stream"));
+  EXPECT_EQ(reason(*camera, "camera_server"), "cameraA: /dev/videoROBOT: no such device");
 }
 
 TEST_F(RobotSetup, RunsOnceTheDevicesAppear) {
@@ -68,11 +60,12 @@ TEST_F(RobotSetup, RunsOnceTheDevicesAppear) {
   Ptu46Device unit;
   robot.unplug();
   unit.unplug();
-  const MjpegServer stream(MjpegServer::Manner::kSteady);
+  EmulatedCamera webcam;
+  webcam.unplug();
   const auto base = start("base_server", "BaseServer", {"--BaseServer.Port=" + robot.path()});
   const auto pan_tilt = start("pantilt_server", "PanTiltServer", {"--PanTiltServer.Port=" + unit.path()});
   const auto camera =
-      start("camera_server", "CameraServer", {"--CameraServer.Camera.cameraA.Source=" + stream.url()});
+      start("camera_server", "CameraServer", {"--CameraServer.Camera.cameraA.Device=" + webcam.path()});
   const auto memory = start("active_visual_memory", "ActiveVisualMemory",
                             {"--ActiveVisualMemory.Camera.Proxy=" + camera->proxy("cameraA"),
                              "--ActiveVisualMemory.PanTilt.Proxy=" + pan_tilt->proxy("PanTilt"),
@@ -81,8 +74,10 @@ TEST_F(RobotSetup, RunsOnceTheDevicesAppear) {
                                   {"--Localization.VisualMemory.Proxy=" + memory->proxy("VisualMemory")});
   EXPECT_THAT(reason(*base, "base_server"), HasSubstr("no such device"));
   EXPECT_THAT(reason(*pan_tilt, "pantilt_server"), HasSubstr("no such device"));
+  EXPECT_EQ(reason(*camera, "camera_server"), "cameraA: /dev/video0: no such device");
   robot.plugIn();
   unit.plugIn();
+  webcam.plugIn();
   for (const auto& [process, name] : {std::pair{base.get(), "base_server"},
                                       {pan_tilt.get(), "pantilt_server"},
                                       {camera.get(), "camera_server"},

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <thread>
@@ -58,12 +59,9 @@ std::int64_t totalOf(avm::ComponentPrx& component, const std::string& rate) {
   return 0;
 }
 
-bool eventually(const std::function<bool()>& condition) {
-  for (const auto deadline = Clock::now() + 2 * kPatience; Clock::now() < deadline;) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(20ms);
-  }
-  return condition();
+/// Two components that find each other again take longer than one.
+bool settles(const std::function<bool()>& condition) {
+  return eventually(condition, 2 * kPatience);
 }
 
 /// The two components of the chapter as cfg/sim configures them, but for their proxies.
@@ -85,13 +83,13 @@ void expectTheyWorkOn(const Robot& robot, Processes& processes, const std::strin
   const auto memory_status = ice.find<avm::ComponentPrx>(memory, "active_visual_memory/component");
   const auto localization_status = ice.find<avm::ComponentPrx>(localization, "localization/component");
   constexpr std::int64_t kEnough = 10;
-  EXPECT_TRUE(eventually([&] { return totalOf(*memory_status, "frames") >= kEnough; }))
+  EXPECT_TRUE(settles([&] { return totalOf(*memory_status, "frames") >= kEnough; }))
       << "frames: " << totalOf(*memory_status, "frames") << "\n"
       << memory.error();
-  EXPECT_TRUE(eventually([&] { return totalOf(*memory_status, "iterations") >= kEnough; }))
+  EXPECT_TRUE(settles([&] { return totalOf(*memory_status, "iterations") >= kEnough; }))
       << "images in the memory: " << totalOf(*memory_status, "iterations") << "\n"
       << memory.error();
-  EXPECT_TRUE(eventually([&] { return totalOf(*localization_status, "estimates") >= kEnough; }))
+  EXPECT_TRUE(settles([&] { return totalOf(*localization_status, "estimates") >= kEnough; }))
       << "estimates: " << totalOf(*localization_status, "estimates") << "\n"
       << localization.error();
   const auto update = ice.find<avm::VisualMemoryPrx>(memory, "VisualMemory")->next(0);

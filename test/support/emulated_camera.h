@@ -1,0 +1,120 @@
+/// @file A camera of V4L2 for tests of its driver, on umockdev: its ioctls, and buffers in a file that stands
+/// for the device. What the kernel does beyond that (poll, time-outs) is not emulated: poll always says that
+/// there is a picture.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "support/emulated_node.h"
+
+namespace vismem {
+
+class EmulatedCamera {
+ public:
+  struct Mode {
+    std::string fourcc;  ///< "YUYV"
+    int width = 0;
+    int height = 0;
+    std::vector<int> rates_hz;
+    /// Sizes from 16x16 up to this in steps of 16, as some converters have it.
+    bool in_steps = false;
+  };
+  struct Control {
+    std::uint32_t id = 0;
+    std::string title;  ///< "Exposure Time, Absolute"
+    int type = 1;       ///< V4L2_CTRL_TYPE_INTEGER
+    int minimum = 0;
+    int maximum = 255;
+    int step = 1;
+    int value = 0;
+    bool write_only = false;  ///< reading gives EACCES
+  };
+  struct Description {
+    int number = 0;  ///< /dev/videoNUMBER
+    std::string card = "Emulated Camera";
+    std::vector<Mode> modes = {{"YUYV", 320, 240, {50, 30, 15}},
+                               {"YUYV", 640, 480, {30, 15}},
+                               {"MJPG", 320, 240, {50, 30}},
+                               {"MJPG", 1280, 720, {30}},
+                               {"YUYV", 1280, 720, {10}}};
+    std::vector<Control> controls;
+    bool captures = true;  ///< else it is a node of another kind, such as uvcvideo's for metadata
+  };
+
+  /// Plugged in.
+  explicit EmulatedCamera(Description description);
+  EmulatedCamera() : EmulatedCamera(Description()) {}
+  ~EmulatedCamera();
+
+  std::string path() const { return "/dev/video" + std::to_string(description_.number); }
+  void unplug();
+  void plugIn();
+
+  /// Gives no pictures any more, while it streams on; and again.
+  void hush(bool silent = true);
+  /// Requests of this code fail so, until 0; a picture that cannot be had is a request too (VIDIOC_DQBUF).
+  void fail(unsigned long code, int error);
+  /// The next picture: flagged as damaged; with half its bytes.
+  void damageNext();
+  void shortenNext();
+  /// Motion JPEG as some cameras write it: without tables, and with a rest behind it.
+  void setBareJpeg(bool bare);
+  /// The stamps are of a clock that nobody knows.
+  void setUnknownClock(bool unknown);
+  /// What it is set to gets another size, as cameras do that do not keep what they list.
+  void overrideSize(int width, int height);
+
+  bool streaming();
+  /// Value of a control; how often it was set.
+  int control(std::uint32_t id);
+  int timesSet(std::uint32_t id);
+  void setControl(std::uint32_t id, int value);
+  /// Bytes of the last picture given.
+  std::vector<std::uint8_t> lastPicture();
+  /// The grey that all pixels of the picture with this number have; by formats with range 16..235 as Y.
+  static int shadeOf(std::uint32_t sequence) { return 40 + static_cast<int>(sequence % 100); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Argument = std::function<IoctlMemory(std::size_t)>;
+
+  IoctlAnswer handle(unsigned code, const Argument& argument);
+  IoctlAnswer describe(unsigned code, const Argument& argument);
+  IoctlAnswer configure(unsigned code, const Argument& argument);
+  IoctlAnswer stream(unsigned code, const Argument& argument);
+  IoctlAnswer controls(unsigned code, const Argument& argument);
+  IoctlAnswer dequeue(const Argument& argument);
+  std::vector<std::uint8_t> paint(std::uint32_t sequence) const;
+  std::vector<Mode> modesOf(const std::string& fourcc) const;
+  Control* findControl(std::uint32_t id);
+  void openMemory();
+
+  Description description_;
+  std::mutex mutex_;
+  Mode current_;  ///< with one rate
+  int forced_width_ = 0, forced_height_ = 0;
+  bool streaming_ = false;
+  bool hushed_ = false;
+  bool damage_ = false;
+  bool shorten_ = false;
+  bool bare_jpeg_ = false;
+  bool unknown_clock_ = false;
+  std::map<unsigned long, int> failures_;
+  std::map<std::uint32_t, int> times_set_;
+  Clock::time_point began_;
+  std::int64_t given_ = 0;
+  std::vector<unsigned> queued_;
+  std::vector<std::uint8_t> last_;
+  int memory_fd_ = -1;
+  std::uint8_t* memory_ = nullptr;
+  std::unique_ptr<EmulatedNode> node_;
+};
+
+}  // namespace vismem
