@@ -9,20 +9,10 @@
 #include "common/drivers/host_clock.h"
 #include "common/drivers/slowest_rate.h"
 #include "common/geometry/angles.h"
-#include "common/robot/command_limits.h"
 
 namespace vismem {
-namespace {
 
-constexpr char kStopped[] = "the pan-tilt unit is stopped";
-
-}  // namespace
-
-MaestroPanTilt::MaestroPanTilt(const Params& params)
-    : params_(params),
-      samples_("the pan-tilt unit is not started"),
-      thread_(kStopped, {[this](const std::stop_token& stop) { return session(stop); }, [] {},
-                         [this](const std::string& why) { samples_.setWaiting(why); }}) {}
+MaestroPanTilt::MaestroPanTilt(const Params& params) : DevicePanTilt(params.rate_hz), params_(params) {}
 
 MaestroPanTilt::~MaestroPanTilt() {
   stop();
@@ -33,66 +23,12 @@ PanTiltLimits MaestroPanTilt::limits() const {
           params_.tilt.maximum_rad, params_.pan.rate_radps,  params_.tilt.rate_radps};
 }
 
-PortReply MaestroPanTilt::start() {
-  samples_.open("no sample yet");
-  return thread_.start();
+void MaestroPanTilt::adjustVelocity(PanTiltCommand& command, PortReply& reply) const {
+  atLeastSlowest("pan", params_.pan.pulse.slowest_radps(), command.pan_rate_radps, reply);
+  atLeastSlowest("tilt", params_.tilt.pulse.slowest_radps(), command.tilt_rate_radps, reply);
 }
 
-void MaestroPanTilt::stop() {
-  if (thread_.stop()) samples_.close(kStopped);
-}
-
-PortReply MaestroPanTilt::command(const PanTiltCommand& command) {
-  LimitedPanTiltCommand limited = limitCommand(limits(), command);
-  if (!limited.reply.ok()) return limited.reply;
-  if (const std::string why = thread_.unavailable(); !why.empty()) return PortReply::rejected(why);
-  if (command.kind == PanTiltCommand::Kind::kVelocity) {
-    atLeastSlowest("pan", params_.pan.pulse.slowest_radps(), limited.command.pan_rate_radps, limited.reply);
-    atLeastSlowest("tilt", params_.tilt.pulse.slowest_radps(), limited.command.tilt_rate_radps,
-                   limited.reply);
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    command_ = limited.command;
-  }
-  commanded_.notify_all();
-  return limited.reply;
-}
-
-SampleBatch<PanTiltSample> MaestroPanTilt::samplesSince(StampUs after_us, std::chrono::milliseconds timeout) {
-  return samples_.since(after_us, timeout);
-}
-
-std::string MaestroPanTilt::session(const std::stop_token& stop) {
-  using Clock = std::chrono::steady_clock;
-  {
-    const std::lock_guard lock(mutex_);
-    command_.reset();
-  }
-  std::string why = connect();
-  if (why.empty()) thread_.ready();
-  const auto period =
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / params_.rate_hz));
-  auto next = Clock::now() + period;
-  while (why.empty() && !stop.stop_requested()) {
-    std::optional<PanTiltCommand> command;
-    {
-      std::unique_lock lock(mutex_);
-      commanded_.wait_until(lock, stop, next, [this] { return command_.has_value(); });
-      command = std::exchange(command_, std::nullopt);
-    }
-    if (command) why = sendCommand(*command);
-    if (why.empty() && Clock::now() >= next) {
-      next = std::max(next + period, Clock::now());
-      why = readState();
-    }
-  }
-  if (why.empty()) static_cast<void>(halt());
-  usb_.close();
-  return why;
-}
-
-std::string MaestroPanTilt::connect() {
+std::string MaestroPanTilt::connect(const std::stop_token&) {
   std::string why = usb_.open(params_.serial);
   if (!why.empty()) return why;
   const int channels = usb_.model().channels;
@@ -103,26 +39,26 @@ std::string MaestroPanTilt::connect() {
     }
   }
   if (why = usb_.transfer(maestro::clearErrors()); !why.empty()) return why;
-  std::vector<std::uint8_t> answer;
-  if (why = usb_.transfer(maestro::getServos(usb_.model()), answer); !why.empty()) return why;
-  const auto state = maestro::parseServos(usb_.model(), answer);
-  if (!state) return "the Maestro's answer is too short";
+  if (why = readState(); !why.empty()) return why;
   for (const Joint* joint : {&params_.pan, &params_.tilt}) {
-    const bool off = state->servos[static_cast<std::size_t>(joint->channel)].position_qus == 0;
-    if (off) why = move(*joint, std::clamp(0.0, joint->minimum_rad, joint->maximum_rad), joint->rate_radps);
+    if (servo(*joint).position_qus != 0) continue;
+    why = move(*joint, std::clamp(0.0, joint->minimum_rad, joint->maximum_rad), joint->rate_radps);
     if (!why.empty()) return why;
   }
-  return readState();
+  return {};
 }
 
-std::string MaestroPanTilt::halt() {
-  std::string why = readState();
-  for (const Joint* joint : {&params_.pan, &params_.tilt}) {
-    if (!why.empty()) return why;
-    why = usb_.transfer(maestro::setTarget(
-        joint->channel, state_.servos[static_cast<std::size_t>(joint->channel)].position_qus));
+void MaestroPanTilt::disconnect(bool halt) {
+  if (halt && usb_.isOpen()) {
+    // What cannot be told any more is lost: the way that it was sent ends at the limits by itself.
+    if (stay(params_.pan).empty()) static_cast<void>(stay(params_.tilt));
   }
-  return why;
+  usb_.close();
+}
+
+std::string MaestroPanTilt::stay(const Joint& joint) {
+  if (std::string why = readState(); !why.empty()) return why;
+  return usb_.transfer(maestro::setTarget(joint.channel, servo(joint).position_qus));
 }
 
 std::string MaestroPanTilt::move(const Joint& joint, double target_rad, double rate_radps) {
@@ -134,16 +70,13 @@ std::string MaestroPanTilt::move(const Joint& joint, double target_rad, double r
   return usb_.transfer(maestro::setTarget(joint.channel, joint.pulse.target_qus(target_rad)));
 }
 
-std::string MaestroPanTilt::sendCommand(const PanTiltCommand& command) {
+std::string MaestroPanTilt::obey(const PanTiltCommand& command) {
   const auto send = [&](const Joint& joint, double angle_rad, double rate_radps) -> std::string {
     if (command.kind == PanTiltCommand::Kind::kPosition) {
       return move(joint, angle_rad, rate_radps > 0.0 ? rate_radps : joint.rate_radps);
     }
-    if (rate_radps != 0.0)
-      return move(joint, rate_radps > 0.0 ? joint.maximum_rad : joint.minimum_rad, rate_radps);
-    if (std::string why = readState(); !why.empty()) return why;
-    return usb_.transfer(maestro::setTarget(
-        joint.channel, state_.servos[static_cast<std::size_t>(joint.channel)].position_qus));
+    if (rate_radps == 0.0) return stay(joint);
+    return move(joint, rate_radps > 0.0 ? joint.maximum_rad : joint.minimum_rad, rate_radps);
   };
   std::string why = send(params_.pan, command.pan_rad, command.pan_rate_radps);
   if (why.empty()) why = send(params_.tilt, command.tilt_rad, command.tilt_rate_radps);
@@ -152,13 +85,18 @@ std::string MaestroPanTilt::sendCommand(const PanTiltCommand& command) {
 
 std::string MaestroPanTilt::readState() {
   std::vector<std::uint8_t> answer;
-  const StampUs asked_us = hostClock_us();
   if (std::string why = usb_.transfer(maestro::getServos(usb_.model()), answer); !why.empty()) return why;
   auto state = maestro::parseServos(usb_.model(), answer);
   if (!state) return "the Maestro's answer is too short";
   state_ = std::move(*state);
-  const int pan_qus = state_.servos[static_cast<std::size_t>(params_.pan.channel)].position_qus;
-  const int tilt_qus = state_.servos[static_cast<std::size_t>(params_.tilt.channel)].position_qus;
+  return {};
+}
+
+std::string MaestroPanTilt::poll() {
+  const StampUs asked_us = hostClock_us();
+  if (std::string why = readState(); !why.empty()) return why;
+  const int pan_qus = servo(params_.pan).position_qus;
+  const int tilt_qus = servo(params_.tilt).position_qus;
   std::ostringstream condition;
   if (pan_qus == 0 || tilt_qus == 0) {
     condition << (pan_qus == 0 ? "the pan" : "the tilt")
@@ -166,10 +104,10 @@ std::string MaestroPanTilt::readState() {
   } else if (state_.errors != 0) {
     condition << "the Maestro reports errors, bits 0x" << std::hex << state_.errors;
   }
-  samples_.setCondition(condition.str());
-  if (pan_qus == 0 || tilt_qus == 0) return {};
-  samples_.add({asked_us + (hostClock_us() - asked_us) / 2, samples_given_++,
-                params_.pan.pulse.angle(pan_qus), params_.tilt.pulse.angle(tilt_qus)});
+  tell(condition.str());
+  if (pan_qus != 0 && tilt_qus != 0) {
+    give(asked_us, params_.pan.pulse.angle(pan_qus), params_.tilt.pulse.angle(tilt_qus));
+  }
   return {};
 }
 

@@ -1,17 +1,13 @@
 /// @file Two servos on a Pololu Maestro as a pan-tilt unit. SPEC C1.
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
-#include <mutex>
-#include <optional>
 #include <stop_token>
 #include <string>
 
 #include "common/config/config_reader.h"
-#include "common/drivers/device_thread.h"
-#include "common/drivers/sample_buffer.h"
+#include "common/drivers/device_pan_tilt.h"
 #include "common/robot/ports.h"
 #include "drivers/pololu_maestro/maestro_usb.h"
 
@@ -21,7 +17,7 @@ namespace vismem {
 /// angles are those of the pulses, which the Maestro moves at the commanded speed: servos tell nothing back,
 /// and a jam is not seen. Servos that are off at the beginning are sent to 0, at which they jump.
 /// *Thread-safe*.
-class MaestroPanTilt : public PanTiltUnit {
+class MaestroPanTilt : public DevicePanTilt {
  public:
   struct Joint {
     int channel = 0;
@@ -38,34 +34,28 @@ class MaestroPanTilt : public PanTiltUnit {
   ~MaestroPanTilt() override;
 
   PanTiltLimits limits() const override;
-  PortReply start() override;
-  /// A velocity below the slowest becomes that, or 0, whichever is nearer, which is an adjustment.
-  PortReply command(const PanTiltCommand& command) override;
-  SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override;
+
+ protected:
+  std::string connect(const std::stop_token& stop) override;
+  std::string obey(const PanTiltCommand& command) override;
+  std::string poll() override;
   /// The servos stay where they are, under power.
-  void stop() override;
+  void disconnect(bool halt) override;
+  /// One below the slowest becomes that, or 0, whichever is nearer.
+  void adjustVelocity(PanTiltCommand& command, PortReply& reply) const override;
 
  private:
-  std::string session(const std::stop_token& stop);
-  std::string connect();
-  std::string halt();
-  std::string sendCommand(const PanTiltCommand& command);
-  std::string move(const Joint& joint, double target_rad, double rate_radps);
   std::string readState();
+  std::string move(const Joint& joint, double target_rad, double rate_radps);
+  /// Where the pulse of this moment is.
+  std::string stay(const Joint& joint);
+  const maestro::Servo& servo(const Joint& joint) const {
+    return state_.servos[static_cast<std::size_t>(joint.channel)];
+  }
 
   const Params params_;
-
-  // Of the thread alone.
-  maestro::Usb usb_;
-  maestro::State state_;
-  std::uint64_t samples_given_ = 0;
-
-  std::mutex mutex_;  ///< of what follows
-  std::condition_variable_any commanded_;
-  std::optional<PanTiltCommand> command_;
-
-  SampleBuffer<PanTiltSample> samples_;
-  DeviceThread thread_;  ///< last: ends before the rest goes
+  maestro::Usb usb_;      ///< of the thread
+  maestro::State state_;  ///< of the thread
 };
 
 /// Reads the keys that drivers/pololu_maestro/README.md documents. Problems stay in the reader.

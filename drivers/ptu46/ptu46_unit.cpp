@@ -8,7 +8,6 @@
 #include "common/drivers/host_clock.h"
 #include "common/drivers/slowest_rate.h"
 #include "common/geometry/angles.h"
-#include "common/robot/command_limits.h"
 
 namespace vismem {
 namespace {
@@ -17,7 +16,6 @@ using namespace std::chrono_literals;
 using ptu46::Axis;
 using ptu46::Reply;
 
-constexpr char kStopped[] = "the pan-tilt unit is stopped";
 constexpr double kArcSecond_rad = std::numbers::pi / 180.0 / 3600.0;
 /// A reply takes some 10 ms at 9600 bit/s; a USB adapter holds bytes back for 16 ms.
 constexpr auto kAnswer = 500ms;
@@ -33,12 +31,7 @@ std::string bytesText(const std::string& command) {
 
 }  // namespace
 
-Ptu46Unit::Ptu46Unit(const Params& params)
-    : params_(params),
-      samples_("the pan-tilt unit is not started"),
-      thread_(kStopped,
-              {[this](const std::stop_token& stop) { return session(stop); }, [this] { port_.wake(); },
-               [this](const std::string& why) { samples_.setWaiting(why); }}) {}
+Ptu46Unit::Ptu46Unit(const Params& params) : DevicePanTilt(params.rate_hz), params_(params) {}
 
 Ptu46Unit::~Ptu46Unit() {
   stop();
@@ -62,33 +55,10 @@ PanTiltLimits Ptu46Unit::limits() const {
   return limits;
 }
 
-PortReply Ptu46Unit::start() {
-  samples_.open("no sample yet");
-  return thread_.start();
-}
-
-void Ptu46Unit::stop() {
-  if (thread_.stop()) samples_.close(kStopped);
-}
-
-PortReply Ptu46Unit::command(const PanTiltCommand& command) {
-  LimitedPanTiltCommand limited = limitCommand(limits(), command);
-  if (!limited.reply.ok()) return limited.reply;
-  if (const std::string why = thread_.unavailable(); !why.empty()) return PortReply::rejected(why);
-  {
-    const std::lock_guard lock(mutex_);
-    if (command.kind == PanTiltCommand::Kind::kVelocity) {
-      atLeastSlowest("pan", slowest(ranges_[0]), limited.command.pan_rate_radps, limited.reply);
-      atLeastSlowest("tilt", slowest(ranges_[1]), limited.command.tilt_rate_radps, limited.reply);
-    }
-    command_ = limited.command;
-  }
-  port_.wake();
-  return limited.reply;
-}
-
-SampleBatch<PanTiltSample> Ptu46Unit::samplesSince(StampUs after_us, std::chrono::milliseconds timeout) {
-  return samples_.since(after_us, timeout);
+void Ptu46Unit::adjustVelocity(PanTiltCommand& command, PortReply& reply) const {
+  const std::lock_guard lock(mutex_);
+  atLeastSlowest("pan", slowest(ranges_[0]), command.pan_rate_radps, reply);
+  atLeastSlowest("tilt", slowest(ranges_[1]), command.tilt_rate_radps, reply);
 }
 
 void Ptu46Unit::readUntilQuiet() {
@@ -125,7 +95,7 @@ std::string Ptu46Unit::ask(const std::string& commands, std::chrono::millisecond
     const auto input = port_.read(deadline);
     if (input.kind == SerialPort::Input::Kind::kGone) return input.why;
     if (input.kind == SerialPort::Input::Kind::kBytes) reader_.add(input.bytes);
-    if (stop_.stop_requested()) return kStopped;
+    if (stop_.stop_requested()) return params_.port + ": stopped";
     if (input.kind != SerialPort::Input::Kind::kBytes && Clock::now() >= deadline) {
       return params_.port + ": the pan-tilt unit says nothing any more";
     }
@@ -173,7 +143,7 @@ std::string Ptu46Unit::learnRanges() {
   return {};
 }
 
-std::string Ptu46Unit::connect() {
+std::string Ptu46Unit::begin() {
   if (std::string why = port_.open(params_.port, params_.baud_bps); !why.empty()) return why;
   limit_hit_.clear();
   refused_.clear();
@@ -192,7 +162,7 @@ std::string Ptu46Unit::connect() {
   if (why.empty()) why = ask("CI I H ", kAnswer);
   if (!why.empty()) return why;
   if (params_.reset && !reset_done_) {
-    thread_.away(params_.port + ": the pan-tilt unit finds its zero");
+    refuseBecause(params_.port + ": the pan-tilt unit finds its zero");
     if (why = ask("R ", kReset); !why.empty()) return why;
     limit_hit_.clear();  // that is how it finds it
     reset_done_ = true;
@@ -200,54 +170,39 @@ std::string Ptu46Unit::connect() {
   return learnRanges();
 }
 
-std::string Ptu46Unit::session(const std::stop_token& stop) {
-  {
-    const std::lock_guard lock(mutex_);
-    command_.reset();
-  }
+std::string Ptu46Unit::connect(const std::stop_token& stop) {
   stop_ = stop;
-  std::string why = connect();
-  if (why.empty()) why = sample();
-  if (why.empty()) thread_.ready();
-  const auto period =
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / params_.rate_hz));
-  auto next = Clock::now() + period;
-  int silent = 0;
-  while (why.empty() && !stop.stop_requested()) {
-    std::optional<PanTiltCommand> command;
-    {
-      const std::lock_guard lock(mutex_);
-      command = std::exchange(command_, std::nullopt);
-    }
-    if (command) {
-      why = sendCommand(*command);
-    } else if (Clock::now() >= next) {
-      next = std::max(next + period, Clock::now());
-      why = sample();
-    } else {
-      // Nothing is due to come: what does are the limit switches, or the end of the line.
-      const auto input = port_.read(next);
-      if (input.kind == SerialPort::Input::Kind::kGone) why = input.why;
-      if (input.kind == SerialPort::Input::Kind::kBytes) reader_.add(input.bytes);
-      continue;
-    }
-    // One reply may be lost on the wire; what comes late is not mixed up with what is asked next.
-    const bool gone = !why.empty() && why.find("says nothing") == std::string::npos;
-    if (!why.empty() && !gone && ++silent < kSilentRounds) {
-      readUntilQuiet();
-      why.clear();
-    } else if (why.empty()) {
-      silent = 0;
-    }
+  silent_ = 0;
+  return begin();
+}
+
+std::string Ptu46Unit::pauseUntil(Clock::time_point until, const std::stop_token&) {
+  // Nothing is due to come: what does are the limit switches, or the end of the line.
+  const auto input = port_.read(until);
+  if (input.kind == SerialPort::Input::Kind::kGone) return input.why;
+  if (input.kind == SerialPort::Input::Kind::kBytes) reader_.add(input.bytes);
+  return {};
+}
+
+std::string Ptu46Unit::unlessOnce(std::string why) {
+  if (why.empty()) {
+    silent_ = 0;
+    return {};
   }
-  if (stop.stop_requested() && port_.isOpen()) {
+  const bool gone = why.find("says nothing") == std::string::npos;
+  if (gone || ++silent_ >= kSilentRounds) return why;
+  // What comes late is not mixed up with what is asked next.
+  readUntilQuiet();
+  return {};
+}
+
+void Ptu46Unit::disconnect(bool halt) {
+  if (halt && port_.isOpen()) {
     stop_ = {};
-    why.clear();
     readUntilQuiet();
     static_cast<void>(ask("H ", kAnswer));
   }
   port_.close();
-  return why;
 }
 
 std::string Ptu46Unit::sendCommand(const PanTiltCommand& command) {
@@ -298,15 +253,12 @@ std::string Ptu46Unit::sample() {
     readUntilQuiet();
     refused_ =
         "the unit answered \"" + replies_[0].text + "\" and \"" + replies_[1].text + "\" for its angles";
-    samples_.setCondition(refused_);
+    tell(refused_);
     return {};
   }
-  samples_.setCondition(limit_hit_.empty() ? refused_
-                                           : limit_hit_ + " ran into its limit switch: its zero may be lost");
-  // They were measured while the question and the answer were on their way: in the middle of it.
-  const StampUs stamp_us = asked_us + (hostClock_us() - asked_us) / 2;
-  samples_.add({stamp_us, samples_given_++, params_.pan.frame.angle(*pan, ranges[0].step_rad),
-                params_.tilt.frame.angle(*tilt, ranges[1].step_rad)});
+  tell(limit_hit_.empty() ? refused_ : limit_hit_ + " ran into its limit switch: its zero may be lost");
+  give(asked_us, params_.pan.frame.angle(*pan, ranges[0].step_rad),
+       params_.tilt.frame.angle(*tilt, ranges[1].step_rad));
   return {};
 }
 

@@ -6,14 +6,12 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "common/config/config_reader.h"
-#include "common/drivers/device_thread.h"
-#include "common/drivers/sample_buffer.h"
+#include "common/drivers/device_pan_tilt.h"
 #include "common/robot/ports.h"
 #include "common/serial/serial_port.h"
 #include "drivers/ptu46/ptu46_codec.h"
@@ -24,7 +22,7 @@ namespace vismem {
 /// velocity is sent as the way to the limit in its direction at its speed, which units of every age know; so
 /// it ends at the limits by itself. The motors step without feedback: a jam cannot be seen, but a limit
 /// switch that is run into is told as a condition. *Thread-safe*.
-class Ptu46Unit : public PanTiltUnit {
+class Ptu46Unit : public DevicePanTilt {
  public:
   struct AxisParams {
     double minimum_rad = 0.0, maximum_rad = 0.0, rate_radps = 0.0;
@@ -44,19 +42,23 @@ class Ptu46Unit : public PanTiltUnit {
 
   /// Those of the configuration; once the unit was reached, what of them it can do.
   PanTiltLimits limits() const override;
-  PortReply start() override;
-  /// A velocity below the unit's slowest becomes that, or 0, whichever is nearer, which is an adjustment.
-  PortReply command(const PanTiltCommand& command) override;
-  SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override;
-  /// The unit is told to halt.
-  void stop() override;
+
+ protected:
+  std::string connect(const std::stop_token& stop) override;
+  std::string obey(const PanTiltCommand& command) override { return unlessOnce(sendCommand(command)); }
+  std::string poll() override { return unlessOnce(sample()); }
+  void disconnect(bool halt) override;
+  std::string pauseUntil(Clock::time_point until, const std::stop_token& stop) override;
+  void wake() override { port_.wake(); }
+  /// One below the unit's slowest becomes that, or 0, whichever is nearer.
+  void adjustVelocity(PanTiltCommand& command, PortReply& reply) const override;
 
  private:
-  using Clock = SerialPort::Clock;
   using Ranges = std::array<ptu46::AxisRange, 2>;
 
-  std::string session(const std::stop_token& stop);
-  std::string connect();
+  std::string begin();
+  /// One reply may be lost on the wire. @return empty also for the first of several silences.
+  std::string unlessOnce(std::string why);
   std::string learnRanges();
   /// Sends and waits for as many replies as it has commands. @return why the line is lost or silent.
   std::string ask(const std::string& commands, std::chrono::milliseconds patience);
@@ -78,14 +80,10 @@ class Ptu46Unit : public PanTiltUnit {
   bool reset_done_ = false;
   std::string refused_;  ///< what the unit did not do of the last command
   std::string limit_hit_;
-  std::uint64_t samples_given_ = 0;
+  int silent_ = 0;  ///< rounds in a row
 
-  mutable std::mutex mutex_;  ///< of what follows
-  Ranges ranges_;             ///< step_rad 0 before the unit was reached
-  std::optional<PanTiltCommand> command_;
-
-  SampleBuffer<PanTiltSample> samples_;
-  DeviceThread thread_;  ///< last: ends before the rest goes
+  mutable std::mutex mutex_;
+  Ranges ranges_;  ///< step_rad 0 before the unit was reached
 };
 
 /// Reads the keys that drivers/ptu46/README.md documents. Problems stay in the reader.

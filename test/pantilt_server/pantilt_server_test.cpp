@@ -59,7 +59,7 @@ TEST(PanTiltServer, NamesWhatIsWrongWithItsConfiguration) {
   EXPECT_EQ(none.waitForExit(kPatience), 2);
   EXPECT_THAT(
       none.error(),
-      HasSubstr("missing key \"PanTiltServer.Driver\" (must be a driver: maestro, ptu46, simulated)"));
+      HasSubstr("missing key \"PanTiltServer.Driver\" (must be a driver: " VISMEM_PANTILT_DRIVERS ")"));
 }
 
 }  // namespace

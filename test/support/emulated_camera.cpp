@@ -1,6 +1,7 @@
 #include "support/emulated_camera.h"
 
 #include <fcntl.h>
+#include <linux/uvcvideo.h>
 #include <linux/videodev2.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -138,6 +139,14 @@ void EmulatedCamera::overrideSize(int width, int height) {
   forced_width_ = width;
   forced_height_ = height;
 }
+void EmulatedCamera::jam(bool jammed) {
+  const std::lock_guard lock(mutex_);
+  jammed_ = jammed;
+}
+int EmulatedCamera::turned(std::uint32_t id) {
+  const std::lock_guard lock(mutex_);
+  return turned_[id];
+}
 bool EmulatedCamera::streaming() {
   const std::lock_guard lock(mutex_);
   return streaming_;
@@ -188,6 +197,8 @@ IoctlAnswer EmulatedCamera::handle(unsigned code, const Argument& argument) {
     case VIDIOC_S_CTRL:
     case VIDIOC_S_EXT_CTRLS:
       return controls(code, argument);
+    case UVCIOC_CTRL_MAP:
+      return mapExtension(argument);
     default:
       return IoctlAnswer::failed(ENOTTY);
   }
@@ -404,16 +415,41 @@ EmulatedCamera::Control* EmulatedCamera::findControl(std::uint32_t id) {
   return found == description_.controls.end() ? nullptr : &*found;
 }
 
+int EmulatedCamera::set(std::uint32_t id, int value) {
+  Control* control = findControl(id);
+  if (control == nullptr) return EINVAL;
+  ++times_set_[id];
+  if (jammed_) return 0;
+  // The kernel rounds to the step and keeps to the limits.
+  const int inside = std::clamp(value, control->minimum, control->maximum);
+  control->value = control->minimum + (inside - control->minimum) / control->step * control->step;
+  if (id == V4L2_CID_PAN_RELATIVE || id == V4L2_CID_TILT_RELATIVE) turned_[id] += control->value;
+  if (id == V4L2_CID_PAN_RESET) turned_[V4L2_CID_PAN_RELATIVE] = 0;
+  if (id == V4L2_CID_TILT_RESET) turned_[V4L2_CID_TILT_RELATIVE] = 0;
+  return 0;
+}
+
+IoctlAnswer EmulatedCamera::mapExtension(const Argument& argument) {
+  if (!description_.orbit) return IoctlAnswer::failed(ENOENT);
+  const IoctlMemory memory = argument(sizeof(uvc_xu_control_mapping));
+  const auto& mapping = memory.as<uvc_xu_control_mapping>();
+  // 63610682-5070-49ab-b8cc-b3855e8d2256
+  constexpr std::uint8_t kMotors[16] = {0x82, 0x06, 0x61, 0x63, 0x70, 0x50, 0xab, 0x49,
+                                        0xb8, 0xcc, 0xb3, 0x85, 0x5e, 0x8d, 0x22, 0x56};
+  if (std::memcmp(mapping.entity, kMotors, sizeof kMotors) != 0) return IoctlAnswer::failed(ENOENT);
+  if (findControl(mapping.id) != nullptr) return IoctlAnswer::failed(EEXIST);
+  Control control;
+  control.id = mapping.id;
+  control.title = reinterpret_cast<const char*>(mapping.name);
+  control.type = static_cast<int>(mapping.v4l2_type);
+  control.minimum = -32768;
+  control.maximum = 32767;
+  control.write_only = true;
+  description_.controls.push_back(control);
+  return {};
+}
+
 IoctlAnswer EmulatedCamera::controls(unsigned code, const Argument& argument) {
-  const auto set = [this](std::uint32_t id, int value) {
-    Control* control = findControl(id);
-    if (control == nullptr) return EINVAL;
-    // The kernel rounds to the step and keeps to the limits.
-    const int inside = std::clamp(value, control->minimum, control->maximum);
-    control->value = control->minimum + (inside - control->minimum) / control->step * control->step;
-    ++times_set_[id];
-    return 0;
-  };
   if (code == VIDIOC_QUERYCTRL) {
     const IoctlMemory memory = argument(sizeof(v4l2_queryctrl));
     auto& found = memory.as<v4l2_queryctrl>();

@@ -45,6 +45,8 @@ class EmulatedCamera {
                                {"MJPG", 1280, 720, {30}},
                                {"YUYV", 1280, 720, {10}}};
     std::vector<Control> controls;
+    /// It turns as Logitech's Orbit: by an extension unit that the kernel must be told of.
+    bool orbit = false;
     bool captures = true;  ///< else it is a node of another kind, such as uvcvideo's for metadata
   };
 
@@ -71,7 +73,12 @@ class EmulatedCamera {
   /// What it is set to gets another size, as cameras do that do not keep what they list.
   void overrideSize(int width, int height);
 
+  /// Its motors do not follow any more.
+  void jam(bool jammed);
+
   bool streaming();
+  /// An Orbit's way from its zero [1/64 degree], of PAN or TILT_RELATIVE.
+  int turned(std::uint32_t id);
   /// Value of a control; how often it was set.
   int control(std::uint32_t id);
   int timesSet(std::uint32_t id);
@@ -89,10 +96,12 @@ class EmulatedCamera {
   IoctlAnswer describe(unsigned code, const Argument& argument);
   IoctlAnswer configure(unsigned code, const Argument& argument);
   IoctlAnswer stream(unsigned code, const Argument& argument);
+  IoctlAnswer mapExtension(const Argument& argument);
   IoctlAnswer controls(unsigned code, const Argument& argument);
   IoctlAnswer dequeue(const Argument& argument);
   std::vector<std::uint8_t> paint(std::uint32_t sequence) const;
   std::vector<Mode> modesOf(const std::string& fourcc) const;
+  int set(std::uint32_t id, int value);
   Control* findControl(std::uint32_t id);
   void openMemory();
 
@@ -102,6 +111,8 @@ class EmulatedCamera {
   int forced_width_ = 0, forced_height_ = 0;
   bool streaming_ = false;
   bool hushed_ = false;
+  bool jammed_ = false;
+  std::map<std::uint32_t, int> turned_;
   bool damage_ = false;
   bool shorten_ = false;
   bool bare_jpeg_ = false;

@@ -11,6 +11,7 @@
 #include "common/process/stream_health.h"
 #include "common/robot_ice/pantilt_ice.h"
 #include "drivers/pantilt_simulated/simulated_pan_tilt_unit.h"
+#include "drivers/pantilt_uvc/uvc_pan_tilt.h"
 #include "drivers/ptu46/ptu46_unit.h"
 #ifdef VISMEM_HAS_MAESTRO
 #include "drivers/pololu_maestro/maestro_pan_tilt.h"
@@ -22,6 +23,7 @@ namespace {
 void registerPanTiltDrivers(DriverRegistry<PanTiltUnit>& registry) {
   registry.add("simulated", "two joints that exist in this process only", makeSimulatedPanTiltUnit);
   registry.add("ptu46", "a Directed Perception PTU-46 or D46 on a serial port", makePtu46Unit);
+  registry.add("uvc", "a camera that turns by itself, by USB", makeUvcPanTilt);
 #ifdef VISMEM_HAS_MAESTRO
   registry.add("maestro", "two servos on a Pololu Maestro by USB", makeMaestroPanTilt);
 #endif
