@@ -166,7 +166,7 @@ TEST(VisibleMap, WallsHideWhatIsBehindThemButNotThemselves) {
   EXPECT_NEAR(nearer, 6.0, 1e-9);  // a marking does not hide the wall
   EXPECT_EQ(hidden, 0.0);
   // Something stands 0.5 m ahead: it hides a part of the wall, and the marking behind it.
-  const std::vector<Eigen::Vector2d> obstacle{{0.5, 0.0}};
+  const std::vector<Segment2> obstacle{{{0.5, -0.1}, {0.5, 0.1}}};
   visible.around({0, 0, 0}, 5.0, obstacle, nullptr, points);
   for (const VisiblePoint& point : points) {
     EXPECT_GT(std::abs(std::atan2(point.p_robot.y(), point.p_robot.x())), degToRad(10));

@@ -1,6 +1,7 @@
 #include "localization/app/config.h"
 
 #include <map>
+#include <sstream>
 #include <vector>
 
 #include "common/config/config_error.h"
@@ -86,6 +87,9 @@ void readRobust(ConfigReader r, RobustParams& p) {
   if (p.maximum_sigma_m < p.sigma_m) r.problem("MaximumSigma_m", "must not be less than " + r.key("Sigma_m"));
   p.drift_sigma_mps = r.real("DriftSigma_mps", p.drift_sigma_mps, 0.0, 10.0);
   p.outlier_share = r.real("OutlierShare", p.outlier_share, 1e-6, 0.9);
+  p.bounded = r.boolean("Bounded", p.bounded);
+  p.negative_information = r.boolean("NegativeInformation", p.negative_information);
+  p.detection_probability = r.real("DetectionProbability", p.detection_probability, 0.0, 0.99);
   p.direction_gate = r.boolean("DirectionGate", p.direction_gate);
   p.direction_gate_rad = r.angleDeg("DirectionGate_deg", radToDeg(p.direction_gate_rad), 1.0, 90.0);
   p.use_field = r.boolean("UseField", p.use_field);
@@ -103,7 +107,17 @@ void readRobust(ConfigReader r, RobustParams& p) {
   p.birth_penalty = r.real("BirthPenalty", p.birth_penalty, 0.0, 1e6);
   p.delete_behind = r.real("DeleteBehind", p.delete_behind, 0.0, 1e6);
   p.constructed_share = r.real("ConstructedShare", p.constructed_share, 0.0, 1.0);
+  p.landmark_share = r.real("LandmarkShare", p.landmark_share, 0.0, 1.0);
+  p.corners = r.boolean("Corners", p.corners);
+  p.doors = r.boolean("Doors", p.doors);
+  p.parallelograms = r.boolean("Parallelograms", p.parallelograms);
+  p.kld_error = r.real("KldError", p.kld_error, 0.0, 10.0);
+  p.kld_place_m = r.real("KldPlace_m", p.kld_place_m, 0.01, kFar);
+  p.kld_place_rad = r.angleDeg("KldPlace_deg", radToDeg(p.kld_place_rad), 1.0, 360.0);
+  p.kld_least = count(r, "KldLeast", p.kld_least, 1, 100'000);
   p.refined_explorers = count(r, "RefinedExplorers", p.refined_explorers, 1, 1000);
+  p.validity = r.boolean("Validity", p.validity);
+  p.rate_at_image_stamp = r.boolean("RateAtImageStamp", p.rate_at_image_stamp);
   p.reliability_time_s = r.real("ReliabilityTime_s", p.reliability_time_s, 0.01, 1e4);
   p.enough_points = r.real("EnoughPoints", p.enough_points, 0.01, 1e6);
   p.explained_low = r.real("ExplainedLow", p.explained_low, 0.0, 1.0);
@@ -111,6 +125,16 @@ void readRobust(ConfigReader r, RobustParams& p) {
   if (p.explained_low >= p.explained_high) {
     r.problem("ExplainedLow", "must be less than " + r.key("ExplainedHigh"));
   }
+}
+
+std::vector<std::string> readWords(ConfigReader& r, const char* name,
+                                   const std::vector<std::string>& fallback) {
+  std::string joined;
+  for (const std::string& word : fallback) joined += (joined.empty() ? "" : " ") + word;
+  std::istringstream text(r.text(name, joined));
+  std::vector<std::string> words;
+  for (std::string word; text >> word;) words.push_back(word);
+  return words;
 }
 
 }  // namespace
@@ -122,6 +146,7 @@ LocalizerParams readLocalizerParams(ConfigReader& reader) {
   LocalizerParams params = localizerPreset(mode);
   params.tick_s = reader.real("Tick_s", params.tick_s, 0.001, 60.0);
   params.cell_m = reader.real("Cell_m", params.cell_m, 0.005, 1.0);
+  params.opaque_labels = readWords(reader, "OpaqueLabels", params.opaque_labels);
   readRaces(reader.group("Races"), params.races);
   readExplorers(reader.group("Explorers"), params.explorers);
   readEvolution(reader.group("Evolution"), params.evolution);

@@ -52,6 +52,14 @@ std::optional<Pose2> ConstructedExplorers::propose(const RobustObservation& obse
   return Pose2{p_world.x() - arm.x(), p_world.y() - arm.y(), heading};
 }
 
+int kldBound(int places, double error) {
+  if (places < 2) return 1;
+  constexpr double kQuantile = 2.326;  // of the normal distribution, 99 %
+  const double k = places - 1;
+  const double a = 2.0 / (9.0 * k);
+  return static_cast<int>(std::ceil(k / (2.0 * error) * std::pow(1.0 - a + std::sqrt(a) * kQuantile, 3)));
+}
+
 int explorerCount(const ExplorerParams& params, double reliability, std::uint64_t iteration) {
   const bool is_reliable = reliability >= params.reliable_above;
   const auto period = static_cast<std::uint64_t>(std::max(1, params.period_reliable));

@@ -30,6 +30,10 @@ class ConstructedExplorers {
   std::vector<std::vector<double>> sums_;  // cumulated lengths per label
 };
 
+/// KLD bound: how many samples show a distribution over `places` occupied places with at most this divergence
+/// in 99 % of cases. @param places at least 1. @param error > 0 [nats].
+int kldBound(int places, double error);
+
 /// L6: how many explorers this iteration sends out. @param iteration counts up by one.
 int explorerCount(const ExplorerParams& params, double reliability, std::uint64_t iteration);
 

@@ -76,6 +76,13 @@ PoseEstimate Localizer::step(const MemoryUpdate& update) {
   return estimate_;
 }
 
+PoseEstimate Localizer::step(const MemoryUpdate& update, const Pose2& T_odom_robot_now) {
+  if (params_.robust.rate_at_image_stamp) return step(update);
+  auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
+  snapshot->T_odom_robot = T_odom_robot_now;
+  return step(MemoryUpdate{std::move(snapshot), update.analysis});
+}
+
 void Localizer::iterate(const MemoryUpdate& update) {
   ++iteration_;
   if (!strategy_->observe(update)) return;

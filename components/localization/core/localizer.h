@@ -28,6 +28,9 @@ class Localizer {
   /// @param update both pointers set. An update that is not newer than the last one (but for a restart of
   /// the source's time) returns the last estimate again.
   PoseEstimate step(const MemoryUpdate& update);
+  /// The same for one who knows the odometry at the moment the update arrives. It is used only to show what
+  /// happens otherwise: with RobustParams::rate_at_image_stamp off a late image counts as taken now.
+  PoseEstimate step(const MemoryUpdate& update, const Pose2& T_odom_robot_now);
 
   /// "The robot is here" (at the last update's stamp): this race alone, reliable. This and relocalize() make
   /// a new estimate at the last stamp; before the first update latest() stays without a stamp.

@@ -79,9 +79,12 @@ struct RobustParams {
   double points_per_metre = 5.0;    ///< what a metre of fresh, confirmed segment is worth
   double sigma_m = 0.04;            ///< least standard deviation of a point across its line
   double maximum_sigma_m = 0.25;
-  double drift_sigma_mps = 0.01;  ///< growth of it with time unseen (odometry drift)
-  double outlier_share = 0.05;    ///< eps of the bounded likelihood
-  bool direction_gate = true;     ///< points are compared with map segments of similar direction only
+  double drift_sigma_mps = 0.01;       ///< growth of it with time unseen (odometry drift)
+  double outlier_share = 0.05;         ///< eps of the bounded likelihood
+  bool bounded = true;                 ///< false: squared distances, every point pulls with full force
+  bool negative_information = true;    ///< places that promise more than the image shows lose evidence
+  double detection_probability = 0.7;  ///< of a map segment near the camera and fully in view
+  bool direction_gate = true;          ///< points are compared with map segments of similar direction only
   double direction_gate_rad = 20.0 * std::numbers::pi / 180.0;
   bool use_field = true;              ///< false: brute force, the reference
   int refinement_steps = 3;           ///< Gauss-Newton steps per race and iteration; 0: none
@@ -91,20 +94,31 @@ struct RobustParams {
   double odometry_turn_per_m = 0.10;  ///< heading, per metre travelled
   double walk_m = 0.01;  ///< of the pose per square root of an iteration: what odometry does not know
   double walk_rad = 0.01;
-  double information_share = 0.3;   ///< of one observation that is new since the last iteration
+  double information_share = 0.3;  ///< of one observation that is new since the last iteration
   /// Evidence is the mean of some 1 / (1 - forgetting) observations, of which this share is news: so many
   /// times it counts when shares of belief are made of it (but at least once).
   double news_share = 0.15;
-  double forgetting = 0.95;         ///< of evidence per iteration; 0: the last observation alone
-  double lead = 1.5;                ///< evidence [nats] by which a rival must lead to become the winner
-  double birth_penalty = 1.0;       ///< evidence [nats] a new race starts behind a reliable winner
-  double delete_behind = 12.0;      ///< evidence [nats] behind the best that ends a race
-  double constructed_share = 0.5;   ///< of explorers placed by matching remembered to map segments
+  double forgetting = 0.95;        ///< of evidence per iteration; 0: the last observation alone
+  double lead = 1.5;               ///< evidence [nats] by which a rival must lead to become the winner
+  double birth_penalty = 3.0;      ///< evidence [nats] a new race starts behind a reliable winner
+  double delete_behind = 12.0;     ///< evidence [nats] behind the best that ends a race
+  double constructed_share = 0.5;  ///< of explorers placed by matching what is seen to the map
+  double landmark_share = 0.7;     ///< of those: by landmarks, where any match; the rest by single segments
+  bool corners = true;             ///< kinds of landmark: junctions of two directions,
+  bool doors = true;               ///< segments known by their length and changes of label along a line,
+  bool parallelograms = true;      ///< remembered primitives
+  double kld_error = 0.05;         ///< explorers stop when more would hardly find more places; 0: never
+  double kld_place_m = 0.5;        ///< size of a place for it
+  double kld_place_rad = 30.0 * std::numbers::pi / 180.0;
+  int kld_least = 100;              ///< explorers sent out in any case
   int refined_explorers = 24;       ///< the best explorers are refined before candidates are chosen
+  bool validity = true;             ///< false: reliability is the winner's share of belief alone
   double reliability_time_s = 2.0;  ///< filter of the explained fraction
   double enough_points = 12.0;      ///< observations worth less cannot make the pose reliable
   double explained_low = 0.35;      ///< explained fraction that counts nothing
   double explained_high = 0.75;     ///< and that counts fully
+  /// False: an image counts as taken when it arrives (Localizer::step with the odometry of that moment).
+  bool rate_at_image_stamp = true;
 };
 
 enum class LocalizationMode { kDefault, kChapter };

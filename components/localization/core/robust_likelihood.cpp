@@ -121,6 +121,11 @@ RobustObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& 
     observation.segments.push_back({piece.robot, piece.label, weight});
     observation.amount += weight;
   }
+  for (const Primitive& primitive : snapshot.primitives) {
+    if (primitive.kind != PrimitiveKind::kParallelogram || primitive.vertices.size() != 4) continue;
+    auto& corners = observation.parallelograms.emplace_back();
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = transform(T_robot_odom, primitive.vertices[i]);
+  }
   observation.segment_weight = observation.amount;
   observation.remembered = observation.points.size();
   capPoints(observation, params.effective_points);
@@ -137,17 +142,25 @@ RobustObservation observeImage(const ImageAnalysis& analysis, const MapIndex& ma
     const auto label = map.floorLabelId(segment.label);
     if (!label) continue;
     const int pieces = std::clamp(static_cast<int>(segment.px.length() / kPiece_px), 1, kMaximumPieces);
-    std::optional<Eigen::Vector2d> last;
+    Eigen::Vector2d begin = Eigen::Vector2d::Zero();
+    Eigen::Vector2d last = begin;
+    bool has_last = false;
+    double weight = 0.0;
     for (int i = 0; i <= pieces; ++i) {
       const double fraction = static_cast<double>(i) / pieces;
       const Eigen::Vector2d px = segment.px.a + fraction * (segment.px.b - segment.px.a);
       const auto floor =
           backProjectToGround(analysis.intrinsics, analysis.T_robot_camera, px, params.image_range_m);
-      const std::optional<Eigen::Vector2d> before = last;
-      last = floor ? std::optional<Eigen::Vector2d>(floor->head<2>()) : std::nullopt;
-      if (!before || !last) continue;
-      const Segment2 piece{*before, *last};
-      if (piece.length() < 1e-3) continue;
+      if (!floor) {
+        has_last = false;
+        continue;
+      }
+      const Segment2 piece{last, floor->head<2>()};
+      const bool is_piece = has_last && piece.length() >= 1e-3;
+      last = piece.b;
+      has_last = true;
+      if (!is_piece) continue;
+      if (weight == 0.0) begin = piece.a;
       EvidencePoint point;
       point.p_robot = piece.middle();
       point.direction_robot = piece.direction();
@@ -165,8 +178,12 @@ RobustObservation observeImage(const ImageAnalysis& analysis, const MapIndex& ma
       point.weight = params.points_per_metre * std::min(piece.length(), kLongestPiece_m);
       point.d_lean = movedByLean(ray, height);
       observation.amount += point.weight;
+      weight += point.weight;
       observation.points.push_back(point);
     }
+    if (weight == 0.0 || (last - begin).norm() < kMinimumLength_m) continue;
+    observation.segments.push_back({{begin, last}, *label, weight});
+    observation.segment_weight += weight;
   }
   capPoints(observation, params.effective_points);
   return observation;
@@ -187,6 +204,10 @@ RobustObservation observe(const MemoryUpdate& update, const MapIndex& map, const
     capPoints(image, params.image_share * params.effective_points);
   }
   RobustObservation all = std::move(memory);
+  if (all.segments.empty()) {
+    all.segments = std::move(image.segments);
+    all.segment_weight = image.segment_weight;
+  }
   all.points.insert(all.points.end(), image.points.begin(), image.points.end());
   // What the memory has of this image is no second observation for "is there enough to see".
   all.amount = std::max(all.amount, image.amount);
@@ -217,13 +238,16 @@ Rating RobustLikelihood::rate(const RobustObservation& observation, const Placem
     const Eigen::Vector2d p(T_world_robot.x + c * p_robot.x() - s * p_robot.y(),
                             T_world_robot.y + s * p_robot.x() + c * p_robot.y());
     const auto field = sample(point, p, T_world_robot.theta);
+    const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
     if (!field) {
-      rating.log_likelihood += point.weight * log_eps;
+      rating.log_likelihood +=
+          point.weight * (params_.bounded ? log_eps : -0.5 * kTruncation_m * kTruncation_m / variance);
       continue;
     }
-    const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
-    const double agreement = std::exp(-0.5 * field->distance_m * field->distance_m / variance);
-    rating.log_likelihood += point.weight * std::log((1.0 - eps) * agreement + eps);
+    const double loss = -0.5 * field->distance_m * field->distance_m / variance;
+    const double agreement = std::exp(loss);
+    rating.log_likelihood +=
+        point.weight * (params_.bounded ? std::log((1.0 - eps) * agreement + eps) : loss);
     rating.explained += point.weight * agreement;
   }
   if (weights > 0.0) rating.explained /= weights;
@@ -252,7 +276,8 @@ RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const Evidence
     const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
     const double inlier = (1.0 - eps) * std::exp(-0.5 * field->distance_m * field->distance_m / variance);
     // Derivative of the bounded loss: far points pull less and less.
-    const double weight = share * point.weight / variance * inlier / (inlier + eps);
+    const double influence = params_.bounded ? inlier / (inlier + eps) : 1.0;
+    const double weight = share * point.weight / variance * influence;
     const Eigen::Vector2d& gradient = field->gradient;
     Vector5d J;
     J.head<2>() = gradient;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -37,9 +38,11 @@ struct EvidenceSegment {
 struct RobustObservation {
   std::vector<EvidencePoint> points;      ///< those of the memory first
   std::size_t remembered = 0;             ///< how many they are
-  std::vector<EvidenceSegment> segments;  ///< of the memory
-  double segment_weight = 0.0;            ///< sum over the segments
-  double amount = 0.0;                    ///< sum of the points' weights before the cap of `effective_points`
+  std::vector<EvidenceSegment> segments;  ///< of the memory; of the image where that is the only source
+  /// Corners of remembered parallelograms in the robot's frame, counter-clockwise.
+  std::vector<std::array<Eigen::Vector2d, 4>> parallelograms;
+  double segment_weight = 0.0;  ///< sum over the segments
+  double amount = 0.0;          ///< sum of the points' weights before the cap of `effective_points`
 };
 
 /// What the memory says, as weighted points (see RobustParams). Labels that the map does not have are left
@@ -65,8 +68,10 @@ struct Placement {
 };
 
 struct Rating {
-  double log_likelihood = 0.0;  ///< sum of weight * log((1 - eps) exp(-d^2 / 2 sigma^2) + eps), <= 0
-  double explained = 0.0;       ///< weighted share of points that agree with the map, 0..1
+  /// Sum of weight * log((1 - eps) exp(-d^2 / 2 sigma^2) + eps), <= 0; without bounds of weight * -d^2 / 2
+  /// sigma^2, d at most the fields' reach.
+  double log_likelihood = 0.0;
+  double explained = 0.0;  ///< weighted share of points that agree with the map, 0..1
 };
 
 /// Rates places by one observation. *Pure*; keeps references to its arguments.

@@ -1,10 +1,14 @@
 // Our localization: bounded likelihood, Gauss-Newton and Kalman filter per race, evidence. DESIGN 9, L12, B2.
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 
 #include "common/geometry/angles.h"
 #include "localization/core/explorers.h"
+#include "localization/core/landmarks.h"
+#include "localization/core/negative_information.h"
 #include "localization/core/race_strategy.h"
 #include "localization/core/robust_likelihood.h"
 
@@ -35,11 +39,17 @@ class RobustStrategy : public RaceStrategy {
       : params_(params),
         map_(map_edges, robustIndex(params)),
         constructed_(map_),
+        landmarks_(map_, {params.robust.corners, params.robust.doors, params.robust.parallelograms}),
         likelihood_(map_, params_.robust),
+        negative_(map_, params_.robust, params_.opaque_labels),
         broad_prior_(broadPrior(params_.robust)) {}
 
   bool observe(const MemoryUpdate& update) override {
     observation_ = vismem::observe(update, map_, params_.robust);
+    if (params_.robust.negative_information && params_.robust.source != HealthSource::kMemory &&
+        update.analysis) {
+      negative_.observe(*update.analysis, observation_);
+    }
     return !observation_.points.empty();
   }
 
@@ -63,17 +73,7 @@ class RobustStrategy : public RaceStrategy {
 
   std::vector<Race> search(int explorers, const RaceTable& table, double reliability,
                            RandomEngine& engine) const override {
-    std::vector<Individual> population;
-    population.reserve(static_cast<std::size_t>(explorers));
-    for (int i = 0; i < explorers; ++i) {
-      std::optional<Pose2> pose;
-      if (uniform(engine, 0.0, 1.0) < params_.robust.constructed_share) {
-        pose = constructed_.propose(observation_, engine);
-      }
-      if (!pose) pose = uniformExplorer(map_, params_.explorers.margin_m, engine);
-      population.push_back(
-          {*pose, likelihood_.rate(observation_, {*pose}, kExplorerBlur_m, kExplorerStride).explained});
-    }
+    std::vector<Individual> population = explore(explorers, engine);
     std::vector<Individual> best = bestPlaces(population, params_.robust.refined_explorers,
                                               params_.explorers.list_health, table.params());
     for (Individual& one : best) {
@@ -102,6 +102,7 @@ class RobustStrategy : public RaceStrategy {
     Race race;
     race.T_world_robot = T_world_robot;
     rate(race);
+    missWhatShouldBeSeen(race);
     race.evidence = race.log_likelihood;
     const auto refined = likelihood_.refine(observation_, {T_world_robot}, broad_prior_, 1.0, 0, 0.0);
     race.P = (refined.information + broad_prior_).inverse();
@@ -130,6 +131,7 @@ class RobustStrategy : public RaceStrategy {
       race.P = (prior + refined.information).inverse();
     }
     rate(race, placement);
+    missWhatShouldBeSeen(race);
     race.evidence = robust.forgetting * race.evidence + (1.0 - robust.forgetting) * race.log_likelihood;
   }
 
@@ -169,8 +171,10 @@ class RobustStrategy : public RaceStrategy {
       const double amount = std::min(1.0, observation_.amount / robust.enough_points);
       const std::vector<double> shares = weights(table);
       const auto index = static_cast<std::size_t>(winner - table.races().data());
+      if (!robust.validity) return shares[index];
       target = fit * amount * shares[index];
     }
+    if (!robust.validity) return 0.0;
     const double gain = 1.0 - std::exp(-params_.tick_s / robust.reliability_time_s);
     return last + gain * (target - last);
   }
@@ -184,6 +188,41 @@ class RobustStrategy : public RaceStrategy {
   }
 
  private:
+  void missWhatShouldBeSeen(Race& race) const {
+    if (params_.robust.negative_information) race.log_likelihood += negative_.logPenalty(race.T_world_robot);
+  }
+
+  /// Rates places until the KLD bound for those that are plausible is met, at most `most`.
+  std::vector<Individual> explore(int most, RandomEngine& engine) const {
+    const RobustParams& robust = params_.robust;
+    const auto proposals = robust.constructed_share > 0.0 && robust.landmark_share > 0.0
+                               ? landmarks_.match(observation_)
+                               : LandmarkExplorers::Proposals{};
+    std::vector<Individual> population;
+    population.reserve(static_cast<std::size_t>(most));
+    std::set<std::array<int, 3>> places;
+    for (int i = 0; i < most; ++i) {
+      std::optional<Pose2> pose;
+      if (uniform(engine, 0.0, 1.0) < robust.constructed_share) {
+        const bool by_landmark = uniform(engine, 0.0, 1.0) < robust.landmark_share;
+        pose = by_landmark && !proposals.isEmpty() ? proposals.pick(engine)
+                                                   : constructed_.propose(observation_, engine);
+      }
+      if (!pose) pose = uniformExplorer(map_, params_.explorers.margin_m, engine);
+      const double health =
+          likelihood_.rate(observation_, {*pose}, kExplorerBlur_m, kExplorerStride).explained;
+      population.push_back({*pose, health});
+      if (robust.kld_error <= 0.0 || health < params_.explorers.list_health) continue;
+      places.insert({static_cast<int>(std::floor(pose->x / robust.kld_place_m)),
+                     static_cast<int>(std::floor(pose->y / robust.kld_place_m)),
+                     static_cast<int>(std::floor(pose->theta / robust.kld_place_rad))});
+      if (i + 1 >= std::max(robust.kld_least, kldBound(static_cast<int>(places.size()), robust.kld_error))) {
+        break;
+      }
+    }
+    return population;
+  }
+
   void rate(Race& race, const Placement& placement) const {
     const Rating rating = likelihood_.rate(observation_, placement);
     race.health = rating.explained;
@@ -199,7 +238,9 @@ class RobustStrategy : public RaceStrategy {
   LocalizerParams params_;
   MapIndex map_;
   ConstructedExplorers constructed_;
+  LandmarkExplorers landmarks_;
   RobustLikelihood likelihood_;
+  NegativeInformation negative_;
   Matrix5d broad_prior_;
   RobustObservation observation_;
 };

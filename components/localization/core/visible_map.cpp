@@ -11,8 +11,7 @@ constexpr double kSpacing_m = 0.2;  // between points
 constexpr double kCell_m = 2.0;     // of the index
 /// Nearer than this to what hides it a point counts as seen: walls do not hide their own foot.
 constexpr double kMargin_m = 0.3;
-constexpr int kBearings = 256;            // of the depth buffer
-constexpr double kObstacleWidth_m = 0.2;  // an obstacle's point hides this much
+constexpr int kBearings = 256;  // of the depth buffer
 
 std::uint64_t cellKey(std::int32_t x, std::int32_t y) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32) | static_cast<std::uint32_t>(y);
@@ -117,9 +116,8 @@ VisibleMap::VisibleMap(const MapIndex& map, std::span<const std::string> opaque)
   }
 }
 
-void VisibleMap::around(const Pose2& T_world_robot, double range_m,
-                        std::span<const Eigen::Vector2d> obstacles, const CameraView* view,
-                        std::vector<VisiblePoint>& out) const {
+void VisibleMap::around(const Pose2& T_world_robot, double range_m, std::span<const Segment2> obstacles,
+                        const CameraView* view, std::vector<VisiblePoint>& out) const {
   out.clear();
   DepthBuffer depth;
   const double c = std::cos(T_world_robot.theta);
@@ -146,11 +144,10 @@ void VisibleMap::around(const Pose2& T_world_robot, double range_m,
       }
     }
   }
-  for (const Eigen::Vector2d& p : obstacles) {
-    const double distance = p.norm();
-    if (distance < 1e-6) continue;
-    const Eigen::Vector2d across = 0.5 * kObstacleWidth_m / distance * Eigen::Vector2d(-p.y(), p.x());
-    depth.add(p - across, p + across);
+  for (const Segment2& obstacle : obstacles) {
+    const int pieces = std::max(1, static_cast<int>(obstacle.length() / kSpacing_m));
+    const Eigen::Vector2d step = (obstacle.b - obstacle.a) / pieces;
+    for (int i = 0; i < pieces; ++i) depth.add(obstacle.a + i * step, obstacle.a + (i + 1) * step);
   }
   std::erase_if(out, [&](const VisiblePoint& point) { return depth.hides(point.p_robot); });
 }

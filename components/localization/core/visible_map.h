@@ -47,9 +47,9 @@ class VisibleMap {
   VisibleMap(const MapIndex& map, std::span<const std::string> opaque);
 
   /// The points within `range_m` of the robot, in all directions, that no opaque segment hides.
-  /// @param obstacles further points that hide what is behind them, in the robot's frame [m].
+  /// @param obstacles further things that hide what is behind them, in the robot's frame [m].
   /// @param view if given, only what lies in the image. @param out is cleared first.
-  void around(const Pose2& T_world_robot, double range_m, std::span<const Eigen::Vector2d> obstacles,
+  void around(const Pose2& T_world_robot, double range_m, std::span<const Segment2> obstacles,
               const CameraView* view, std::vector<VisiblePoint>& out) const;
 
  private:

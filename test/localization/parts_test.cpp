@@ -1,0 +1,246 @@
+// Each part of the default mode can be switched off alone, and each has its effect (DESIGN 9).
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "common/geometry/angles.h"
+#include "localization/core/localizer.h"
+#include "localization/core/robust_likelihood.h"
+#include "localization/corridor_world.h"
+#include "localization/map_views.h"
+
+namespace vismem {
+namespace {
+
+LocalizerParams defaultsBut(const std::function<void(LocalizerParams&)>& change) {
+  LocalizerParams params = localizerPreset(LocalizationMode::kDefault);
+  change(params);
+  return params;
+}
+
+double errorOf(const PoseEstimate& estimate, const Pose2& truth) {
+  return estimate.T_world_robot ? (estimate.T_world_robot->position() - truth.position()).norm() : 10.0;
+}
+
+/// The same drive for every variant; mean error after a known start.
+double trackingError(const LocalizerParams& params, double false_share, std::uint64_t seed) {
+  test::CorridorParams corridor;
+  corridor.false_share = false_share;
+  test::CorridorWorld world(corridor, seed);
+  Localizer localizer(params, test::corridorMap(), seed);
+  localizer.step(world.next());
+  localizer.setPose(world.truth());
+  double sum = 0.0;
+  int count = 0;
+  while (world.seconds() < 40.0) {
+    sum += std::min(5.0, errorOf(localizer.step(world.next()), world.truth()));
+    ++count;
+  }
+  return sum / count;
+}
+
+// Part 1: the field is a table of what brute force searches: same tracking, the same pose within its cell.
+TEST(Parts, DistanceFieldsChangeOnlyTheSpeed) {
+  const double with = trackingError(defaultsBut([](LocalizerParams&) {}), 0.0, 5);
+  const double without =
+      trackingError(defaultsBut([](LocalizerParams& p) { p.robust.use_field = false; }), 0.0, 5);
+  EXPECT_NEAR(with, without, 0.02);
+}
+
+// Part 2: with squared distances the false segments drag the pose away.
+TEST(Parts, WithoutBoundsFalseSegmentsDoHarm) {
+  SegmentMap corner;
+  corner.segments = {{{{0, 0, 0}, {3, 0, 0}}, "skirting", 0.0}, {{{0, 0, 0}, {0, 3, 0}}, "skirting", 0.0}};
+  const Pose2 truth{1.0, 1.2, 0.4};
+  MemorySnapshot snapshot;
+  test::remember(snapshot, corner, truth, 2.0);
+  // False ones, along the walls' directions and half a metre off.
+  SegmentMap wrong;
+  wrong.segments = {{{{0.4, 0.5, 0}, {2.0, 0.5, 0}}, "skirting", 0.0},
+                    {{{0.45, 0.4, 0}, {0.45, 2.0, 0}}, "skirting", 0.0}};
+  test::remember(snapshot, wrong, truth, 2.0);
+  for (const bool bounded : {true, false}) {
+    const LocalizerParams params = defaultsBut([&](LocalizerParams& p) { p.robust.bounded = bounded; });
+    const MapIndex map(corner, robustIndex(params));
+    const RobustLikelihood likelihood(map, params.robust);
+    const auto refined = likelihood.refine(observeMemory(snapshot, map, params.robust), {truth},
+                                           Matrix5d::Zero(), 1.0, 10, 0.0);
+    const double error = (refined.placement.T_world_robot.position() - truth.position()).norm();
+    if (bounded) {
+      EXPECT_LT(error, 0.02);
+    } else {
+      EXPECT_GT(error, 0.15);
+    }
+  }
+}
+
+// Part 3: nothing but odometry moves a race.
+TEST(Parts, WithoutRefinementARaceStaysWhereItWasBorn) {
+  const SegmentMap map = test::corridorMap();
+  const Pose2 truth{6.9, 0.05, 0.05};
+  const Pose2 off{6.95, 0.1, 0.03};
+  for (const bool refines : {true, false}) {
+    Localizer localizer(defaultsBut([&](LocalizerParams& p) {
+                          if (!refines) p.robust.refinement_steps = 0;
+                          p.explorers.count_lost = p.explorers.count_reliable = 0;
+                        }),
+                        map, 1);
+    auto updateAt = [&](int i) { return test::viewFrom(map, truth, i * 200'000, 0.0, degToRad(-15), 3.0); };
+    localizer.step(updateAt(1));
+    localizer.setPose(off);
+    for (int i = 2; i < 12; ++i) localizer.step(updateAt(i));
+    const double error = errorOf(localizer.latest(), truth);
+    if (refines) {
+      EXPECT_LT(error, 0.03);
+    } else {
+      EXPECT_NEAR(error, (off.position() - truth.position()).norm(), 1e-6);
+    }
+  }
+}
+
+// Part 3, the filter: with the motion prior one view of one wall does not forget what others told.
+TEST(Parts, TheFilterKeepsWhatEarlierImagesTold) {
+  const SegmentMap map = test::corridorMap();
+  const Pose2 truth{2.4, 0.0, 0.0};
+  for (const bool filters : {true, false}) {
+    Localizer localizer(defaultsBut([&](LocalizerParams& p) {
+                          p.robust.kalman = filters;
+                          p.explorers.count_lost = p.explorers.count_reliable = 0;
+                        }),
+                        map, 1);
+    localizer.step(test::viewFrom(map, truth, 100'000, 0.0, degToRad(-15), 3.0));
+    localizer.setPose(truth);
+    for (int i = 2; i < 8; ++i) {
+      localizer.step(test::viewFrom(map, truth, i * 200'000, 0.0, degToRad(-15), 3.0));
+    }
+    const double along_before = std::sqrt(localizer.latest().P(0, 0));
+    // A look at the bare wall to the right: nothing along the corridor.
+    SegmentMap bare;
+    bare.segments = {{{{1.6, -0.75, 0}, {3.2, -0.75, 0}}, "skirting", 0.0}};
+    localizer.step(test::viewFrom(bare, truth, 8 * 200'000, degToRad(-90), degToRad(-25), 0.8));
+    const double along_after = std::sqrt(localizer.latest().P(0, 0));
+    if (filters) {
+      EXPECT_LT(along_after, along_before + 0.05);
+    } else {
+      EXPECT_GT(along_after, 1.0);
+    }
+  }
+}
+
+// Part 4: one odd image does not take the title from a race that was right for long; without memory it does.
+TEST(Parts, EvidenceOutlivesOneOddImage) {
+  const SegmentMap map = test::corridorMap();
+  const Pose2 truth{6.9, 0.0, 0.0};
+  const Pose2 elsewhere{-0.1, 4.0, degToRad(-90)};
+  for (const bool remembers : {true, false}) {
+    Localizer localizer(defaultsBut([&](LocalizerParams& p) {
+                          if (!remembers) p.robust.forgetting = p.robust.lead = p.robust.birth_penalty = 0.0;
+                        }),
+                        map, 3);
+    localizer.step(test::viewFrom(map, truth, 200'000, 0.0, degToRad(-15), 3.0));
+    localizer.setPose(truth);
+    int i = 2;
+    for (; i < 40; ++i) localizer.step(test::viewFrom(map, truth, i * 200'000, 0.0, degToRad(-15), 3.0));
+    ASSERT_LT(errorOf(localizer.latest(), truth), 0.2);
+    // What another place would show; odometry says that the robot stands still.
+    bool left = false;
+    for (int k = 0; k < 1; ++k, ++i) {
+      MemoryUpdate odd = test::viewFrom(map, elsewhere, i * 200'000, 0.0, degToRad(-15), 3.0);
+      auto snapshot = std::make_shared<MemorySnapshot>(*odd.snapshot);
+      snapshot->T_odom_robot = truth;
+      left = errorOf(localizer.step({snapshot, odd.analysis}), truth) > 1.0 || left;
+    }
+    EXPECT_EQ(left, !remembers);
+  }
+}
+
+// Part 5: where nothing is explained the pose is not reliable, though no rival lives.
+TEST(Parts, ValidityFallsWhenNothingIsExplained) {
+  const SegmentMap map = test::corridorMap();
+  for (const bool validates : {true, false}) {
+    Localizer localizer(defaultsBut([&](LocalizerParams& p) {
+                          p.robust.validity = validates;
+                          p.explorers.count_lost = p.explorers.count_reliable = 0;
+                        }),
+                        map, 1);
+    const Pose2 wrong{3.0, 2.5, 1.0};  // inside the block
+    localizer.step(test::viewFrom(map, {6.9, 0, 0}, 200'000, 0.0, degToRad(-15), 3.0));
+    localizer.setPose(wrong);
+    for (int i = 2; i < 12; ++i) {
+      MemoryUpdate update = test::viewFrom(map, {6.9, 0, 0}, i * 200'000, 0.0, degToRad(-15), 3.0);
+      auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
+      snapshot->T_odom_robot = {6.9, 0, 0};
+      localizer.step({snapshot, update.analysis});
+    }
+    ASSERT_FALSE(localizer.latest().races.empty());
+    if (validates) {
+      EXPECT_LT(localizer.latest().reliability, 0.5);
+    } else {
+      EXPECT_EQ(localizer.latest().reliability, 1.0);
+    }
+  }
+}
+
+// Part 6: constructed explorers find the place with a tenth of the tries that uniform ones need.
+TEST(Parts, ConstructedExplorersNeedFewerTries) {
+  const SegmentMap map = test::corridorMap();
+  const Pose2 truth{6.9, 0.05, 0.1};
+  const auto found = [&](double constructed_share) {
+    int count = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      Localizer localizer(defaultsBut([&](LocalizerParams& p) {
+                            p.robust.constructed_share = constructed_share;
+                            p.explorers.count_lost = p.explorers.count_reliable = 40;
+                          }),
+                          map, seed);
+      MemoryUpdate update = test::viewFrom(map, truth, 200'000, 0.0, degToRad(-15), 3.0);
+      auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
+      test::remember(*snapshot, map, truth, 2.5);
+      localizer.step({snapshot, update.analysis});
+      for (const RaceReport& race : localizer.latest().races) {
+        if ((race.T_world_robot.position() - truth.position()).norm() < 0.3) {
+          ++count;
+          break;
+        }
+      }
+    }
+    return count;
+  };
+  EXPECT_GE(found(1.0), 15);
+  EXPECT_LE(found(0.0), 5);
+}
+
+// Part 7: a turning robot whose images are late. Rated when they arrive, they turn the pose.
+TEST(Parts, ImagesAreRatedWhenTheyWereTaken) {
+  const SegmentMap map = test::corridorMap();
+  for (const double latency_s : {0.1, 0.3, 1.0}) {
+    double errors[2];
+    for (const bool at_stamp : {true, false}) {
+      Localizer localizer(defaultsBut([&](LocalizerParams& p) { p.robust.rate_at_image_stamp = at_stamp; }),
+                          map, 2);
+      const auto poseAt = [](double t) { return Pose2{6.6, 0.0, wrapAngle(0.3 * t)}; };
+      double sum = 0.0;
+      int count = 0;
+      for (int i = 1; i < 60; ++i) {
+        const double t = 0.1 * i;
+        const MemoryUpdate update =
+            test::viewFrom(map, poseAt(t), static_cast<StampUs>(1e5) * i, 0.0, degToRad(-15), 3.0);
+        const Pose2 T_odom_now = poseAt(t + latency_s);
+        const PoseEstimate estimate = localizer.step(update, T_odom_now);
+        if (i == 1) localizer.setPose(at_stamp ? poseAt(t) : T_odom_now);
+        if (i < 20 || !estimate.T_world_robot) continue;
+        // Where the robot is now, by the estimate carried forward by odometry.
+        const Pose2 now = *estimate.T_world_robot * inverse(estimate.T_odom_robot) * T_odom_now;
+        sum += std::abs(angleDifference(now.theta, T_odom_now.theta));
+        ++count;
+      }
+      errors[at_stamp ? 0 : 1] = sum / count;
+    }
+    EXPECT_LT(errors[0], degToRad(1.0)) << latency_s;
+    EXPECT_GT(errors[1], 0.5 * 0.3 * latency_s) << latency_s;
+  }
+}
+
+}  // namespace
+}  // namespace vismem
