@@ -28,7 +28,7 @@ function(vismem_program name)
 endfunction()
 
 # Building tests_LABEL builds the tests of one label and nothing that they do not need.
-set(VISMEM_TEST_LABELS unit property golden contract component system faults)
+set(VISMEM_TEST_LABELS unit property golden contract component system faults hwkernel)
 foreach(label IN LISTS VISMEM_TEST_LABELS)
   add_custom_target(tests_${label})
 endforeach()
@@ -38,7 +38,7 @@ set(sanitizer_options
   "TSAN_OPTIONS=ignore_noninstrumented_modules=1 suppressions=${PROJECT_SOURCE_DIR}/cmake/tsan.supp"
   "UBSAN_OPTIONS=print_stacktrace=1")
 
-# vismem_test(NAME LABEL unit|property|golden|contract|component|system|faults SOURCES file... LIBRARIES lib...
+# vismem_test(NAME LABEL unit|property|golden|contract|component|system|faults|hwkernel SOURCES file... LIBRARIES lib...
 #             [TIMEOUT seconds] [PROGRAMS target...] [EMULATED_DEVICES])
 # One CTest entry per test program. PROGRAMS are built first: tests that start real processes name them.
 # EMULATED_DEVICES: it runs under umockdev, which puts its own devices in the place of the machine's.

@@ -96,8 +96,8 @@ PortReply V4l2Camera::start() {
     running_ = true;
     newest_.reset();
   }
-  // Whoever starts a camera waits for its frames, not for the camera.
-  thread_.start(0ms);
+  // A camera that is there begins to stream within this time; whether it does is told by next().
+  static_cast<void>(thread_.start(2s));
   return PortReply::accepted();
 }
 

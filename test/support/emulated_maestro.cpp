@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <deque>
 #include <functional>
@@ -20,36 +19,27 @@
 namespace vismem {
 namespace {
 
-/// The device and configuration descriptors.
-std::string descriptorsOf(std::uint16_t product) {
+std::string hexOf(const std::vector<std::uint8_t>& bytes) {
   std::ostringstream hex;
   hex << std::hex << std::setfill('0');
-  // Device: USB 2.0, vendor-specific, 64 bytes, vendor, product, release 1.00, strings 1, 2, 3, one
-  // configuration; configuration: 9 + 9 bytes, one interface of vendor class without endpoints.
-  const std::string low_high{static_cast<char>(product & 0xFFU), static_cast<char>(product >> 8U)};
-  using namespace std::string_literals;
-  const std::string bytes = "\x12\x01\x00\x02\xff\x00\x00\x40\xfb\x1f"s + low_high +
-                            "\x00\x01\x01\x02\x03\x01"s +
-                            "\x09\x02\x12\x00\x01\x01\x00\xc0\x32\x09\x04\x00\x00\x00\xff\x00\x00\x00"s;
-  for (const char c : bytes) hex << std::setw(2) << (static_cast<unsigned>(c) & 0xFFU);
+  for (const std::uint8_t byte : bytes) hex << std::setw(2) << static_cast<unsigned>(byte);
   return hex.str();
 }
 
-EmulatedNode::Description describe(std::uint16_t product, int number) {
+EmulatedNode::Description describe(std::uint16_t product, const std::string& descriptors, int number) {
   std::ostringstream id;
   id << std::hex << std::setfill('0') << std::setw(4) << product;
   const std::string port = std::to_string(number);
   const std::string address = "00" + std::to_string(number + 1);
   const std::string device = "/devices/usb1/1-" + port;
   const std::string node = "bus/usb/001/" + address;
-  return {
-      "/sys" + device, "/dev/" + node,
-      "P: " + device + "\nN: " + node +
-          "\nE: DEVTYPE=usb_device\nE: SUBSYSTEM=usb\nE: BUSNUM=001\nE: DEVNUM=" + address +
-          "\nE: MAJOR=189\nE: MINOR=" + port + "\nE: DEVNAME=/dev/" + node +
-          "\nA: busnum=1\\n\nA: devnum=" + std::to_string(number + 1) +
-          "\\n\nA: speed=12\\n\nA: bConfigurationValue=1\\n\nA: idVendor=1ffb\\n\nA: idProduct=" + id.str() +
-          "\\n\nA: dev=189:" + port + "\\n\nH: descriptors=" + descriptorsOf(product) + "\n\n"};
+  return {"/sys" + device, "/dev/" + node,
+          "P: " + device + "\nN: " + node +
+              "\nE: DEVTYPE=usb_device\nE: SUBSYSTEM=usb\nE: BUSNUM=001\nE: DEVNUM=" + address +
+              "\nE: MAJOR=189\nE: MINOR=" + port + "\nE: DEVNAME=/dev/" + node +
+              "\nA: busnum=1\\n\nA: devnum=" + std::to_string(number + 1) +
+              "\\n\nA: speed=12\\n\nA: bConfigurationValue=1\\n\nA: idVendor=1ffb\\n\nA: idProduct=" +
+              id.str() + "\\n\nA: dev=189:" + port + "\\n\nH: descriptors=" + descriptors + "\n\n"};
 }
 
 }  // namespace
@@ -57,9 +47,10 @@ EmulatedNode::Description describe(std::uint16_t product, int number) {
 /// The node as usbfs has it: what a transfer's ioctls do.
 struct EmulatedMaestro::Node {
   Node(EmulatedMaestro& maestro, std::uint16_t product, int number)
-      : node(describe(product, number), [this, &maestro](unsigned code, const auto& argument) {
-          return handle(maestro, code, argument);
-        }) {}
+      : node(describe(product, hexOf(maestro.descriptors()), number),
+             [this, &maestro](unsigned code, const auto& argument) {
+               return handle(maestro, code, argument);
+             }) {}
 
   IoctlAnswer handle(EmulatedMaestro& maestro, unsigned code,
                      const std::function<IoctlMemory(std::size_t)>& argument);
@@ -121,10 +112,7 @@ IoctlAnswer EmulatedMaestro::Node::handle(EmulatedMaestro& maestro, unsigned cod
 }
 
 EmulatedMaestro::EmulatedMaestro(std::uint16_t product, const std::string& serial, int number)
-    : product_(product),
-      serial_(serial),
-      servos_(product == 0x0089 ? 6U : 12U),
-      node_(std::make_unique<Node>(*this, product, number)) {
+    : MaestroModel(product, serial), node_(std::make_unique<Node>(*this, product, number)) {
   plugIn();
 }
 
@@ -138,108 +126,6 @@ void EmulatedMaestro::plugIn() {
 
 void EmulatedMaestro::unplug() {
   node_->node.unplug();
-}
-
-bool EmulatedMaestro::silent() {
-  const std::lock_guard lock(mutex_);
-  return silent_;
-}
-
-void EmulatedMaestro::moveLocked() {
-  const auto now = Clock::now();
-  const double dt_s = std::chrono::duration<double>(now - moved_until_).count();
-  moved_until_ = now;
-  for (Servo& servo : servos_) {
-    const double way = servo.target - servo.position;
-    // A quarter of a microsecond each 10 ms for one unit of speed.
-    const double step = servo.speed == 0 || servo.position == 0.0 || servo.target == 0
-                            ? std::abs(way)
-                            : 100.0 * servo.speed * dt_s;
-    servo.position += std::copysign(std::min(std::abs(way), step), way);
-  }
-}
-
-EmulatedMaestro::Transfer EmulatedMaestro::control(const std::array<std::uint8_t, 8>& setup) {
-  const std::lock_guard lock(mutex_);
-  moveLocked();
-  const int type = setup[0];
-  const int request = setup[1];
-  const int value = setup[2] + 256 * setup[3];
-  const int index = setup[4] + 256 * setup[5];
-  const auto length = static_cast<std::size_t>(setup[6] + 256 * setup[7]);
-  Transfer transfer;
-  auto& data = transfer.data;
-  const auto word = [&](int number) {
-    data.push_back(static_cast<std::uint8_t>(number & 0xFF));
-    data.push_back(static_cast<std::uint8_t>((number >> 8) & 0xFF));
-  };
-  const bool channel = index >= 0 && index < static_cast<int>(servos_.size());
-  transfer.status = 0;
-  if (request == refused_ && refused_ != 0) {
-    transfer.status = -EPIPE;
-  } else if (type == 0x80 && request == 6) {  // a string: languages, or the serial number
-    const std::string text = (value & 0xFF) == 0 ? "" : serial_;
-    data = {static_cast<std::uint8_t>(text.empty() ? 4 : 2 + 2 * text.size()), 3};
-    if (text.empty()) word(0x0409);
-    for (const char c : text) word(c);
-  } else if (type == 0x40 && request == 0x85 && channel) {
-    servos_[static_cast<std::size_t>(index)].target = value;
-  } else if (type == 0x40 && request == 0x84 && channel) {
-    servos_[static_cast<std::size_t>(index)].speed = value;
-  } else if (type == 0x40 && request == 0x86) {
-    errors_ = 0;
-  } else if (type == 0xC0 && request == (micro() ? 0x83 : 0x87)) {
-    if (micro()) {
-      data.assign(98, 0);
-      data[2] = static_cast<std::uint8_t>(errors_ & 0xFFU);
-      data[3] = static_cast<std::uint8_t>(errors_ >> 8U);
-    }
-    for (const Servo& servo : servos_) {
-      word(static_cast<int>(std::lround(servo.position)));
-      word(servo.target);
-      word(servo.speed);
-      data.push_back(0);
-    }
-    if (short_) data.resize(data.size() / 2);
-  } else {
-    transfer.status = -EPIPE;
-  }
-  data.resize(std::min(data.size(), length));
-  return transfer;
-}
-
-void EmulatedMaestro::refuse(int request) {
-  const std::lock_guard lock(mutex_);
-  refused_ = request;
-}
-void EmulatedMaestro::setSilent(bool silent) {
-  const std::lock_guard lock(mutex_);
-  silent_ = silent;
-}
-void EmulatedMaestro::setErrors(unsigned bits) {
-  const std::lock_guard lock(mutex_);
-  errors_ = bits;
-}
-void EmulatedMaestro::setShortAnswers(bool shorter) {
-  const std::lock_guard lock(mutex_);
-  short_ = shorter;
-}
-void EmulatedMaestro::switchOff(int channel) {
-  const std::lock_guard lock(mutex_);
-  servos_[static_cast<std::size_t>(channel)].target = 0;
-}
-int EmulatedMaestro::position_qus(int channel) {
-  const std::lock_guard lock(mutex_);
-  moveLocked();
-  return static_cast<int>(std::lround(servos_[static_cast<std::size_t>(channel)].position));
-}
-int EmulatedMaestro::target_qus(int channel) {
-  const std::lock_guard lock(mutex_);
-  return servos_[static_cast<std::size_t>(channel)].target;
-}
-int EmulatedMaestro::speed(int channel) {
-  const std::lock_guard lock(mutex_);
-  return servos_[static_cast<std::size_t>(channel)].speed;
 }
 
 }  // namespace vismem
