@@ -53,7 +53,12 @@ std::string DevicePanTilt::pauseUntil(Clock::time_point until, const std::stop_t
 }
 
 void DevicePanTilt::give(StampUs asked_us, double pan_rad, double tilt_rad) {
-  samples_.add({asked_us + (hostClock_us() - asked_us) / 2, samples_given_++, pan_rad, tilt_rad});
+  const PanTiltSample sample{asked_us + (hostClock_us() - asked_us) / 2, samples_given_++, pan_rad, tilt_rad};
+  if (is_ready_) {
+    samples_.add(sample);
+  } else {
+    first_ = sample;
+  }
 }
 
 std::string DevicePanTilt::session(const std::stop_token& stop) {
@@ -61,9 +66,15 @@ std::string DevicePanTilt::session(const std::stop_token& stop) {
     const std::lock_guard lock(mutex_);
     command_.reset();
   }
+  is_ready_ = false;
+  first_.reset();
   std::string why = connect(stop);
   if (why.empty()) why = poll();
-  if (why.empty()) thread_.ready();
+  if (why.empty()) {
+    thread_.ready();
+    is_ready_ = true;
+    if (first_) samples_.add(*first_);
+  }
   auto next = Clock::now() + period_;
   while (why.empty() && !stop.stop_requested()) {
     std::optional<PanTiltCommand> command;

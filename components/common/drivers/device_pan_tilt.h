@@ -63,7 +63,11 @@ class DevicePanTilt : public PanTiltUnit {
   std::string session(const std::stop_token& stop);
 
   const Clock::duration period_;
-  std::uint64_t samples_given_ = 0;  ///< of the thread
+
+  // Of the thread.
+  std::uint64_t samples_given_ = 0;
+  bool is_ready_ = false;               ///< commands are taken
+  std::optional<PanTiltSample> first_;  ///< held back until they are: whoever has a sample may command
 
   std::mutex mutex_;
   std::condition_variable_any commanded_;
