@@ -181,13 +181,17 @@ MadeDetector makeDetector(ByteReader in) {
       params.merge_gap_px = in.real(0.0, 20.0);
       params.merge_offset_px = in.real(0.0, 3.0);
       params.merge_angle_rad = in.real(0.0, 0.3);
+      params.bridge_share = in.real(0.0, 3.0);
+      params.bridge_px = in.real(0.0, 60.0);
+      params.minimum_certainty = in.real(0.0, 40.0);
+      params.maximum_shift_px = in.real(0.0, 0.5);
       return {makeSolisDetector(params), params.minimum_length_px};
     }
     default:
       return {makeSolisDetector(), SolisParams().minimum_length_px};
   }
 }
-constexpr std::size_t kDetectorBytes = 20;
+constexpr std::size_t kDetectorBytes = 32;
 
 void fuzzDetector(ByteReader in, const std::uint8_t* detector_bytes) {
   const ByteReader choice(detector_bytes, kDetectorBytes);

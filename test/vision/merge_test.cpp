@@ -7,6 +7,7 @@
 #include <random>
 
 #include "common/geometry/angles.h"
+#include "common/vision/collinear_merge.h"
 #include "common/vision/segment_merge.h"
 
 namespace vismem {
@@ -36,6 +37,46 @@ TEST(MergeSegments, WorkedExample) {
   EXPECT_NEAR(merged[0].px.b.x(), 60, 1e-9);
   EXPECT_NEAR(merged[0].px.a.y(), 0, 1e-9);
   EXPECT_NEAR(merged[0].strength, 15.0, 1e-9);
+}
+
+/// Says the same of every gap and remembers the last one.
+class SameAnswer final : public GapEvidence {
+ public:
+  explicit SameAnswer(bool answer) : answer_(answer) {}
+  bool goesOn(const Segment2& gap, const Segment2& before, const Segment2& after) const override {
+    last = gap;
+    EXPECT_EQ(gap.a, before.b);
+    EXPECT_EQ(gap.b, after.a);
+    return answer_;
+  }
+  mutable Segment2 last;
+
+ private:
+  bool answer_;
+};
+
+// Gaps of up to 8 px are closed unasked; beyond, as far as half of the shorter piece's length and 12 px,
+// evidence decides.
+TEST(CollinearMerger, LongerGapsAreClosedWhereTheEdgeGoesOn) {
+  const CollinearMergeParams params{0.07, 1.5, 8.0, 0.5, 12.0};
+  const auto joined = [&](double length, double gap_px, const GapEvidence* evidence) {
+    CollinearMerger merger;
+    std::vector<GroupedSegment> pieces{{{{40 + gap_px, 50}, {40 + gap_px + length, 50}}},
+                                       {{{0, 50}, {40, 50}}}};
+    merger.merge(pieces, params, evidence);
+    return pieces.size() == 1;
+  };
+  const SameAnswer yes(true);
+  const SameAnswer no(false);
+  EXPECT_TRUE(joined(30, 7.5, &no));
+  EXPECT_TRUE(joined(30, 11.5, &yes));
+  EXPECT_EQ(yes.last.a, Eigen::Vector2d(40, 50));
+  EXPECT_EQ(yes.last.b, Eigen::Vector2d(51.5, 50));
+  EXPECT_FALSE(joined(30, 11.5, &no));
+  EXPECT_FALSE(joined(30, 11.5, nullptr));
+  EXPECT_FALSE(joined(30, 12.5, &yes));
+  EXPECT_TRUE(joined(20, 9.5, &yes));
+  EXPECT_FALSE(joined(20, 10.5, &yes));
 }
 
 TEST(MergeSegments, KeepsApartWhatDoesNotBelongTogether) {

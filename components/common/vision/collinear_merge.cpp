@@ -12,6 +12,7 @@ namespace {
 constexpr int kLanes = 16;         // compared at a time
 constexpr double kTurn = 65536.0;  // what an angle of 16 bits wraps at
 constexpr double kDiamondTurn = 4.0;
+constexpr double kPi = 3.14159265358979;
 constexpr int kShift = 32768;  // makes numbers of 16 bits positive
 
 /// An angle that grows with the direction, -1 .. 3 for a turn: linear along |x| + |y| = 1. A radian is
@@ -100,18 +101,23 @@ struct CollinearMerger::Box {
 /// What tells most rods apart, as columns of numbers that are compared many at a time.
 class CollinearMerger::Lanes {
  public:
-  static Box boxOf(const Rod& rod, double reach_px) {
+  /// About a rod made longer at both ends by half of the longest gap that it may be joined over, and
+  /// `reach_px` aside: boxes of two that can be joined meet.
+  static Box boxOf(const Rod& rod, double half_gap_px, double reach_px) {
     // Beyond its range a number stays at its end: boxes that meet still do. Rounded down; up is one more.
     const auto whole = [](double value) {
       return static_cast<int>(std::min(std::max(value, -32000.0), 32000.0) + kShift) - kShift;
     };
-    const auto [x0, x1] = std::minmax(rod.px.a.x(), rod.px.b.x());
-    const auto [y0, y1] = std::minmax(rod.px.a.y(), rod.px.b.y());
+    const Eigen::Vector2d ahead = half_gap_px * rod.direction;
+    const Eigen::Vector2d a = rod.px.a - ahead;
+    const Eigen::Vector2d b = rod.px.b + ahead;
+    const Eigen::Vector2d low = a.cwiseMin(b);
+    const Eigen::Vector2d high = a.cwiseMax(b);
     const auto angle = static_cast<int>((diamondAngle(rod.direction) + 1.0) * (kTurn / kDiamondTurn));
-    return {static_cast<std::int16_t>(whole(x0 - reach_px)),
-            static_cast<std::int16_t>(whole(x1 + reach_px) + 1),
-            static_cast<std::int16_t>(whole(y0 - reach_px)),
-            static_cast<std::int16_t>(whole(y1 + reach_px) + 1), static_cast<std::uint16_t>(angle)};
+    return {static_cast<std::int16_t>(whole(low.x() - reach_px)),
+            static_cast<std::int16_t>(whole(high.x() + reach_px) + 1),
+            static_cast<std::int16_t>(whole(low.y() - reach_px)),
+            static_cast<std::int16_t>(whole(high.y() + reach_px) + 1), static_cast<std::uint16_t>(angle)};
   }
 
   void reserve(std::size_t count) {
@@ -171,6 +177,11 @@ CollinearMerger::~CollinearMerger() = default;
 CollinearMerger::CollinearMerger(CollinearMerger&&) noexcept = default;
 CollinearMerger& CollinearMerger::operator=(CollinearMerger&&) noexcept = default;
 
+double CollinearMerger::longestGap(const Rod& shorter, const CollinearMergeParams& params) const {
+  if (evidence_ == nullptr) return params.gap_px;
+  return std::max(params.gap_px, std::min(params.bridge_px, params.bridge_share * shorter.length));
+}
+
 void CollinearMerger::reserve(std::size_t segments) {
   rods_.reserve(2 * segments);  // each join leaves one rod less
   candidates_.reserve(4 * segments);
@@ -181,11 +192,11 @@ void CollinearMerger::reserve(std::size_t segments) {
 }
 
 /// Sorts the rods given from top to bottom.
-void CollinearMerger::lay() {
+void CollinearMerger::lay(const CollinearMergeParams& params) {
   keys_.clear();
   boxes_.clear();
   for (std::size_t i = 0; i < rods_.size(); ++i) {
-    boxes_.push_back(Lanes::boxOf(rods_[i], reach_px_));
+    boxes_.push_back(Lanes::boxOf(rods_[i], 0.5 * longestGap(rods_[i], params), reach_px_));
     keys_.push_back(static_cast<std::uint64_t>(boxes_.back().top + kShift) << 32 | i);
   }
   std::sort(keys_.begin(), keys_.end());
@@ -210,7 +221,8 @@ void CollinearMerger::findCandidates(int first_fresh, const CollinearMergeParams
     const int known = joined_->count();
     joined_->resize(known + count - first_fresh);
     for (int i = first_fresh; i < count; ++i) {
-      joined_->set(known + i - first_fresh, Lanes::boxOf(rods_[i], reach_px_), i);
+      joined_->set(known + i - first_fresh,
+                   Lanes::boxOf(rods_[i], 0.5 * longestGap(rods_[i], params), reach_px_), i);
     }
     for (int i = known; i < joined_->count(); ++i) {
       compare(joined_->rod(i), joined_->box(i), *given_, 0, params);
@@ -258,11 +270,19 @@ void CollinearMerger::judge(int index, int other_index, const CollinearMergePara
   const double begin = a.dot(longer.direction);
   const double end = b.dot(longer.direction);
   const double gap = std::max({0.0, begin - longer.length, -end});
-  if (gap > params.gap_px) return;
+  if (gap > params.gap_px) {
+    if (gap > longestGap(shorter, params)) return;
+    const bool ahead = begin > 0.0;
+    const Rod& before = ahead ? longer : shorter;
+    const Rod& after = ahead ? shorter : longer;
+    if (!evidence_->goesOn({before.px.b, after.px.a}, before.px, after.px)) return;
+  }
   candidates_.push_back({gap, offset, std::min(index, other_index), std::max(index, other_index)});
 }
 
-void CollinearMerger::merge(std::vector<GroupedSegment>& segments, const CollinearMergeParams& params) {
+void CollinearMerger::merge(std::vector<GroupedSegment>& segments, const CollinearMergeParams& params,
+                            const GapEvidence* evidence) {
+  evidence_ = evidence;
   rods_.clear();
   for (const auto& segment : segments) {
     if (segment.px.length() > 0.0) rods_.emplace_back(segment);
@@ -270,10 +290,12 @@ void CollinearMerger::merge(std::vector<GroupedSegment>& segments, const Colline
   segments.clear();
   if (rods_.empty()) return;
   cos_limit_ = std::cos(params.angle_rad);
-  reach_px_ = 0.5 * (params.gap_px + params.offset_px) + 0.01;
+  // Half of the way between the tips of two rods that meet in the middle of a gap: their directions differ.
+  const double longest_px = evidence == nullptr ? params.gap_px : std::max(params.gap_px, params.bridge_px);
+  reach_px_ = 0.5 * (params.offset_px + longest_px * std::sin(std::min(params.angle_rad, 0.5 * kPi))) + 0.01;
   angle_limit_ = static_cast<std::uint16_t>(
       std::min(std::ceil(params.angle_rad * (kTurn / kDiamondTurn)) + 2.0, 0.5 * kTurn - 1.0));
-  lay();
+  lay(params);
   int first_fresh = 0;
   while (first_fresh < static_cast<int>(rods_.size())) {
     const int count = static_cast<int>(rods_.size());

@@ -14,6 +14,18 @@ struct CollinearMergeParams {
   double angle_rad = 0.07;  ///< between the directions over the full circle: polarity counts
   double offset_px = 1.5;   ///< of the shorter one's ends from the longer one's line
   double gap_px = 8.0;      ///< between the near ends along the line; overlapping pieces have none
+  /// A longer gap is closed where the edge goes on in it (see GapEvidence): up to so many times the shorter
+  /// one's length, and so long.
+  double bridge_share = 0.0;
+  double bridge_px = 0.0;
+};
+
+/// What an image says about the gap between two pieces.
+class GapEvidence {
+ public:
+  virtual ~GapEvidence() = default;
+  /// @param gap from the end of `before` to the beginning of `after`; length > 0.
+  virtual bool goesOn(const Segment2& gap, const Segment2& before, const Segment2& after) const = 0;
 };
 
 struct GroupedSegment {
@@ -38,7 +50,9 @@ class CollinearMerger {
   /// pair is left. A joined segment lies on the total-least-squares line of its parts (taken as rods of even
   /// density) and reaches as far as they do. Segments without length are dropped.
   /// @param segments replaced by the joined ones; their order depends on the order of the input.
-  void merge(std::vector<GroupedSegment>& segments, const CollinearMergeParams& params);
+  /// @param evidence closes longer gaps; none: those stay.
+  void merge(std::vector<GroupedSegment>& segments, const CollinearMergeParams& params,
+             const GapEvidence* evidence = nullptr);
 
  private:
   struct Rod;
@@ -46,9 +60,11 @@ class CollinearMerger {
   struct Box;
   class Lanes;
 
-  void lay();
+  void lay(const CollinearMergeParams& params);
   void findCandidates(int first_fresh, const CollinearMergeParams& params);
   void compare(int rod, const Box& box, const Lanes& lanes, int begin, const CollinearMergeParams& params);
+  /// Between a rod and a longer one.
+  double longestGap(const Rod& shorter, const CollinearMergeParams& params) const;
   void judge(int rod, int other, const CollinearMergeParams& params);
 
   std::vector<Rod> rods_;
@@ -57,8 +73,9 @@ class CollinearMerger {
   std::unique_ptr<Lanes> joined_;  // the joined ones, in order of their index
   std::vector<std::uint64_t> keys_;
   std::vector<Box> boxes_;
+  const GapEvidence* evidence_ = nullptr;
   double cos_limit_ = 0.0;
-  double reach_px_ = 0.0;  // of two rods that can be joined, boxes this much wider meet
+  double reach_px_ = 0.0;  // of a rod aside, see Lanes::boxOf
   std::uint16_t angle_limit_ = 0;
 };
 

@@ -34,9 +34,12 @@ class SegmentDetector {
 struct SolisParams {
   double minimum_length_px = 9.0;
   /// Length squared times strength [px^2 grey levels]: a short segment must be strong, a faint one long.
-  double minimum_significance = 2500.0;
+  double minimum_significance = 2800.0;
+  /// Strength times the root of length over the image's own noise [root px]: what the place of a line is
+  /// worth.
+  double minimum_certainty = 17.0;
   /// Edge points need this many times the image's own noise, and at least `minimum_contrast`.
-  double noise_factor = 4.5;
+  double noise_factor = 3.2;
   double minimum_contrast = 9.0;     ///< [grey levels] of an ideal step
   bool bridge_missing_point = true;  ///< chains go on over one missing point
   int first_fit_points = 7;          ///< a run begins with this many points in line
@@ -47,9 +50,15 @@ struct SolisParams {
   double piece_length_px = 6.0;    ///< shorter runs are left out before merging
   double alignment_cos = 0.95;     ///< a point agrees with its line if its gradient is this near the normal
   double alignment_share = 0.7;    ///< share of the points that must agree
+  double maximum_shift_px = 0.15;   ///< so far the image's brightness may move a line aside
   double merge_angle_rad = 0.1;    ///< collinear pieces: direction
-  double merge_offset_px = 1.5;    ///< collinear pieces: normal distance of the shorter one's ends
-  double merge_gap_px = 6.0;       ///< collinear pieces: distance of the near ends along the line
+  double merge_offset_px = 1.8;    ///< collinear pieces: normal distance of the shorter one's ends
+  double merge_gap_px = 4.0;       ///< collinear pieces: distance of the near ends along the line
+  /// A longer gap, up to so many times the shorter piece and so long, is closed if the step of brightness in
+  /// it is at least such a share of that of the weaker piece.
+  double bridge_share = 1.0;
+  double bridge_px = 20.0;
+  double bridge_step_share = 0.75;
 };
 
 /// The published Solis flow (mode `chapter`): normalise, smooth 3x3, Laplace, threshold, contours, chords

@@ -5,15 +5,33 @@
 #include "common/vision/collinear_merge.h"
 #include "common/vision/edge_points.h"
 #include "common/vision/edge_sampling.h"
+#include "common/vision/line_profile.h"
 #include "common/vision/line_runs.h"
 #include "common/vision/segment_detector.h"
 
 namespace vismem {
 namespace {
 
-constexpr double kSideDistance_px = 2.0;
 constexpr std::size_t kPixelsPerRun = 24;
 constexpr std::size_t kMaximumReserved = 1U << 16;
+
+constexpr double kSideDistance_px = 2.0;
+
+/// The edge of two pieces goes on in a gap where brightness differs as it does across them.
+class StepInGap final : public GapEvidence {
+ public:
+  StepInGap(const cv::Mat& image, double share) : image_(image), share_(share) {}
+  bool goesOn(const Segment2& gap, const Segment2& before, const Segment2& after) const override {
+    const double step = stepOf(gap);
+    return step > 0.0 && step >= share_ * std::min(stepOf(before), stepOf(after));
+  }
+
+ private:
+  double stepOf(const Segment2& px) const { return brightnessStep(image_, px, kSideDistance_px); }
+
+  const cv::Mat& image_;
+  double share_;
+};
 
 class SolisDetector final : public SegmentDetector {
  public:
@@ -26,21 +44,30 @@ class SolisDetector final : public SegmentDetector {
     if (image.cols < 16 || image.rows < 16) return;
     reserve(image.total());
     // Noise of the gradient, in the contrast of the step that would give it.
-    const double noise_contrast = estimateNoise(image) * noiseMagnitude() / stepMagnitude();
+    const double noise = estimateNoise(image);
+    const double noise_contrast = noise * noiseMagnitude() / stepMagnitude();
     edges_.find(image, std::max(params_.minimum_contrast, params_.noise_factor * noise_contrast),
                 params_.bridge_missing_point);
     run_finder_.find(edges_, runs_);
     pieces_.clear();
     for (const LineRun& run : runs_) pieces_.push_back({run.px, 0, run.points / run.px.length(), 0.0});
-    const CollinearMergeParams merge{params_.merge_angle_rad, params_.merge_offset_px, params_.merge_gap_px};
-    merger_.merge(pieces_, merge);
+    const CollinearMergeParams merge{params_.merge_angle_rad, params_.merge_offset_px, params_.merge_gap_px,
+                                     params_.bridge_share, params_.bridge_px};
+    const StepInGap evidence(image, params_.bridge_step_share);
+    merger_.merge(pieces_, merge, &evidence);
     for (const GroupedSegment& piece : pieces_) {
       const double length = piece.px.length();
       if (length < params_.minimum_length_px) continue;
-      // The gradient along the edge has decided which side is brighter; samples may disagree on a thin
+      const LineProfile profile = profileAcross(image, piece.px, noise);
+      // The gradient along the edge has decided which side is brighter; brightness may disagree on a thin
       // stripe.
-      const double strength = std::abs(brightnessStep(image, piece.px, kSideDistance_px));
-      if (length * length * strength >= params_.minimum_significance) out.push_back({piece.px, strength});
+      const double strength = std::abs(profile.step);
+      if (length * length * strength < params_.minimum_significance) continue;
+      if (strength * std::sqrt(length) < params_.minimum_certainty * noise) continue;
+      const double shift_px =
+          std::clamp(profile.aside_px, -params_.maximum_shift_px, params_.maximum_shift_px);
+      const Eigen::Vector2d aside = shift_px * leftNormal(piece.px);
+      out.push_back({{piece.px.a + aside, piece.px.b + aside}, strength});
     }
   }
 
