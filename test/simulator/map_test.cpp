@@ -220,8 +220,8 @@ TEST(RoomPrimitives, HaveTheirSidesInTheMap) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OwnWorlds, WorldMap,
-                         testing::Values("corridor", "room", "curve", "field_6x4", "field_9x6", "texture",
-                                         "furniture"),
+                         testing::Values("corridor", "corridor_irregular", "room", "curve", "field_6x4",
+                                         "field_9x6", "texture", "furniture"),
                          [](const auto& world) { return std::string(world.param); });
 
 }  // namespace

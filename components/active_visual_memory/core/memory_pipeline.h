@@ -31,6 +31,7 @@ class MemoryPipeline {
   /// @param probe hears of the stages "detect", "label", "memory" and "gaze"; may be null.
   AttentiveVisualMemory::StepResult process(const RobotObservation& observation, StageProbe* probe = nullptr);
 
+  SegmentExtractor& extractor() { return extractor_; }
   AttentiveVisualMemory& memory() { return memory_; }
   const AttentiveVisualMemory& memory() const { return memory_; }
 

@@ -14,10 +14,10 @@ class CpuStages : public StageProbe {
   void enter(const char* stage) override;
   /// Seconds by stage; the one that runs counts up to now.
   std::map<std::string, double> seconds();
-
- private:
+  /// CPU time of this thread so far.
   static double now_s();
 
+ private:
   std::map<std::string, double> spent_s_;
   std::string current_;
   double since_s_ = 0.0;

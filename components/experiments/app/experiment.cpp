@@ -110,6 +110,9 @@ int main(int argc, char** argv) {
       });
   app.add_option("--variant", options.variant,
                  "of an experiment that has several: only the one of this name (default: all)");
+  app.add_option("--trials", options.trials,
+                 "runs of each variant of an experiment over many (E5, E6; default: as documented)")
+      ->check(CLI::Range(1, 10'000));
   app.add_option("--out", options.out, "folder for all that is written (default: out/EXPERIMENT)");
   app.add_option(
       "--data", options.data,

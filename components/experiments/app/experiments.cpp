@@ -4,6 +4,9 @@
 
 #include "experiments/app/e1_look_around.h"
 #include "experiments/app/e3_occlusion.h"
+#include "experiments/app/e5_travel.h"
+#include "experiments/app/e6_kidnapping.h"
+#include "experiments/app/e7_health_maps.h"
 #include "experiments/app/e9_detectors.h"
 
 namespace vismem {
@@ -12,6 +15,10 @@ const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> all{
       {"E1", "The robot turns in a room: one image against the memory (figure 13)", lookAround},
       {"E3", "A second robot covers the view: the memory bridges it (figures 16 to 18)", occlusion},
+      {"E5", "A humanoid travels a corridor: error over time (figure 20)", travel},
+      {"E6", "Symmetries and kidnappings, every method on the same observations (figure 21)", kidnapping},
+      {"E7", "How well every place fits an image (figures 22 to 26)", healthFromImages},
+      {"E8", "How well every place fits the memory (figure 27)", healthFromMemory},
       {"E9", "Canny+Hough beside Solis on the same images, and merging (figures 3 and 10)", compareDetectors},
   };
   return all;

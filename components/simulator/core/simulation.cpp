@@ -382,11 +382,18 @@ void Simulation::showScene(const ExposedFrame& frame) {
   scene_.show(*frame.scene, *renderer_, shown_);
 }
 
-std::optional<Frame> Simulation::takeFrame(std::size_t index) {
-  SimulatedCamera& camera = cameras_.at(index);
-  auto exposed = camera.take(now_us_);
+std::optional<ExposedFrame> Simulation::takeExposure(std::size_t index) {
+  auto exposed = cameras_.at(index).take(now_us_);
   if (!exposed) return std::nullopt;
   showScene(*exposed);
+  taken_[index] = exposed;
+  return exposed;
+}
+
+std::optional<Frame> Simulation::takeFrame(std::size_t index) {
+  const auto exposed = takeExposure(index);
+  if (!exposed) return std::nullopt;
+  const SimulatedCamera& camera = cameras_[index];
   const CameraIntrinsics& intrinsics = camera.params().intrinsics;
   Frame frame;
   frame.stamp_us = exposed->stamp_us;
@@ -395,7 +402,6 @@ std::optional<Frame> Simulation::takeFrame(std::size_t index) {
   frame.T_robot_camera = exposed->T_robot_camera;
   frame.image = renderer_->render(intrinsics, exposed->T_world_camera);
   camera.errors().apply(frame.image, exposed->seq, exposed->gain);
-  taken_[index] = std::move(exposed);
   return frame;
 }
 

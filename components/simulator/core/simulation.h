@@ -92,6 +92,11 @@ class Simulation : public SteppedRobot {
   bool frameDue(std::size_t camera = 0) const;
   /// Renders the newest frame that has arrived; empty if none has.
   std::optional<Frame> takeFrame(std::size_t camera = 0);
+  /// The same without rendering it, for whoever makes up what the camera sees: renderer() shows the scene of
+  /// its moment afterwards.
+  std::optional<ExposedFrame> takeExposure(std::size_t camera = 0);
+  /// The exposure of the frame taken last of a camera, for experiments: its true pose. Empty before the first.
+  const std::optional<ExposedFrame>& lastExposure(std::size_t camera = 0) const { return taken_.at(camera); }
   /// What is really seen in the frame taken last of a camera; empty before the first.
   std::optional<TruthImages> truthImages(std::size_t camera = 0);
   /// True pose of a camera now, for experiments.

@@ -1,0 +1,198 @@
+#include "experiments/app/e7_health_maps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <stdexcept>
+
+#include "active_visual_memory/core/overlay.h"
+#include "common/geometry/angles.h"
+#include "common/vision/app/image_file.h"
+#include "experiments/app/experiment_files.h"
+#include "experiments/app/experiment_run.h"
+#include "experiments/app/health_picture.h"
+#include "experiments/core/board.h"
+#include "localization/core/random_engine.h"
+
+namespace vismem {
+namespace {
+
+constexpr const char* kWorld = "corridor";
+constexpr double kCell_m = 0.1;
+constexpr int kHeadings = 36;
+constexpr int kPanel_px = 520;
+constexpr double kGuestAhead_m = 1.0;
+/// Half of the segments that localization is given are false.
+constexpr double kFalseShare = 0.5;
+
+enum class Spoiled { kNo, kGuest, kFalse };
+
+struct Scene {
+  const char* name;
+  const char* title;
+  Pose2 start;
+  Spoiled spoiled;
+};
+
+const Scene kScenes[] = {
+    {"normal", "a corner (figures 22, 23)", {-4.25, 2.25, -0.4}, Spoiled::kNo},
+    {"door",
+     "a door that has its like elsewhere (figure 24)",
+     {0.4, 2.1, 0.5 * std::numbers::pi},
+     Spoiled::kNo},
+    {"occlusion", "another robot in the view (figure 25)", {-4.25, 2.25, -0.4}, Spoiled::kGuest},
+    {"false", "half of the segments false (figure 26)", {-4.25, 2.25, -0.4}, Spoiled::kFalse},
+};
+
+ExperimentRunOptions runOptions(const ExperimentOptions& options, const Pose2& start) {
+  ExperimentRunOptions run;
+  run.world = kWorld;
+  run.mode = options.mode;
+  run.seed = options.seed;
+  run.start = start;
+  return run;
+}
+
+void addGuest(ExperimentRun& run) {
+  const PropShape shape{PropShape::Kind::kRobot, {0.5, 0.5, 0.8}, {0.2, 0.3, 0.7}};
+  const Pose2 at = run.simulation().truth().T_world_robot * Pose2{kGuestAhead_m, 0.0, 0.0};
+  const PortReply reply = run.simulation().scene().add("guest", shape, toPose3(at));
+  if (!reply.ok()) throw std::runtime_error("guest: " + reply.message);
+}
+
+/// The analysis with as many made-up segments as it has labelled ones, anywhere in the lower half.
+ImageAnalysis withFalse(const ImageAnalysis& analysis, std::uint64_t seed) {
+  ImageAnalysis result = analysis;
+  RandomEngine engine(seed);
+  std::vector<Label> labels;
+  for (const ImageSegment& segment : analysis.observed) {
+    if (segment.label != kUnknownLabel) labels.push_back(segment.label);
+  }
+  const auto count =
+      static_cast<int>(std::lround(kFalseShare / (1.0 - kFalseShare) * static_cast<double>(labels.size())));
+  const double width = analysis.intrinsics.width;
+  const double height = analysis.intrinsics.height;
+  for (int i = 0; i < count; ++i) {
+    const double u = uniform(engine, 0.0, width);
+    const double v = uniform(engine, 0.5 * height, height);
+    const double direction = uniform(engine, -std::numbers::pi, std::numbers::pi);
+    const double length = uniform(engine, 20.0, 90.0);
+    const Eigen::Vector2d a(u, v);
+    const auto px = clipToBox({a, a + length * Eigen::Vector2d(std::cos(direction), std::sin(direction))},
+                              Eigen::Vector2d::Zero(), Eigen::Vector2d(width - 1.0, height - 1.0));
+    if (px) result.observed.push_back({*px, labels[pick(engine, labels.size())], 40.0});
+  }
+  return result;
+}
+
+nlohmann::json toJson(const HealthMapReading& reading) {
+  return {{"best", reading.best},
+          {"at_truth", reading.at_truth},
+          {"best_off_m", reading.off_m},
+          {"places_as_good_share", reading.rivals}};
+}
+
+/// One measure over all places, best of all headings: a panel and its numbers.
+BoardPanel panelOf(const std::string& title, const MemoryUpdate& update, const LocalizerParams& params,
+                   const SegmentMap& map_edges, PlaceRating rating, const Pose2& truth,
+                   nlohmann::json& json) {
+  HealthMapRequest request;
+  request.rating = rating;
+  request.headings = kHeadings;
+  request.cell_m = kCell_m;
+  const auto map = HealthMapper(params, map_edges).map(update, request);
+  if (!map) throw std::runtime_error(title + ": nothing was seen that could be rated");
+  const HealthMapReading reading = readHealthMap(*map, truth);
+  json = toJson(reading);
+  BoardPanel panel{title, {}, drawHealthMap(*map, map_edges, truth, kPanel_px), {}};
+  panel.caption = {text("at the true place %.2f, best %.2f, %.2f m from the truth", reading.at_truth,
+                        reading.best, reading.off_m),
+                   text("%.2f %% of the places are as good as the true one", 100.0 * reading.rivals)};
+  return panel;
+}
+
+}  // namespace
+
+nlohmann::json healthFromImages(const ExperimentOptions& options) {
+  nlohmann::json json;
+  Board board;
+  board.title = "How well every place fits one image (figures 22 to 26)";
+  board.subtitle = text(
+      "E7, seed %llu: the best of %d headings at places %.1f m apart; green: the truth, blue: the best place",
+      static_cast<unsigned long long>(options.seed), kHeadings, kCell_m);
+  for (const Scene& scene : kScenes) {
+    if (!options.variant.empty() && options.variant != scene.name) continue;
+    ExperimentRun run(runOptions(options, scene.start));
+    if (scene.spoiled == Spoiled::kGuest) addGuest(run);
+    // The gaze stays where it looks first, ahead and a little down.
+    const Pose2 T_odom_robot;
+    run.pipeline().memory().gazeClient().fixate(
+        {(T_odom_robot * Pose2{1.6, 0.0, 0.0}).x, (T_odom_robot * Pose2{1.6, 0.0, 0.0}).y, 0.0});
+    run.stand(1.5);
+    MemoryUpdate update{std::make_shared<MemorySnapshot>(run.snapshot()),
+                        std::make_shared<ImageAnalysis>(run.analysis())};
+    if (scene.spoiled == Spoiled::kFalse) {
+      update.analysis = std::make_shared<ImageAnalysis>(withFalse(run.analysis(), options.seed));
+    }
+    LocalizerParams params = run.params().localizer;
+    params.robust.source = HealthSource::kImage;
+    const SegmentMap& edges = run.params().map_edges;
+    BoardPanel image{scene.title, {}, drawAnalysis(run.lastImage()->image, *update.analysis, 2), {}};
+    image.caption = {text("%zu segments", update.analysis->observed.size())};
+    nlohmann::json& numbers = json[scene.name];
+    board.rows.push_back({image,
+                          panelOf("the chapter's health (L4)", update, params, edges, PlaceRating::kImage,
+                                  run.trueRobot(), numbers["chapter"]),
+                          panelOf("our likelihood", update, params, edges, PlaceRating::kLikelihood,
+                                  run.trueRobot(), numbers["likelihood"]),
+                          panelOf("share explained", update, params, edges, PlaceRating::kExplained,
+                                  run.trueRobot(), numbers["explained"])});
+  }
+  if (json.empty()) throw std::invalid_argument("E7 has no variant \"" + options.variant + "\"");
+  writeImageFile(drawBoard(board, kPanel_px), options.out / "figure22_26.png");
+  return json;
+}
+
+nlohmann::json healthFromMemory(const ExperimentOptions& options) {
+  Board board;
+  board.title = "How well every place fits the memory (figure 27)";
+  board.subtitle =
+      text("E8, seed %llu: after looking about and half a metre of way; beside it the last image alone",
+           static_cast<unsigned long long>(options.seed));
+  nlohmann::json json;
+  for (const bool covered : {false, true}) {
+    ExperimentRun run(runOptions(options, {-2.6, 2.25, std::numbers::pi}));
+    run.drive(0.5, 0.2);
+    run.stand(10.0);
+    if (covered) {
+      addGuest(run);
+      const Pose2 T_odom_ahead = run.snapshot().T_odom_robot * Pose2{1.6, 0.0, 0.0};
+      run.pipeline().memory().gazeClient().fixate({T_odom_ahead.x, T_odom_ahead.y, 0.0});
+      run.stand(2.0);
+    }
+    const MemoryUpdate update{std::make_shared<MemorySnapshot>(run.snapshot()),
+                              std::make_shared<ImageAnalysis>(run.analysis())};
+    LocalizerParams params = run.params().localizer;
+    params.robust.source = HealthSource::kMemory;
+    const SegmentMap& edges = run.params().map_edges;
+    nlohmann::json& numbers = json[covered ? "occlusion" : "normal"];
+    BoardPanel image{covered ? "another robot in the view" : "the last image",
+                     {},
+                     drawAnalysis(run.lastImage()->image, *update.analysis, 2),
+                     {}};
+    image.caption = {text("%zu elements in memory", update.snapshot->segments.size())};
+    board.rows.push_back({image,
+                          panelOf("the last image, the chapter's health (L4)", update, params, edges,
+                                  PlaceRating::kImage, run.trueRobot(), numbers["image_chapter"]),
+                          panelOf("the memory, the chapter's health (L5)", update, params, edges,
+                                  PlaceRating::kMemory, run.trueRobot(), numbers["memory_chapter"]),
+                          panelOf("the memory, our likelihood", update, params, edges,
+                                  PlaceRating::kLikelihood, run.trueRobot(), numbers["memory_likelihood"])});
+  }
+  writeImageFile(drawBoard(board, kPanel_px), options.out / "figure27.png");
+  return json;
+}
+
+}  // namespace vismem

@@ -1,0 +1,26 @@
+/// @file A health map as a picture: how well every place fits, the map's lines, the truth and the best place.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "common/geometry/pose.h"
+#include "common/segment_map/segment_map.h"
+#include "localization/core/health_map.h"
+
+namespace vismem {
+
+/// White: 0, dark: 1. The truth is a green arrow, the best place a blue ring.
+/// @return CV_8UC3 (R, G, B), about `width_px` wide.
+cv::Mat drawHealthMap(const HealthMap& map, const SegmentMap& map_edges, const Pose2& truth, int width_px);
+
+/// What the picture shows, in numbers.
+struct HealthMapReading {
+  double best = 0.0;      ///< health of the best place
+  double at_truth = 0.0;  ///< the best within one cell of the true place
+  double off_m = 0.0;     ///< from the truth to the best place
+  /// Share of the places whose health is at least that of the true place: how many rivals it has.
+  double rivals = 0.0;
+};
+HealthMapReading readHealthMap(const HealthMap& map, const Pose2& truth);
+
+}  // namespace vismem

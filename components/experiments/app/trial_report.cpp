@@ -1,0 +1,241 @@
+#include "experiments/app/trial_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/geometry/angles.h"
+#include "common/vision/app/image_file.h"
+#include "experiments/app/cpu_stages.h"
+#include "experiments/app/experiment_files.h"
+#include "experiments/core/canvas.h"
+#include "experiments/core/figures.h"
+
+namespace vismem {
+namespace {
+
+/// An update without a cycle only carries the pose forward; cycles come every second image at 10 Hz. What
+/// takes less than this was none.
+constexpr double kTick_s = 0.2;
+
+nlohmann::json finite(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
+
+nlohmann::json toJson(const std::optional<Figure>& figure, double scale = 1.0) {
+  if (!figure) return nullptr;
+  return {{"value", finite(scale * figure->value)},
+          {"low", finite(scale * figure->interval.low)},
+          {"high", finite(scale * figure->interval.high)}};
+}
+
+std::string shown(const std::optional<Figure>& figure, double scale, const char* format) {
+  if (!figure) return "-";
+  const auto one = [&](double value) {
+    return std::isfinite(value) ? text(format, scale * value) : std::string("never");
+  };
+  return one(figure->value) + " (" + one(figure->interval.low) + ".." + one(figure->interval.high) + ")";
+}
+
+void printTable(const std::string& title, const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  std::cerr << title << "\n";
+  for (const auto& row : rows) {
+    std::string line = "  ";
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      line += row[i] + std::string(widths[i] - row[i].size() + 2, ' ');
+    }
+    std::cerr << line.substr(0, line.find_last_not_of(' ') + 1) << "\n";
+  }
+}
+
+/// Share of events recovered over the time since the kidnapping, a curve for each method.
+cv::Mat drawRecovery(const std::string& title, const std::vector<MethodRecord>& records,
+                     const SummaryParams& params) {
+  constexpr int kWidth = 900;
+  constexpr int kHeight = 520;
+  constexpr double kLeft = 70.0;
+  constexpr double kRight = 650.0;
+  constexpr double kTop = 60.0;
+  constexpr double kBottom = 460.0;
+  Canvas canvas(kWidth, kHeight);
+  canvas.text(title, {kLeft, 34.0}, 12.0, colors::kInk, Align::kLeft, true);
+  const auto at = [&](double seconds, double share) {
+    return Eigen::Vector2d(kLeft + (kRight - kLeft) * seconds / params.within_s,
+                           kBottom - (kBottom - kTop) * share);
+  };
+  for (int i = 0; i <= 10; ++i) {
+    const double share = 0.1 * i;
+    canvas.line(at(0.0, share), at(params.within_s, share), colors::kGrid);
+    canvas.text(text("%.0f %%", 100.0 * share), at(0.0, share) + Eigen::Vector2d(-8.0, 4.0), 8.5,
+                colors::kFaintInk, Align::kRight);
+  }
+  for (int i = 0; i <= 6; ++i) {
+    const double seconds = params.within_s * i / 6.0;
+    canvas.line(at(seconds, 0.0), at(seconds, 1.0), colors::kGrid);
+    canvas.text(text("%g s", seconds), at(seconds, 0.0) + Eigen::Vector2d(0.0, 18.0), 8.5, colors::kFaintInk,
+                Align::kCentre);
+  }
+  for (std::size_t m = 0; m < records.size(); ++m) {
+    std::vector<double> times;
+    int events = 0;
+    for (const EventScore& event : records[m].events) {
+      if (params.kidnaps_only && event.event == 0) continue;
+      ++events;
+      if (event.settled_after_s && *event.settled_after_s <= params.within_s) {
+        times.push_back(*event.settled_after_s);
+      }
+    }
+    std::sort(times.begin(), times.end());
+    std::vector<Eigen::Vector2d> curve{at(0.0, 0.0)};
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      curve.push_back(at(times[i], static_cast<double>(i) / events));
+      curve.push_back(at(times[i], static_cast<double>(i + 1) / events));
+    }
+    curve.push_back(at(params.within_s, events > 0 ? static_cast<double>(times.size()) / events : 0.0));
+    const Rgb color = categoryColor(static_cast<int>(m));
+    canvas.polyline(curve, color, 2.0);
+    const double v = kTop + 20.0 * static_cast<double>(m);
+    canvas.line({kRight + 20.0, v}, {kRight + 50.0, v}, color, 2.5);
+    canvas.text(records[m].name, {kRight + 58.0, v + 4.0}, 9.0);
+  }
+  canvas.rectangle({kLeft, kTop}, {kRight, kBottom}, colors::kFaintInk);
+  canvas.text("share of events recovered", {kLeft, kTop - 8.0}, 9.0);
+  return canvas.finish();
+}
+
+}  // namespace
+
+nlohmann::json toJson(const TrialSummary& summary) {
+  nlohmann::json json{{"events", summary.events},
+                      {"seeds", summary.seeds},
+                      {"recovered", summary.recovered},
+                      {"recovered_share", toJson(std::optional<Figure>(summary.recovered_share))},
+                      {"median_s", toJson(summary.median_s)},
+                      {"p90_s", toJson(summary.p90_s)},
+                      {"position_error_m", toJson(summary.position_error_m)},
+                      {"median_position_error_m", toJson(summary.median_position_error_m)},
+                      {"heading_error_deg", toJson(summary.heading_error_rad, 180.0 / std::numbers::pi)},
+                      {"wrong_at_end_share", summary.wrong_at_end}};
+  if (summary.true_alive) json["true_place_alive_share"] = *summary.true_alive;
+  if (summary.right_after_evidence) json["right_10_s_after_evidence"] = toJson(summary.right_after_evidence);
+  return json;
+}
+
+Comparison::Comparison(std::string name, std::string title, std::vector<MethodMaker> methods)
+    : name_(std::move(name)), title_(std::move(title)), methods_(std::move(methods)) {
+  for (const MethodMaker& method : methods_) records_.push_back({method.name, {}, {}});
+}
+
+void Comparison::add(const Trial& trial, const SegmentMap& map_edges,
+                     const std::vector<std::string>& known_start) {
+  if (!records_.empty()) last_added_ = records_.front().events.size();
+  last_ = Trial{trial.seed, {}, trial.truth, trial.events_us};
+  last_poses_.assign(methods_.size(), {});
+  for (std::size_t m = 0; m < methods_.size(); ++m) {
+    const auto method = methods_[m].make(map_edges, trial.seed);
+    bool tell = std::find(known_start.begin(), known_start.end(), methods_[m].name) != known_start.end();
+    std::vector<PoseEstimate> estimates;
+    std::optional<StampUs> last_tick_us;
+    for (const MemoryUpdate& update : trial.updates) {
+      const double before_s = CpuStages::now_s();
+      estimates.push_back(method->step(update));
+      const double spent_s = CpuStages::now_s() - before_s;
+      const StampUs stamp_us = update.snapshot->stamp_us;
+      // All count; what came between two ticks is added to the first.
+      if (!last_tick_us || stamp_us >= *last_tick_us + toStampUs(kTick_s)) {
+        records_[m].cycle_ms.push_back(0.0);
+        last_tick_us = stamp_us;
+      }
+      records_[m].cycle_ms.back() += 1e3 * spent_s;
+      if (!tell) continue;
+      const auto truth = poseAt(trial.truth, stamp_us);
+      if (!truth) continue;
+      method->setPose(*truth);
+      tell = false;
+    }
+    for (EventScore& event : scoreEvents(trial, estimates)) records_[m].events.push_back(event);
+    for (const PoseEstimate& estimate : estimates) {
+      last_poses_[m].push_back({estimate.stamp_us, estimate.T_world_robot, estimate.reliability});
+    }
+  }
+}
+
+void Comparison::drawLast(const std::string& method, const std::filesystem::path& file) const {
+  for (std::size_t m = 0; m < methods_.size(); ++m) {
+    if (methods_[m].name != method || m >= last_poses_.size()) continue;
+    ErrorFigure figure;
+    figure.title =
+        text("%s, seed %llu: error over time", method.c_str(), static_cast<unsigned long long>(last_.seed));
+    figure.score = scoreLocalization(last_poses_[m], last_.truth, last_.events_us);
+    writeImageFile(drawErrors(figure), file);
+  }
+}
+
+void Comparison::noteEvidence(const std::vector<std::optional<double>>& evidence_after_s) {
+  for (MethodRecord& record : records_) {
+    for (std::size_t i = 0; i < evidence_after_s.size() && last_added_ + i < record.events.size(); ++i) {
+      record.events[last_added_ + i].evidence_after_s = evidence_after_s[i];
+    }
+  }
+}
+
+nlohmann::json Comparison::report(const std::filesystem::path& out, const SummaryParams& params) const {
+  CsvFile csv(out / (name_ + "_events.csv"),
+              "method,seed,event,settled_after_s,position_error_m,heading_error_deg,right_at_end,true_alive,"
+              "evidence_after_s");
+  const auto number = [](const std::optional<double>& value, double scale = 1.0) {
+    return value ? text("%.4f", scale * *value) : std::string();
+  };
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  std::vector<std::vector<std::string>> rows{{"method", "recovered", "median s", "p90 s", "error cm",
+                                              "median cm", "deg", "wrong at end", "CPU ms, p99"}};
+  const bool twins = std::any_of(records_.begin(), records_.end(), [](const MethodRecord& record) {
+    return std::any_of(record.events.begin(), record.events.end(),
+                       [](const EventScore& event) { return event.evidence_after_s.has_value(); });
+  });
+  if (twins) {
+    rows.front().push_back("true place alive");
+    rows.front().push_back("right 10 s after evidence");
+  }
+  nlohmann::json json;
+  for (const MethodRecord& record : records_) {
+    for (const EventScore& event : record.events) {
+      csv.row(text("%s,%llu,%d,%s,%s,%s,%d,%s,%s", record.name.c_str(),
+                   static_cast<unsigned long long>(event.seed), event.event,
+                   number(event.settled_after_s).c_str(), number(event.position_error_m).c_str(),
+                   number(event.heading_error_rad, kDegrees).c_str(), event.right_at_end ? 1 : 0,
+                   number(event.true_alive).c_str(), number(event.evidence_after_s).c_str()));
+    }
+    const TrialSummary summary = summarize(record.events, params);
+    const double mean_ms = mean(record.cycle_ms).value_or(0.0);
+    const double p99_ms = quantile(record.cycle_ms, 0.99).value_or(0.0);
+    json[record.name] = toJson(summary);
+    json[record.name]["cpu_ms_mean"] = mean_ms;
+    json[record.name]["cpu_ms_p99"] = p99_ms;
+    rows.push_back(
+        {record.name,
+         text("%d/%d ", summary.recovered, summary.events) + shown(summary.recovered_share, 100.0, "%.1f"),
+         shown(summary.median_s, 1.0, "%.1f"), shown(summary.p90_s, 1.0, "%.1f"),
+         shown(summary.position_error_m, 100.0, "%.1f"),
+         shown(summary.median_position_error_m, 100.0, "%.1f"),
+         shown(summary.heading_error_rad, kDegrees, "%.2f"), text("%.1f %%", 100.0 * summary.wrong_at_end),
+         text("%.2f, %.2f", mean_ms, p99_ms)});
+    if (twins) {
+      rows.back().push_back(summary.true_alive ? text("%.1f %%", 100.0 * *summary.true_alive) : "-");
+      rows.back().push_back(shown(summary.right_after_evidence, 100.0, "%.1f"));
+    }
+  }
+  csv.close();
+  printTable(title_, rows);
+  writeImageFile(drawRecovery(title_, records_, params), out / (name_ + ".png"));
+  return json;
+}
+
+}  // namespace vismem

@@ -1,0 +1,228 @@
+#include "experiments/app/trial_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "common/geometry/angles.h"
+#include "common/kinematics/random_stream.h"
+#include "common/routes/route_follower.h"
+#include "simulator/core/renderer.h"
+
+namespace vismem {
+namespace {
+
+/// A kidnapping goes at least this far, or turns the robot by this much: else nothing has happened.
+constexpr double kLeastMove_m = 2.0;
+constexpr double kLeastTurn_rad = 0.5 * std::numbers::pi;
+constexpr int kTries = 1000;
+
+EvaluationOptions evaluationOptions(const TrialOptions& options) {
+  EvaluationOptions evaluation;
+  evaluation.world = projectFile("cfg/worlds/" + options.world + ".world");
+  evaluation.map = projectFile("cfg/maps/" + options.world + ".csv");
+  evaluation.setup = options.setup;
+  evaluation.seed = options.seed;
+  evaluation.camera_rate_hz = options.camera_rate_hz;
+  return evaluation;
+}
+
+}  // namespace
+
+struct TrialRun::Impl {
+  explicit Impl(const TrialOptions& given)
+      : options(given),
+        params(loadParams(evaluationOptions(given), true)),
+        route(routeFromFile(projectFile("cfg/worlds/" + given.world + ".route"))),
+        memory(params.pipeline, params.palette),
+        assembler(params.assembler),
+        made_up(params.map_edges, given.errors, given.disturbance, subStream(given.seed, "made-up vision")),
+        places(subStream(given.seed, "places")),
+        losses(subStream(given.seed, "losses")) {
+    SimulationConfig robot = simulationConfig(evaluationOptions(options));
+    if (options.change_robot) options.change_robot(robot);
+    const RouteStart start = startOnRoute(route, places());
+    robot.start = start.T_world_robot;
+    simulation = std::make_unique<Simulation>(std::move(robot));
+    follow(start);
+    cast = [this](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+      const auto hit = simulation->renderer().cast(origin, direction);
+      if (!hit) return std::optional<SeenSurface>();
+      return std::optional<SeenSurface>({hit->distance_m, hit->color.mean()});
+    };
+  }
+
+  void follow(const RouteStart& start) {
+    driver.emplace(start.backwards ? reversed(route) : route, RouteFollowerParams{});
+  }
+
+  /// Elsewhere on the route.
+  void kidnap(Trial& trial) {
+    const Pose2 here = simulation->truth().T_world_robot;
+    for (int i = 0; i < kTries; ++i) {
+      const RouteStart place = startOnRoute(route, places());
+      const bool far = (place.T_world_robot.position() - here.position()).norm() >= kLeastMove_m ||
+                       std::abs(angleDifference(place.T_world_robot.theta, here.theta)) >= kLeastTurn_rad;
+      if (!far || !simulation->kidnap(place.T_world_robot).ok()) continue;
+      follow(place);
+      // The truth of this very moment is of the event before.
+      trial.events_us.push_back(simulation->now() + 1);
+      append(trial.truth, {simulation->now() + 1, simulation->truth().T_world_robot});
+      return;
+    }
+    throw std::runtime_error("world \"" + options.world + "\": no other free place on its route");
+  }
+
+  bool isDark(StampUs stamp_us, const Trial& trial) const {
+    if (!(options.blackout_s > 0.0)) return false;
+    const double since_s = toSeconds(stamp_us - trial.events_us.back());
+    return since_s >= options.blackout_from_s && since_s < options.blackout_from_s + options.blackout_s;
+  }
+
+  /// What the memory makes of one image.
+  Step process(const RobotObservation& observation, const Trial& trial) {
+    const auto exposed = exposures.find(observation.frame.seq);
+    if (exposed == exposures.end()) throw std::logic_error("a frame without its exposure");
+    const Pose3 T_world_camera = exposed->second;
+    exposures.erase(exposures.begin(), std::next(exposed));
+    AttentiveVisualMemory& attentive = memory.memory();
+    if (!attentive.wants(observation)) return attentive.glance(observation);
+    std::vector<ImageSegment> observed;
+    if (!isDark(observation.frame.stamp_us, trial)) {
+      if (options.rendered) {
+        observed = memory.extractor().extract(observation.frame.image, observation.frame.intrinsics, nullptr);
+        loseSegments(options.disturbance, losses, observed);
+      } else {
+        observed = made_up.look(toSeconds(observation.frame.stamp_us), observation.frame.intrinsics,
+                                T_world_camera, cast);
+      }
+    }
+    if (statistics != nullptr) {
+      statistics->add(params.map_edges,
+                      visiblePieces(params.map_edges, observation.frame.intrinsics, T_world_camera, cast),
+                      observed);
+    }
+    return attentive.step(observation, observed);
+  }
+
+  std::optional<Frame> takeFrame() {
+    // The exposure is what knows the true pose; rendering it takes it, too.
+    if (options.rendered) {
+      auto frame = simulation->takeFrame();
+      if (frame) exposures[frame->seq] = simulation->lastExposure()->T_world_camera;
+      return frame;
+    }
+    const auto exposed = simulation->takeExposure();
+    if (!exposed) return std::nullopt;
+    Frame frame;
+    frame.stamp_us = exposed->stamp_us;
+    frame.seq = exposed->seq;
+    frame.intrinsics = simulation->config().cameras.front().intrinsics;
+    frame.T_robot_camera = exposed->T_robot_camera;
+    exposures[frame.seq] = exposed->T_world_camera;
+    return frame;
+  }
+
+  Trial record(const Visitor& visit) {
+    constexpr std::chrono::milliseconds kNoWait{0};
+    Trial trial;
+    trial.seed = options.seed;
+    trial.events_us.push_back(0);
+    append(trial.truth, {0, simulation->truth().T_world_robot});
+    StampUs newest_pan_tilt_us = -1;
+    StampUs newest_odometry_us = -1;
+    const StampUs end_us = toStampUs(options.events * options.event_s);
+    while (simulation->now() < end_us) {
+      const auto drive = driver->drive(simulation->truth().T_world_robot);
+      simulation->base().setVelocity(drive.v_mps, drive.w_radps);
+      simulation->advanceToNextFrame();
+      append(trial.truth, {simulation->now(), simulation->truth().T_world_robot});
+      for (const auto& sample : simulation->panTilt().samplesSince(newest_pan_tilt_us, kNoWait).samples) {
+        newest_pan_tilt_us = sample.stamp_us;
+        assembler.add(sample);
+      }
+      for (const auto& sample : simulation->base().samplesSince(newest_odometry_us, kNoWait).samples) {
+        newest_odometry_us = sample.stamp_us;
+        assembler.add(sample);
+      }
+      if (auto frame = takeFrame()) assembler.add(std::move(*frame));
+      while (const auto observation = assembler.take(/*every_frame=*/true)) {
+        const Step step = process(*observation, trial);
+        if (step.command) simulation->panTilt().command(*step.command);
+        if (trial.updates.empty() || trial.updates.back().snapshot != step.update.snapshot) {
+          trial.updates.push_back(step.update);
+        }
+        if (visit) visit(step, memory.memory().gazeClient());
+      }
+      const auto due = static_cast<int>(toSeconds(simulation->now()) / options.event_s);
+      if (due >= static_cast<int>(trial.events_us.size()) && simulation->now() < end_us) kidnap(trial);
+    }
+    return trial;
+  }
+
+  TrialOptions options;
+  EvaluationParams params;
+  Route route;
+  MemoryPipeline memory;
+  ObservationAssembler assembler;
+  SyntheticVision made_up;
+  RandomEngine places;
+  RandomEngine losses;
+  std::unique_ptr<Simulation> simulation;
+  std::optional<SimulatedOperator> driver;
+  CastRay cast;
+  std::map<std::uint64_t, Pose3> exposures;  ///< true poses of the camera by the frame's number
+  VisionStatistics* statistics = nullptr;    ///< may be null
+};
+
+TrialRun::TrialRun(const TrialOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+TrialRun::~TrialRun() = default;
+
+const EvaluationParams& TrialRun::params() const {
+  return impl_->params;
+}
+Simulation& TrialRun::simulation() {
+  return *impl_->simulation;
+}
+void TrialRun::measureVision(VisionStatistics* statistics) {
+  impl_->statistics = statistics;
+}
+Trial TrialRun::record(const Visitor& visit) {
+  return impl_->record(visit);
+}
+
+nlohmann::json toJson(const VisionStatistics& statistics) {
+  const auto bin = [](double from, const VisionStatistics::Bin& b) {
+    const double pieces = std::max(1, b.pieces);
+    return nlohmann::json{{"from", from},
+                          {"pieces", b.pieces},
+                          {"found", b.found / pieces},
+                          {"covered", b.covered / pieces},
+                          {"fragments", b.fragments / static_cast<double>(std::max(1, b.found))}};
+  };
+  nlohmann::json json{{"images", statistics.images()},
+                      {"across_rms_px", statistics.acrossRms_px()},
+                      {"along_mean_px", statistics.alongMean_px()},
+                      {"along_rms_px", statistics.alongRms_px()},
+                      {"false_per_image", statistics.falsePerImage()},
+                      {"false_share", statistics.falseShare()},
+                      {"false_length_px", statistics.falseLength_px()},
+                      {"wrong_label_share", statistics.wrongLabelShare()},
+                      {"wrong_side_share", statistics.wrongSideShare()},
+                      {"missed", statistics.missed()},
+                      {"missed_again", statistics.missedAgain()}};
+  for (std::size_t i = 0; i < statistics.byLength().size(); ++i) {
+    json["by_length_px"].push_back(bin(VisionStatistics::kLengths_px[i], statistics.byLength()[i]));
+  }
+  for (std::size_t i = 0; i < statistics.byRange().size(); ++i) {
+    json["by_range_m"].push_back(bin(VisionStatistics::kRanges_m[i], statistics.byRange()[i]));
+  }
+  return json;
+}
+
+}  // namespace vismem

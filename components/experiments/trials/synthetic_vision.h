@@ -1,0 +1,88 @@
+/// @file Segments as a detector would see them, made up from the map: what is visible, with a detector's
+/// errors. Pure. SPEC E5-E8, L12.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "common/geometry/pose.h"
+#include "common/vision/image_segment.h"
+#include "experiments/trials/visible_pieces.h"
+#include "localization/core/random_engine.h"
+
+namespace vismem {
+
+/// How a detector errs. The values were fitted to what `experiment E6 --variant vision` measures on rendered
+/// images (docs/localization.md).
+struct VisionErrors {
+  /// A piece of length L is found with probability `found / (1 + exp((half_px - L) / soft_px))`.
+  double found = 0.998;
+  double half_px = 11.3;
+  double soft_px = 2.2;
+  /// Correlation of the luck of one edge, and of its place, from one image to the next 0.1 s later.
+  double persistence = 0.7;
+  double across_px = 0.3;           ///< standard deviation of an end across its line
+  double along_mean_px = -0.95;     ///< an end lies beyond the true one by this ..
+  double along_px = 1.46;           ///< .. with this standard deviation
+  double broken_every_px = 4000.0;  ///< mean length between breaks; 0: never broken
+  double gap_px = 6.0;              ///< of a break
+  double unknown = 0.004;           ///< share of found pieces without a label
+  double false_per_image = 0.35;    ///< labelled segments of nothing, each seen once
+  double least_px = 4.0;            ///< shorter ones are not reported
+};
+
+/// What is done to the observations beside the detector's own errors.
+struct Disturbance {
+  /// Of all labelled segments, this share is of things that are not in the map: they lie on the floor near
+  /// the robot for a while, with labels of the map.
+  double false_share = 0.0;
+  double lost_share = 0.0;  ///< of all segments, independently
+  double clutter_s = 3.0;   ///< mean time for which a false thing lies there
+};
+
+/// *Single-threaded*. The same seed and calls give the same segments.
+class SyntheticVision {
+ public:
+  /// @param edges of the map, stripes expanded.
+  SyntheticVision(const SegmentMap& edges, const VisionErrors& errors, const Disturbance& disturbance,
+                  std::uint64_t seed);
+
+  /// One image.
+  std::vector<ImageSegment> look(double time_s, const CameraIntrinsics& intrinsics,
+                                 const Pose3& T_world_camera, const CastRay& cast);
+
+ private:
+  /// What is remembered of an edge from image to image; values of standard normals.
+  struct EdgeState {
+    double time_s = -1e9;
+    double luck = 0.0;
+    double across_a = 0.0;
+    double across_b = 0.0;
+  };
+  struct Clutter {
+    Segment3 world;
+    Label label;
+    double until_s = 0.0;
+  };
+
+  void addPiece(double time_s, const VisiblePiece& piece, std::vector<ImageSegment>& image);
+  void addFalse(const CameraIntrinsics& intrinsics, std::vector<ImageSegment>& image);
+  void addClutter(double time_s, const CameraIntrinsics& intrinsics, const Pose3& T_world_camera,
+                  std::vector<ImageSegment>& image);
+  const Label& anyLabel();
+  Eigen::Vector2d anyPixel(const CameraIntrinsics& intrinsics);
+
+  SegmentMap edges_;
+  VisionErrors errors_;
+  Disturbance disturbance_;
+  RandomEngine engine_;
+  std::vector<Label> floor_labels_;  ///< of what touches the floor
+  std::map<int, EdgeState> states_;
+  std::vector<Clutter> clutter_;
+};
+
+/// @param disturbance its lost_share: the disturbance of images that were rendered.
+void loseSegments(const Disturbance& disturbance, RandomEngine& engine, std::vector<ImageSegment>& image);
+
+}  // namespace vismem

@@ -1,0 +1,146 @@
+#include "experiments/trials/trial_score.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kEvidenceGrace_s = 10.0;
+
+bool isAt(const Pose2& pose, const Pose2& truth, const ScoreParams& params) {
+  return (pose.position() - truth.position()).norm() <= params.right_within_m &&
+         std::abs(angleDifference(pose.theta, truth.theta)) <= params.right_within_rad;
+}
+
+/// @return empty where no race ever stood there.
+std::optional<double> shareAlive(const std::vector<PoseEstimate>& estimates, const Trajectory& truth,
+                                 const ScoreParams& params) {
+  int since_first = 0;
+  int alive = 0;
+  for (const PoseEstimate& estimate : estimates) {
+    const auto true_pose = poseAt(truth, estimate.stamp_us);
+    if (!true_pose) continue;
+    const bool there = std::any_of(estimate.races.begin(), estimate.races.end(), [&](const RaceReport& race) {
+      return isAt(race.T_world_robot, *true_pose, params);
+    });
+    if (there || since_first > 0) ++since_first;
+    if (there) ++alive;
+  }
+  if (since_first == 0) return std::nullopt;
+  return static_cast<double>(alive) / since_first;
+}
+
+}  // namespace
+
+Trajectory truthOfEvent(const Trial& trial, std::size_t event) {
+  const StampUs from = trial.events_us.at(event);
+  const bool is_last = event + 1 == trial.events_us.size();
+  Trajectory truth;
+  for (const StampedPose& pose : trial.truth) {
+    if (pose.stamp_us >= from && (is_last || pose.stamp_us < trial.events_us[event + 1])) {
+      truth.push_back(pose);
+    }
+  }
+  return truth;
+}
+
+std::vector<EventScore> scoreEvents(const Trial& trial, const std::vector<PoseEstimate>& estimates,
+                                    const ScoreParams& params) {
+  std::vector<EventScore> scores;
+  for (std::size_t event = 0; event < trial.events_us.size(); ++event) {
+    const Trajectory truth = truthOfEvent(trial, event);
+    if (truth.empty()) continue;
+    EventScore score;
+    score.seed = trial.seed;
+    score.event = static_cast<int>(event);
+    score.seconds = toSeconds(truth.back().stamp_us - truth.front().stamp_us);
+    std::vector<PublishedPose> published;
+    std::vector<PoseEstimate> here;
+    for (const PoseEstimate& estimate : estimates) {
+      if (estimate.stamp_us < truth.front().stamp_us || estimate.stamp_us > truth.back().stamp_us) continue;
+      // An estimate that was repeated because nothing new came is the same pose again.
+      if (!published.empty() && published.back().stamp_us >= estimate.stamp_us) continue;
+      published.push_back({estimate.stamp_us, estimate.T_world_robot, estimate.reliability});
+      here.push_back(estimate);
+    }
+    const LocalizationScore whole = scoreLocalization(published, truth, {}, params);
+    score.settled_after_s = whole.settled_after_s;
+    score.position_error_m = whole.position_error_m;
+    score.heading_error_rad = whole.heading_error_rad;
+    score.right_at_end = whole.recovered;
+    score.true_alive = shareAlive(here, truth, params);
+    scores.push_back(score);
+  }
+  return scores;
+}
+
+TrialSummary summarize(const std::vector<EventScore>& events, const SummaryParams& params) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  TrialSummary summary;
+  std::map<std::uint64_t, std::vector<double>> times;
+  std::map<std::uint64_t, std::vector<double>> positions;
+  std::map<std::uint64_t, std::vector<double>> headings;
+  int wrong = 0;
+  int with_evidence = 0;
+  int right_in_time = 0;
+  std::vector<double> alive;
+  for (const EventScore& event : events) {
+    if (params.kidnaps_only && event.event == 0) continue;
+    ++summary.events;
+    const bool recovered = event.settled_after_s && *event.settled_after_s <= params.within_s;
+    times[event.seed].push_back(recovered ? *event.settled_after_s : kNever);
+    if (event.true_alive) alive.push_back(*event.true_alive);
+    // Evidence in the last seconds leaves no time to settle.
+    if (event.evidence_after_s && *event.evidence_after_s + kEvidenceGrace_s <= event.seconds) {
+      ++with_evidence;
+      if (event.settled_after_s && *event.settled_after_s <= *event.evidence_after_s + kEvidenceGrace_s) {
+        ++right_in_time;
+      }
+    }
+    if (!recovered) continue;
+    ++summary.recovered;
+    if (!event.right_at_end) ++wrong;
+    if (event.position_error_m) positions[event.seed].push_back(*event.position_error_m);
+    if (event.heading_error_rad) headings[event.seed].push_back(*event.heading_error_rad);
+  }
+  summary.seeds = static_cast<int>(times.size());
+  if (summary.events == 0) return summary;
+  summary.recovered_share = {static_cast<double>(summary.recovered) / summary.events,
+                             wilsonInterval(summary.recovered, summary.events)};
+  using Statistic = std::function<std::optional<double>(const std::vector<double>&)>;
+  const auto figure = [&](const std::map<std::uint64_t, std::vector<double>>& by_seed,
+                          const Statistic& statistic) -> std::optional<Figure> {
+    std::vector<std::vector<double>> groups;
+    std::vector<double> all;
+    for (const auto& [seed, values] : by_seed) {
+      groups.push_back(values);
+      all.insert(all.end(), values.begin(), values.end());
+    }
+    const auto value = statistic(all);
+    const auto interval = bootstrapInterval(groups, statistic, params.seed);
+    if (!value || !interval) return std::nullopt;
+    return Figure{*value, *interval};
+  };
+  const auto quantileOf = [](double q) {
+    return [q](const std::vector<double>& values) { return quantile(values, q); };
+  };
+  summary.median_s = figure(times, quantileOf(0.5));
+  summary.p90_s = figure(times, quantileOf(0.9));
+  summary.position_error_m = figure(positions, mean);
+  summary.heading_error_rad = figure(headings, mean);
+  summary.median_position_error_m = figure(positions, quantileOf(0.5));
+  if (summary.recovered > 0) summary.wrong_at_end = static_cast<double>(wrong) / summary.recovered;
+  summary.true_alive = mean(alive);
+  if (with_evidence > 0) {
+    summary.right_after_evidence = Figure{static_cast<double>(right_in_time) / with_evidence,
+                                          wilsonInterval(right_in_time, with_evidence)};
+  }
+  return summary;
+}
+
+}  // namespace vismem

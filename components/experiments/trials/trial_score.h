@@ -1,0 +1,70 @@
+/// @file How a method did in trials: event by event, and over all of them with intervals. Pure.
+/// SPEC L11; the definitions of settled, recovered and of errors are those of metrics.h.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/core/metrics.h"
+#include "experiments/trials/intervals.h"
+#include "experiments/trials/trial.h"
+#include "localization/core/pose_estimate.h"
+
+namespace vismem {
+
+/// One start or kidnapping, and what came of it.
+struct EventScore {
+  std::uint64_t seed = 0;
+  int event = 0;  ///< 0: the start of the run, with an unknown pose
+  double seconds = 0.0;
+  /// From the event to the first right pose after which all are right for 2 s; empty: never.
+  std::optional<double> settled_after_s;
+  std::optional<double> position_error_m;  ///< from then to the event's end, losses included
+  std::optional<double> heading_error_rad;
+  bool right_at_end = false;
+  /// Of the images after some race first stood at the true place: share with a race there.
+  std::optional<double> true_alive;
+  /// When enough was seen that tells the true place from its twin (TwinEvidence); empty: never, or no twin.
+  std::optional<double> evidence_after_s;
+};
+
+/// @param estimates one per update of the trial.
+std::vector<EventScore> scoreEvents(const Trial& trial, const std::vector<PoseEstimate>& estimates,
+                                    const ScoreParams& params = {});
+
+/// A figure over events with its 95 % interval.
+struct Figure {
+  double value = 0.0;  ///< infinite: more events failed than the quantile leaves room for
+  Interval interval;
+};
+
+struct SummaryParams {
+  double within_s = 60.0;    ///< an event has recovered when it settled within this
+  bool kidnaps_only = true;  ///< false: starts too
+  std::uint64_t seed = 1;    ///< of the bootstrap
+};
+
+struct TrialSummary {
+  int events = 0;
+  int seeds = 0;
+  int recovered = 0;
+  Figure recovered_share;  ///< Wilson
+  /// Bootstrap over seeds; an event that did not recover counts as infinitely late.
+  std::optional<Figure> median_s;
+  std::optional<Figure> p90_s;
+  /// Means over the events that recovered, of their means.
+  std::optional<Figure> position_error_m;
+  std::optional<Figure> heading_error_rad;
+  std::optional<Figure> median_position_error_m;  ///< median over events
+  double wrong_at_end = 0.0;                      ///< share of the recovered events that ended wrong
+  /// Twins: share of images with the true place among the races once it was, and share of events with
+  /// evidence that had settled 10 s after it.
+  std::optional<double> true_alive;
+  std::optional<Figure> right_after_evidence;
+};
+
+TrialSummary summarize(const std::vector<EventScore>& events, const SummaryParams& params = {});
+
+}  // namespace vismem

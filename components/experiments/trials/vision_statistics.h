@@ -1,0 +1,80 @@
+/// @file How a detector errs, counted against what images really show. Pure. SPEC V1, V3; E5-E8.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "common/vision/image_segment.h"
+#include "experiments/trials/visible_pieces.h"
+
+namespace vismem {
+
+/// Adds up over images. *Single-threaded*.
+class VisionStatistics {
+ public:
+  /// Pieces by their length in the image [px]: the borders of the bins; the last one is open.
+  static constexpr std::array<double, 8> kLengths_px{4, 8, 12, 20, 30, 50, 80, 140};
+  /// Of pieces on the floor and of at least kFarFrom_px, by range [m].
+  static constexpr std::array<double, 6> kRanges_m{0, 1, 2, 3, 4, 6};
+  static constexpr double kFarFrom_px = 20.0;
+
+  struct Bin {
+    int pieces = 0;
+    int found = 0;       ///< of them, half or more of the length was found with its label
+    double covered = 0;  ///< sum of the shares found
+    int fragments = 0;   ///< segments on the pieces found
+  };
+
+  /// @param edges of the map. @param visible of this image. @param observed likewise.
+  void add(const SegmentMap& edges, const std::vector<VisiblePiece>& visible,
+           const std::vector<ImageSegment>& observed);
+
+  int images() const { return images_; }
+  const std::array<Bin, kLengths_px.size()>& byLength() const { return by_length_; }
+  const std::array<Bin, kRanges_m.size()>& byRange() const { return by_range_; }
+  /// Of the ends of segments that belong to a piece, across its line: root mean square [px].
+  double acrossRms_px() const { return ends_ > 0 ? std::sqrt(across2_ / ends_) : 0.0; }
+  /// Where a piece's ends were found beyond (positive) or short of the truth, along it [px].
+  double alongMean_px() const { return ends_along_ > 0 ? along_ / ends_along_ : 0.0; }
+  double alongRms_px() const { return ends_along_ > 0 ? std::sqrt(along2_ / ends_along_) : 0.0; }
+  /// Labelled segments of an image that belong to no piece of their label, and their share of the labelled.
+  double falsePerImage() const { return images_ > 0 ? static_cast<double>(false_) / images_ : 0.0; }
+  double falseShare() const { return labelled_ > 0 ? static_cast<double>(false_) / labelled_ : 0.0; }
+  double falseLength_px() const { return false_ > 0 ? false_length_ / false_ : 0.0; }
+  /// Of the segments that lie on a piece, the share without a label or with another one.
+  double wrongLabelShare() const {
+    return on_piece_ > 0 ? static_cast<double>(wrong_label_) / on_piece_ : 0.0;
+  }
+  /// Share of segments whose brighter side is not where it should be.
+  double wrongSideShare() const { return right_ > 0 ? static_cast<double>(wrong_side_) / right_ : 0.0; }
+  /// How often a piece of 20 px or more that was missed in the last image is missed again, and how often it
+  /// is missed at all: persistence.
+  double missedAgain() const { return missed_ > 0 ? static_cast<double>(missed_twice_) / missed_ : 0.0; }
+  double missed() const { return could_ > 0 ? static_cast<double>(missed_now_) / could_ : 0.0; }
+
+ private:
+  int images_ = 0;
+  std::array<Bin, kLengths_px.size()> by_length_{};
+  std::array<Bin, kRanges_m.size()> by_range_{};
+  double across2_ = 0.0;
+  int ends_ = 0;
+  double along_ = 0.0;
+  double along2_ = 0.0;
+  int ends_along_ = 0;
+  int labelled_ = 0;
+  int false_ = 0;
+  double false_length_ = 0.0;
+  int on_piece_ = 0;
+  int wrong_label_ = 0;
+  int right_ = 0;
+  int wrong_side_ = 0;
+  int missed_ = 0;
+  int missed_twice_ = 0;
+  int missed_now_ = 0;
+  int could_ = 0;
+  std::vector<int> last_missed_;  ///< edges, of the last image
+  std::vector<int> last_shown_;
+};
+
+}  // namespace vismem

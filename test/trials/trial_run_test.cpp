@@ -1,0 +1,111 @@
+// Runs with kidnappings in closed loop, and a method that is given the record. SPEC E5, E6.
+#include "experiments/app/trial_run.h"
+
+#include <gmock/gmock.h>
+
+#include "experiments/trials/trial_method.h"
+#include "experiments/trials/trial_score.h"
+
+namespace vismem {
+namespace {
+
+TrialOptions shortTrial() {
+  TrialOptions options;
+  options.world = "corridor_irregular";
+  options.seed = 3;
+  options.events = 2;
+  options.event_s = 12.0;
+  return options;
+}
+
+std::vector<PoseEstimate> estimatesOf(const Trial& trial, const MethodMaker& maker, const SegmentMap& edges) {
+  const auto method = maker.make(edges, trial.seed);
+  std::vector<PoseEstimate> estimates;
+  for (const MemoryUpdate& update : trial.updates) estimates.push_back(method->step(update));
+  return estimates;
+}
+
+TEST(TrialRun, RecordsWhatEveryMethodIsGivenAndTheTruth) {
+  TrialRun run(shortTrial());
+  const Trial trial = run.record();
+  ASSERT_EQ(trial.events_us.size(), 2u);
+  EXPECT_NEAR(toSeconds(trial.events_us[1]), 12.0, 0.2);
+  EXPECT_GT(trial.updates.size(), 150u);  // of 240 images; the memory passes over some that show nothing new
+  EXPECT_NEAR(toSeconds(trial.truth.back().stamp_us), 24.0, 0.2);
+  std::size_t segments = 0;
+  for (const MemoryUpdate& update : trial.updates) segments += update.analysis->observed.size();
+  EXPECT_GT(segments, 5 * trial.updates.size());
+  // The kidnapping is a jump of the truth, and of nothing else.
+  const Trajectory before = truthOfEvent(trial, 0);
+  const Trajectory after = truthOfEvent(trial, 1);
+  EXPECT_LT(before.back().stamp_us, after.front().stamp_us);
+  const Pose2 jump = inverse(before.back().pose) * after.front().pose;
+  EXPECT_TRUE(jump.position().norm() >= 1.9 || std::abs(jump.theta) >= 1.5);
+}
+
+TEST(TrialRun, TheDefaultModeFindsTheKidnappedRobot) {
+  TrialRun run(shortTrial());
+  const Trial trial = run.record();
+  const auto events = scoreEvents(
+      trial, estimatesOf(trial, localizerMethod("default", run.params().localizer), run.params().map_edges));
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_TRUE(events[1].settled_after_s);
+  EXPECT_TRUE(events[1].right_at_end);
+}
+
+TEST(TrialRun, TheSameSeedGivesTheSameRecord) {
+  TrialOptions options = shortTrial();
+  options.events = 1;
+  options.event_s = 5.0;
+  options.disturbance = {.false_share = 0.3, .lost_share = 0.2};
+  const Trial first = TrialRun(options).record();
+  const Trial second = TrialRun(options).record();
+  ASSERT_EQ(first.updates.size(), second.updates.size());
+  for (std::size_t i = 0; i < first.updates.size(); ++i) {
+    const auto& a = first.updates[i].analysis->observed;
+    const auto& b = second.updates[i].analysis->observed;
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].px.a, b[k].px.a);
+  }
+  options.seed = 4;
+  EXPECT_NE(TrialRun(options).record().truth.front().pose, first.truth.front().pose);
+}
+
+TEST(TrialRun, NothingIsSeenInABlackout) {
+  TrialOptions options = shortTrial();
+  options.events = 1;
+  options.event_s = 6.0;
+  options.blackout_from_s = 2.0;
+  options.blackout_s = 2.0;
+  const Trial trial = TrialRun(options).record();
+  int dark = 0;
+  for (const MemoryUpdate& update : trial.updates) {
+    const double at_s = toSeconds(update.analysis->stamp_us);
+    if (at_s < 2.0 || at_s >= 4.0) continue;
+    ++dark;
+    EXPECT_TRUE(update.analysis->observed.empty());
+  }
+  EXPECT_GT(dark, 5);
+}
+
+TEST(TrialRun, RenderedImagesAndMadeUpSegmentsShowTheSame) {
+  VisionStatistics rendered;
+  VisionStatistics made_up;
+  for (const bool render : {true, false}) {
+    TrialOptions options = shortTrial();
+    options.events = 1;
+    options.event_s = 8.0;
+    options.rendered = render;
+    TrialRun run(options);
+    run.measureVision(render ? &rendered : &made_up);
+    run.record();
+  }
+  // Of one short run: the fit itself is measured by `experiment E6 --variant vision`.
+  EXPECT_NEAR(rendered.missed(), made_up.missed(), 0.05);
+  EXPECT_NEAR(rendered.acrossRms_px(), made_up.acrossRms_px(), 0.2);
+  EXPECT_LT(rendered.wrongSideShare(), 0.05);
+  EXPECT_LT(made_up.wrongSideShare(), 0.05);
+}
+
+}  // namespace
+}  // namespace vismem

@@ -1,0 +1,166 @@
+#include "experiments/trials/trial_score.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "common/geometry/angles.h"
+#include "common/geometry/projection.h"
+#include "experiments/trials/twin_evidence.h"
+
+namespace vismem {
+namespace {
+
+/// A robot that stands at x = 1, and after a kidnapping at 20 s at x = 9. Poses every 0.1 s.
+Trial standingTrial(int seconds_each = 20) {
+  Trial trial;
+  trial.seed = 7;
+  trial.events_us = {0, seconds_each * kSecondUs + 1};
+  for (StampUs t = 0; t <= 2 * seconds_each * kSecondUs; t += kSecondUs / 10) {
+    append(trial.truth, {t, {t <= seconds_each * kSecondUs ? 1.0 : 9.0, 0.0, 0.0}});
+    if (t == seconds_each * kSecondUs) append(trial.truth, {t + 1, {9.0, 0.0, 0.0}});
+  }
+  return trial;
+}
+
+PoseEstimate at(StampUs stamp_us, const Pose2& pose) {
+  PoseEstimate estimate;
+  estimate.stamp_us = stamp_us;
+  estimate.T_world_robot = pose;
+  return estimate;
+}
+
+TEST(TrialScore, CountsEachKidnappingFromItsOwnMoment) {
+  const Trial trial = standingTrial();
+  std::vector<PoseEstimate> estimates;
+  for (StampUs t = kSecondUs / 10; t <= 40 * kSecondUs; t += kSecondUs / 10) {
+    // Right from 3 s on, with 10 cm; after the kidnapping it notices after 5 s, with 20 cm.
+    const double x = t < 3 * kSecondUs ? 5.0 : t < 25 * kSecondUs ? 1.1 : 9.2;
+    estimates.push_back(at(t, {x, 0.0, degToRad(2.0)}));
+  }
+  const auto events = scoreEvents(trial, estimates);
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_NEAR(*events[0].settled_after_s, 3.0, 1e-6);
+  EXPECT_NEAR(*events[0].position_error_m, 0.1, 1e-6);
+  EXPECT_NEAR(*events[1].settled_after_s, 5.0, 1e-3);
+  EXPECT_NEAR(*events[1].position_error_m, 0.2, 1e-6);
+  EXPECT_NEAR(*events[1].heading_error_rad, degToRad(2.0), 1e-9);
+  EXPECT_TRUE(events[0].right_at_end);
+  EXPECT_TRUE(events[1].right_at_end);
+}
+
+TEST(TrialScore, APoseThatGoesWrongAfterSettlingCountsWithItsWholeError) {
+  const Trial trial = standingTrial();
+  std::vector<PoseEstimate> estimates;
+  for (StampUs t = kSecondUs / 10; t <= 20 * kSecondUs; t += kSecondUs / 10) {
+    estimates.push_back(at(t, {t <= 10 * kSecondUs ? 1.0 : 4.0, 0.0, 0.0}));
+  }
+  const auto events = scoreEvents(trial, estimates);
+  EXPECT_NEAR(*events[0].settled_after_s, 0.1, 1e-6);
+  EXPECT_NEAR(*events[0].position_error_m, 1.5, 0.02);  // half of the time 3 m off
+  EXPECT_FALSE(events[0].right_at_end);
+  EXPECT_FALSE(events[1].settled_after_s);
+}
+
+TEST(TrialScore, TheTruePlaceMustStayAmongTheRacesOnceItWasThere) {
+  const Trial trial = standingTrial();
+  std::vector<PoseEstimate> estimates;
+  for (StampUs t = kSecondUs; t <= 20 * kSecondUs; t += kSecondUs) {
+    estimates.push_back(at(t, {5.0, 0.0, 0.0}));
+    RaceReport race;
+    // There from 11 s to 18 s, gone for the last two.
+    race.T_world_robot = {t > 10 * kSecondUs && t <= 18 * kSecondUs ? 1.2 : 6.0, 0.0, 0.0};
+    estimates.back().races = {race};
+  }
+  EXPECT_NEAR(*scoreEvents(trial, estimates)[0].true_alive, 0.8, 1e-9);
+}
+
+EventScore event(std::uint64_t seed, std::optional<double> settled_s, double error_m = 0.05) {
+  EventScore score;
+  score.seed = seed;
+  score.event = 1;
+  score.seconds = 60.0;
+  score.settled_after_s = settled_s;
+  if (settled_s) {
+    score.position_error_m = error_m;
+    score.heading_error_rad = 0.01;
+    score.right_at_end = true;
+  }
+  return score;
+}
+
+TEST(TrialSummary, EventsThatNeverRecoveredCountAsInfinitelyLate) {
+  std::vector<EventScore> events;
+  for (int i = 0; i < 8; ++i) events.push_back(event(1 + i, 1.0 + i));
+  events.push_back(event(9, std::nullopt));
+  events.push_back(event(10, 61.0));  // later than a minute
+  const TrialSummary summary = summarize(events);
+  EXPECT_EQ(summary.events, 10);
+  EXPECT_EQ(summary.recovered, 8);
+  EXPECT_DOUBLE_EQ(summary.median_s->value, 5.5);
+  EXPECT_TRUE(std::isinf(summary.p90_s->value));
+  EXPECT_NEAR(summary.recovered_share.interval.low, 0.4902, 1e-3);
+  EXPECT_NEAR(summary.position_error_m->value, 0.05, 1e-12);
+}
+
+TEST(TrialSummary, LeavesTheStartOutUnlessAsked) {
+  std::vector<EventScore> events{event(1, 2.0), event(1, 4.0)};
+  events.front().event = 0;
+  EXPECT_EQ(summarize(events).events, 1);
+  EXPECT_EQ(summarize(events, {.kidnaps_only = false}).events, 2);
+}
+
+TEST(TrialSummary, TheRightPlaceMustWinWithinTenSecondsOfTheEvidence) {
+  std::vector<EventScore> events{event(1, 25.0), event(2, 25.0), event(3, std::nullopt), event(4, 1.0)};
+  events[0].evidence_after_s = 20.0;
+  events[1].evidence_after_s = 10.0;  // 15 s later: too late
+  events[2].evidence_after_s = 55.0;  // too near the end to judge
+  const TrialSummary summary = summarize(events);
+  EXPECT_DOUBLE_EQ(summary.right_after_evidence->value, 0.5);
+}
+
+TEST(TwinEvidence, ComesWhenALineIsSeenThatTheTwinDoesNotHave) {
+  // Two walls along y = 2 and y = -2, alike under half a turn, but one has a piece more at its end.
+  SegmentMap map;
+  map.segments = {{{{-4.0, 2.0, 0.0}, {4.0, 2.0, 0.0}}, "skirting", 0.0},
+                  {{{4.0, -2.0, 0.0}, {-4.0, -2.0, 0.0}}, "skirting", 0.0},
+                  {{{2.0, 1.0, 0.0}, {2.0, 2.0, 0.0}}, "door", 0.0},
+                  {{{-2.0, -1.0, 0.0}, {-2.0, -2.0, 0.0}}, "other_door", 0.0},
+                  {{{-3.0, 1.0, 0.0}, {-3.0, 2.0, 0.0}}, "other_door", 0.0}};
+  MapIndex::Params index;
+  index.direction_gate_rad = 0.35;
+  const MapIndex fields(map, index);
+  Trial trial;
+  trial.events_us = {0};
+  const Pose3 T_robot_camera =
+      cameraPose({poseFromXyzRpy(0, 0, 0.45, 0, 0, 0), Pose3::Identity()}, 0.0, -0.2);
+  const CameraIntrinsics intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60.0));
+  for (int i = 0; i < 20; ++i) {
+    const StampUs stamp_us = i * kSecondUs / 10;
+    const Pose2 truth{0.0, 1.5, 0.0};
+    append(trial.truth, {stamp_us, truth});
+    auto analysis = std::make_shared<ImageAnalysis>();
+    analysis->stamp_us = stamp_us;
+    analysis->intrinsics = intrinsics;
+    analysis->T_robot_camera = T_robot_camera;
+    // The wall all the time; the door, which the twin has not, from the tenth image on.
+    for (const int edge : {0, 2}) {
+      if (edge == 2 && i < 10) continue;
+      const auto px = projectSegment(intrinsics, toPose3(truth) * T_robot_camera,
+                                     map.segments[static_cast<std::size_t>(edge)].world);
+      ASSERT_TRUE(px);
+      analysis->observed.push_back({*px, map.segments[static_cast<std::size_t>(edge)].label, 40.0});
+    }
+    auto snapshot = std::make_shared<MemorySnapshot>();
+    snapshot->stamp_us = stamp_us;
+    trial.updates.push_back({snapshot, analysis});
+  }
+  const auto evidence = evidenceAfter(trial, 0, {0.0, 0.0, std::numbers::pi}, fields);
+  ASSERT_TRUE(evidence);
+  // Half a metre is enough, of which an image gives at most a quarter: the second image with the door.
+  EXPECT_NEAR(*evidence, 1.1, 1e-6);
+}
+
+}  // namespace
+}  // namespace vismem
