@@ -14,36 +14,50 @@ namespace vismem {
 struct EmulatedNode::State {
   Description description;
   Handler handler;
-  std::shared_ptr<UMockdevTestbed> testbed;
+  UMockdevTestbed* testbed = nullptr;
   UMockdevIoctlBase* object = nullptr;
   std::atomic<bool> plugged = false;
+  std::mutex answering;  ///< an unplug waits for the answer that is being given
   bool attached = false;
 };
 
 namespace {
 
-/// The handler of a node's ioctls, as GObject wants it.
+/// The handler of a node's ioctls, as GObject wants it. Whoever has the node open keeps it: then the state
+/// must outlive the node.
 struct Object {
   UMockdevIoctlBase parent;
-  EmulatedNode::State* state;
+  std::shared_ptr<EmulatedNode::State>* state;
 };
 struct ObjectClass {
   UMockdevIoctlBaseClass parent;
 };
 
 gboolean handleIoctl(UMockdevIoctlBase* base, UMockdevIoctlClient* client) {
-  EmulatedNode::State& state = *reinterpret_cast<Object*>(base)->state;
+  EmulatedNode::State& state = **reinterpret_cast<Object*>(base)->state;
   const auto code = static_cast<unsigned>(umockdev_ioctl_client_get_request(client) & 0xFFFFFFFFU);
   IoctlAnswer answer = IoctlAnswer::failed(ENODEV);
-  if (state.plugged) {
-    const IoctlMemory pointer(g_object_ref(umockdev_ioctl_client_get_arg(client)));
-    answer = state.handler(code, [&](std::size_t size) { return pointer.at(0, size); });
+  {
+    const std::lock_guard lock(state.answering);
+    if (state.plugged) {
+      const IoctlMemory pointer(g_object_ref(umockdev_ioctl_client_get_arg(client)));
+      answer = state.handler(code, [&](std::size_t size) { return pointer.at(0, size); });
+    }
   }
   umockdev_ioctl_client_complete(client, answer.result, answer.error);
   return TRUE;
 }
 
+gpointer parent_class = nullptr;
+
+void finalise(GObject* object) {
+  delete reinterpret_cast<Object*>(object)->state;
+  G_OBJECT_CLASS(parent_class)->finalize(object);
+}
+
 void initialiseClass(gpointer handlers, gpointer) {
+  parent_class = g_type_class_peek_parent(handlers);
+  G_OBJECT_CLASS(handlers)->finalize = finalise;
   static_cast<ObjectClass*>(handlers)->parent.handle_ioctl = handleIoctl;
 }
 
@@ -54,16 +68,12 @@ GType objectType() {
   return type;
 }
 
-std::shared_ptr<UMockdevTestbed> sharedTestbed() {
-  static std::mutex mutex;
-  static std::weak_ptr<UMockdevTestbed> current;
-  const std::lock_guard lock(mutex);
-  auto testbed = current.lock();
-  if (!testbed) {
-    testbed = {umockdev_testbed_new(), [](UMockdevTestbed* t) { g_object_unref(t); }};
-    current = testbed;
-  }
-  return testbed;
+/// There to the end of the process: its thread answers the requests of all nodes, and who asks while it ends
+/// waits for ever.
+UMockdevTestbed* sharedTestbed() {
+  static const std::unique_ptr<UMockdevTestbed, decltype(&g_object_unref)> testbed(umockdev_testbed_new(),
+                                                                                   g_object_unref);
+  return testbed.get();
 }
 
 void check(GError* error) {
@@ -104,7 +114,7 @@ void IoctlMemory::commit() const {
   umockdev_ioctl_data_update(dataOf(data_), 0, bytes(), static_cast<gint>(size()));
 }
 
-EmulatedNode::EmulatedNode(Description description, Handler handler) : state_(std::make_unique<State>()) {
+EmulatedNode::EmulatedNode(Description description, Handler handler) : state_(std::make_shared<State>()) {
   state_->description = std::move(description);
   state_->handler = std::move(handler);
   state_->testbed = sharedTestbed();
@@ -113,14 +123,14 @@ EmulatedNode::EmulatedNode(Description description, Handler handler) : state_(st
     throw std::runtime_error("not under umockdev: run this test by ctest, or behind umockdev-wrapper");
   }
   auto* object = static_cast<Object*>(g_object_new(objectType(), nullptr));
-  object->state = state_.get();
+  object->state = new std::shared_ptr<State>(state_);
   state_->object = &object->parent;
 }
 
 EmulatedNode::~EmulatedNode() {
   unplug();
   if (state_->attached) {
-    umockdev_testbed_detach_ioctl(state_->testbed.get(), state_->description.node.c_str(), nullptr);
+    umockdev_testbed_detach_ioctl(state_->testbed, state_->description.node.c_str(), nullptr);
   }
   g_object_unref(state_->object);
 }
@@ -128,7 +138,7 @@ EmulatedNode::~EmulatedNode() {
 void EmulatedNode::plugIn() {
   if (state_->plugged) return;
   GError* error = nullptr;
-  UMockdevTestbed* const testbed = state_->testbed.get();
+  UMockdevTestbed* const testbed = state_->testbed;
   const Description& description = state_->description;
   if (state_->attached) umockdev_testbed_detach_ioctl(testbed, description.node.c_str(), nullptr);
   umockdev_testbed_add_from_string(testbed, description.text.c_str(), &error);
@@ -140,9 +150,12 @@ void EmulatedNode::plugIn() {
 }
 
 void EmulatedNode::unplug() {
-  if (!state_->plugged.exchange(false)) return;
-  umockdev_testbed_uevent(state_->testbed.get(), state_->description.device.c_str(), "remove");
-  umockdev_testbed_remove_device(state_->testbed.get(), state_->description.device.c_str());
+  {
+    const std::lock_guard lock(state_->answering);
+    if (!state_->plugged.exchange(false)) return;
+  }
+  umockdev_testbed_uevent(state_->testbed, state_->description.device.c_str(), "remove");
+  umockdev_testbed_remove_device(state_->testbed, state_->description.device.c_str());
 }
 
 bool EmulatedNode::plugged() const {
@@ -150,7 +163,7 @@ bool EmulatedNode::plugged() const {
 }
 
 std::string EmulatedNode::realPath() const {
-  gchar* const root = umockdev_testbed_get_root_dir(state_->testbed.get());
+  gchar* const root = umockdev_testbed_get_root_dir(state_->testbed);
   std::string path = root + state_->description.node;
   g_free(root);
   return path;

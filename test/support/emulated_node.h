@@ -42,7 +42,7 @@ struct IoctlAnswer {
   static IoctlAnswer failed(int error) { return {-1, error}; }
 };
 
-/// All nodes of a process are on one machine of umockdev's, which is there as long as any is.
+/// All nodes of a process are on one machine of umockdev's.
 /// *Thread-safe*, but for plugIn() and unplug().
 class EmulatedNode {
  public:
@@ -71,7 +71,7 @@ class EmulatedNode {
   struct State;
 
  private:
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;  ///< with whoever has the node open
 };
 
 }  // namespace vismem
