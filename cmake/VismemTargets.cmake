@@ -39,12 +39,13 @@ set(sanitizer_options
   "UBSAN_OPTIONS=print_stacktrace=1")
 
 # vismem_test(NAME LABEL unit|property|golden|contract|component|system|faults|hwkernel SOURCES file... LIBRARIES lib...
-#             [TIMEOUT seconds] [PROGRAMS target...] [EMULATED_DEVICES])
+#             [TIMEOUT seconds] [PROGRAMS target...] [EMULATED_DEVICES] [SHARDS n])
 # One CTest entry per test program. PROGRAMS are built first: tests that start real processes name them.
 # EMULATED_DEVICES: it runs under umockdev, which puts its own devices in the place of the machine's.
+# SHARDS: its tests run in so many processes at once, because they wait more than they work.
 # VISMEM_SOURCE_DIR and VISMEM_BIN_DIR are defined for tests that need test/data, cfg/ or the programs.
 function(vismem_test name)
-  cmake_parse_arguments(A "EMULATED_DEVICES" "LABEL;TIMEOUT" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
+  cmake_parse_arguments(A "EMULATED_DEVICES" "LABEL;TIMEOUT;SHARDS" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
   add_executable(${name} ${A_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/components ${PROJECT_SOURCE_DIR}/test)
   target_compile_definitions(${name} PRIVATE VISMEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
@@ -69,6 +70,9 @@ function(vismem_test name)
   if(A_EMULATED_DEVICES)
     find_program(VISMEM_UMOCKDEV umockdev-wrapper REQUIRED)
     set(wrapper ${VISMEM_UMOCKDEV})
+  endif()
+  if(A_SHARDS)
+    set(wrapper ${PROJECT_SOURCE_DIR}/test/support/run_shards ${A_SHARDS} ${wrapper})
   endif()
   add_test(NAME ${name} COMMAND ${wrapper} $<TARGET_FILE:${name}> WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(${name} PROPERTIES LABELS "${A_LABEL}" TIMEOUT ${A_TIMEOUT}
