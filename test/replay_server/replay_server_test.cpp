@@ -12,6 +12,7 @@
 #include "common/robot_ice/replay_ice.h"
 #include "recording/bag_writer.h"
 #include "support/component_process.h"
+#include "support/eventually.h"
 
 namespace vismem {
 namespace {
@@ -85,8 +86,11 @@ TEST_F(ReplayServerTest, PlaysFromItsFirstClientToItsEnd) {
   EXPECT_NEAR(first.frame->T_robot_camera->translation().z(), 0.4, 1e-9);
   EXPECT_THAT(watch(camera), ElementsAre(1'100'000, 1'200'000, 1'300'000, 1'400'000, 1'500'000));
   EXPECT_EQ(replay.status().state, ReplayState::kFinished);
-  const auto odometry = base.samplesSince(0, milliseconds(2000)).samples;
-  ASSERT_EQ(odometry.size(), 7u);
+  std::vector<OdometrySample> odometry;
+  ASSERT_TRUE(eventually([&] {
+    odometry = base.samplesSince(0, milliseconds(2000)).samples;
+    return odometry.size() == 7;
+  }));
   EXPECT_EQ(odometry.front().stamp_us, 980'000);
   EXPECT_EQ(odometry.back().stamp_us, 1'550'000) << "the last image is covered";
   EXPECT_NEAR(odometry.back().T_odom_robot.x, 0.6, 1e-9);
