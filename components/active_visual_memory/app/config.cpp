@@ -21,6 +21,7 @@ void readVision(ConfigReader r, ExtractorParams& p) {
                         {{"solis", std::string("solis")},
                          {"chapter", std::string("chapter")},
                          {"hough", std::string("hough")}});
+  p.colour_edges = r.boolean("ColourEdges", p.colour_edges);
   p.minimum_length_px = r.real("MinimumLength_px", p.minimum_length_px, 2.0, 1000.0);
   p.merge.angle_rad = r.angleDeg("Merge.Angle_deg", radToDeg(p.merge.angle_rad), 0.0, 45.0);
   p.merge.offset_px = r.real("Merge.Offset_px", p.merge.offset_px, 0.0, 50.0);
@@ -121,6 +122,16 @@ void readPrimitives(ConfigReader r, PrimitiveMemory::Params& p) {
   ordered("Circle.MinimumRadius_m", circles.min_radius_m, "Circle.MaximumRadius_m", circles.max_radius_m);
 }
 
+void readShapeEdges(ConfigReader r, ShapeEdges::Params& p) {
+  p.enabled = r.boolean("Enabled", p.enabled);
+  p.min_width_m = r.real("Line.MinimumWidth_m", p.min_width_m, 0.001, 5.0);
+  p.max_width_m = r.real("Line.MaximumWidth_m", p.max_width_m, 0.001, 5.0);
+  p.sagitta_m = r.real("Circle.Sagitta_m", p.sagitta_m, 0.0001, 1.0);
+  if (p.min_width_m >= p.max_width_m) {
+    r.problem("Line.MinimumWidth_m", "must be less than " + r.key("Line.MaximumWidth_m"));
+  }
+}
+
 void readAttention(ConfigReader r, AttentionPool::Params& p) {
   using Scanning = AttentionPool::Scanning;
   p.segment_rate = r.real("SegmentRate", p.segment_rate, 0.0, 1000.0);
@@ -210,6 +221,7 @@ MemoryPipelineParams readMemoryPipeline(ConfigReader& reader) {
   p.memory.kidnap.enabled = kidnap.boolean("Enabled", p.memory.kidnap.enabled);
   p.memory.kidnap.duration_s = kidnap.real("Duration_s", p.memory.kidnap.duration_s, 0.0, 60.0);
   readPrimitives(reader.group("Primitives"), p.memory.primitives);
+  readShapeEdges(reader.group("ShapeEdges"), p.memory.shape_edges);
   readAttention(reader.group("Attention"), p.memory.attention);
   readGaze(reader.group("Gaze"), p.memory.gaze);
   // Scanning looks where the head can turn to.

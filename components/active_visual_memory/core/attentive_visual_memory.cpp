@@ -11,6 +11,7 @@ AttentiveVisualMemory::AttentiveVisualMemory(const Params& params)
       projector_(params.projector),
       memory_(params.memory),
       primitives_(params.primitives),
+      shape_edges_(params.shape_edges),
       kidnap_(params.kidnap),
       pool_(params.attention),
       gaze_(params.gaze) {}
@@ -18,6 +19,7 @@ AttentiveVisualMemory::AttentiveVisualMemory(const Params& params)
 void AttentiveVisualMemory::reset() {
   memory_.clear();
   primitives_.clear();
+  shape_edges_.clear();
   kidnap_.reset();
   pool_.clearPlaces();
   gaze_.abandonTarget();
@@ -130,6 +132,7 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::finish(const RobotObser
     for (Primitive& primitive : primitives) {
       primitive.salience = pool_.salienceOf(AttentionKind::kPrimitive, primitive.id);
     }
+    shape_edges_.complete(segments, memory_.elements(), primitives, [this] { return memory_.newId(); });
     auto snapshot = std::make_shared<MemorySnapshot>();
     snapshot->stamp_us = observation.frame.stamp_us;
     snapshot->revision = revision_;

@@ -12,6 +12,7 @@
 #include "active_visual_memory/core/ground_projector.h"
 #include "active_visual_memory/core/primitive_memory.h"
 #include "active_visual_memory/core/segment_memory.h"
+#include "active_visual_memory/core/shape_edges.h"
 #include "active_visual_memory/core/thin_lines.h"
 #include "common/profiling/stage_probe.h"
 
@@ -23,6 +24,7 @@ struct AttentiveVisualMemoryParams {
   GroundProjector::Params projector;
   SegmentMemory::Params memory;
   PrimitiveMemory::Params primitives;
+  ShapeEdges::Params shape_edges;
   KidnapDetector::Params kidnap;
   AttentionPool::Params attention;
   GazeController::Params gaze;
@@ -80,6 +82,7 @@ class AttentiveVisualMemory {
   GroundProjector projector_;
   SegmentMemory memory_;
   PrimitiveMemory primitives_;
+  ShapeEdges shape_edges_;
   KidnapDetector kidnap_;
   AttentionPool pool_;
   GazeController gaze_;

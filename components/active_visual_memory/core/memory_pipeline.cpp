@@ -16,7 +16,9 @@ AttentiveVisualMemoryParams forPalette(AttentiveVisualMemoryParams params, bool 
 }  // namespace
 
 MemoryPipelineParams MemoryPipelineParams::standard() {
-  return {ExtractorParams{}, AttentiveVisualMemoryParams::standard()};
+  MemoryPipelineParams params{ExtractorParams{}, AttentiveVisualMemoryParams::standard()};
+  params.vision.colour_edges = true;
+  return params;
 }
 
 MemoryPipelineParams MemoryPipelineParams::chapter() {

@@ -23,6 +23,7 @@ AttentiveVisualMemoryParams AttentiveVisualMemoryParams::chapter() {
   p.memory.life.covered_per_s = 5.0;
   p.memory.association.use_polarity = false;
   p.kidnap.enabled = false;
+  p.shape_edges.enabled = false;
   p.attention.visit_angle_rad = degToRad(5.0);
   p.attention.count_groups = false;
   p.attention.look_around_first = false;

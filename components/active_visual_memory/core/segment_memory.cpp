@@ -96,7 +96,8 @@ bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment
 }
 
 void SegmentMemory::confirm(MemoryElement& element, const FloorSegment& observed, const View& view) {
-  if (!params_.confirm_by_parallax || element.on_floor) return;
+  // What was only ever seen along the viewing ray may still turn out to stand.
+  if (!params_.confirm_by_parallax || (element.on_floor && element.not_vertical)) return;
   const bool stale = turn_rad_ - element.anchor_turn_rad > params_.max_anchor_turn_rad ||
                      (view.camera - element.anchor_camera).norm() > params_.max_anchor_travel_m;
   if (stale) {
@@ -126,9 +127,12 @@ void SegmentMemory::confirm(MemoryElement& element, const FloorSegment& observed
   // A constant error of the anchor's place does not matter, one of its direction does.
   const Eigen::Vector2d middle = observed.odom.middle();
   const Eigen::Vector2d n = anchor.normal();
-  const double t = anchor.tOf(middle);
+  // A standing edge turns about its foot: how much shows at its far end.
+  const bool b_is_far = (observed.odom.b - view.camera).norm() > (observed.odom.a - view.camera).norm();
+  const Eigen::Vector2d at = element.not_vertical ? middle : (b_is_far ? observed.odom.b : observed.odom.a);
+  const double t = anchor.tOf(at);
   const double share = params_.parallax_noise_share;
-  add(ParallaxEstimate::kOffset, across, anchor.offsetOf(middle),
+  add(ParallaxEstimate::kOffset, across, anchor.offsetOf(at),
       0.25 * share * n.dot((observed.P_a + observed.P_b) * n) + anchor.turnVariance(t));
   // The places of the ends, as long as they are the ends that were seen before.
   const Eigen::Vector2d u = anchor.along();
@@ -154,10 +158,9 @@ void SegmentMemory::confirm(MemoryElement& element, const FloorSegment& observed
   if (std::abs(ray.x() * seen_along.y() - ray.y() * seen_along.x()) > params_.not_radial) {
     element.not_vertical = true;
   }
-  if (element.parallax.verdict(view.height, element.not_vertical, params_.parallax) ==
-      ParallaxEstimate::Verdict::kOnFloor) {
-    element.on_floor = true;
-  }
+  const auto verdict = element.parallax.verdict(view.height, element.not_vertical, params_.parallax);
+  if (verdict == ParallaxEstimate::Verdict::kOnFloor) element.on_floor = true;
+  if (verdict == ParallaxEstimate::Verdict::kOffFloor) element.on_floor = false;
 }
 
 void SegmentMemory::take(MemoryElement& element, const FloorSegment& seen, const View& view) {

@@ -87,6 +87,9 @@ class SegmentMemory {
   /// M9: the pieces of one side of a shape become one segment, with the id of the oldest.
   void complete(const std::vector<SideCompletion>& sides);
 
+  /// For an edge that is told of, not remembered: an id that no element has or will have.
+  std::uint64_t newId() { return next_id_++; }
+
   /// Sets everything aside (M10, a new epoch). Ids go on.
   void clear();
 

@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/vision/colour_edges.h"
 #include "common/vision/label_split.h"
 
 namespace vismem {
@@ -35,6 +36,11 @@ std::vector<ImageSegment> SegmentExtractor::extractPieces(const cv::Mat& image,
   }
   enterStage(probe, "detect");
   detector_->detect(image, raw_);
+  if (params_.colour_edges && image.channels() == 3) {
+    strongestChannel(image, plane_);
+    detector_->detect(plane_, in_plane_);
+    joinColourEdges(image, in_plane_, raw_);
+  }
   enterStage(probe, "label");
   std::vector<ImageSegment> segments;
   segments.reserve(raw_.size());

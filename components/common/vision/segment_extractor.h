@@ -21,6 +21,7 @@ struct ExtractorParams {
   MergeParams merge;                ///< V4
   double minimum_length_px = 10.0;  ///< shorter segments are dropped after merging (V4)
   LabellerParams labeller;
+  bool colour_edges = false;  ///< also edges between colours of equal brightness
 };
 
 /// *Single-threaded*; no memory of earlier images.
@@ -49,6 +50,8 @@ class SegmentExtractor {
   std::shared_ptr<const Palette> palette_;
   std::unique_ptr<SegmentDetector> detector_;
   std::vector<RawSegment> raw_;
+  cv::Mat plane_;
+  std::vector<RawSegment> in_plane_;
 };
 
 }  // namespace vismem

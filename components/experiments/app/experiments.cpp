@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/app/e1_look_around.h"
+#include "experiments/app/e2_curve.h"
 #include "experiments/app/e3_occlusion.h"
 #include "experiments/app/e5_travel.h"
 #include "experiments/app/e6_kidnapping.h"
@@ -14,6 +15,7 @@ namespace vismem {
 const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> all{
       {"E1", "The robot turns in a room: one image against the memory (figure 13)", lookAround},
+      {"E2", "A curve ahead: the memory holds what the image does not show (figures 14, 15)", followCurve},
       {"E3", "A second robot covers the view: the memory bridges it (figures 16 to 18)", occlusion},
       {"E5", "A humanoid travels a corridor: error over time (figure 20)", travel},
       {"E6", "Symmetries and kidnappings, every method on the same observations (figure 21)", kidnapping},

@@ -1,0 +1,265 @@
+#include "active_visual_memory/core/shape_edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "active_visual_memory/core/association.h"
+#include "active_visual_memory/core/floor_edge.h"
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+constexpr int kOuterRim = 1;
+constexpr int kInnerRim = 0;
+/// A line fitted to a shallow arc cuts it at this share of its half length from its middle.
+const double kCut = 1.0 / std::sqrt(3.0);
+
+/// Where two sides of a painted line end together, as their corners.
+struct LineEnd {
+  Segment2 edge;
+  double along_variance_m2 = 0.0;
+};
+
+struct Side {
+  Segment2 line;
+  Eigen::Vector2d along;
+  ExtentEnd a;
+  ExtentEnd b;
+  std::uint64_t id = 0;
+};
+
+Side sideOf(const MemoryElement& element) {
+  return {element.line.segment(), element.line.along(), element.line.endA(), element.line.endB(),
+          element.value.id};
+}
+
+/// The edge from the end b of one side to the end a of the other, square to the line.
+std::optional<LineEnd> endBetween(const Side& one, const Side& other, const ShapeEdges::Params& params) {
+  if (one.along.dot(other.along) > -std::cos(params.max_angle_rad)) return std::nullopt;
+  const double l1 = one.line.length();
+  const double l2 = other.line.length();
+  const Eigen::Vector2d u = (l1 * one.along - l2 * other.along).normalized();
+  const Eigen::Vector2d n{-u.y(), u.x()};
+  const double width = std::abs(n.dot(other.line.a - one.line.b));
+  if (width < params.min_width_m || width > params.max_width_m) return std::nullopt;
+  if (std::min(l1, l2) < 2.0 * width) return std::nullopt;  // a patch
+  if (one.b.open || other.a.open || one.b.views < params.min_views || other.a.views < params.min_views) {
+    return std::nullopt;
+  }
+  const double skew = u.dot(other.line.a - one.line.b);
+  const double sigma = std::sqrt(one.b.variance_m2 + other.a.variance_m2);
+  const double most = std::min(params.most_skew_m, params.max_skew_m + params.max_skew_sigmas * sigma);
+  if (std::abs(skew) > most) return std::nullopt;
+  const double share = one.b.variance_m2 / (one.b.variance_m2 + other.a.variance_m2);
+  return LineEnd{{one.line.b + share * skew * u, other.line.a - (1.0 - share) * skew * u},
+                 0.25 * (one.b.variance_m2 + other.a.variance_m2)};
+}
+
+/// What lies around a line's end besides its sides.
+struct Surroundings {
+  bool is_end = true;                   ///< no junction, no gap, not known better already
+  std::vector<std::uint64_t> replaced;  ///< what is the end itself, badly seen
+};
+
+Surroundings lookAround(const LineEnd& end, const Side& one, const Side& other,
+                        const std::vector<MemorySegment>& segments, const ShapeEdges::Params& params) {
+  Surroundings found;
+  const double width = end.edge.length();
+  const Eigen::Vector2d outward = one.along;
+  for (const MemorySegment& segment : segments) {
+    if (segment.id == one.id || segment.id == other.id) continue;
+    const Segment2 floor = segment.odom.floor();
+    const double angle = lineAngleDifference(floor.direction(), end.edge.direction());
+    const double near_a = std::min((floor.a - end.edge.a).norm(), (floor.b - end.edge.a).norm());
+    const double near_b = std::min((floor.a - end.edge.b).norm(), (floor.b - end.edge.b).norm());
+    const double distance = distanceToSegment(end.edge.middle(), floor);
+    if (angle < 0.6) {
+      if (distance > params.neighbour_m) continue;
+      if (floor.length() <= 1.8 * width + 0.04 && !segment.confirmed) {
+        found.replaced.push_back(segment.id);
+      } else {
+        found.is_end = false;  // a line that crosses here, or the end itself, well seen
+      }
+      continue;
+    }
+    if (std::min(near_a, near_b) <= params.neighbour_m) found.is_end = false;
+    // The line goes on behind.
+    const bool in_line =
+        lineAngleDifference(floor.direction(), one.line.direction()) <= params.max_angle_rad &&
+        distanceToLine(end.edge.middle(), floor) <= width;
+    const double behind =
+        std::max(outward.dot(floor.a - end.edge.middle()), outward.dot(floor.b - end.edge.middle()));
+    const double from =
+        std::min(outward.dot(floor.a - end.edge.middle()), outward.dot(floor.b - end.edge.middle()));
+    if (in_line && behind > params.neighbour_m && from < params.continuation_m) found.is_end = false;
+  }
+  return found;
+}
+
+Eigen::Matrix3d covarianceOf(const Eigen::Vector2d& u, double along, double across) {
+  const Eigen::Vector2d n{-u.y(), u.x()};
+  Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
+  P.topLeftCorner<2, 2>() = along * u * u.transpose() + across * n * n.transpose();
+  return P;
+}
+
+}  // namespace
+
+std::uint64_t ShapeEdges::idOf(const Key& key, const NewId& new_id) {
+  const auto known = ids_.find(key);
+  const std::uint64_t id = known != ids_.end() ? known->second : new_id();
+  used_.emplace(key, id);
+  return id;
+}
+
+void ShapeEdges::addLineEnds(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                             const NewId& new_id) {
+  std::vector<const MemoryElement*> sides;
+  for (const MemorySegment& segment : segments) {
+    const auto element = std::find_if(elements.begin(), elements.end(),
+                                      [&](const MemoryElement& e) { return e.value.id == segment.id; });
+    if (element != elements.end() && segment.confirmed) sides.push_back(&*element);
+  }
+  std::vector<MemorySegment> ends;
+  std::vector<std::uint64_t> replaced;
+  for (const MemoryElement* first : sides) {
+    const Side one = sideOf(*first);
+    for (const MemoryElement* second : sides) {
+      if (first == second || first->value.label != second->value.label) continue;
+      const Side other = sideOf(*second);
+      if ((one.line.b - other.line.a).norm() > params_.max_width_m + params_.most_skew_m) continue;
+      const auto end = endBetween(one, other, params_);
+      if (!end) continue;
+      // Both sides of paint are as strong; the strip of shadow along a box has two different ones.
+      const auto [weak, strong] = std::minmax(first->strength, second->strength);
+      if (weak < params_.min_strength_share * strong) continue;
+      const Surroundings around = lookAround(*end, one, other, segments, params_);
+      if (!around.is_end) continue;
+      replaced.insert(replaced.end(), around.replaced.begin(), around.replaced.end());
+      MemorySegment segment = first->value;
+      segment.id = idOf({one.id, other.id, -1}, new_id);
+      segment.odom = {{end->edge.a.x(), end->edge.a.y(), 0.0}, {end->edge.b.x(), end->edge.b.y(), 0.0}};
+      segment.P_a = covarianceOf(one.along, end->along_variance_m2, first->line.offsetVariance(one.b.t_m));
+      segment.P_b = covarianceOf(one.along, end->along_variance_m2, second->line.offsetVariance(other.a.t_m));
+      segment.life = std::min(first->value.life, second->value.life);
+      segment.uncertainty = uncertaintyOf(segment.life);
+      segment.first_seen_us = std::max(first->value.first_seen_us, second->value.first_seen_us);
+      segment.last_seen_us = std::min(first->value.last_seen_us, second->value.last_seen_us);
+      ends.push_back(std::move(segment));
+    }
+  }
+  std::erase_if(segments, [&](const MemorySegment& s) {
+    return std::find(replaced.begin(), replaced.end(), s.id) != replaced.end();
+  });
+  segments.insert(segments.end(), ends.begin(), ends.end());
+}
+
+void ShapeEdges::tellCircle(std::vector<MemorySegment>& segments, Primitive& circle, const NewId& new_id) {
+  struct Chord {
+    MemorySegment segment;
+    double from_rad = 0.0;  ///< of the arc, counter-clockwise
+    double turn_rad = 0.0;  ///< >= 0
+    bool counter_clockwise = true;
+    int rim = kOuterRim;
+  };
+  const double half_width = 0.5 * circle.width_m;
+  const auto radiusOf = [&](int rim) {
+    return circle.radius_m + (rim == kOuterRim ? half_width : -half_width);
+  };
+  std::vector<Chord> chords;
+  std::vector<std::uint64_t> told;
+  for (const MemorySegment& segment : segments) {
+    const Segment2 floor = segment.odom.floor();
+    const Eigen::Vector2d half = 0.5 * kCut * (floor.b - floor.a);
+    const Eigen::Vector2d p = floor.middle() - half - circle.centre;
+    const Eigen::Vector2d q = floor.middle() + half - circle.centre;
+    const double radius = 0.5 * (p.norm() + q.norm());
+    Chord chord;
+    chord.rim = half_width > 0.0 && radius < circle.radius_m ? kInnerRim : kOuterRim;
+    if (std::abs(p.norm() - radiusOf(chord.rim)) > params_.rim_m ||
+        std::abs(q.norm() - radiusOf(chord.rim)) > params_.rim_m || floor.length() > circle.radius_m * 1.2) {
+      continue;
+    }
+    const Eigen::Vector2d radial = floor.middle() - circle.centre;
+    const Eigen::Vector2d along = (floor.b - floor.a).normalized();
+    if (std::abs(radial.normalized().dot(along)) > std::sin(params_.rim_angle_rad)) continue;
+    chord.counter_clockwise = cross(radial, along) > 0.0;
+    const Eigen::Vector2d first = (chord.counter_clockwise ? floor.a : floor.b) - circle.centre;
+    const Eigen::Vector2d last = (chord.counter_clockwise ? floor.b : floor.a) - circle.centre;
+    chord.from_rad = std::atan2(first.y(), first.x());
+    chord.turn_rad = std::max(0.0, angleDifference(std::atan2(last.y(), last.x()), chord.from_rad));
+    chord.segment = segment;
+    chords.push_back(chord);
+    told.push_back(segment.id);
+  }
+  const auto covers = [](const Chord& chord, double angle) {
+    const double in = wrapAngle(angle - chord.from_rad);
+    return (in < 0.0 ? in + 2.0 * std::numbers::pi : in) <= chord.turn_rad;
+  };
+  std::vector<MemorySegment> rims;
+  int sure = 0;
+  int places = 0;
+  for (const int rim : {kInnerRim, kOuterRim}) {
+    if (rim == kInnerRim && half_width <= 0.0) continue;
+    const double radius = radiusOf(rim);
+    const double step = 2.0 * std::acos(std::clamp(1.0 - params_.sagitta_m / radius, 0.5, 1.0));
+    const int count = std::max(6, static_cast<int>(std::ceil(2.0 * std::numbers::pi / step)));
+    const double turn = 2.0 * std::numbers::pi / count;
+    // Ends as far outside the circle as the middle is inside.
+    const double reach = 2.0 * radius / (1.0 + std::cos(0.5 * turn));
+    int left = 0;
+    for (const Chord& chord : chords) {
+      if (chord.rim == rim) left += chord.counter_clockwise ? 1 : -1;
+    }
+    for (int k = 0; k < count; ++k) {
+      const double from = k * turn;
+      const Chord* best = nullptr;
+      for (const Chord& chord : chords) {
+        if (chord.rim != rim || !covers(chord, from + 0.5 * turn)) continue;
+        const auto better = [](const MemorySegment& a, const MemorySegment& b) {
+          return std::pair(a.confirmed, a.life) > std::pair(b.confirmed, b.life);
+        };
+        if (!best || better(chord.segment, best->segment)) best = &chord;
+      }
+      ++places;
+      if (!best) continue;
+      sure += best->segment.confirmed ? 1 : 0;
+      MemorySegment segment = best->segment;
+      segment.id = idOf({circle.id, static_cast<std::uint64_t>(k), rim}, new_id);
+      const auto at = [&](double angle) {
+        const Eigen::Vector2d p = circle.centre + reach * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+        return Eigen::Vector3d(p.x(), p.y(), 0.0);
+      };
+      segment.odom = {at(from), at(from + turn)};
+      if (left < 0) std::swap(segment.odom.a, segment.odom.b);
+      rims.push_back(std::move(segment));
+    }
+  }
+  if (sure < params_.confirmed_share * places) return;
+  for (MemorySegment& segment : rims) segment.confirmed = true;
+  std::erase_if(segments, [&](const MemorySegment& s) {
+    return std::find(told.begin(), told.end(), s.id) != told.end();
+  });
+  circle.segments.clear();
+  for (const MemorySegment& segment : rims) circle.segments.push_back(segment.id);
+  std::sort(circle.segments.begin(), circle.segments.end());
+  segments.insert(segments.end(), rims.begin(), rims.end());
+}
+
+void ShapeEdges::complete(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                          std::vector<Primitive>& primitives, const NewId& new_id) {
+  if (!params_.enabled) return;
+  used_.clear();
+  for (Primitive& primitive : primitives) {
+    if (primitive.kind == PrimitiveKind::kCircle) tellCircle(segments, primitive, new_id);
+  }
+  addLineEnds(segments, elements, new_id);
+  // What is gone and comes back is something new.
+  ids_.swap(used_);
+}
+
+}  // namespace vismem
