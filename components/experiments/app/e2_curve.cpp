@@ -24,6 +24,7 @@ constexpr int kPanel_px = 520;
 constexpr double kTilt_rad = -0.30;    ///< of the camera that looks ahead: both walls' feet from 0.6 m on
 constexpr double kLookAround_s = 8.0;  ///< standing, before the drive
 constexpr double kAtMost_s = 90.0;
+constexpr double kPatience_s = 20.0;  ///< standing for so long the follower has given up
 constexpr double kRange_m = 4.0;
 constexpr double kRemembered_m = 0.10;  ///< a place of an edge is remembered when an element is so near
 /// The curve of the world `curve`: a quarter circle about this point between two walls.
@@ -198,19 +199,21 @@ nlohmann::json drive(const ExperimentOptions& options, const Variant& variant) {
   CorridorFollower follower({});
   DriveWish wish;
   StampUs thought_us = 0;
+  double moved_s = run.now_s();
   const auto driver = [&](MobileBase& base) {
     // Once per image.
     if (run.snapshot().stamp_us != thought_us) {
       thought_us = run.snapshot().stamp_us;
       wish = follower.follow(known(), by_memory ? rememberedWalls(run, false) : std::vector<Segment2>());
     }
+    if (wish.v_mps > 0.0) moved_s = run.now_s();
     base.setVelocity(wish.v_mps, wish.w_radps);
   };
   const double radius = run.simulation().config().base.radius_m;
   bool touched = false;
   const auto done = [&] {
     touched = touched || nearest_m <= radius + 0.005;
-    return touched || run.trueRobot().y >= kTaken_y_m;
+    return touched || run.now_s() - moved_s > kPatience_s || run.trueRobot().y >= kTaken_y_m;
   };
   const double begin_s = run.now_s();
   run.run(driver, done, kAtMost_s);
@@ -220,7 +223,8 @@ nlohmann::json drive(const ExperimentOptions& options, const Variant& variant) {
       by_memory ? "The curve by the memory (figures 14, 15)" : "The curve by single images (figures 14, 15)";
   board.subtitle =
       text("E2, %s mode, seed %llu: %s", options.mode.c_str(), static_cast<unsigned long long>(options.seed),
-           taken ? "the curve was taken" : (touched ? "the robot touched a wall" : "it did not get round"));
+           taken ? "the curve was taken"
+                 : (touched ? "the robot touched a wall" : "it stands where it knows of no corridor"));
   board.legend = {
       {"walls", {205, 208, 214}}, {"known to the follower", {20, 150, 70}}, {"way", colors::kEstimate}};
   writeImageFile(drawBoard(board, kPanel_px), options.out / (std::string(variant.name) + ".png"));
