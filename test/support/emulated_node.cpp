@@ -41,7 +41,12 @@ gboolean handleIoctl(UMockdevIoctlBase* base, UMockdevIoctlClient* client) {
     const std::lock_guard lock(state.answering);
     if (state.plugged) {
       const IoctlMemory pointer(g_object_ref(umockdev_ioctl_client_get_arg(client)));
-      answer = state.handler(code, [&](std::size_t size) { return pointer.at(0, size); });
+      try {
+        answer = state.handler(code, [&](std::size_t size) { return pointer.at(0, size); });
+      } catch (const std::runtime_error&) {
+        // Memory that cannot be read: the process that asked was killed meanwhile, or gave a wrong address.
+        answer = IoctlAnswer::failed(EFAULT);
+      }
     }
   }
   umockdev_ioctl_client_complete(client, answer.result, answer.error);

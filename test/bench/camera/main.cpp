@@ -9,12 +9,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "bench/camera/server.h"
+#include "bench/camera/v4l2.h"
 #include "common/process/child_process.h"
 #include "common/process/ice_setup.h"
 #include "common/process/ready_line.h"
@@ -179,6 +181,26 @@ class Bench {
   std::shared_ptr<bench::ControlPrx> control_;
 };
 
+/// In a process of its own, because umockdev is to be there from the beginning.
+json v4l2(double seconds) {
+  json result;
+  ChildProcess::Options options;
+  options.on_line = [&result](const ChildProcess::Line& line) {
+    if (line.text.starts_with("{")) {
+      result = json::parse(line.text, nullptr, false);
+    } else {
+      std::cout << line.text << std::endl;
+    }
+  };
+  const std::string seconds_text = std::to_string(seconds);
+  ChildProcess part({"umockdev-wrapper", std::filesystem::read_symlink("/proc/self/exe").string(), "--v4l2",
+                     "--seconds", seconds_text},
+                    options);
+  const auto patience = std::chrono::seconds(60 + static_cast<int>(10.0 * seconds));
+  if (part.waitForExit(patience) != 0) throw std::runtime_error("the part of V4L2 failed: " + part.error());
+  return result;
+}
+
 int run(double seconds, int rounds) {
   Bench bench;
   json result = {{"benchmark", "camera"}, {"requests", json::array()}};
@@ -201,6 +223,7 @@ int run(double seconds, int rounds) {
   result["clients"] = {bench.clients(false, seconds), bench.clients(true, seconds)};
   std::printf("Memory, ten clients, one of them stalled:\n");
   result["memory"] = bench.memory(4.0 * seconds);
+  result["v4l2"] = v4l2(seconds);
   std::cout << result.dump() << std::endl;
   return 0;
 }
@@ -211,15 +234,19 @@ int run(double seconds, int rounds) {
 int main(int argc, char** argv) {
   CLI::App app("Pictures over avm::Camera beside plain bytes over Ice");
   bool serve = false;
+  bool v4l2 = false;
   double seconds = 5.0;
   int rounds = 600;
   app.add_flag("--serve", serve, "be the server (used by the benchmark itself)");
-  app.add_option("--seconds", seconds, "of each run with ten clients")->check(CLI::Range(1.0, 3600.0));
+  app.add_flag("--v4l2", v4l2, "only what a camera of V4L2 costs; behind umockdev-wrapper");
+  app.add_option("--seconds", seconds, "of each run with ten clients, or with a camera of V4L2")
+      ->check(CLI::Range(1.0, 3600.0));
   app.add_option("--rounds", rounds, "requests of each kind; a third of it for 1280x720")
       ->check(CLI::Range(30, 1'000'000));
   if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   try {
     if (serve) vismem::runBenchServer();
+    if (v4l2) return vismem::benchV4l2(seconds);
     return vismem::run(seconds, rounds);
   } catch (const std::exception& error) {
     std::cerr << "camera: " << error.what() << std::endl;
