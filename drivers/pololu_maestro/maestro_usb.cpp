@@ -3,6 +3,7 @@
 #include <libusb.h>
 
 #include <array>
+#include <set>
 #include <sstream>
 
 namespace vismem::maestro {
@@ -51,7 +52,7 @@ std::string Usb::open(const std::string& serial) {
   libusb_device** list = nullptr;
   const ssize_t count = libusb_get_device_list(handles_->context, &list);
   std::string why;
-  std::string serials;
+  std::set<std::string> all_serials;
   int found = 0;
   for (ssize_t i = 0; i < count; ++i) {
     libusb_device_descriptor descriptor{};
@@ -71,7 +72,7 @@ std::string Usb::open(const std::string& serial) {
     const int length = libusb_get_string_descriptor_ascii(device, descriptor.iSerialNumber, text.data(),
                                                           static_cast<int>(text.size()));
     const std::string its(text.begin(), text.begin() + std::max(0, length));
-    serials += (serials.empty() ? "" : ", ") + its;
+    all_serials.insert(its);
     const bool wanted = serial.empty() || its == serial;
     found += wanted ? 1 : 0;
     if (wanted && handles_->device == nullptr) {
@@ -83,6 +84,8 @@ std::string Usb::open(const std::string& serial) {
   }
   if (list != nullptr) libusb_free_device_list(list, 1);
   if (found == 1) return {};
+  std::string serials;
+  for (const std::string& its : all_serials) serials += (serials.empty() ? "" : ", ") + its;
   if (found > 1) {
     why = "several Maestros are connected: set Serial to one of " + serials;
   } else if (why.empty()) {

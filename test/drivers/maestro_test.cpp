@@ -135,6 +135,15 @@ TEST_F(MaestroTest, WaitsForTheOneWithItsSerialNumber) {
   EXPECT_EQ(makeMaestroPanTilt(config)->start().message, "");
 }
 
+TEST_F(MaestroTest, AsksWhichOfSeveralIsMeant) {
+  const EmulatedMaestro second(0x008A, "00067890", 2);
+  EXPECT_EQ(unit().start().message,
+            "several Maestros are connected: set Serial to one of 00012345, 00067890");
+  const auto properties = Properties::parse("Serial=00067890\nTilt.Channel=11\n", "test.cfg");
+  ConfigReader config(properties);
+  EXPECT_EQ(makeMaestroPanTilt(config)->start().message, "") << "a Mini Maestro 12 has channel 11";
+}
+
 TEST_F(MaestroTest, SaysWhatTheDeviceDoesNotDo) {
   EXPECT_EQ(unit("Tilt.Channel=7\n").start().message, "a Micro Maestro 6 has no channel 7 (they are 0..5)");
 }

@@ -227,6 +227,13 @@ TEST_F(Ptu46Test, KeepsOnThroughGarbageOnTheLine) {
   }));
 }
 
+TEST_F(Ptu46Test, TellsARangeThatMakesNoSense) {
+  device.change([](Faults& f) { f.no_range = true; });
+  EXPECT_EQ(unit().start().message, device.path() + ": the unit tells a range without sense");
+  device.change([](Faults& f) { f.no_range = false; });
+  EXPECT_TRUE(eventually([&] { return unit().command({}).ok(); }));
+}
+
 TEST_F(Ptu46Test, StopsInTheMiddleOfAReset) {
   device.change([](Faults& f) { f.reset_time = 25s; });
   ASSERT_TRUE(unit([](Ptu46Unit::Params& p) { p.reset = true; }).start().ok());

@@ -108,7 +108,8 @@ void Ptu46Device::obeyAxis(Joint& joint, const std::string& name, char what, con
     case 'N':
       return tell("Minimum " + name + " position is ", std::to_string(joint.minimum));
     case 'X':
-      return tell("Maximum " + name + " position is ", std::to_string(joint.maximum));
+      return tell("Maximum " + name + " position is ",
+                  std::to_string(faults_.no_range ? joint.minimum : joint.maximum));
     case 'L':
       return tell("Minimum " + name + " speed is ", std::to_string(kSlowest) + " ");
     case 'U':

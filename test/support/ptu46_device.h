@@ -18,9 +18,10 @@ namespace vismem {
 class Ptu46Device {
  public:
   struct Faults {
-    bool deaf = false;     ///< it neither hears nor says anything
-    bool silent = false;   ///< it hears, obeys, and says nothing
-    bool garbled = false;  ///< each reply is something else
+    bool deaf = false;      ///< it neither hears nor says anything
+    bool silent = false;    ///< it hears, obeys, and says nothing
+    bool garbled = false;   ///< each reply is something else
+    bool no_range = false;  ///< its limits are the same on both sides
     std::chrono::milliseconds reset_time{50};
   };
 
