@@ -156,7 +156,7 @@ std::vector<MethodMaker> methodsOf(const Variant& variant, const LocalizerParams
 std::vector<std::optional<double>> evidenceOf(const Trial& trial, const SegmentMap& map_edges,
                                               const LocalizerParams& ours) {
   MapIndex::Params index;
-  index.field.cell_m = ours.cell_m;
+  index.cell_m = ours.cell_m;
   index.direction_gate_rad = ours.robust.direction_gate_rad;
   index.minimum_plan_length_m = 0.03;
   const MapIndex map(map_edges, index);

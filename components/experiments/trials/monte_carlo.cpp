@@ -23,8 +23,8 @@ constexpr double kLeastWay_m = 0.01;
 MapIndex::Params indexParams() {
   const LocalizerParams ours;
   MapIndex::Params index;
-  index.field.cell_m = ours.cell_m;
-  index.field.truncation_m = kTruncation_m;
+  index.cell_m = ours.cell_m;
+  index.reach_m = kTruncation_m;
   index.direction_gate_rad = ours.robust.direction_gate_rad;
   index.minimum_plan_length_m = kMinimumPlanLength_m;
   return index;

@@ -145,7 +145,7 @@ LocalizerParams readLocalizerParams(ConfigReader& reader) {
                     {{"default", LocalizationMode::kDefault}, {"chapter", LocalizationMode::kChapter}});
   LocalizerParams params = localizerPreset(mode);
   params.tick_s = reader.real("Tick_s", params.tick_s, 0.001, 60.0);
-  params.cell_m = reader.real("Cell_m", params.cell_m, 0.005, 1.0);
+  params.cell_m = reader.real("Cell_m", params.cell_m, 0.05, 10.0);
   params.opaque_labels = readWords(reader, "OpaqueLabels", params.opaque_labels);
   readRaces(reader.group("Races"), params.races);
   readExplorers(reader.group("Explorers"), params.explorers);

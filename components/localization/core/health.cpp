@@ -20,8 +20,8 @@ constexpr double kTruncation_m = 2.0;
 
 MapIndex::Params chapterIndex(const LocalizerParams& params) {
   MapIndex::Params index;
-  index.field.cell_m = params.cell_m;
-  index.field.truncation_m = kTruncation_m;
+  index.cell_m = params.cell_m;
+  index.reach_m = kTruncation_m;
   index.build_fields = params.health.use_field;
   return index;
 }

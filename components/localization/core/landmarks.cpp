@@ -23,6 +23,7 @@ constexpr double kLengthTolerance = 0.1;
 constexpr double kSameVertex_m = 0.15;
 /// Of the memory: pairs of more segments than this cost more than they find.
 constexpr std::size_t kSegments = 24;
+constexpr std::size_t kSample = 128;  // of the map's landmarks of one kind, about
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -195,8 +196,16 @@ LandmarkExplorers::LandmarkExplorers(const MapIndex& map, const LandmarkKinds& k
   }
 }
 
-LandmarkExplorers::Proposals LandmarkExplorers::match(const RobustObservation& observation) const {
+LandmarkExplorers::Proposals LandmarkExplorers::match(const RobustObservation& observation,
+                                                      RandomEngine& engine) const {
   Proposals proposals;
+  // A large map repeats itself: a sample of its landmarks, another one each time, does as well as all of
+  // them.
+  const auto sample = [&engine](std::size_t count, const auto& use) {
+    const std::size_t step = std::max<std::size_t>(1, count / kSample);
+    const std::size_t begin = step > 1 ? vismem::pick(engine, step) : 0;
+    for (std::size_t i = begin; i < count; i += step) use(i);
+  };
   std::vector<EvidenceSegment> segments = observation.segments;
   std::stable_sort(segments.begin(), segments.end(),
                    [](const auto& a, const auto& b) { return a.weight > b.weight; });
@@ -223,12 +232,13 @@ LandmarkExplorers::Proposals LandmarkExplorers::match(const RobustObservation& o
     for (const int bin : bins) {
       const auto found = junctions_.find(key(seen.label_a, seen.label_b, bin));
       if (found == junctions_.end()) continue;
-      for (const Junction& world : found->second) {
+      sample(found->second.size(), [&](std::size_t i) {
+        const Junction& world = found->second[i];
         const double difference = angleDifference(world.turn, seen.turn);
-        if (std::abs(difference) > kAngleTolerance_rad) continue;
+        if (std::abs(difference) > kAngleTolerance_rad) return;
         // Both arms tell the heading: the bisector.
         one.world.push_back({world.vertex, world.direction_a + 0.5 * (seen.turn + difference)});
-      }
+      });
     }
     add(std::move(one));
   }
@@ -240,12 +250,15 @@ LandmarkExplorers::Proposals LandmarkExplorers::match(const RobustObservation& o
       const auto first =
           std::lower_bound(lines.begin(), lines.end(), length / (1.0 + kLengthTolerance) - kLengthTolerance_m,
                            [](const Line& line, double least) { return line.length < least; });
-      for (auto line = first; line != lines.end() && line->length < length * 2.0; ++line) {
-        if (!similarLength(line->length, length)) continue;
-        const double direction = line->plan.direction();
-        one.world.push_back({line->plan.middle(), direction});
-        one.world.push_back({line->plan.middle(), direction + std::numbers::pi});
-      }
+      const auto last = std::lower_bound(first, lines.end(), length * 2.0,
+                                         [](const Line& line, double most) { return line.length < most; });
+      sample(static_cast<std::size_t>(last - first), [&](std::size_t i) {
+        const Line& line = *(first + static_cast<std::ptrdiff_t>(i));
+        if (!similarLength(line.length, length)) return;
+        const double direction = line.plan.direction();
+        one.world.push_back({line.plan.middle(), direction});
+        one.world.push_back({line.plan.middle(), direction + std::numbers::pi});
+      });
       add(std::move(one));
     }
   }
@@ -257,13 +270,13 @@ LandmarkExplorers::Proposals LandmarkExplorers::match(const RobustObservation& o
         const double direction_a = std::atan2(a.y(), a.x());
         const double turn = angleDifference(std::atan2(b.y(), b.x()), direction_a);
         Proposals::Seen one{{corners[k], direction_a + 0.5 * turn}, {}};
-        for (const Junction& world : parallelogram_corners_) {
-          if (!similarLength(world.length_a, a.norm()) || !similarLength(world.length_b, b.norm()) ||
-              std::abs(world.turn - turn) > kAngleTolerance_rad) {
-            continue;
+        sample(parallelogram_corners_.size(), [&](std::size_t i) {
+          const Junction& world = parallelogram_corners_[i];
+          if (similarLength(world.length_a, a.norm()) && similarLength(world.length_b, b.norm()) &&
+              std::abs(world.turn - turn) <= kAngleTolerance_rad) {
+            one.world.push_back({world.vertex, world.direction_a + 0.5 * world.turn});
           }
-          one.world.push_back({world.vertex, world.direction_a + 0.5 * world.turn});
-        }
+        });
         add(std::move(one));
       }
     }

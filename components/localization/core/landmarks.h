@@ -73,7 +73,9 @@ class LandmarkExplorers {
     std::vector<Seen> seen_;
     std::size_t count_ = 0;
   };
-  Proposals match(const RobustObservation& observation) const;
+  /// Of each landmark of the memory a hundred or so places, spread over the map, if there are more.
+  /// @param engine says with which of them to begin.
+  Proposals match(const RobustObservation& observation, RandomEngine& engine) const;
 
  private:
   struct Line {

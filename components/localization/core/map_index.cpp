@@ -28,13 +28,18 @@ FieldSample sampleOf(const Eigen::Vector2d& p, const Segment2& segment) {
   const Eigen::Vector2d away = p - (segment.a + fraction * (segment.b - segment.a));
   FieldSample sample;
   sample.distance_m = away.norm();
-  if (sample.distance_m > 1e-9) sample.gradient = away / sample.distance_m;
+  if (sample.distance_m > 1e-9) {
+    sample.gradient = away / sample.distance_m;
+  } else if (segment.length() > 0.0) {
+    const Eigen::Vector2d along = (segment.b - segment.a).normalized();
+    sample.gradient = {-along.y(), along.x()};
+  }
   return sample;
 }
 
 }  // namespace
 
-MapIndex::MapIndex(const SegmentMap& map, const Params& params) : has_fields_(params.build_fields) {
+MapIndex::MapIndex(const SegmentMap& map, const Params& params) {
   if (params.direction_gate_rad) bins_ = kDirectionBins;
   bool has_any = false;
   for (const MapSegment& segment : map.segments) {
@@ -51,6 +56,7 @@ MapIndex::MapIndex(const SegmentMap& map, const Params& params) : has_fields_(pa
   low_ = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
   high_ = -low_;
   const double bin_width = std::numbers::pi / bins_;
+  std::vector<SegmentGrid::Item> items;
   for (const MapSegment& segment : map.segments) {
     const Segment2 plan = segment.world.floor();
     low_ = low_.cwiseMin(plan.a).cwiseMin(plan.b);
@@ -60,17 +66,19 @@ MapIndex::MapIndex(const SegmentMap& map, const Params& params) : has_fields_(pa
       if (segment.label != kAnyLabel && ids_.at(segment.label) != label) continue;
       by_label_[static_cast<std::size_t>(label)].push_back(segment.world);
       if (!floor || floor->length() < params.minimum_plan_length_m) continue;
-      floor_[static_cast<std::size_t>(label)].push_back(*floor);
+      auto& lines = floor_[static_cast<std::size_t>(label)];
+      SegmentGrid::Item item{*floor, label, 0, static_cast<std::uint32_t>(lines.size())};
+      lines.push_back(*floor);
       for (int bin = 0; bin < bins_; ++bin) {
         const double off = lineAngleDifference(floor->direction(), (bin + 0.5) * bin_width);
         if (bins_ > 1 && off > *params.direction_gate_rad + 0.5 * bin_width) continue;
+        item.bins = static_cast<std::uint16_t>(item.bins | (1u << bin));
         binned_[static_cast<std::size_t>(label * bins_ + bin)].push_back(*floor);
       }
+      items.push_back(item);
     }
   }
-  if (!has_fields_) return;
-  fields_.reserve(binned_.size());
-  for (const auto& segments : binned_) fields_.emplace_back(segments, params.field);
+  if (params.build_fields) fields_.emplace(std::move(items), params.reach_m, params.cell_m);
 }
 
 std::optional<int> MapIndex::labelId(const Label& label) const {
@@ -86,28 +94,21 @@ std::optional<int> MapIndex::floorLabelId(const Label& label) const {
   return id;
 }
 
-std::size_t MapIndex::fieldNumber(int label, double direction_rad) const {
-  int bin = 0;
-  if (bins_ > 1) {
-    double turn = std::fmod(direction_rad, std::numbers::pi);
-    if (turn < 0.0) turn += std::numbers::pi;
-    bin = std::min(bins_ - 1, static_cast<int>(turn / std::numbers::pi * bins_));
-  }
-  return static_cast<std::size_t>(label * bins_ + bin);
+int MapIndex::binOf(double direction_rad) const {
+  if (bins_ == 1) return 0;
+  const double turns = direction_rad * std::numbers::inv_pi;
+  return std::min(bins_ - 1, static_cast<int>((turns - std::floor(turns)) * bins_));
 }
 
 std::optional<FieldSample> MapIndex::nearest(int label, const Eigen::Vector2d& p,
                                              double direction_rad) const {
-  const DistanceField& field = fields_[fieldNumber(label, direction_rad)];
-  const FieldSample sample = field.at(p);
-  if (sample.distance_m >= field.params().truncation_m) return std::nullopt;
-  return sample;
+  return fields_->nearest(label, binOf(direction_rad), p);
 }
 
 std::optional<FieldSample> MapIndex::nearestBruteForce(int label, const Eigen::Vector2d& p,
                                                        double direction_rad) const {
   std::optional<FieldSample> best;
-  for (const Segment2& segment : binned_[fieldNumber(label, direction_rad)]) {
+  for (const Segment2& segment : binned_[static_cast<std::size_t>(label * bins_ + binOf(direction_rad))]) {
     const FieldSample sample = sampleOf(p, segment);
     if (!best || sample.distance_m < best->distance_m) best = sample;
   }
@@ -115,7 +116,7 @@ std::optional<FieldSample> MapIndex::nearestBruteForce(int label, const Eigen::V
 }
 
 double MapIndex::distance(int label, const Eigen::Vector2d& p) const {
-  if (has_fields_) {
+  if (fields_) {
     if (const auto sample = nearest(label, p, 0.0)) return sample->distance_m;
   }
   double nearest_m = std::numeric_limits<double>::infinity();

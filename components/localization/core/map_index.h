@@ -8,20 +8,18 @@
 #include <vector>
 
 #include "common/geometry/segment.h"
-#include "common/segment_map/distance_field.h"
 #include "common/segment_map/segment_map.h"
+#include "localization/core/segment_grid.h"
 
 namespace vismem {
-
-/// Distance to the nearest of a set, and its derivative by the position.
-using FieldSample = DistanceField::Value;
 
 /// The map's segments by label, with fields over what of them touches the floor. Segments labelled `any`
 /// belong to every label. *Pure* after construction.
 class MapIndex {
  public:
   struct Params {
-    DistanceFieldParams field;
+    double reach_m = 1.0;  ///< of the fields: larger distances are not found by them
+    double cell_m = 0.5;   ///< of their grid; changes speed alone
     /// Segments within this angle of a direction count for it; empty: all directions alike, one field a
     /// label.
     std::optional<double> direction_gate_rad;
@@ -60,17 +58,16 @@ class MapIndex {
   double distance(int label, const Eigen::Vector2d& p) const;
 
  private:
-  std::size_t fieldNumber(int label, double direction_rad) const;
+  int binOf(double direction_rad) const;
 
   int bins_ = 1;
-  bool has_fields_ = true;
   std::map<Label, int> ids_;
   std::vector<Label> names_;
   std::optional<int> any_;  // of labels that have no segments of their own, if the map has `any`
   std::vector<std::vector<Segment3>> by_label_;
   std::vector<std::vector<Segment2>> floor_;
   std::vector<std::vector<Segment2>> binned_;  // [label * bins_ + bin]
-  std::vector<DistanceField> fields_;          // likewise
+  std::optional<SegmentGrid> fields_;
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d high_ = Eigen::Vector2d::Zero();
 };

@@ -71,7 +71,7 @@ struct RobustParams {
   double memory_shift_m = 0.03;
   double memory_turn_rad = 2.0 * std::numbers::pi / 180.0;
   double point_step_m = 0.10;       ///< spacing of sampling points along remembered segments
-  int maximum_points = 160;         ///< per observation; the spacing grows where there would be more
+  int maximum_points = 100;         ///< per observation; only every n-th where there would be more
   double range_m = 5.0;             ///< remembered points further away than this are not used
   double half_life_s = 4.0;         ///< weight of what was not seen for this long is halved; 0: never
   double unconfirmed_weight = 0.4;  ///< of elements not yet seen from a second viewpoint (M1)
@@ -146,8 +146,8 @@ struct LocalizerParams {
   LocalizationMode mode = LocalizationMode::kDefault;
   /// Labels of map segments that stand up and hide the floor behind them; "*_foot": all that end so.
   std::vector<std::string> opaque_labels{"skirting", "*_foot"};
-  double tick_s = 0.2;    ///< of stamps between iterations; odometry moves the races with every update
-  double cell_m = 0.025;  ///< of the distance fields
+  double tick_s = 0.2;  ///< of stamps between iterations; odometry moves the races with every update
+  double cell_m = 0.5;  ///< of the grid over the map; changes speed alone
   RaceParams races;
   ExplorerParams explorers;
   EvolutionParams evolution;

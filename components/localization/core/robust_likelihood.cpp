@@ -29,6 +29,9 @@ constexpr double kFixedLean_rad = 1e-6;
 /// A step further than this leaves the part of the field that the gradient describes.
 constexpr double kLongestStep_m = 0.5;
 constexpr double kLongestTurn_rad = 0.4;
+/// And after a step smaller than this the next one changes nothing that anybody could see.
+constexpr double kSmallStep_m = 5e-4;
+constexpr double kSmallStep_rad = 5e-4;
 
 /// Variance across the segment at one of its ends.
 double variancesAcross(const Eigen::Matrix3d& P, const Eigen::Vector2d& along_odom) {
@@ -47,6 +50,12 @@ Eigen::Matrix2d movedByLean(const Eigen::Vector2d& ray, double height) {
   return d;
 }
 
+double weightOf(const RobustObservation& observation) {
+  double sum = 0.0;
+  for (const EvidencePoint& point : observation.points) sum += point.weight;
+  return sum;
+}
+
 /// Scales the points' weights so that they sum to at most `effective_points`; the amount stays as it was.
 void capPoints(RobustObservation& observation, double effective_points) {
   double sum = 0.0;
@@ -59,8 +68,8 @@ void capPoints(RobustObservation& observation, double effective_points) {
 
 MapIndex::Params robustIndex(const LocalizerParams& params) {
   MapIndex::Params index;
-  index.field.cell_m = params.cell_m;
-  index.field.truncation_m = kTruncation_m;
+  index.cell_m = params.cell_m;
+  index.reach_m = kTruncation_m;
   if (params.robust.direction_gate) index.direction_gate_rad = params.robust.direction_gate_rad;
   index.minimum_plan_length_m = kMinimumPlanLength_m;
   index.build_fields = params.robust.use_field;
@@ -214,6 +223,20 @@ RobustObservation observe(const MemoryUpdate& update, const MapIndex& map, const
   return all;
 }
 
+RobustObservation thinned(const RobustObservation& observation, std::size_t points) {
+  const std::size_t stride = (observation.points.size() + points - 1) / std::max<std::size_t>(points, 1);
+  if (stride <= 1) return observation;
+  RobustObservation few;
+  few.amount = observation.amount;
+  for (std::size_t i = 0; i < observation.points.size(); i += stride) {
+    few.remembered += i < observation.remembered ? 1 : 0;
+    few.points.push_back(observation.points[i]);
+  }
+  const double scale = weightOf(observation) / weightOf(few);
+  for (EvidencePoint& point : few.points) point.weight *= scale;
+  return few;
+}
+
 std::optional<FieldSample> RobustLikelihood::sample(const EvidencePoint& point,
                                                     const Eigen::Vector2d& p_world, double heading) const {
   const double direction = point.direction_robot + heading;
@@ -221,36 +244,36 @@ std::optional<FieldSample> RobustLikelihood::sample(const EvidencePoint& point,
                            : map_.nearestBruteForce(point.label, p_world, direction);
 }
 
-Rating RobustLikelihood::rate(const RobustObservation& observation, const Placement& placement, double blur_m,
-                              std::size_t stride) const {
+void RobustLikelihood::add(Rating& rating, const EvidencePoint& point,
+                           const std::optional<FieldSample>& field, double blur_m) const {
+  const double eps = params_.outlier_share;
+  const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+  if (!field) {
+    rating.log_likelihood +=
+        point.weight *
+        (params_.bounded ? log_outlier_share_ : -0.5 * kTruncation_m * kTruncation_m / variance);
+    return;
+  }
+  const double loss = -0.5 * field->distance_m * field->distance_m / variance;
+  const double agreement = std::exp(loss);
+  rating.log_likelihood += point.weight * (params_.bounded ? std::log((1.0 - eps) * agreement + eps) : loss);
+  rating.explained += point.weight * agreement;
+}
+
+Rating RobustLikelihood::rate(const RobustObservation& observation, const Placement& placement,
+                              double blur_m) const {
   const Pose2& T_world_robot = placement.T_world_robot;
   const Eigen::Vector2d lean = placement.lean();
   Rating rating;
-  const double eps = params_.outlier_share;
-  const double log_eps = std::log(eps);
   const double c = std::cos(T_world_robot.theta);
   const double s = std::sin(T_world_robot.theta);
-  double weights = 0.0;
-  for (std::size_t i = 0; i < observation.points.size(); i += stride) {
-    const EvidencePoint& point = observation.points[i];
-    weights += point.weight;
+  for (const EvidencePoint& point : observation.points) {
     const Eigen::Vector2d p_robot = point.p_robot + point.d_lean * lean;
     const Eigen::Vector2d p(T_world_robot.x + c * p_robot.x() - s * p_robot.y(),
                             T_world_robot.y + s * p_robot.x() + c * p_robot.y());
-    const auto field = sample(point, p, T_world_robot.theta);
-    const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
-    if (!field) {
-      rating.log_likelihood +=
-          point.weight * (params_.bounded ? log_eps : -0.5 * kTruncation_m * kTruncation_m / variance);
-      continue;
-    }
-    const double loss = -0.5 * field->distance_m * field->distance_m / variance;
-    const double agreement = std::exp(loss);
-    rating.log_likelihood +=
-        point.weight * (params_.bounded ? std::log((1.0 - eps) * agreement + eps) : loss);
-    rating.explained += point.weight * agreement;
+    add(rating, point, sample(point, p, T_world_robot.theta), blur_m);
   }
-  if (weights > 0.0) rating.explained /= weights;
+  if (!observation.points.empty()) rating.explained /= weightOf(observation);
   return rating;
 }
 
@@ -262,7 +285,7 @@ struct RobustLikelihood::Curvature {
 
 RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const EvidencePoint> points,
                                                         const Placement& placement, double share,
-                                                        double blur_m) const {
+                                                        double blur_m, Rating* rating) const {
   Curvature result;
   const double eps = params_.outlier_share;
   const Pose2& pose = placement.T_world_robot;
@@ -272,6 +295,7 @@ RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const Evidence
   for (const EvidencePoint& point : points) {
     const Eigen::Vector2d arm = R * (point.p_robot + point.d_lean * lean);
     const auto field = sample(point, pose.position() + arm, pose.theta);
+    if (rating) add(*rating, point, field, blur_m);
     if (!field) continue;
     const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
     const double inlier = (1.0 - eps) * std::exp(-0.5 * field->distance_m * field->distance_m / variance);
@@ -306,7 +330,7 @@ void RobustLikelihood::soften(Curvature& memory) const {
 RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& observation,
                                                    const Placement& start, const Matrix5d& prior_information,
                                                    double share, int steps, double blur_m) const {
-  Refined result{start, Matrix5d::Zero()};
+  Refined result{start, Matrix5d::Zero(), {}};
   Placement& at = result.placement;
   const double sway = std::max(params_.lean_sway_rad, kFixedLean_rad);
   const Eigen::Matrix2d sway_information = Eigen::Matrix2d::Identity() / (sway * sway);
@@ -314,9 +338,10 @@ RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& obse
   const std::span remembered = points.first(observation.remembered);
   // One pass more than steps: the last one only takes the curvature at the result.
   for (int step = 0; step <= steps; ++step) {
-    Curvature curve = curvature(remembered, at, share, blur_m);
+    Rating* const rating = step == steps ? &result.rating : nullptr;
+    Curvature curve = curvature(remembered, at, share, blur_m, rating);
     soften(curve);
-    const Curvature seen = curvature(points.subspan(observation.remembered), at, share, blur_m);
+    const Curvature seen = curvature(points.subspan(observation.remembered), at, share, blur_m, rating);
     curve.H += seen.H;
     curve.g += seen.g;
     // The sway moves the points as the lasting lean does: the same columns, and a prior of its own.
@@ -339,8 +364,9 @@ RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& obse
     at.T_world_robot = {pose.x + move[0], pose.y + move[1], wrapAngle(pose.theta + move[2])};
     at.lean_bias += move.tail<2>();
     at.lean_sway -= sway_covariance * (shrink * sway_gradient + cross.transpose() * move);
-    if (move.head<2>().norm() < 1e-5 && std::abs(move[2]) < 1e-5) steps = step + 1;
+    if (move.head<2>().norm() < kSmallStep_m && std::abs(move[2]) < kSmallStep_rad) steps = step + 1;
   }
+  if (!points.empty()) result.rating.explained /= weightOf(observation);
   return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -57,6 +58,9 @@ RobustObservation observeImage(const ImageAnalysis& analysis, const MapIndex& ma
 /// Memory, image or both, as `source` says; both must be of one stamp.
 RobustObservation observe(const MemoryUpdate& update, const MapIndex& map, const RobustParams& params);
 
+/// Every n-th point, so that few more than `points` remain, with the weight of all.
+RobustObservation thinned(const RobustObservation& observation, std::size_t points);
+
 /// Where the robot and its camera may be when an image was taken.
 struct Placement {
   Pose2 T_world_robot;
@@ -77,18 +81,19 @@ struct Rating {
 /// Rates places by one observation. *Pure*; keeps references to its arguments.
 class RobustLikelihood {
  public:
-  RobustLikelihood(const MapIndex& map, const RobustParams& params) : map_(map), params_(params) {}
+  RobustLikelihood(const MapIndex& map, const RobustParams& params)
+      : map_(map), params_(params), log_outlier_share_(std::log(params.outlier_share)) {}
 
   /// @param blur widens every sigma (as root sum of squares) [m]: a coarse search must not fall between
-  /// narrow peaks. @param stride only every n-th point is used.
-  Rating rate(const RobustObservation& observation, const Placement& placement, double blur_m = 0.0,
-              std::size_t stride = 1) const;
+  /// narrow peaks.
+  Rating rate(const RobustObservation& observation, const Placement& placement, double blur_m = 0.0) const;
 
   struct Refined {
     Placement placement;
     /// Curvature of -log L (without the prior) at the result in (x, y, theta, lasting lean), with the lean of
     /// this one image marginalised.
     Matrix5d information = Matrix5d::Zero();
+    Rating rating;  ///< there
   };
 
   /// Gauss-Newton steps on -share * log L + the prior's squared distance.
@@ -99,13 +104,16 @@ class RobustLikelihood {
  private:
   struct Curvature;
   Curvature curvature(std::span<const EvidencePoint> points, const Placement& placement, double share,
-                      double blur_m) const;
+                      double blur_m, Rating* rating) const;
   void soften(Curvature& memory) const;
+  void add(Rating& rating, const EvidencePoint& point, const std::optional<FieldSample>& field,
+           double blur_m) const;
   std::optional<FieldSample> sample(const EvidencePoint& point, const Eigen::Vector2d& p_world,
                                     double heading) const;
 
   const MapIndex& map_;
   const RobustParams& params_;
+  double log_outlier_share_;
 };
 
 }  // namespace vismem

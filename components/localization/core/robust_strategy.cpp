@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kExplorerBlur_m = 0.15;  // an explorer must only come within about 0.3 m
 constexpr double kRefinementBlur_m = 0.08;
-constexpr std::size_t kExplorerStride = 3;
+constexpr std::size_t kExplorerPoints = 64;
 /// Nobody knows a pose worse than this: keeps the covariance of an undetermined direction finite.
 constexpr double kLargestStd_m = 5.0;
 constexpr double kLargestStd_rad = 1.0;
@@ -50,6 +50,10 @@ class RobustStrategy : public RaceStrategy {
         update.analysis) {
       negative_.observe(*update.analysis, observation_);
     }
+    RobustObservation all = thinned(observation_, static_cast<std::size_t>(params_.robust.maximum_points));
+    observation_.points = std::move(all.points);
+    observation_.remembered = all.remembered;
+    few_ = thinned(observation_, kExplorerPoints);
     return !observation_.points.empty();
   }
 
@@ -77,18 +81,19 @@ class RobustStrategy : public RaceStrategy {
     std::vector<Individual> best = bestPlaces(population, params_.robust.refined_explorers,
                                               params_.explorers.list_health, table.params());
     for (Individual& one : best) {
-      const Placement refined = likelihood_
-                                    .refine(observation_, {one.T_world_robot}, broad_prior_, 1.0,
-                                            params_.robust.refinement_steps, kRefinementBlur_m)
-                                    .placement;
-      one.T_world_robot = refined.T_world_robot;
-      one.health = likelihood_.rate(observation_, refined).explained;
+      const auto refined = likelihood_.refine(few_, {one.T_world_robot}, broad_prior_, 1.0,
+                                              params_.robust.refinement_steps, kRefinementBlur_m);
+      one = {refined.placement.T_world_robot, refined.rating.explained};
     }
     std::vector<Race> races;
     const Race* winner = table.winner();
     for (const Individual& place :
          bestPlaces(best, params_.explorers.candidates, params_.explorers.list_health, table.params())) {
-      races.push_back(foundAt(place.T_world_robot, engine));
+      const Placement refined = likelihood_
+                                    .refine(observation_, {place.T_world_robot}, broad_prior_, 1.0,
+                                            params_.robust.refinement_steps, kRefinementBlur_m)
+                                    .placement;
+      races.push_back(foundAt(refined.T_world_robot, engine));
       // A newcomer fits this moment by selection: it must show over time that it fits better than the winner.
       if (winner) {
         races.back().evidence =
@@ -129,8 +134,11 @@ class RobustStrategy : public RaceStrategy {
       race.T_world_robot = placement.T_world_robot;
       race.camera_lean = placement.lean_bias;
       race.P = (prior + refined.information).inverse();
+      race.health = refined.rating.explained;
+      race.log_likelihood = refined.rating.log_likelihood;
+    } else {
+      rate(race, placement);
     }
-    rate(race, placement);
     missWhatShouldBeSeen(race);
     race.evidence = robust.forgetting * race.evidence + (1.0 - robust.forgetting) * race.log_likelihood;
   }
@@ -196,7 +204,7 @@ class RobustStrategy : public RaceStrategy {
   std::vector<Individual> explore(int most, RandomEngine& engine) const {
     const RobustParams& robust = params_.robust;
     const auto proposals = robust.constructed_share > 0.0 && robust.landmark_share > 0.0
-                               ? landmarks_.match(observation_)
+                               ? landmarks_.match(observation_, engine)
                                : LandmarkExplorers::Proposals{};
     std::vector<Individual> population;
     population.reserve(static_cast<std::size_t>(most));
@@ -209,8 +217,7 @@ class RobustStrategy : public RaceStrategy {
                                                    : constructed_.propose(observation_, engine);
       }
       if (!pose) pose = uniformExplorer(map_, params_.explorers.margin_m, engine);
-      const double health =
-          likelihood_.rate(observation_, {*pose}, kExplorerBlur_m, kExplorerStride).explained;
+      const double health = likelihood_.rate(few_, {*pose}, kExplorerBlur_m).explained;
       population.push_back({*pose, health});
       if (robust.kld_error <= 0.0 || health < params_.explorers.list_health) continue;
       places.insert({static_cast<int>(std::floor(pose->x / robust.kld_place_m)),
@@ -243,6 +250,7 @@ class RobustStrategy : public RaceStrategy {
   NegativeInformation negative_;
   Matrix5d broad_prior_;
   RobustObservation observation_;
+  RobustObservation few_;  ///< a part of it, for the coarse search
 };
 
 }  // namespace
