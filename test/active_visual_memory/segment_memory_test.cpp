@@ -64,6 +64,32 @@ TEST(SegmentMemory, RemembersWhatItSawAndPredictsIt) {
   }
 }
 
+TEST(SegmentMemory, StaysStillInTheWorldWhileTheRobotDrivesTowardsWhatItSees) {
+  // Exact images and exact odometry on arcs of 0.6 m to either side: neither fusion nor the correction of
+  // odometry's drift may move anything by more than a millimetre, in any image.
+  const std::vector<Segment3> world{
+      {{2.0, -0.4, 0}, {2.0, 0.4, 0}}, {{1.6, 0.5, 0}, {2.4, 0.6, 0}}, {{1.5, -0.7, 0}, {2.5, -0.5, 0}}};
+  for (const double turn_per_m : {-0.5, -0.2, 0.0, 0.3, 0.5}) {
+    AttentiveVisualMemory memory(standard());
+    Pose2 pose;
+    AttentiveVisualMemory::StepResult result;
+    for (int i = 0; i < 60; ++i) {
+      if (i >= 10) pose = pose * Pose2{0.012, 0.0, turn_per_m * 0.012};
+      const auto o = at(i * 33'333, pose);
+      result = memory.step(o, images(o, world));
+      if (i < 3) continue;
+      ASSERT_EQ(result.update.snapshot->segments.size(), world.size()) << turn_per_m << ", image " << i;
+      for (std::size_t k = 0; k < world.size(); ++k) {
+        const Segment2 truth = world[k].floor();
+        const Segment2 known = result.update.snapshot->segments[k].odom.floor();
+        EXPECT_LT(distanceToLine(known.a, truth), 1e-3) << turn_per_m << ", image " << i;
+        EXPECT_LT(distanceToLine(known.b, truth), 1e-3) << turn_per_m << ", image " << i;
+      }
+    }
+    EXPECT_TRUE(result.update.snapshot->segments.front().confirmed) << turn_per_m;
+  }
+}
+
 TEST(SegmentMemory, StaysStillInTheWorldUnderPureMotion) {
   // The robot drives and turns with its eyes away from what it knows; odom places must not move at all, and
   // back in view the memory predicts them where they are.
