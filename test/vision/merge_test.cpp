@@ -79,6 +79,29 @@ TEST(CollinearMerger, LongerGapsAreClosedWhereTheEdgeGoesOn) {
   EXPECT_FALSE(joined(20, 10.5, &yes));
 }
 
+// Two pieces of a line are found in any direction, whichever comes first and whatever lies beside them.
+TEST(CollinearMerger, FindsPiecesInEveryDirection) {
+  const CollinearMergeParams params{0.1, 1.8, 4.0};
+  CollinearMerger merger;
+  for (int step = 0; step < 1024; ++step) {
+    const double angle = degToRad(step * 360.0 / 1024.0);
+    const Eigen::Vector2d way(std::cos(angle), std::sin(angle));
+    const double second = angle + (step % 2 == 0 ? 0.02 : -0.02);
+    const Eigen::Vector2d onward(std::cos(second), std::sin(second));
+    std::vector<GroupedSegment> pieces;
+    for (int row = -20; row < 20; ++row) {
+      const Eigen::Vector2d from =
+          Eigen::Vector2d(300, 300) + 10.0 * row * Eigen::Vector2d(-way.y(), way.x());
+      const Eigen::Vector2d to = from + 40.0 * way;
+      const Eigen::Vector2d next = to + 3.0 * way;
+      pieces.push_back({{from, to}});
+      pieces.insert(row % 2 == 0 ? pieces.begin() : pieces.end(), {{next, next + 30.0 * onward}});
+    }
+    merger.merge(pieces, params);
+    EXPECT_EQ(pieces.size(), 40u) << "direction " << step;
+  }
+}
+
 TEST(MergeSegments, KeepsApartWhatDoesNotBelongTogether) {
   const ImageSegment base = segment(0, 0, 30, 0);
   for (const ImageSegment& other :

@@ -14,6 +14,13 @@ constexpr double kTurn = 65536.0;  // what an angle of 16 bits wraps at
 constexpr double kDiamondTurn = 4.0;
 constexpr double kPi = 3.14159265358979;
 constexpr int kShift = 32768;  // makes numbers of 16 bits positive
+constexpr int kBins = 32;      // by direction; a power of two
+constexpr int kAngles = 65536;
+constexpr int kBinWidth = kAngles / kBins;
+
+/// From high to low bits: bin of the direction (16), where the box begins across the rods of that bin (16),
+/// index of the box (32).
+using Key = std::uint64_t;
 
 /// An angle that grows with the direction, -1 .. 3 for a turn: linear along |x| + |y| = 1. A radian is
 /// between 1/2 and 1 of it.
@@ -96,14 +103,17 @@ struct CollinearMerger::Candidate {
 struct CollinearMerger::Box {
   std::int16_t left, right, top, bottom;
   std::uint16_t angle;  // wraps
+  int rod;
 };
 
-/// What tells most rods apart, as columns of numbers that are compared many at a time.
+/// What tells most rods apart, as columns of numbers that are compared many at a time. Rods are sorted into
+/// bins by direction, and in a bin from left to right where it is steep, from top to bottom where it is flat:
+/// across the rods, in which few are near.
 class CollinearMerger::Lanes {
  public:
   /// About a rod made longer at both ends by half of the longest gap that it may be joined over, and
   /// `reach_px` aside: boxes of two that can be joined meet.
-  static Box boxOf(const Rod& rod, double half_gap_px, double reach_px) {
+  static Box boxOf(const Rod& rod, int index, double half_gap_px, double reach_px) {
     // Beyond its range a number stays at its end: boxes that meet still do. Rounded down; up is one more.
     const auto whole = [](double value) {
       return static_cast<int>(std::min(std::max(value, -32000.0), 32000.0) + kShift) - kShift;
@@ -117,7 +127,9 @@ class CollinearMerger::Lanes {
     return {static_cast<std::int16_t>(whole(low.x() - reach_px)),
             static_cast<std::int16_t>(whole(high.x() + reach_px) + 1),
             static_cast<std::int16_t>(whole(low.y() - reach_px)),
-            static_cast<std::int16_t>(whole(high.y() + reach_px) + 1), static_cast<std::uint16_t>(angle)};
+            static_cast<std::int16_t>(whole(high.y() + reach_px) + 1),
+            static_cast<std::uint16_t>(angle),
+            index};
   }
 
   void reserve(std::size_t count) {
@@ -125,27 +137,52 @@ class CollinearMerger::Lanes {
     angle_.reserve(count + kLanes);
     rod_.reserve(count);
   }
-  /// Those that are new, and some beyond the last one, meet nothing yet.
-  void resize(std::size_t count) {
-    const std::size_t old = rod_.size();
-    rod_.resize(count);
-    const std::size_t padded = count + kLanes;
+  /// Lays these rods, sorted by direction: see Key.
+  void lay(std::vector<Key>& keys, const std::vector<Box>& boxes) {
+    std::sort(keys.begin(), keys.end());
+    rod_.resize(keys.size());
+    const std::size_t padded = keys.size() + kLanes;
     for (auto* column : {&left_, &right_, &top_, &bottom_}) column->resize(padded);
     angle_.resize(padded);
-    for (std::size_t k = old; k < padded; ++k) set(k, {32767, -32768, 32767, -32768, 0}, 0);
+    std::fill_n(extent_, kBins, 0);
+    std::size_t k = 0;
+    for (int bin = 0; bin < kBins; ++bin) {
+      begin_[bin] = last_first_[bin] = static_cast<int>(k);
+      for (; k < keys.size() && binOf(keys[k]) == bin; ++k) {
+        const std::size_t item = keys[k] & 0xffffffffU;
+        const Box& box = boxes[item];
+        rod_[k] = box.rod;
+        set(k, box);
+        extent_[bin] = std::max(extent_[bin], highOf(box, bin) - lowOf(box, bin));
+      }
+    }
+    begin_[kBins] = static_cast<int>(k);
+    for (; k < padded; ++k) set(k, {32767, -32768, 32767, -32768, 0, 0});
   }
-  void set(std::size_t k, const Box& box, int rod) {
-    if (k < rod_.size()) rod_[k] = rod;
-    left_[k] = box.left;
-    right_[k] = box.right;
-    top_[k] = box.top;
-    bottom_[k] = box.bottom;
-    angle_[k] = box.angle;
+  static Key keyOf(const Box& box, std::size_t item) {
+    const int bin = box.angle / kBinWidth;
+    return static_cast<Key>(bin) << 48 | static_cast<Key>(lowOf(box, bin) + kShift) << 32 | item;
   }
   int count() const { return static_cast<int>(rod_.size()); }
   int rod(int lane) const { return rod_[lane]; }
-  int top(int lane) const { return top_[lane]; }
-  Box box(int lane) const { return {left_[lane], right_[lane], top_[lane], bottom_[lane], angle_[lane]}; }
+  Box box(int lane) const {
+    return {left_[lane], right_[lane], top_[lane], bottom_[lane], angle_[lane], rod_[lane]};
+  }
+  /// The first lane of a bin whose box may meet this one. Looked for from the last answer on: boxes come in
+  /// the order of the lanes, and it is mostly the same lane or the next one.
+  int firstOf(int bin, const Box& box) {
+    const std::int16_t* low = (steep(bin) ? left_ : top_).data();
+    const int wanted = lowOf(box, bin) - extent_[bin];
+    int lane = last_first_[bin];
+    while (lane < begin_[bin + 1] && low[lane] < wanted) ++lane;
+    while (lane > begin_[bin] && low[lane - 1] >= wanted) --lane;
+    return last_first_[bin] = lane;
+  }
+  int endOf(int bin) const { return begin_[bin + 1]; }
+  /// Whether boxes of a bin from this lane on begin beyond this one.
+  bool beyond(int bin, int lane, const Box& box) const {
+    return (steep(bin) ? left_ : top_)[lane] > highOf(box, bin);
+  }
 
   /// Whether the boxes of some of the kLanes lanes from `begin` on meet this one, with a direction near its
   /// own: those lanes are then marked.
@@ -167,9 +204,25 @@ class CollinearMerger::Lanes {
   }
 
  private:
+  static int binOf(Key key) { return static_cast<int>(key >> 48); }
+  /// An angle is 0 upwards and a quarter of its range to the right.
+  static bool steep(int bin) { return ((bin + kBins / 8) & (kBins / 2 - 1)) < kBins / 4; }
+  static int lowOf(const Box& box, int bin) { return steep(bin) ? box.left : box.top; }
+  static int highOf(const Box& box, int bin) { return steep(bin) ? box.right : box.bottom; }
+  void set(std::size_t k, const Box& box) {
+    left_[k] = box.left;
+    right_[k] = box.right;
+    top_[k] = box.top;
+    bottom_[k] = box.bottom;
+    angle_[k] = box.angle;
+  }
+
   std::vector<std::int16_t> left_, right_, top_, bottom_;
   std::vector<std::uint16_t> angle_;
   std::vector<int> rod_;
+  int begin_[kBins + 1] = {};  // of the lanes of a bin
+  int last_first_[kBins] = {};
+  int extent_[kBins] = {};  // of its largest box, along what it is sorted by
 };
 
 CollinearMerger::CollinearMerger() : given_(std::make_unique<Lanes>()), joined_(std::make_unique<Lanes>()) {}
@@ -184,49 +237,39 @@ double CollinearMerger::longestGap(const Rod& shorter, const CollinearMergeParam
 
 void CollinearMerger::reserve(std::size_t segments) {
   rods_.reserve(2 * segments);  // each join leaves one rod less
-  candidates_.reserve(4 * segments);
+  candidates_.reserve(8 * segments);
   given_->reserve(segments);
   joined_->reserve(segments);
   keys_.reserve(segments);
   boxes_.reserve(segments);
 }
 
-/// Sorts the rods given from top to bottom.
-void CollinearMerger::lay(const CollinearMergeParams& params) {
+/// Lays rods from `begin` on that are not part of another one.
+void CollinearMerger::lay(int begin, const CollinearMergeParams& params, Lanes& lanes) {
   keys_.clear();
   boxes_.clear();
-  for (std::size_t i = 0; i < rods_.size(); ++i) {
-    boxes_.push_back(Lanes::boxOf(rods_[i], 0.5 * longestGap(rods_[i], params), reach_px_));
-    keys_.push_back(static_cast<std::uint64_t>(boxes_.back().top + kShift) << 32 | i);
+  for (int i = begin; i < static_cast<int>(rods_.size()); ++i) {
+    if (!rods_[i].alive) continue;
+    boxes_.push_back(Lanes::boxOf(rods_[i], i, 0.5 * longestGap(rods_[i], params), reach_px_));
+    keys_.push_back(Lanes::keyOf(boxes_.back(), boxes_.size() - 1));
   }
-  std::sort(keys_.begin(), keys_.end());
-  given_->resize(0);
-  joined_->resize(0);
-  given_->resize(keys_.size());
-  for (std::size_t k = 0; k < keys_.size(); ++k) {
-    const auto index = static_cast<int>(keys_[k] & 0xffffffffU);
-    given_->set(k, boxes_[index], index);
-  }
+  lanes.lay(keys_, boxes_);
 }
 
-/// All pairs that can be joined and have at least one rod from `first_fresh` on, closest first.
-void CollinearMerger::findCandidates(int first_fresh, const CollinearMergeParams& params) {
+/// All pairs that may be joined and have at least one rod from `first_fresh` on, closest first. Of long gaps
+/// only the length is judged.
+void CollinearMerger::findCandidates(int given, int first_fresh, const CollinearMergeParams& params) {
   candidates_.clear();
   if (first_fresh == 0) {
-    for (int lane = 0; lane < given_->count(); ++lane) {
-      compare(given_->rod(lane), given_->box(lane), *given_, lane + 1, params);
-    }
+    lay(0, params, *given_);
+    for (int lane = 0; lane < given_->count(); ++lane) compare(given_->box(lane), lane + 1, *given_, params);
   } else {
-    const int count = static_cast<int>(rods_.size());
-    const int known = joined_->count();
-    joined_->resize(known + count - first_fresh);
-    for (int i = first_fresh; i < count; ++i) {
-      joined_->set(known + i - first_fresh,
-                   Lanes::boxOf(rods_[i], 0.5 * longestGap(rods_[i], params), reach_px_), i);
-    }
-    for (int i = known; i < joined_->count(); ++i) {
-      compare(joined_->rod(i), joined_->box(i), *given_, 0, params);
-      compare(joined_->rod(i), joined_->box(i), *joined_, 0, params);
+    lay(given, params, *joined_);
+    for (int lane = 0; lane < joined_->count(); ++lane) {
+      const Box box = joined_->box(lane);
+      if (box.rod < first_fresh) continue;
+      compare(box, 0, *given_, params);
+      compare(box, 0, *joined_, params);
     }
   }
   std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& x, const Candidate& y) {
@@ -234,21 +277,26 @@ void CollinearMerger::findCandidates(int first_fresh, const CollinearMergeParams
   });
 }
 
-/// Judges all rods in lanes from `begin` on that may be joined with this one. Of those from top to bottom
-/// none after one that lies lower does.
-void CollinearMerger::compare(int index, const Box& box, const Lanes& lanes, int begin,
-                              const CollinearMergeParams& params) {
-  const bool sorted = &lanes == given_.get();
+/// Judges all rods in lanes that may be joined with the box's. Where those before `begin` have been compared
+/// with it, it lies in the lane before that, and bins of smaller angles are left to theirs.
+void CollinearMerger::compare(const Box& box, int begin, Lanes& lanes, const CollinearMergeParams& params) {
+  const int lowest = box.angle - (begin == 0 ? angle_limit_ : 0);
+  const int first_bin = (lowest + kAngles) / kBinWidth;
+  const int last_bin = std::min((box.angle + angle_limit_ + kAngles) / kBinWidth, first_bin + kBins - 1);
   std::uint16_t marks[kLanes];
-  for (int lane = begin; lane < lanes.count(); lane += kLanes) {
-    if (sorted && lanes.top(lane) > box.bottom) return;
-    lanes.meet(box, lane, angle_limit_, marks);
-    for (int four = 0; four < kLanes; four += 4) {
-      std::uint64_t bits;
-      std::memcpy(&bits, marks + four, sizeof(bits));
-      for (; bits != 0; bits &= bits - 1) {
-        const int other = lanes.rod(lane + four + __builtin_ctzll(bits) / 16);
-        if (other != index) judge(index, other, params);
+  for (int bin = first_bin; bin <= last_bin; ++bin) {
+    const int which = bin % kBins;
+    const int end = lanes.endOf(which);
+    int lane = begin != 0 && bin == first_bin ? begin : lanes.firstOf(which, box);
+    for (; lane < end && !lanes.beyond(which, lane, box); lane += kLanes) {
+      lanes.meet(box, lane, angle_limit_, marks);
+      for (int four = 0; four < kLanes; four += 4) {
+        std::uint64_t bits;
+        std::memcpy(&bits, marks + four, sizeof(bits));
+        for (; bits != 0; bits &= bits - 1) {
+          const int at = lane + four + __builtin_ctzll(bits) / 16;
+          if (at < end && lanes.rod(at) != box.rod) judge(box.rod, lanes.rod(at), params);
+        }
       }
     }
   }
@@ -270,14 +318,16 @@ void CollinearMerger::judge(int index, int other_index, const CollinearMergePara
   const double begin = a.dot(longer.direction);
   const double end = b.dot(longer.direction);
   const double gap = std::max({0.0, begin - longer.length, -end});
-  if (gap > params.gap_px) {
-    if (gap > longestGap(shorter, params)) return;
-    const bool ahead = begin > 0.0;
-    const Rod& before = ahead ? longer : shorter;
-    const Rod& after = ahead ? shorter : longer;
-    if (!evidence_->goesOn({before.px.b, after.px.a}, before.px, after.px)) return;
-  }
+  if (gap > params.gap_px && gap > longestGap(shorter, params)) return;
   candidates_.push_back({gap, offset, std::min(index, other_index), std::max(index, other_index)});
+}
+
+/// Whether the edge goes on in the long gap between two rods.
+bool CollinearMerger::goesOn(const Rod& a, const Rod& b) const {
+  const bool ahead = (b.middle - a.middle).dot(a.direction) > 0.0;
+  const Rod& before = ahead ? a : b;
+  const Rod& after = ahead ? b : a;
+  return evidence_->goesOn({before.px.b, after.px.a}, before.px, after.px);
 }
 
 void CollinearMerger::merge(std::vector<GroupedSegment>& segments, const CollinearMergeParams& params,
@@ -295,15 +345,19 @@ void CollinearMerger::merge(std::vector<GroupedSegment>& segments, const Colline
   reach_px_ = 0.5 * (params.offset_px + longest_px * std::sin(std::min(params.angle_rad, 0.5 * kPi))) + 0.01;
   angle_limit_ = static_cast<std::uint16_t>(
       std::min(std::ceil(params.angle_rad * (kTurn / kDiamondTurn)) + 2.0, 0.5 * kTurn - 1.0));
-  lay(params);
+  const auto given = static_cast<int>(rods_.size());
   int first_fresh = 0;
   while (first_fresh < static_cast<int>(rods_.size())) {
     const int count = static_cast<int>(rods_.size());
     // Two that were both left over cannot be joined with each other, or that pass would have.
-    findCandidates(first_fresh, params);
+    findCandidates(given, first_fresh, params);
     first_fresh = count;
     for (const Candidate& pair : candidates_) {
-      if (!rods_[pair.a].alive || !rods_[pair.b].alive) continue;
+      const Rod& a = rods_[pair.a];
+      const Rod& b = rods_[pair.b];
+      // The image is asked only now: most rods with a long gap beside them have been joined over a shorter
+      // one.
+      if (!a.alive || !b.alive || (pair.gap > params.gap_px && !goesOn(a, b))) continue;
       rods_[pair.a].alive = rods_[pair.b].alive = false;
       rods_.emplace_back(Rod(rods_[pair.a], rods_[pair.b]));
     }

@@ -60,17 +60,18 @@ class CollinearMerger {
   struct Box;
   class Lanes;
 
-  void lay(const CollinearMergeParams& params);
-  void findCandidates(int first_fresh, const CollinearMergeParams& params);
-  void compare(int rod, const Box& box, const Lanes& lanes, int begin, const CollinearMergeParams& params);
+  void lay(int begin, const CollinearMergeParams& params, Lanes& lanes);
+  void findCandidates(int given, int first_fresh, const CollinearMergeParams& params);
+  void compare(const Box& box, int begin, Lanes& lanes, const CollinearMergeParams& params);
   /// Between a rod and a longer one.
   double longestGap(const Rod& shorter, const CollinearMergeParams& params) const;
   void judge(int rod, int other, const CollinearMergeParams& params);
+  bool goesOn(const Rod& a, const Rod& b) const;
 
   std::vector<Rod> rods_;
   std::vector<Candidate> candidates_;
-  std::unique_ptr<Lanes> given_;   // the rods given, from top to bottom
-  std::unique_ptr<Lanes> joined_;  // the joined ones, in order of their index
+  std::unique_ptr<Lanes> given_;   // the rods given
+  std::unique_ptr<Lanes> joined_;  // those joined that are left
   std::vector<std::uint64_t> keys_;
   std::vector<Box> boxes_;
   const GapEvidence* evidence_ = nullptr;
