@@ -8,6 +8,7 @@
 #include "common/geometry/angles.h"
 #include "drivers/pololu_maestro/maestro_codec.h"
 #include "drivers/pololu_maestro/maestro_pan_tilt.h"
+#include "drivers/pololu_maestro/maestro_usb.h"
 #include "support/emulated_maestro.h"
 #include "support/eventually.h"
 
@@ -125,6 +126,14 @@ TEST_F(MaestroTest, ComesBackAfterItWasPulledOut) {
   device.plugIn();
   EXPECT_TRUE(eventually([&] { return position(10.0, 0.0).ok(); }));
   EXPECT_TRUE(eventually([&] { return device.position_qus(0) == 4 * 1600; }));
+}
+
+TEST_F(MaestroTest, TellsATransferThatItWasUnplugged) {
+  maestro::Usb usb;
+  ASSERT_EQ(usb.open(""), "");
+  ASSERT_EQ(usb.transfer(maestro::setTarget(0, 6000)), "");
+  device.unplug();
+  EXPECT_EQ(usb.transfer(maestro::setTarget(0, 6000)), "the Maestro was unplugged");
 }
 
 TEST_F(MaestroTest, WaitsForTheOneWithItsSerialNumber) {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
+#include <sys/stat.h>
 
 #include <fstream>
 
@@ -13,6 +14,7 @@
 #include "common/image_codec/jpeg_header.h"
 #include "support/emulated_camera.h"
 #include "support/eventually.h"
+#include "support/somebody_else.h"
 #include "support/temporary_folder.h"
 
 namespace vismem {
@@ -343,6 +345,17 @@ TEST_F(V4l2CameraTest, SaysWhatIsNoCamera) {
   EXPECT_THAT(file->configure({}).message, HasSubstr("file: not a video device"));
   const auto directory = makeSource("Device=" + folder.path().string() + "\n");
   EXPECT_THAT(directory->configure({}).message, HasSubstr(": not a video device"));
+}
+
+TEST_F(V4l2CameraTest, SaysWhoMayOpenIt) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "closed") << "text";
+  ASSERT_EQ(chmod((folder / "closed").c_str(), 0), 0);
+  ASSERT_EQ(chmod(folder.path().c_str(), 0755), 0);
+  const auto closed = makeSource("Device=" + (folder / "closed") + "\n");
+  const SomebodyElse not_root;
+  EXPECT_THAT(closed->configure({}).message,
+              HasSubstr("closed: no permission (cameras belong to the group video)"));
 }
 
 TEST(V4l2Errors, AreInPeoplesWords) {
