@@ -86,7 +86,7 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   p.align = r.boolean("Align.Enabled", p.align);
   p.alignment.shift_per_m = r.real("Align.Shift_per_m", p.alignment.shift_per_m, 0.0, 1.0);
   p.alignment.turn_per_rad = r.real("Align.Turn_per_rad", p.alignment.turn_per_rad, 0.0, 1.0);
-  p.alignment.turn_per_m = r.angleDeg("Align.Turn_deg_per_m", radToDeg(p.alignment.turn_per_m), 0.0, 90.0);
+  p.alignment.turn_per_m = r.angleDeg("Align.Turn_degpm", radToDeg(p.alignment.turn_per_m), 0.0, 90.0);
   p.confirm_by_parallax = r.boolean("Confirm.ByParallax", p.confirm_by_parallax);
   p.parallax.least_height_m = r.real("Confirm.LeastHeight_m", p.parallax.least_height_m, 0.005, 2.0);
   p.parallax.min_baseline_m = r.real("Confirm.Baseline_m", p.parallax.min_baseline_m, 0.01, 10.0);
