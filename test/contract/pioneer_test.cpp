@@ -19,6 +19,8 @@ class Pioneer : public Subject<MobileBase> {
   static PioneerBase::Params params(const std::string& port) {
     PioneerBase::Params params;
     params.port = port;
+    // A busy machine may hold the emulated robot up; silence has its own tests.
+    params.silent_after = params.lost_after = 10s;
     return params;
   }
   P2osRobot robot_{traits()};
