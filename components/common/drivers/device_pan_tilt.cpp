@@ -77,19 +77,19 @@ std::string DevicePanTilt::session(const std::stop_token& stop) {
   }
   auto next = Clock::now() + period_;
   while (why.empty() && !stop.stop_requested()) {
+    // Both in one round: whoever commands without a pause must not keep the angles from those who wait for
+    // them, nor a slow device its commands.
+    if (Clock::now() >= next) {
+      next = std::max(next + period_, Clock::now());
+      why = poll();
+      if (!why.empty()) break;
+    }
     std::optional<PanTiltCommand> command;
     {
       const std::lock_guard lock(mutex_);
       command = std::exchange(command_, std::nullopt);
     }
-    if (command) {
-      why = obey(*command);
-    } else if (Clock::now() >= next) {
-      next = std::max(next + period_, Clock::now());
-      why = poll();
-    } else {
-      why = pauseUntil(next, stop);
-    }
+    why = command ? obey(*command) : pauseUntil(next, stop);
   }
   disconnect(stop.stop_requested());
   return why;
