@@ -1,6 +1,7 @@
 // The Solis detector's kernel: the same bits on every processor, and no allocation for a frame (SPEC V1).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
@@ -63,6 +64,17 @@ std::vector<RawSegment> segmentsOf(SegmentDetector& detector, const cv::Mat& ima
   return out;
 }
 
+/// Where chains begin, and then where rings may.
+std::vector<std::int32_t> startsOf(const EdgePointFinder& finder) {
+  const auto room = static_cast<std::size_t>(finder.count() + 2 * kEdgePointBlock);
+  std::vector<std::int32_t> starts(room);
+  std::vector<std::int32_t> tops(room);
+  const EdgeChainEnds found = finder.listStarts(starts.data(), tops.data());
+  starts.resize(static_cast<std::size_t>(found.starts));
+  starts.insert(starts.end(), tops.begin(), tops.begin() + found.tops);
+  return starts;
+}
+
 TEST(EdgeRows, EveryKernelGivesTheSameBits) {
   for (const int width : {16, 17, 31, 33, 64, 255, 320, 321, 641, 800, 1111}) {
     for (const int type : {CV_8UC1, CV_8UC3}) {
@@ -78,7 +90,8 @@ TEST(EdgeRows, EveryKernelGivesTheSameBits) {
         ASSERT_EQ(static_cast<std::size_t>(other.count()), count) << what;
         EXPECT_EQ(std::memcmp(portable.points(), other.points(), count * sizeof(EdgePoint)), 0) << what;
         EXPECT_EQ(std::memcmp(portable.next(), other.next(), count * sizeof(std::int16_t)), 0) << what;
-        EXPECT_EQ(std::memcmp(portable.hasPrevious(), other.hasPrevious(), count), 0) << what;
+        EXPECT_EQ(std::memcmp(portable.previous(), other.previous(), count), 0) << what;
+        EXPECT_EQ(startsOf(other), startsOf(portable)) << what;
       }
     }
   }
@@ -100,6 +113,37 @@ TEST(EdgePoints, WorkedExampleStep) {
     // Bright on the right of the picture: with it on the left the way goes down.
     EXPECT_EQ(finder.next()[i], i + 1 < finder.count() ? 1 : 0);
   }
+}
+
+// A bright square on dark: its edge is a ring, which has no beginning but a first point. A step that leaves
+// the image is a chain. Links lead from every point but the last one of a chain.
+TEST(EdgePoints, ChainsBeginWhereNothingLeadsAndRingsAtTheirFirstPoint) {
+  cv::Mat image(60, 100, CV_8UC1, cv::Scalar(50));
+  image(cv::Rect(20, 20, 16, 16)) = 114;
+  image.colRange(70, 100) = 114;
+  EdgePointFinder finder(bestEdgeRows());
+  finder.find(image, 9.0, true);
+  std::vector<int> followed(static_cast<std::size_t>(finder.count()), 0);
+  int ends = 0;
+  for (int i = 0; i < finder.count(); ++i) {
+    if (finder.next()[i] != 0) ++followed[static_cast<std::size_t>(i + finder.next()[i])];
+    ends += finder.next()[i] == 0;
+  }
+  EXPECT_EQ(ends, 1);
+  std::vector<std::int32_t> begins;
+  for (int i = 0; i < finder.count(); ++i) {
+    EXPECT_EQ(followed[static_cast<std::size_t>(i)], finder.previous()[i] == kNone ? 0 : 1) << i;
+    if (followed[static_cast<std::size_t>(i)] == 0) begins.push_back(i);
+  }
+  ASSERT_EQ(begins.size(), 1U);
+  EXPECT_GT(finder.points()[begins[0]].x, 60.0F);
+  const std::vector<std::int32_t> listed = startsOf(finder);
+  ASSERT_GE(listed.size(), 2U);
+  EXPECT_EQ(listed[0], begins[0]);
+  // The ring's first point is among the others.
+  int first_of_ring = 0;
+  while (finder.points()[first_of_ring].x > 60.0F) ++first_of_ring;
+  EXPECT_NE(std::find(listed.begin() + 1, listed.end(), first_of_ring), listed.end());
 }
 
 TEST(EdgePoints, NoiseIsEstimatedWithoutTheEdges) {

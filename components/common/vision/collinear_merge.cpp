@@ -17,10 +17,7 @@ constexpr int kShift = 32768;  // makes numbers of 16 bits positive
 constexpr int kBins = 32;      // by direction; a power of two
 constexpr int kAngles = 65536;
 constexpr int kBinWidth = kAngles / kBins;
-
-/// From high to low bits: bin of the direction (16), where the box begins across the rods of that bin (16),
-/// index of the box (32).
-using Key = std::uint64_t;
+constexpr int kMaximumCells = 256;  // of a bin, by position; a power of two
 
 /// An angle that grows with the direction, -1 .. 3 for a turn: linear along |x| + |y| = 1. A radian is
 /// between 1/2 and 1 of it.
@@ -33,7 +30,7 @@ double diamondAngle(const Eigen::Vector2d& direction) {
 
 /// A segment as a rod: mass (length), middle and second moments survive any number of joins, so the line of
 /// a joined one is the least-squares line of all its original parts.
-struct CollinearMerger::Rod {
+struct alignas(64) CollinearMerger::Rod {
   // First what is looked at for every pair.
   Segment2 px;
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();
@@ -107,8 +104,8 @@ struct CollinearMerger::Box {
 };
 
 /// What tells most rods apart, as columns of numbers that are compared many at a time. Rods are sorted into
-/// bins by direction, and in a bin from left to right where it is steep, from top to bottom where it is flat:
-/// across the rods, in which few are near.
+/// bins by direction, and in a bin into cells from left to right where it is steep, from top to bottom where
+/// it is flat: across the rods, in which few are near.
 class CollinearMerger::Lanes {
  public:
   /// About a rod made longer at both ends by half of the longest gap that it may be joined over, and
@@ -137,56 +134,50 @@ class CollinearMerger::Lanes {
     angle_.reserve(count + kLanes);
     rod_.reserve(count);
   }
-  /// Lays these rods, sorted by direction: see Key.
-  void lay(std::vector<Key>& keys, const std::vector<Box>& boxes) {
-    std::sort(keys.begin(), keys.end());
-    rod_.resize(keys.size());
-    const std::size_t padded = keys.size() + kLanes;
-    for (auto* column : {&left_, &right_, &top_, &bottom_}) column->resize(padded);
-    angle_.resize(padded);
+  /// Lays rods out, counted by cell first.
+  void lay(const std::vector<Box>& boxes) {
+    const std::size_t count = boxes.size();
+    rod_.resize(count);
+    for (auto* column : {&left_, &right_, &top_, &bottom_}) column->resize(count + kLanes);
+    angle_.resize(count + kLanes);
     std::fill_n(extent_, kBins, 0);
-    std::size_t k = 0;
-    for (int bin = 0; bin < kBins; ++bin) {
-      begin_[bin] = last_first_[bin] = static_cast<int>(k);
-      for (; k < keys.size() && binOf(keys[k]) == bin; ++k) {
-        const std::size_t item = keys[k] & 0xffffffffU;
-        const Box& box = boxes[item];
-        rod_[k] = box.rod;
-        set(k, box);
-        extent_[bin] = std::max(extent_[bin], highOf(box, bin) - lowOf(box, bin));
-      }
+    lowest_ = count == 0 ? 0 : kShift;
+    int highest = lowest_ - 1;
+    for (const Box& box : boxes) {
+      const int bin = binOf(box);
+      const int low = lowOf(box, bin);
+      lowest_ = std::min(lowest_, low);
+      highest = std::max(highest, low);
+      extent_[bin] = std::max(extent_[bin], highOf(box, bin) - low);
     }
-    begin_[kBins] = static_cast<int>(k);
-    for (; k < padded; ++k) set(k, {32767, -32768, 32767, -32768, 0, 0});
-  }
-  static Key keyOf(const Box& box, std::size_t item) {
-    const int bin = box.angle / kBinWidth;
-    return static_cast<Key>(bin) << 48 | static_cast<Key>(lowOf(box, bin) + kShift) << 32 | item;
+    cells_ = 1;
+    while (cells_ < kMaximumCells && kBins * cells_ < static_cast<int>(count)) cells_ *= 2;
+    cell_shift_ = 0;
+    while ((highest - lowest_) >> cell_shift_ >= cells_) ++cell_shift_;
+    // begin_[c + 2] counts those of cell c, then begin_[c + 1] is where the next one of it goes: in the end,
+    // its end.
+    std::fill_n(begin_, kBins * cells_ + 2, 0);
+    for (const Box& box : boxes) ++begin_[cellOf(box) + 2];
+    for (int c = 0; c < kBins * cells_; ++c) begin_[c + 1] += begin_[c];
+    for (const Box& box : boxes) {
+      const int lane = begin_[cellOf(box) + 1]++;
+      rod_[lane] = box.rod;
+      set(lane, box);
+    }
+    for (std::size_t k = count; k < count + kLanes; ++k) set(k, {32767, -32768, 32767, -32768, 0, 0});
   }
   int count() const { return static_cast<int>(rod_.size()); }
   int rod(int lane) const { return rod_[lane]; }
   Box box(int lane) const {
     return {left_[lane], right_[lane], top_[lane], bottom_[lane], angle_[lane], rod_[lane]};
   }
-  /// The first lane of a bin whose box may meet this one. Looked for from the last answer on: boxes come in
-  /// the order of the lanes, and it is mostly the same lane or the next one.
-  int firstOf(int bin, const Box& box) {
-    const std::int16_t* low = (steep(bin) ? left_ : top_).data();
-    const int wanted = lowOf(box, bin) - extent_[bin];
-    int lane = last_first_[bin];
-    while (lane < begin_[bin + 1] && low[lane] < wanted) ++lane;
-    while (lane > begin_[bin] && low[lane - 1] >= wanted) --lane;
-    return last_first_[bin] = lane;
-  }
-  int endOf(int bin) const { return begin_[bin + 1]; }
-  /// Whether boxes of a bin from this lane on begin beyond this one.
-  bool beyond(int bin, int lane, const Box& box) const {
-    return (steep(bin) ? left_ : top_)[lane] > highOf(box, bin);
-  }
+  /// The first lane of a bin whose box may meet this one, and the end of those that may.
+  int firstOf(int bin, const Box& box) const { return begin_[cellAt(bin, lowOf(box, bin) - extent_[bin])]; }
+  int endOf(int bin, const Box& box) const { return begin_[cellAt(bin, highOf(box, bin)) + 1]; }
 
   /// Whether the boxes of some of the kLanes lanes from `begin` on meet this one, with a direction near its
   /// own: those lanes are then marked.
-  void meet(const Box& box, int begin, std::uint16_t angle_limit, std::uint16_t marks[kLanes]) const {
+  void meet(const Box& box, int begin, std::uint16_t angle_limit, std::uint8_t marks[kLanes]) const {
     const std::int16_t* __restrict left = left_.data() + begin;
     const std::int16_t* __restrict right = right_.data() + begin;
     const std::int16_t* __restrict top = top_.data() + begin;
@@ -199,12 +190,19 @@ class CollinearMerger::Lanes {
       const bool alike = static_cast<std::uint16_t>(angle[k] - lowest) <= span;
       const bool meets =
           (left[k] <= box.right) & (right[k] >= box.left) & (top[k] <= box.bottom) & (bottom[k] >= box.top);
-      marks[k] = static_cast<std::uint16_t>((alike & meets) ? 1 : 0);
+      marks[k] = static_cast<std::uint8_t>((alike & meets) ? 1 : 0);
     }
   }
 
  private:
-  static int binOf(Key key) { return static_cast<int>(key >> 48); }
+  static int binOf(const Box& box) { return box.angle / kBinWidth; }
+  int cellAt(int bin, int position) const {
+    return bin * cells_ + std::clamp((position - lowest_) >> cell_shift_, 0, cells_ - 1);
+  }
+  int cellOf(const Box& box) const {
+    const int bin = binOf(box);
+    return cellAt(bin, lowOf(box, bin));
+  }
   /// An angle is 0 upwards and a quarter of its range to the right.
   static bool steep(int bin) { return ((bin + kBins / 8) & (kBins / 2 - 1)) < kBins / 4; }
   static int lowOf(const Box& box, int bin) { return steep(bin) ? box.left : box.top; }
@@ -220,9 +218,11 @@ class CollinearMerger::Lanes {
   std::vector<std::int16_t> left_, right_, top_, bottom_;
   std::vector<std::uint16_t> angle_;
   std::vector<int> rod_;
-  int begin_[kBins + 1] = {};  // of the lanes of a bin
-  int last_first_[kBins] = {};
-  int extent_[kBins] = {};  // of its largest box, along what it is sorted by
+  int cells_ = 1;
+  int cell_shift_ = 0;                         // they are 1 << so many px wide
+  int lowest_ = 0;                             // where the first one begins
+  int begin_[kBins * kMaximumCells + 2] = {};  // of the lanes of a cell
+  int extent_[kBins] = {};                     // of a bin's largest box, along what it is sorted by
 };
 
 CollinearMerger::CollinearMerger() : given_(std::make_unique<Lanes>()), joined_(std::make_unique<Lanes>()) {}
@@ -240,20 +240,17 @@ void CollinearMerger::reserve(std::size_t segments) {
   candidates_.reserve(8 * segments);
   given_->reserve(segments);
   joined_->reserve(segments);
-  keys_.reserve(segments);
   boxes_.reserve(segments);
 }
 
 /// Lays rods from `begin` on that are not part of another one.
 void CollinearMerger::lay(int begin, const CollinearMergeParams& params, Lanes& lanes) {
-  keys_.clear();
   boxes_.clear();
   for (int i = begin; i < static_cast<int>(rods_.size()); ++i) {
     if (!rods_[i].alive) continue;
     boxes_.push_back(Lanes::boxOf(rods_[i], i, 0.5 * longestGap(rods_[i], params), reach_px_));
-    keys_.push_back(Lanes::keyOf(boxes_.back(), boxes_.size() - 1));
   }
-  lanes.lay(keys_, boxes_);
+  lanes.lay(boxes_);
 }
 
 /// All pairs that may be joined and have at least one rod from `first_fresh` on, closest first. Of long gaps
@@ -279,22 +276,23 @@ void CollinearMerger::findCandidates(int given, int first_fresh, const Collinear
 
 /// Judges all rods in lanes that may be joined with the box's. Where those before `begin` have been compared
 /// with it, it lies in the lane before that, and bins of smaller angles are left to theirs.
-void CollinearMerger::compare(const Box& box, int begin, Lanes& lanes, const CollinearMergeParams& params) {
+void CollinearMerger::compare(const Box& box, int begin, const Lanes& lanes,
+                              const CollinearMergeParams& params) {
   const int lowest = box.angle - (begin == 0 ? angle_limit_ : 0);
   const int first_bin = (lowest + kAngles) / kBinWidth;
   const int last_bin = std::min((box.angle + angle_limit_ + kAngles) / kBinWidth, first_bin + kBins - 1);
-  std::uint16_t marks[kLanes];
+  std::uint8_t marks[kLanes];
   for (int bin = first_bin; bin <= last_bin; ++bin) {
     const int which = bin % kBins;
-    const int end = lanes.endOf(which);
+    const int end = lanes.endOf(which, box);
     int lane = begin != 0 && bin == first_bin ? begin : lanes.firstOf(which, box);
-    for (; lane < end && !lanes.beyond(which, lane, box); lane += kLanes) {
+    for (; lane < end; lane += kLanes) {
       lanes.meet(box, lane, angle_limit_, marks);
-      for (int four = 0; four < kLanes; four += 4) {
+      for (int eight = 0; eight < kLanes; eight += 8) {
         std::uint64_t bits;
-        std::memcpy(&bits, marks + four, sizeof(bits));
+        std::memcpy(&bits, marks + eight, sizeof(bits));
         for (; bits != 0; bits &= bits - 1) {
-          const int at = lane + four + __builtin_ctzll(bits) / 16;
+          const int at = lane + eight + __builtin_ctzll(bits) / 8;
           if (at < end && lanes.rod(at) != box.rod) judge(box.rod, lanes.rod(at), params);
         }
       }

@@ -62,7 +62,7 @@ class CollinearMerger {
 
   void lay(int begin, const CollinearMergeParams& params, Lanes& lanes);
   void findCandidates(int given, int first_fresh, const CollinearMergeParams& params);
-  void compare(const Box& box, int begin, Lanes& lanes, const CollinearMergeParams& params);
+  void compare(const Box& box, int begin, const Lanes& lanes, const CollinearMergeParams& params);
   /// Between a rod and a longer one.
   double longestGap(const Rod& shorter, const CollinearMergeParams& params) const;
   void judge(int rod, int other, const CollinearMergeParams& params);
@@ -72,7 +72,6 @@ class CollinearMerger {
   std::vector<Candidate> candidates_;
   std::unique_ptr<Lanes> given_;   // the rods given
   std::unique_ptr<Lanes> joined_;  // those joined that are left
-  std::vector<std::uint64_t> keys_;
   std::vector<Box> boxes_;
   const GapEvidence* evidence_ = nullptr;
   double cos_limit_ = 0.0;

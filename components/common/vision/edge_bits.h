@@ -30,6 +30,15 @@ struct EdgeLinks {
   std::uint64_t* above_right = nullptr;
 };
 
+/// Where in the list of points the one is that a point follows.
+enum PreviousPoint : std::uint8_t { kNone, kEarlier, kLater };
+
+/// How many points of a list begin chains, and how many may begin rings.
+struct EdgeChainEnds {
+  int starts = 0;
+  int tops = 0;
+};
+
 /// Planes to work in, with margins.
 struct EdgeWork {
   std::uint64_t* plane[10] = {};

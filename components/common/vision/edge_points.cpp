@@ -78,7 +78,7 @@ void EdgePointFinder::prepare(const cv::Mat& image) {
   const std::size_t pixels = image.total() + 2 * kEdgePointBlock;
   points_.reserve(pixels);
   next_.reserve(pixels);
-  has_previous_.reserve(pixels);
+  previous_.reserve(pixels);
   smooth_.reserve(width_ + 2 * kEdgeRowMargin);
   difference_.reserve(width_ + 2 * kEdgeRowMargin);
   gradient_.reserve(std::size_t{6} * stride_);
@@ -168,7 +168,7 @@ void EdgePointFinder::pointsOfRow(int y) {
   std::fill_n(columns + found, kEdgePointBlock, std::uint16_t{2});
   kernel_.points(gradient, {here, words_, columns, found, y, packed_.data()}, points_.data() + count_);
   std::memset(next_.data() + count_, 0, found * sizeof(std::int16_t));
-  std::memset(has_previous_.data() + count_, 0, found);
+  std::memset(previous_.data() + count_, 0, found);
   count_ += found;
   kernel_.link(here, bits(y - 1), words_, work_, links_);
   join(y, y - 1, 1);
@@ -187,7 +187,7 @@ void EdgePointFinder::join(int y, int above, int aside) {
   const std::int32_t* index_above = map(above);
   std::int16_t* next = next_.data();
   const bool narrow = width_ <= kNarrow;
-  std::uint8_t* has_previous = has_previous_.data();
+  std::uint8_t* previous = previous_.data();
   const auto put = [&](std::int32_t point, std::int32_t other, std::uint64_t onward) {
     // To the other one where that is the way onwards, from it elsewhere; without a branch.
     const std::int32_t swap = (point ^ other) & -static_cast<std::int32_t>(onward & 1);
@@ -196,7 +196,7 @@ void EdgePointFinder::join(int y, int above, int aside) {
     const auto step = static_cast<std::int16_t>(to - from);
     if (!narrow && step != to - from) return;
     next[from] = step;
-    has_previous[to] = 1;
+    previous[to] = static_cast<std::uint8_t>(kEarlier + (onward & 1));
   };
   for (int word = 0; word < words_; ++word) {
     const std::uint64_t left = links_.left[word];

@@ -46,8 +46,14 @@ class EdgePointFinder {
   /// For each point, how much further in the list the one is that follows with the brighter side on the left;
   /// 0 where none does, or is too far for the type: that takes rows of more than 10 000 points.
   const std::int16_t* next() const { return next_.data(); }
-  /// Whether a point follows another one.
-  const std::uint8_t* hasPrevious() const { return has_previous_.data(); }
+  /// For each point, where in the list the one is that it follows.
+  const std::uint8_t* previous() const { return previous_.data(); }
+  /// Lists where chains of two points or more begin, and where rings may: at points that lie before both of
+  /// their neighbours in the list, as the first one of every ring does. In raster order.
+  /// @param starts, tops room for all points and a block more.
+  EdgeChainEnds listStarts(std::int32_t* starts, std::int32_t* tops) const {
+    return kernel_.starts(next_.data(), previous_.data(), count_, starts, tops);
+  }
 
  private:
   static constexpr int kRows = 4;  // a power of two: this row and the two above it that a bridge reaches
@@ -76,7 +82,7 @@ class EdgePointFinder {
   bool bridge_ = false;
   Room<EdgePoint> points_;
   Room<std::int16_t> next_;
-  Room<std::uint8_t> has_previous_;
+  Room<std::uint8_t> previous_;
   Room<std::uint8_t> gray_;  // five rows of a colour image
   Room<std::int16_t> smooth_, difference_;
   Room<std::int16_t> gradient_, magnitude_, kind_;  // three rows each

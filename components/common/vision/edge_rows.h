@@ -79,6 +79,9 @@ struct EdgeRowKernel {
   /// Of an edge along a diagonal: two columns aside in the row two above.
   bool (*bridge_diagonal)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                           const EdgeLinks& links);
+  /// See EdgePointFinder::listStarts. `next` and `previous` are readable for two blocks more.
+  EdgeChainEnds (*starts)(const std::int16_t* next, const std::uint8_t* previous, int count,
+                          std::int32_t* starts, std::int32_t* tops);
 };
 
 /// For any processor.

@@ -151,13 +151,39 @@ void pointsMasks(const std::int16_t* const gradient[3], const EdgeRowPoints& row
   }
 }
 
+EdgeChainEnds startsMasks(const std::int16_t* next, const std::uint8_t* previous, int count,
+                          std::int32_t* starts, std::int32_t* tops) {
+  const __m512i steps = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  EdgeChainEnds found;
+  for (int i = 0; i < count; i += 32) {
+    const auto valid = static_cast<__mmask32>(~std::uint64_t{0} >> (count - i < 32 ? 64 - (count - i) : 32));
+    const __m512i onwards = _mm512_loadu_si512(next + i);
+    const __m256i before = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(previous + i));
+    const __mmask32 starting = _mm256_mask_cmpeq_epi8_mask(
+        _mm512_mask_test_epi16_mask(valid, onwards, onwards), before, _mm256_set1_epi8(kNone));
+    const __mmask32 topmost =
+        _mm256_mask_cmpeq_epi8_mask(_mm512_mask_cmpgt_epi16_mask(valid, onwards, _mm512_setzero_si512()),
+                                    before, _mm256_set1_epi8(kLater));
+    for (int half = 0; half < 32; half += 16) {
+      const __m512i index = _mm512_add_epi32(steps, _mm512_set1_epi32(i + half));
+      const auto some = static_cast<__mmask16>(starting >> half);
+      _mm512_storeu_si512(starts + found.starts, _mm512_maskz_compress_epi32(some, index));
+      found.starts += __builtin_popcount(some);
+      const auto others = static_cast<__mmask16>(topmost >> half);
+      _mm512_storeu_si512(tops + found.tops, _mm512_maskz_compress_epi32(others, index));
+      found.tops += __builtin_popcount(others);
+    }
+  }
+  return found;
+}
+
 }  // namespace
 
 const EdgeRowKernel& avx512EdgeRows();
 const EdgeRowKernel& avx512EdgeRows() {
-  static constexpr EdgeRowKernel kKernel{"avx512",        grayLoop,       columnsLoop,       gradientLoop,
-                                         maximaMasks,     listMasks,      pointsMasks,       linkLoop,
-                                         bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop};
+  static constexpr EdgeRowKernel kKernel{"avx512",        grayLoop,       columnsLoop,        gradientLoop,
+                                         maximaMasks,     listMasks,      pointsMasks,        linkLoop,
+                                         bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsMasks};
   return kKernel;
 }
 

@@ -8,19 +8,9 @@ namespace vismem {
 namespace {
 
 constexpr int kRingOverlap = 16;      // points of a ring that come again at its end
+constexpr int kPrefetched = 4000;     // points: of a few rows, in which chains go on
+constexpr int kPointsPerLine = 4;     // of the cache
 constexpr double kReachShare = 0.75;  // of the line tolerance: points that turn at a corner
-
-/// First of begin..end-1 that is zero, else `end`; eight at a time.
-std::int32_t firstZero(const std::uint8_t* flags, std::int32_t begin, std::int32_t end) {
-  constexpr std::uint64_t kOnes = 0x0101010101010101U;
-  for (; begin + 8 <= end; begin += 8) {
-    std::uint64_t eight;
-    std::memcpy(&eight, flags + begin, 8);
-    if (eight != kOnes) break;
-  }
-  while (begin < end && flags[begin] != 0) ++begin;
-  return begin;
-}
 
 }  // namespace
 
@@ -85,8 +75,9 @@ class LineRunFinder::Fit {
 void LineRunFinder::find(const EdgePointFinder& edges, std::vector<LineRun>& runs) {
   runs.clear();
   const int count = edges.count();
-  const std::uint8_t* has_previous = edges.hasPrevious();
-  const std::size_t room = static_cast<std::size_t>(edges.capacity()) + kRingOverlap;
+  const std::size_t room = static_cast<std::size_t>(edges.capacity()) + 2 * kEdgePointBlock;
+  starts_.reserve(room);
+  tops_.reserve(room);
   used_.reserve(room);
   strays_.reserve(room);
   agrees_.reserve(room);
@@ -94,22 +85,44 @@ void LineRunFinder::find(const EdgePointFinder& edges, std::vector<LineRun>& run
   place_.reserve(room);
   gradient_.reserve(room);
   std::memset(used_.data(), 0, count);
-  int visited = 0;
-  for (std::int32_t i = firstZero(has_previous, 0, count); i < count;
-       i = firstZero(has_previous, i + 1, count)) {
-    const int length = follow(edges, i, false);
-    visited += length;
-    if (length >= params_.first_fit_points) split(length, runs);
+  const EdgeChainEnds found = edges.listStarts(starts_.data(), tops_.data());
+  const int chains = keepLong(edges, starts_.data(), found.starts);
+  const EdgePoint* points = edges.points();
+  std::int32_t fetched = 0;
+  for (int k = 0; k < chains; ++k) {
+    const std::int32_t first = starts_[k];
+    for (const std::int32_t end = std::min(first + kPrefetched, count); fetched < end;
+         fetched += kPointsPerLine) {
+      __builtin_prefetch(points + fetched, 0, 2);
+    }
+    split(follow(edges, first, false), runs);
   }
-  if (visited == count) return;
-  // What is left are rings.
-  for (std::int32_t i = 0; i < count; ++i) {
-    if (used_[i] == 0) split(follow(edges, i, true), runs);
+  // The first point of a ring is the one that no chain has reached.
+  const int rings = keepLong(edges, tops_.data(), found.tops);
+  for (int k = 0; k < rings; ++k) {
+    if (used_[tops_[k]] == 0) split(follow(edges, tops_[k], true), runs);
   }
 }
 
-/// Lists the points of a chain. A ring begins anywhere on a side: going on over its beginning shows that side
-/// whole.
+/// Of points where chains begin, keeps those from which a run can begin: most chains are too short.
+/// @return how many.
+int LineRunFinder::keepLong(const EdgePointFinder& edges, std::int32_t* starts, int count) const {
+  const std::int16_t* next = edges.next();
+  const int steps = params_.first_fit_points - 2;
+  int kept = 0;
+  for (int k = 0; k < count; ++k) {  // without a branch: an end is its own next one
+    const std::int32_t first = starts[k];
+    std::int32_t i = first;
+    for (int step = 0; step < steps; ++step) i += next[i];
+    starts[kept] = first;
+    kept += static_cast<int>(next[i] != 0);
+  }
+  return kept;
+}
+
+/// Lists the points of a chain, and sums over them. A ring begins anywhere on a side: going on over its
+/// beginning shows that side whole.
+/// @return how many points.
 int LineRunFinder::follow(const EdgePointFinder& edges, std::int32_t first, bool ring) {
   // Members are read before: the compiler must take a write of bytes for one to any of them.
   const EdgePoint* points = edges.points();
@@ -119,48 +132,35 @@ int LineRunFinder::follow(const EdgePointFinder& edges, std::int32_t first, bool
   std::uint8_t* used = used_.data();
   Place* place = place_.data();
   Gradient* gradient = gradient_.data();
-  int length = 0;
-  std::int32_t i = first;
-  for (;;) {
-    const EdgePoint& p = points[i];
-    place[length] = {p.x - x0, p.y - y0};
-    gradient[length] = {p.gx, p.gy};
-    ++length;
-    used[i] = 1;
-    const int step = next[i];
-    if (step == 0) return length;
-    i += step;
-    if (ring && i == first) break;
-  }
-  if (length >= 2 * kRingOverlap) {
-    std::copy_n(place, kRingOverlap, place + length);
-    std::copy_n(gradient, kRingOverlap, gradient + length);
-    length += kRingOverlap;
-  }
-  return length;
-}
-
-void LineRunFinder::sumUp(int count) {
-  const Place* place = place_.data();
   Sums* sums = sums_.data();
   Sums all;
-  for (int k = 0; k < count; ++k) {
-    sums[k] = all;
-    const Place p = place[k];
-    all.n += 1.0;
-    all.xy += p.x * p.y;
-    all.x += p.x;
-    all.y += p.y;
-    all.xx += p.x * p.x;
-    all.yy += p.y * p.y;
+  int length = 0;
+  std::int32_t i = first;
+  const auto add = [&](const Place& at, const Gradient& g) {
+    place[length] = at;
+    gradient[length] = g;
+    sums[length] = all;
+    all.add(at.x, at.y);
+    ++length;
+  };
+  for (;;) {
+    const EdgePoint& p = points[i];
+    add({p.x - x0, p.y - y0}, {p.gx, p.gy});
+    used[i] = 1;
+    const int step = next[i];
+    i += step;
+    if (step == 0 || (ring && i == first)) break;
   }
-  sums[count] = all;
+  if (ring && length >= 2 * kRingOverlap) {
+    for (int k = 0; k < kRingOverlap; ++k) add(place[k], gradient[k]);
+  }
+  sums[length] = all;
+  return length;
 }
 
 void LineRunFinder::split(int count, std::vector<LineRun>& runs) {
   const int window = params_.first_fit_points;
   const double first_variance = params_.first_fit_rms_px * params_.first_fit_rms_px;
-  sumUp(count);
   int free_from = 0;  // points before it belong to an earlier run; runs share the point between them
   for (int i = 0; i + window <= count;) {
     Sums run = sums_[i + window] - sums_[i];

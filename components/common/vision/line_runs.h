@@ -29,6 +29,14 @@ class LineRunFinder {
   struct Sums {
     double n = 0.0, xy = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0;
 
+    void add(double px, double py) {
+      n += 1.0;
+      xy += px * py;
+      x += px;
+      y += py;
+      xx += px * px;
+      yy += py * py;
+    }
     Sums& operator+=(const Sums& more) {
       n += more.n;
       xy += more.xy;
@@ -60,8 +68,8 @@ class LineRunFinder {
   class Line;
   class Fit;
 
+  int keepLong(const EdgePointFinder& edges, std::int32_t* starts, int count) const;
   int follow(const EdgePointFinder& edges, std::int32_t first, bool ring);
-  void sumUp(int count);
   void split(int count, std::vector<LineRun>& runs);
   template <int kStep>
   int extend(Sums& run, int from, int stop);
@@ -72,6 +80,8 @@ class LineRunFinder {
   SolisParams params_;
   double x0_ = 0.0;  // where the chain begins: places are relative to it
   double y0_ = 0.0;
+  Room<std::int32_t> starts_;  // of chains
+  Room<std::int32_t> tops_;    // of rings, maybe
   Room<std::uint8_t> used_;
   // The points of one chain.
   Room<Place> place_;
