@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/drivers/host_clock.h"
-#include "common/drivers/retry_pause.h"
 #include "common/geometry/angles.h"
 #include "common/robot/command_limits.h"
 
@@ -18,7 +17,6 @@ using p2os::Command;
 using p2os::command;
 
 constexpr char kStopped[] = "the base is stopped";
-constexpr char kConnecting[] = "the robot is being connected";
 /// The wire has room for so many commands at 9600 bit/s: 18 bytes each.
 constexpr auto kShortestInterval = 25ms;
 /// A speed is sent again, should the line have swallowed it.
@@ -29,7 +27,6 @@ constexpr auto kRepeatEnable = 300ms;
 constexpr auto kPulse = 400ms;
 /// Motors that are told to come on do so within this time.
 constexpr auto kEnabling = 1000ms;
-constexpr auto kStartPatience = 5000ms;
 constexpr auto kBrakePatience = 2000ms;
 /// Motors that went off want a pause or a 0 before they are switched on again.
 constexpr auto kFreshStart = 1000ms;
@@ -43,47 +40,21 @@ int rounded(double value) {
 PioneerBase::PioneerBase(const Params& params)
     : params_(params),
       link_(params.port, params.bauds_bps),
-      unavailable_(kStopped),
-      samples_("the base is not started") {}
+      samples_("the base is not started"),
+      thread_(kStopped, {[this](const std::stop_token& stop) { return session(stop); },
+                         [this] { link_.wake(); }, [this](const std::string& why) { lost(why); }}) {}
 
 PioneerBase::~PioneerBase() {
   stop();
 }
 
 PortReply PioneerBase::start() {
-  {
-    const std::lock_guard control(control_);
-    if (!thread_.joinable()) {
-      {
-        const std::lock_guard lock(mutex_);
-        unavailable_ = kConnecting;
-        tried_ = false;
-        order_.reset();
-      }
-      samples_.open(kConnecting);
-      thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
-    }
-  }
-  // Without control_: stop() need not wait for this.
-  std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, kStartPatience, [this] { return tried_ || unavailable_ == kStopped; });
-  return unavailable_.empty() ? PortReply::accepted() : PortReply::adjusted(unavailable_);
+  samples_.open("the robot is being connected");
+  return thread_.start();
 }
 
 void PioneerBase::stop() {
-  const std::lock_guard control(control_);
-  if (!thread_.joinable()) return;
-  {
-    const std::lock_guard lock(mutex_);
-    unavailable_ = kStopped;
-    order_.reset();
-  }
-  changed_.notify_all();
-  thread_.request_stop();
-  link_.wake();
-  thread_.join();
-  thread_ = {};
-  samples_.close(kStopped);
+  if (thread_.stop()) samples_.close(kStopped);
 }
 
 PortReply PioneerBase::setVelocity(double v_mps, double w_radps) {
@@ -92,9 +63,9 @@ PortReply PioneerBase::setVelocity(double v_mps, double w_radps) {
   const auto now = Clock::now();
   const Speeds speeds{rounded(1000.0 * limited.v_mps), rounded(radToDeg(limited.w_radps))};
   const bool moves = speeds != Speeds{};
+  if (const std::string why = thread_.unavailable(); !why.empty()) return PortReply::rejected(why);
   {
     const std::lock_guard lock(mutex_);
-    if (!unavailable_.empty()) return PortReply::rejected(unavailable_);
     const bool begins_anew = !moves || now - moved_at_ > kFreshStart;
     if (moves) moved_at_ = now;
     if (stop_button_) return PortReply::rejected("the stop button is pressed");
@@ -115,34 +86,26 @@ SampleBatch<OdometrySample> PioneerBase::samplesSince(StampUs after_us, std::chr
   return samples_.since(after_us, timeout);
 }
 
-void PioneerBase::away(const std::string& why) {
+void PioneerBase::lost(const std::string& why) {
+  was_lost_ = true;
   {
     const std::lock_guard lock(mutex_);
-    if (unavailable_ == kStopped) return;
-    unavailable_ = why;
     order_.reset();
-    tried_ = true;
   }
   samples_.setWaiting(why);
-  changed_.notify_all();
 }
 
-void PioneerBase::run(const std::stop_token& stop) {
-  RetryPause retry;
-  while (!stop.stop_requested()) {
-    std::string why = link_.connect([&stop] { return stop.stop_requested(); });
-    if (stop.stop_requested()) break;
-    if (why.empty()) {
-      retry.worked();
-      why = session(stop);
-    }
-    if (why.empty()) break;
-    away(why);
-    link_.drop();
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, stop, retry.failed(), [] { return false; });
+std::string PioneerBase::session(const std::stop_token& stop) {
+  std::string why = link_.connect([&stop] { return stop.stop_requested(); });
+  if (why.empty() && !stop.stop_requested()) why = beginSession();
+  if (why.empty()) why = converse(stop);
+  if (why.empty() || stop.stop_requested()) {
+    link_.disconnect();
+    was_lost_ = false;
+    return {};
   }
-  link_.disconnect();
+  link_.drop();
+  return why;
 }
 
 std::string PioneerBase::beginSession() {
@@ -158,6 +121,7 @@ std::string PioneerBase::beginSession() {
   {
     // A robot that comes back begins anew as after a stop button.
     const std::lock_guard lock(mutex_);
+    order_.reset();
     motors_on_ = false;
     stop_button_ = false;
     may_enable_ = true;
@@ -181,8 +145,7 @@ std::string PioneerBase::beginSession() {
   return {};
 }
 
-std::string PioneerBase::session(const std::stop_token& stop) {
-  if (std::string why = beginSession(); !why.empty()) return why;
+std::string PioneerBase::converse(const std::stop_token& stop) {
   const std::string silent = params_.port + ": the robot says nothing any more";
   while (!stop.stop_requested()) {
     const p2os::Link::Received received = link_.receive(Clock::now() + kShortestInterval);
@@ -190,7 +153,7 @@ std::string PioneerBase::session(const std::stop_token& stop) {
     if (received.data) handle(*received.data);
     const auto silence = Clock::now() - heard_at_;
     if (silence >= params_.lost_after) return silent;
-    if (silence >= params_.silent_after) away(silent);
+    if (silence >= params_.silent_after) thread_.away(silent);
     if (std::string why = sendDue(); !why.empty()) return why;
   }
   brake();
@@ -225,20 +188,17 @@ void PioneerBase::heard(const p2os::Sip& sip, std::size_t bytes) {
   // It was measured before its bytes went over the line, 10 bits each, with header and checksum.
   const StampUs on_the_way_us = static_cast<StampUs>(bytes + 5) * 10 * kSecondUs / link_.baud_bps();
   stands_ = sent_ == Speeds{} && sip.left_mmps == 0 && sip.right_mmps == 0;
+  bool ready = false;
   {
     const std::lock_guard lock(mutex_);
     watchMotorsLocked(sip);
     samples_.setCondition(conditionLocked(sip));
-    // Ready once the motors are on, or somebody keeps them off.
-    if (unavailable_ != kStopped &&
-        (motors_on_ || stop_button_ || tried_ || enabled_at_ + kEnabling < heard_at_)) {
-      unavailable_.clear();
-      tried_ = true;
-    }
+    // Once the motors are on, or somebody keeps them off.
+    ready = motors_on_ || stop_button_ || was_lost_ || enabled_at_ + kEnabling < heard_at_;
   }
   samples_.add({hostClock_us() - on_the_way_us, samples_given_++, odometry_.add(sip), p2os::forwardSpeed(sip),
                 p2os::turnRate(sip, scale_)});
-  changed_.notify_all();
+  if (ready) thread_.ready();
 }
 
 void PioneerBase::watchMotorsLocked(const p2os::Sip& sip) {
@@ -272,7 +232,7 @@ std::string PioneerBase::conditionLocked(const p2os::Sip& sip) const {
 PioneerBase::Speeds PioneerBase::wantedLocked(Clock::time_point now) {
   const auto watchdog = std::chrono::duration<double>(params_.limits.watchdog_s);
   if (order_ && now - order_->at >= watchdog) order_.reset();
-  return order_ && motors_on_ && unavailable_.empty() ? order_->speeds : Speeds{};
+  return order_ && motors_on_ && thread_.unavailable().empty() ? order_->speeds : Speeds{};
 }
 
 std::string PioneerBase::sendDue() {

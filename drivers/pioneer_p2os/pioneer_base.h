@@ -2,16 +2,16 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "common/config/config_reader.h"
+#include "common/drivers/device_thread.h"
 #include "common/drivers/sample_buffer.h"
 #include "common/robot/ports.h"
 #include "drivers/pioneer_p2os/p2os_link.h"
@@ -69,10 +69,11 @@ class PioneerBase : public MobileBase {
     Clock::time_point at;
   };
 
-  void run(const std::stop_token& stop);
-  /// @return why it ended; empty when it was told to.
+  /// From the handshake to the loss of the robot, or to its standing after a stop.
   std::string session(const std::stop_token& stop);
   std::string beginSession();
+  /// @return why the robot was lost; empty after a stop.
+  std::string converse(const std::stop_token& stop);
   void brake();
   void handle(const p2os::Bytes& data);
   void heard(const p2os::Sip& sip, std::size_t bytes);
@@ -81,10 +82,9 @@ class PioneerBase : public MobileBase {
   /// Sends what is due. @return why the line is lost.
   std::string sendDue();
   Speeds wantedLocked(Clock::time_point now);
-  void away(const std::string& why);
+  void lost(const std::string& why);
 
   const Params params_;
-  std::mutex control_;  ///< start() and stop()
 
   // Of the thread alone.
   p2os::Link link_;
@@ -94,14 +94,12 @@ class PioneerBase : public MobileBase {
   Clock::time_point sent_at_;
   Clock::time_point enabled_at_;
   Clock::time_point heard_at_;
+  bool was_lost_ = false;                   ///< since the start
   bool stands_ = false;                     ///< the robot says so, and was told so
   std::optional<p2os::RobotConfig> robot_;  ///< what it told of itself in this session
   std::uint64_t samples_given_ = 0;
 
   std::mutex mutex_;  ///< of what follows
-  std::condition_variable_any changed_;
-  std::string unavailable_;  ///< why no command is taken
-  bool tried_ = false;       ///< the first attempt to connect has ended, one way or the other
   std::optional<Order> order_;
   Clock::time_point moved_at_;  ///< of the last command other than 0, refused ones included
   bool motors_on_ = false;
@@ -109,7 +107,7 @@ class PioneerBase : public MobileBase {
   bool may_enable_ = true;  ///< commands have begun anew since the motors went off
 
   SampleBuffer<OdometrySample> samples_;
-  std::jthread thread_;  ///< last: ends before the rest goes
+  DeviceThread thread_;  ///< last: ends before the rest goes
 };
 
 /// Reads the keys that drivers/pioneer_p2os/README.md documents. Problems stay in the reader.

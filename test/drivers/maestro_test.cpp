@@ -11,6 +11,7 @@
 #include "drivers/pololu_maestro/maestro_usb.h"
 #include "support/emulated_maestro.h"
 #include "support/eventually.h"
+#include "support/file_permissions.h"
 
 namespace vismem {
 namespace {
@@ -151,6 +152,17 @@ TEST_F(MaestroTest, AsksWhichOfSeveralIsMeant) {
   const auto properties = Properties::parse("Serial=00067890\nTilt.Channel=11\n", "test.cfg");
   ConfigReader config(properties);
   EXPECT_EQ(makeMaestroPanTilt(config)->start().message, "") << "a Mini Maestro 12 has channel 11";
+}
+
+TEST_F(MaestroTest, SaysWhatGivesPermission) {
+  const FilePermissionsCount permissions_count;
+  device.forbid();
+  const std::string why =
+      "no permission for the Micro Maestro 6 (bus 1 device 2): a udev rule gives it (docs/hardware.md)";
+  EXPECT_EQ(unit().start().message, why);
+  EXPECT_EQ(position(1.0, 1.0).message, why);
+  device.forbid(false);
+  EXPECT_TRUE(eventually([&] { return position(10.0, 0.0).ok(); })) << waitingFor();
 }
 
 TEST_F(MaestroTest, SaysWhatTheDeviceDoesNotDo) {

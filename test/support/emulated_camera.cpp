@@ -169,6 +169,11 @@ std::vector<std::uint8_t> EmulatedCamera::lastPicture() {
   return last_;
 }
 
+EmulatedCamera::Clock::time_point EmulatedCamera::lastGivenAt() {
+  const std::lock_guard lock(mutex_);
+  return last_given_at_;
+}
+
 IoctlAnswer EmulatedCamera::handle(unsigned code, const Argument& argument) {
   const std::lock_guard lock(mutex_);
   if (const auto failure = failures_.find(code); failure != failures_.end() && failure->second != 0) {
@@ -406,6 +411,7 @@ IoctlAnswer EmulatedCamera::dequeue(const Argument& argument) {
   buffer.timestamp.tv_sec = at.count() / 1'000'000;
   buffer.timestamp.tv_usec = at.count() % 1'000'000;
   memory.commit();
+  last_given_at_ = Clock::now();
   return {};
 }
 

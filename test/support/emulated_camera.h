@@ -83,8 +83,9 @@ class EmulatedCamera {
   int control(std::uint32_t id);
   int timesSet(std::uint32_t id);
   void setControl(std::uint32_t id, int value);
-  /// Bytes of the last picture given.
+  /// Bytes of the last picture given, and when it was: all of it was in the hands of who asked.
   std::vector<std::uint8_t> lastPicture();
+  std::chrono::steady_clock::time_point lastGivenAt();
   /// The grey that all pixels of the picture with this number have; by formats with range 16..235 as Y.
   static int shadeOf(std::uint32_t sequence) { return 40 + static_cast<int>(sequence % 100); }
 
@@ -123,6 +124,7 @@ class EmulatedCamera {
   std::int64_t given_ = 0;
   std::vector<unsigned> queued_;
   std::vector<std::uint8_t> last_;
+  Clock::time_point last_given_at_;
   int memory_fd_ = -1;
   std::uint8_t* memory_ = nullptr;
   std::unique_ptr<EmulatedNode> node_;

@@ -1,6 +1,7 @@
 #include "support/emulated_maestro.h"
 
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 // After sys/ioctl.h, which it needs and does not name.
 #include <linux/usbdevice_fs.h>
 
@@ -12,6 +13,7 @@
 #include <iomanip>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <utility>
 
 #include "support/emulated_node.h"
@@ -126,6 +128,13 @@ void EmulatedMaestro::plugIn() {
 
 void EmulatedMaestro::unplug() {
   node_->node.unplug();
+}
+
+void EmulatedMaestro::forbid(bool forbidden) {
+  const std::string node = node_->node.realPath();
+  if (chmod(node.c_str(), forbidden ? 0 : 0600) != 0) {
+    throw std::runtime_error(node + ": " + std::strerror(errno));
+  }
 }
 
 }  // namespace vismem

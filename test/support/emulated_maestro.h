@@ -20,6 +20,8 @@ class EmulatedMaestro : public MaestroModel {
 
   void unplug();
   void plugIn();
+  /// Nobody may open it, and again.
+  void forbid(bool forbidden = true);
 
  private:
   struct Node;

@@ -1,5 +1,7 @@
 #include <malloc.h>
 
+#include <opencv2/core/utility.hpp>
+
 #include "camera_server/app/component.h"
 
 int main(int argc, char** argv) {
@@ -9,5 +11,7 @@ int main(int argc, char** argv) {
   constexpr int kKept = 64 << 20;
   mallopt(M_MMAP_THRESHOLD, kLargestKept);
   mallopt(M_TRIM_THRESHOLD, kKept);
+  // Each camera has its thread: to wake others for a part of a picture takes longer than the part.
+  cv::setNumThreads(1);
   return vismem::runComponent(argc, argv, vismem::cameraServerSpec());
 }

@@ -91,6 +91,7 @@ class DeviceThread {
       if (stopping_) return false;
       unavailable_ = why;
       tried_ = true;
+      if (why.empty()) worked_ = true;
     }
     changed_.notify_all();
     return true;
@@ -101,9 +102,9 @@ class DeviceThread {
     while (!stop.stop_requested()) {
       const std::string why = work_.session(stop);
       if (stop.stop_requested() || why.empty()) return;
-      if (unavailable().empty()) retry.worked();
       away(why);
       std::unique_lock lock(mutex_);
+      if (std::exchange(worked_, false)) retry.worked();
       changed_.wait_for(lock, stop, retry.failed(), [] { return false; });
     }
   }
@@ -115,6 +116,7 @@ class DeviceThread {
   std::condition_variable_any changed_;
   std::string unavailable_;
   bool tried_ = false;
+  bool worked_ = false;  ///< this session was ready once
   bool stopping_ = false;
   std::jthread thread_;
 };

@@ -6,7 +6,6 @@
 #include <camera/plain.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -15,11 +14,11 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "bench/camera/percentile.h"
 #include "bench/camera/server.h"
+#include "bench/camera/server_process.h"
 #include "bench/camera/v4l2.h"
 #include "common/process/child_process.h"
-#include "common/process/ice_setup.h"
-#include "common/process/ready_line.h"
 #include "common/tool/command_line_tool.h"
 #include "hostile/attack.h"
 #include "hostile/ice_wire.h"
@@ -30,33 +29,12 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using nlohmann::json;
 
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 class Bench {
  public:
   Bench()
-      : log_("bench", LogLevel::kWarning),
-        server_({"/proc/self/exe", "--serve"}),
-        communicator_(makeCommunicator(Properties{}, log_)) {
-    const auto line = server_.waitForLine("ready: ", std::chrono::seconds(20));
-    if (!line) throw std::runtime_error("the server does not start: " + server_.error());
-    endpoint_ = *readyEndpoints(*line);
-    port_ = *readyPort(*line, "tcp");
-    camera_ = proxy<avm::CameraPrx>("camera");
-    plain_ = proxy<bench::PlainPrx>("plain");
-    control_ = proxy<bench::ControlPrx>("control");
-  }
-
-  template <typename Prx>
-  std::shared_ptr<Prx> proxy(const std::string& identity) {
-    return Ice::uncheckedCast<Prx>(communicator_->stringToProxy(identity + ":" + endpoint_));
-  }
+      : camera_(server_.proxy<avm::CameraPrx>("camera")),
+        plain_(server_.proxy<bench::PlainPrx>("plain")),
+        control_(server_.proxy<bench::ControlPrx>("control")) {}
 
   /// Medians of the round trips of requests of one size and format.
   json requests(int width, int height, const std::string& format, int rounds, double rate_hz) {
@@ -159,7 +137,7 @@ class Bench {
 
   /// Asks for every frame and reads none.
   void stall(Clock::time_point end) {
-    test::RawConnection connection(port_);
+    test::RawConnection connection(server_.port());
     connection.receive();
     for (int id = 1; Clock::now() < end; ++id) {
       test::WireBytes parameters;
@@ -171,11 +149,7 @@ class Bench {
     }
   }
 
-  Logger log_;
-  ChildProcess server_;
-  Ice::CommunicatorHolder communicator_;
-  std::string endpoint_;
-  int port_ = 0;
+  ServerProcess server_;
   std::shared_ptr<avm::CameraPrx> camera_;
   std::shared_ptr<bench::PlainPrx> plain_;
   std::shared_ptr<bench::ControlPrx> control_;

@@ -1,0 +1,19 @@
+/// @file What the tables show of many measurements.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace vismem {
+
+/// @param share of the values that are smaller: 0.5 is the median. @return 0 without values.
+inline double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace vismem
