@@ -11,6 +11,7 @@
 #include "devices/core/device_report.h"
 #include "support/emulated_camera.h"
 #include "support/eventually.h"
+#include "support/file_permissions.h"
 #include "support/temporary_folder.h"
 
 namespace vismem {
@@ -96,6 +97,29 @@ TEST(Maestros, AreNamedByModelAndSerialNumber) {
   EXPECT_EQ(maestros[0].problem, "no such device");
   EXPECT_THAT(devicesText({{}, maestros, {}}),
               HasSubstr("Mini Maestro 12, Serial = 00012345\n      ! no such device"));
+}
+
+TEST(Permissions, AreMissedByName) {
+  const Computer computer;
+  const std::string device = "sys/bus/usb/devices/1-2";
+  computer.file(device + "/idVendor", "1ffb");
+  computer.file(device + "/idProduct", "0089");
+  computer.file(device + "/busnum", "1");
+  computer.file(device + "/devnum", "2");
+  computer.file("dev/bus/usb/001/002", "");
+  computer.file("sys/devices/serial8250/driver_override", "");
+  computer.link("sys/class/tty/ttyS0/device", "sys/devices/serial8250");
+  computer.file("dev/ttyS0", "");
+  for (const char* node : {"dev/bus/usb/001/002", "dev/ttyS0"}) {
+    fs::permissions(computer.path(node), fs::perms::none);
+  }
+  const FilePermissionsCount permissions_count;
+  const auto maestros = listMaestros(computer.roots());
+  ASSERT_EQ(maestros.size(), 1U);
+  EXPECT_EQ(maestros[0].problem, "no permission (a udev rule gives it: docs/hardware.md)");
+  const auto ports = listSerialPorts(computer.roots());
+  ASSERT_EQ(ports.size(), 1U);
+  EXPECT_EQ(ports[0].problem, "no permission (serial ports belong to the group dialout)");
 }
 
 TEST(Cameras, TellWhatTheyOfferAndWhetherTheyTurn) {

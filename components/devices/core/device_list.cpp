@@ -1,5 +1,6 @@
 #include "devices/core/device_list.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -51,7 +52,8 @@ std::string describeUsb(const fs::path& device) {
 std::string mayUse(const fs::path& node, const std::string& hint) {
   std::error_code error;
   if (!fs::exists(node, error)) return "no such device";
-  return access(node.c_str(), R_OK | W_OK) == 0 ? "" : "no permission (" + hint + ")";
+  return faccessat(AT_FDCWD, node.c_str(), R_OK | W_OK, AT_EACCESS) == 0 ? ""
+                                                                         : "no permission (" + hint + ")";
 }
 
 }  // namespace
