@@ -5,8 +5,8 @@
 
 namespace vismem {
 
-/// Words of a row are worked on four at a time.
-constexpr int kEdgeWordBlock = 4;
+/// Words of a row are worked on eight at a time.
+constexpr int kEdgeWordBlock = 8;
 /// Words of zeros before and after each plane of a row, which looking sideways reads.
 constexpr int kEdgeWordMargin = 4;
 
@@ -37,6 +37,14 @@ enum PreviousPoint : std::uint8_t { kNone, kEarlier, kLater };
 struct EdgeChainEnds {
   int starts = 0;
   int tops = 0;
+};
+
+/// Numbers of the points at the columns of a row and of a row above, where there is one; readable for a
+/// margin before.
+struct EdgeColumns {
+  const std::int32_t* here = nullptr;
+  const std::int32_t* above = nullptr;
+  int aside = 1;  ///< columns from a point to those linked with it to its left and right
 };
 
 /// Planes to work in, with margins.

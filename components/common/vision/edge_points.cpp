@@ -14,6 +14,39 @@ namespace {
 
 constexpr int kWordBits = 64;
 constexpr int kNarrow = 10000;  // columns: any step over two rows fits 16 bits
+constexpr int kCacheLine = 64;
+
+/// How often each size of second differences along x of those along y comes: weights 1 -2 1 each way.
+using SecondDifferences = std::array<std::uint16_t, 8 * 256 + 1>;
+
+/// @return of how many places.
+template <int kChannels>
+int countDifferences(const cv::Mat& image, SecondDifferences& histogram) {
+  constexpr int kAlong = 64;  // places in each direction, at most
+  constexpr int kDown = 48;
+  const int step_x = std::max(2, (image.cols - 2) / kAlong);
+  const int step_y = std::max(2, (image.rows - 2) / kDown);
+  int total = 0;
+  for (int y = 1; y + 1 < image.rows; y += step_y) {
+    const std::uint8_t* above = image.ptr<std::uint8_t>(y - 1);
+    const std::uint8_t* here = image.ptr<std::uint8_t>(y);
+    const std::uint8_t* below = image.ptr<std::uint8_t>(y + 1);
+    // No processor expects rows so far apart.
+    for (int row = y + step_y - 1; row <= std::min(y + step_y + 1, image.rows - 1); ++row) {
+      const std::uint8_t* later = image.ptr<std::uint8_t>(row);
+      for (int i = 0; i < kChannels * image.cols; i += kCacheLine) __builtin_prefetch(later + i);
+    }
+    for (int x = 1; x + 1 < image.cols; x += step_x) {
+      const auto column = [&](int at) {
+        return brightness(above, at, kChannels) - 2 * brightness(here, at, kChannels) +
+               brightness(below, at, kChannels);
+      };
+      ++histogram[std::abs(column(x - 1) - 2 * column(x) + column(x + 1))];
+      ++total;
+    }
+  }
+  return total;
+}
 
 }  // namespace
 
@@ -29,30 +62,12 @@ double noiseMagnitude() {
 }
 
 double estimateNoise(const cv::Mat& image) {
-  // Second difference along x of the second difference along y: weights 1 -2 1 each way, deviation 6 sigma.
-  constexpr double kDeviation = 6.0;
+  constexpr double kDeviation = 6.0;         // of a second difference along y of those along x
   constexpr double kLowerQuartile = 0.3186;  // of |x| for a normal x of deviation 1
-  constexpr int kAlong = 64;                 // places in each direction, at most
-  constexpr int kDown = 48;
   if (image.cols < 3 || image.rows < 3) return 0.0;
-  std::array<std::uint16_t, 8 * 256 + 1> histogram{};
-  const int step_x = std::max(2, (image.cols - 2) / kAlong);
-  const int step_y = std::max(2, (image.rows - 2) / kDown);
-  const int channels = image.channels();
-  int total = 0;
-  for (int y = 1; y + 1 < image.rows; y += step_y) {
-    const std::uint8_t* above = image.ptr<std::uint8_t>(y - 1);
-    const std::uint8_t* here = image.ptr<std::uint8_t>(y);
-    const std::uint8_t* below = image.ptr<std::uint8_t>(y + 1);
-    for (int x = 1; x + 1 < image.cols; x += step_x) {
-      const auto column = [&](int at) {
-        return brightness(above, at, channels) - 2 * brightness(here, at, channels) +
-               brightness(below, at, channels);
-      };
-      ++histogram[std::abs(column(x - 1) - 2 * column(x) + column(x + 1))];
-      ++total;
-    }
-  }
+  SecondDifferences histogram{};
+  const int total =
+      image.channels() == 1 ? countDifferences<1>(image, histogram) : countDifferences<3>(image, histogram);
   // The quartile between integer values, by linear interpolation inside its bin [k - 1/2, k + 1/2].
   const double wanted = 0.25 * total;
   double below_count = 0.0;
@@ -182,56 +197,18 @@ void EdgePointFinder::pointsOfRow(int y) {
 /// Turns bits into links between points of row y and those to the left or in the row `above`, so many columns
 /// aside.
 void EdgePointFinder::join(int y, int above, int aside) {
-  const EdgeBits& here = bits(y);
-  const std::int32_t* index = map(y);
-  const std::int32_t* index_above = map(above);
+  const EdgeColumns columns{map(y), map(above), aside};
+  std::int32_t* from = packed_.data();
+  std::int32_t* to = from + 2 * static_cast<std::ptrdiff_t>(stride_);
+  const int found = kernel_.list_links(bits(y), links_, words_, columns, from, to);
   std::int16_t* next = next_.data();
-  const bool narrow = width_ <= kNarrow;
   std::uint8_t* previous = previous_.data();
-  const auto put = [&](std::int32_t point, std::int32_t other, std::uint64_t onward) {
-    // To the other one where that is the way onwards, from it elsewhere; without a branch.
-    const std::int32_t swap = (point ^ other) & -static_cast<std::int32_t>(onward & 1);
-    const std::int32_t from = other ^ swap;
-    const std::int32_t to = point ^ swap;
-    const auto step = static_cast<std::int16_t>(to - from);
-    if (!narrow && step != to - from) return;
-    next[from] = step;
-    previous[to] = static_cast<std::uint8_t>(kEarlier + (onward & 1));
-  };
-  for (int word = 0; word < words_; ++word) {
-    const std::uint64_t left = links_.left[word];
-    const std::uint64_t above_left = links_.above_left[word];
-    const std::uint64_t above_right = links_.above_right[word];
-    const std::uint64_t first = links_.above[word] | above_left;
-    const std::uint64_t second = first & above_right;
-    const std::uint64_t all = first | above_right;
-    if ((left | all) == 0) continue;
-    const std::uint64_t steep = here.steep[word];
-    const std::uint64_t up = ~here.right[word];
-    const std::uint64_t to_left = here.down[word];
-    const int base = kWordBits * word;
-    for (std::uint64_t rest = left; rest != 0; rest &= rest - 1) {
-      const int bit = __builtin_ctzll(rest);
-      const std::int32_t* at = index + base + bit;
-      put(at[0], at[-aside], to_left >> bit);
-    }
-    // The way onwards is up, or to the left, or to the right: see edge_links.inc.
-    const std::uint64_t only_right = above_right & ~first;
-    const std::uint64_t straight = links_.above[word];
-    const std::uint64_t onward =
-        (straight & up) | (~straight & ((steep & up) | (~steep & (to_left ^ only_right))));
-    for (std::uint64_t rest = all; rest != 0; rest &= rest - 1) {
-      const int bit = __builtin_ctzll(rest);
-      const int x = base + bit;
-      const int side = static_cast<int>(only_right >> bit & 1) - static_cast<int>(above_left >> bit & 1);
-      put(index[x], index_above[x + aside * side], onward >> bit);
-    }
-    for (std::uint64_t rest = second; rest != 0; rest &= rest - 1) {
-      const int bit = __builtin_ctzll(rest);
-      const int x = base + bit;
-      const std::uint64_t onward_right = (steep & up) | (~steep & ~to_left);
-      put(index[x], index_above[x + aside], onward_right >> bit);
-    }
+  for (int k = 0; k < found; ++k) {
+    const std::int32_t way = to[k] - from[k];
+    const auto step = static_cast<std::int16_t>(way);
+    if (step != way) continue;
+    next[from[k]] = step;
+    previous[to[k]] = static_cast<std::uint8_t>(kEarlier + (way < 0 ? 1 : 0));
   }
 }
 

@@ -70,7 +70,9 @@ class EdgePointFinder {
     return rows.data() + values * (static_cast<std::ptrdiff_t>(y % 3) * stride_ + kEdgeReadMargin);
   }
   EdgeBits& bits(int y) { return bits_[y & (kRows - 1)]; }
-  std::int32_t* map(int y) { return maps_.data() + static_cast<std::ptrdiff_t>(y & (kRows - 1)) * stride_; }
+  std::int32_t* map(int y) {
+    return maps_.data() + static_cast<std::ptrdiff_t>(y & (kRows - 1)) * stride_ + kEdgeReadMargin;
+  }
 
   const EdgeRowKernel& kernel_;
   int width_ = 0;

@@ -68,9 +68,9 @@ const EdgeRowKernel& avx512EdgeRows();
 #endif
 
 const EdgeRowKernel& portableEdgeRows() {
-  static constexpr EdgeRowKernel kKernel{"portable",      grayLoop,       columnsLoop,        gradientLoop,
-                                         maximaLoop,      listLoop,       pointsLoop,         linkLoop,
-                                         bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsLoop};
+  static constexpr EdgeRowKernel kKernel{
+      "portable", grayLoop,      columnsLoop,     gradientLoop,   maximaLoop,         listLoop,  pointsLoop,
+      linkLoop,   listLinksLoop, bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsLoop};
   return kKernel;
 }
 

@@ -69,6 +69,10 @@ struct EdgeRowKernel {
   /// @param words a multiple of kEdgeWordBlock.
   void (*link)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                const EdgeLinks& links);
+  /// Lists the links of a row: from which point to which one, the brighter side on the left.
+  /// @param from, to room for two rows. @return how many.
+  int (*list_links)(const EdgeBits& here, const EdgeLinks& links, int words, const EdgeColumns& columns,
+                    std::int32_t* from, std::int32_t* to);
   /// The same over one missing point; they return whether there is any such link. Of a steep edge: to the row
   /// two above, at most one column aside.
   bool (*bridge_steep)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,

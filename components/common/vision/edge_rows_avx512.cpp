@@ -151,6 +151,37 @@ void pointsMasks(const std::int16_t* const gradient[3], const EdgeRowPoints& row
   }
 }
 
+int listLinksMasks(const EdgeBits& here, const EdgeLinks& links_made, int words, const EdgeColumns& given,
+                   std::int32_t* from, std::int32_t* to) {
+  const EdgeColumns columns = given;
+  LinkList list{from, to};
+  const auto put = [&](__mmask16 some, __mmask16 onward, __m512i point, __m512i other) {
+    const __m512i begin = _mm512_mask_blend_epi32(onward, other, point);
+    const __m512i end = _mm512_mask_blend_epi32(onward, point, other);
+    _mm512_storeu_si512(from + list.found, _mm512_maskz_compress_epi32(some, begin));
+    _mm512_storeu_si512(to + list.found, _mm512_maskz_compress_epi32(some, end));
+    list.found += __builtin_popcount(some);
+  };
+  for (int word = 0; word < words; ++word) {
+    const WordLinks links(here, links_made, word);
+    if ((links.left | links.all) == 0) continue;
+    for (int quarter = 0; quarter < 64; quarter += 16) {
+      const auto part = [&](std::uint64_t bits) { return static_cast<__mmask16>(bits >> quarter); };
+      const int x = 64 * word + quarter;
+      const __m512i point = _mm512_loadu_si512(columns.here + x);
+      put(part(links.left), part(links.left_onward), point,
+          _mm512_loadu_si512(columns.here + x - columns.aside));
+      const std::int32_t* above = columns.above + x;
+      __m512i other = _mm512_loadu_si512(above);
+      other = _mm512_mask_mov_epi32(other, part(links.above_left), _mm512_loadu_si512(above - columns.aside));
+      other = _mm512_mask_mov_epi32(other, part(links.only_right), _mm512_loadu_si512(above + columns.aside));
+      put(part(links.all), part(links.onward), point, other);
+    }
+    list.putSecond(links, columns, 64 * word);
+  }
+  return list.found;
+}
+
 EdgeChainEnds startsMasks(const std::int16_t* next, const std::uint8_t* previous, int count,
                           std::int32_t* starts, std::int32_t* tops) {
   const __m512i steps = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
@@ -181,9 +212,9 @@ EdgeChainEnds startsMasks(const std::int16_t* next, const std::uint8_t* previous
 
 const EdgeRowKernel& avx512EdgeRows();
 const EdgeRowKernel& avx512EdgeRows() {
-  static constexpr EdgeRowKernel kKernel{"avx512",        grayLoop,       columnsLoop,        gradientLoop,
-                                         maximaMasks,     listMasks,      pointsMasks,        linkLoop,
-                                         bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsMasks};
+  static constexpr EdgeRowKernel kKernel{
+      "avx512", grayLoop,       columnsLoop,     gradientLoop,   maximaMasks,        listMasks,  pointsMasks,
+      linkLoop, listLinksMasks, bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsMasks};
   return kKernel;
 }
 

@@ -8,8 +8,9 @@ namespace vismem {
 namespace {
 
 constexpr int kRingOverlap = 16;      // points of a ring that come again at its end
-constexpr int kPrefetched = 4000;     // points: of a few rows, in which chains go on
+constexpr int kPrefetched = 16000;    // points: of the rows below, in which chains go on
 constexpr int kPointsPerLine = 4;     // of the cache
+constexpr int kFetchedTogether = 32;  // points whose links fill such a line
 constexpr double kReachShare = 0.75;  // of the line tolerance: points that turn at a corner
 
 }  // namespace
@@ -87,13 +88,14 @@ void LineRunFinder::find(const EdgePointFinder& edges, std::vector<LineRun>& run
   std::memset(used_.data(), 0, count);
   const EdgeChainEnds found = edges.listStarts(starts_.data(), tops_.data());
   const int chains = keepLong(edges, starts_.data(), found.starts);
-  const EdgePoint* points = edges.points();
   std::int32_t fetched = 0;
   for (int k = 0; k < chains; ++k) {
     const std::int32_t first = starts_[k];
     for (const std::int32_t end = std::min(first + kPrefetched, count); fetched < end;
-         fetched += kPointsPerLine) {
-      __builtin_prefetch(points + fetched, 0, 2);
+         fetched += kFetchedTogether) {
+      for (int i = 0; i < kFetchedTogether; i += kPointsPerLine)
+        __builtin_prefetch(edges.points() + fetched + i, 0, 2);
+      __builtin_prefetch(edges.next() + fetched, 0, 2);
     }
     split(follow(edges, first, false), runs);
   }
