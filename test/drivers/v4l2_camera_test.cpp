@@ -357,11 +357,6 @@ TEST_F(V4l2CameraTest, SaysWhoMayOpenIt) {
               HasSubstr("closed: no permission (cameras belong to the group video)"));
 }
 
-TEST(V4l2Errors, AreInPeoplesWords) {
-  EXPECT_EQ(v4l2ErrorText(EACCES), "no permission (cameras belong to the group video)");
-  EXPECT_EQ(v4l2ErrorText(EBUSY), "another program uses it");
-}
-
 TEST(V4l2Cameras, AreAsManyAsOneLikes) {
   EmulatedCamera::Description second;
   second.number = 2;

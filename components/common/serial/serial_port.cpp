@@ -14,6 +14,8 @@
 #include <cstring>
 #include <utility>
 
+#include "common/drivers/device_errors.h"
+
 namespace vismem {
 namespace {
 
@@ -38,24 +40,6 @@ int millisecondsUntil(SerialPort::Clock::time_point deadline) {
   return static_cast<int>(std::clamp<long>(left, 0, 60'000));
 }
 
-std::string whyNotOpened(int error) {
-  switch (error) {
-    case ENOENT:
-    case ENXIO:
-    case ENODEV:
-      return "no such device";
-    case EACCES:
-    case EPERM:
-      return "no permission (serial ports belong to the group dialout)";
-    case EBUSY:
-      return "another program uses it";
-    case EISDIR:
-      return "not a serial port";
-    default:
-      return std::strerror(error);
-  }
-}
-
 }  // namespace
 
 bool isBaudRate(int baud_bps) {
@@ -74,12 +58,12 @@ std::string SerialPort::open(const std::string& path, int baud_bps) {
   path_ = path;
   // Without O_NONBLOCK the opening itself may wait for a modem's carrier.
   fd_ = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (fd_ < 0) return failed(whyNotOpened(errno));
+  if (fd_ < 0) return failed(deviceErrorText(errno, kSerialPorts));
   std::string why;
   if (isatty(fd_) == 0) {
-    why = failed("not a serial port");
+    why = failed(deviceErrorText(ENOTTY, kSerialPorts));
   } else if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
-    why = failed(whyNotOpened(errno == EWOULDBLOCK ? EBUSY : errno));
+    why = failed(deviceErrorText(errno == EWOULDBLOCK ? EBUSY : errno, kSerialPorts));
   } else if (ioctl(fd_, TIOCEXCL) != 0) {
     why = failed(std::strerror(errno));
   } else {

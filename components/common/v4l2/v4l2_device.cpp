@@ -13,6 +13,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "common/drivers/device_errors.h"
+
 namespace vismem {
 namespace {
 
@@ -24,25 +26,6 @@ std::string textOf(const __u8 (&field)[kSize]) {
 }
 
 }  // namespace
-
-std::string v4l2ErrorText(int error) {
-  switch (error) {
-    case ENOENT:
-    case ENXIO:
-    case ENODEV:
-      return "no such device";
-    case EACCES:
-    case EPERM:
-      return "no permission (cameras belong to the group video)";
-    case EBUSY:
-      return "another program uses it";
-    case ENOTTY:
-    case EISDIR:
-      return "not a video device";
-    default:
-      return std::strerror(error);
-  }
-}
 
 V4l2Device::V4l2Device() : wake_fd_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
 
@@ -56,12 +39,13 @@ std::string V4l2Device::open(const std::string& path) {
   path_ = path;
   identity_ = {};
   fd_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-  if (fd_ < 0) return failed(v4l2ErrorText(errno));
+  if (fd_ < 0) return failed(deviceErrorText(errno, kVideoDevices));
   v4l2_capability found{};
   if (const int error = request(VIDIOC_QUERYCAP, &found); error != 0) {
     close();
     // What knows nothing of the request is no video device, whichever way it says so.
-    return failed(error == EINVAL ? v4l2ErrorText(ENOTTY) : v4l2ErrorText(error));
+    return failed(error == EINVAL ? deviceErrorText(ENOTTY, kVideoDevices)
+                                  : deviceErrorText(error, kVideoDevices));
   }
   identity_.card = textOf(found.card);
   identity_.driver = textOf(found.driver);
@@ -97,7 +81,8 @@ void* V4l2Device::map(std::size_t bytes, std::int64_t offset) const {
 std::string V4l2Device::failed(const std::string& what, int error) const {
   // Whatever was asked: these are not about the request, but about the device.
   if (error == ENODEV || error == ENXIO) return failed("was unplugged");
-  if (error == EBUSY || error == EACCES || error == EPERM) return failed(v4l2ErrorText(error));
+  if (error == EBUSY || error == EACCES || error == EPERM)
+    return failed(deviceErrorText(error, kVideoDevices));
   return failed(what + ": " + std::strerror(error));
 }
 

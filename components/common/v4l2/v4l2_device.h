@@ -61,7 +61,4 @@ class V4l2Device {
   V4l2Identity identity_;
 };
 
-/// Errors of devices in people's words.
-std::string v4l2ErrorText(int error);
-
 }  // namespace vismem

@@ -8,6 +8,8 @@
 #include <map>
 #include <optional>
 
+#include "common/drivers/device_errors.h"
+
 namespace vismem {
 namespace {
 
@@ -110,7 +112,7 @@ std::vector<FoundSerialPort> listSerialPorts(const DeviceRoots& roots) {
       const std::string where = lineOf(tty / "port");
       port.description = "built-in" + (where.empty() || where == "0x0" ? "" : " at " + where);
     }
-    port.problem = mayUse(node, "serial ports belong to the group dialout");
+    port.problem = mayUse(node, kSerialPorts.group);
     found.push_back(std::move(port));
   }
   return found;
