@@ -86,13 +86,7 @@ struct CurveKnowledge {
 
 CurveKnowledge knowledgeOf(ExperimentRun& run) {
   FloorTruth now(run.params().map_edges, {});
-  const Renderer& world = run.simulation().renderer();
-  const auto sees = [&](const Eigen::Vector3d& camera, const Eigen::Vector3d& floor) {
-    const Eigen::Vector3d ray = floor - camera;
-    const auto hit = world.cast(camera, ray / ray.norm());
-    return hit && hit->distance_m >= ray.norm() - 0.03;
-  };
-  now.look(run.analysis().intrinsics, run.simulation().truePoseOfCamera(), sees, 1.0);
+  now.look(run.analysis().intrinsics, run.truePoseOfImage(), run.seesFloor(), 1.0);
   const auto memory = rememberedIn(run.snapshot(), run.trueRobot());
   CurveKnowledge known;
   for (const TrueEdge& edge : now.edges()) {

@@ -44,20 +44,21 @@ void ExperimentRun::frame(const LockstepFrame& frame) {
   for (const TruthSample& sample : simulation_->truthSince(stamp_us - Simulation::kStep_us)) {
     if (sample.stamp_us <= stamp_us) true_robot_ = sample.T_world_robot;
   }
-  // Without latency an image arrives in the step in which it was taken.
-  const Pose3 T_world_camera = simulation_->truePoseOfCamera();
-  const Renderer& world = simulation_->renderer();
-  const SeesFloor sees = [&](const Eigen::Vector3d& camera, const Eigen::Vector3d& floor) {
+  const int edges =
+      truth_.look(frame.observation.frame.intrinsics, truePoseOfImage(), seesFloor(), kVisible_px);
+  ++images_;
+  edges_in_images_ += edges;
+  most_edges_ = std::max(most_edges_, edges);
+  if (visitor_) visitor_(frame);
+}
+
+SeesFloor ExperimentRun::seesFloor() const {
+  return [&world = simulation_->renderer()](const Eigen::Vector3d& camera, const Eigen::Vector3d& floor) {
     const Eigen::Vector3d ray = floor - camera;
     const double range = ray.norm();
     const auto hit = world.cast(camera, ray / range);
     return hit && hit->distance_m >= range - kRayTolerance_m;
   };
-  const int edges = truth_.look(frame.observation.frame.intrinsics, T_world_camera, sees, kVisible_px);
-  ++images_;
-  edges_in_images_ += edges;
-  most_edges_ = std::max(most_edges_, edges);
-  if (visitor_) visitor_(frame);
 }
 
 bool ExperimentRun::run(const Lockstep::Driver& driver, const std::function<bool()>& done, double at_most_s) {

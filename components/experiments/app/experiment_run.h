@@ -58,6 +58,10 @@ class ExperimentRun {
   Pose2 trueRobot() const { return true_robot_; }
   MemoryScore score() const;
 
+  /// Of the last image: the true pose of its camera, and what it could see of the floor.
+  Pose3 truePoseOfImage() const { return simulation_->lastExposure()->T_world_camera; }
+  SeesFloor seesFloor() const;
+
   /// Of the images so far: true edges with a visible part of 10 px or more.
   double meanEdgesPerImage() const { return images_ > 0 ? edges_in_images_ / images_ : 0.0; }
   int mostEdgesInAnImage() const { return most_edges_; }

@@ -12,6 +12,9 @@ constexpr double kHeader_px = 62.0;
 constexpr double kTitle_px = 22.0;
 constexpr double kLine_px = 17.0;
 constexpr double kLegend_px = 34.0;
+constexpr double kLegendText_pt = 9.5;
+constexpr double kKey_px = 24.0;
+constexpr double kKeyGap_px = 7.0;
 
 constexpr Rgb kTruthColor{205, 208, 214};
 constexpr Rgb kMissedColor{30, 30, 30};
@@ -20,13 +23,13 @@ constexpr Rgb kPartialColor{235, 140, 20};
 constexpr Rgb kFalseColor{215, 35, 35};
 constexpr Rgb kUnconfirmedColor{130, 100, 200};
 
-double panelHeight(const BoardPanel& panel, int width) {
+double panelHeight(const BoardPanel& panel, double width) {
   if (panel.plan) {
     const Eigen::Vector2d size = panel.plan->high - panel.plan->low;
     return std::round(width * std::clamp(size.y() / size.x(), 0.2, 2.0));
   }
   if (panel.picture.empty()) return 0.0;
-  return std::round(static_cast<double>(width) * panel.picture.rows / panel.picture.cols);
+  return std::round(width * panel.picture.rows / panel.picture.cols);
 }
 
 void drawPlan(Canvas& canvas, const Plan& plan, const Eigen::Vector2d& low, double width, double height) {
@@ -76,45 +79,66 @@ void drawPlan(Canvas& canvas, const Plan& plan, const Eigen::Vector2d& low, doub
   canvas.release();
 }
 
+/// Where the entries begin, from the top of the legend, in as many lines as it takes.
+std::vector<Eigen::Vector2d> legendPlaces(const std::vector<LegendEntry>& legend, double width) {
+  const Canvas ruler(1, 1);
+  std::vector<Eigen::Vector2d> places;
+  Eigen::Vector2d at(kMargin_px, 0.0);
+  for (const LegendEntry& entry : legend) {
+    const double entry_px = kKey_px + kKeyGap_px + ruler.textWidth(entry.text, kLegendText_pt);
+    if (at.x() > kMargin_px && at.x() + entry_px > width - kMargin_px) at = {kMargin_px, at.y() + kLine_px};
+    places.push_back(at);
+    at.x() += entry_px + kKey_px;
+  }
+  return places;
+}
+
 }  // namespace
 
 cv::Mat drawBoard(const Board& board, int panel_width) {
-  std::size_t columns = 1;
+  const auto widthOf = [&](const BoardPanel& panel) {
+    return panel.columns * (panel_width + kMargin_px) - kMargin_px;
+  };
+  int columns = 1;
   double height = kHeader_px;
   std::vector<double> row_heights;
   std::vector<double> picture_heights;
   for (const auto& row : board.rows) {
-    columns = std::max(columns, row.size());
+    int columns_here = 0;
     double pictures = 0.0;
     std::size_t captions = 0;
     for (const BoardPanel& panel : row) {
-      pictures = std::max(pictures, panelHeight(panel, panel_width));
+      columns_here += panel.columns;
+      pictures = std::max(pictures, panelHeight(panel, widthOf(panel)));
       captions = std::max(captions, panel.caption.size());
     }
+    columns = std::max(columns, columns_here);
     picture_heights.push_back(pictures);
     row_heights.push_back(kTitle_px + pictures + kLine_px * static_cast<double>(captions) + kMargin_px);
     height += row_heights.back();
   }
-  height += kLegend_px;
-  Canvas canvas(static_cast<int>(kMargin_px + static_cast<double>(columns) * (panel_width + kMargin_px)),
-                static_cast<int>(height));
+  const double width = kMargin_px + columns * (panel_width + kMargin_px);
+  const auto places = legendPlaces(board.legend, width);
+  height += kLegend_px + (places.empty() ? 0.0 : places.back().y());
+  Canvas canvas(static_cast<int>(width), static_cast<int>(height));
   canvas.text(board.title, {kMargin_px, 28.0}, 13.0, colors::kInk, Align::kLeft, true);
   canvas.text(board.subtitle, {kMargin_px, 47.0}, 9.5, colors::kFaintInk);
   double v = kHeader_px;
   for (std::size_t r = 0; r < board.rows.size(); ++r) {
-    for (std::size_t c = 0; c < board.rows[r].size(); ++c) {
-      const BoardPanel& panel = board.rows[r][c];
-      const Eigen::Vector2d low(kMargin_px + static_cast<double>(c) * (panel_width + kMargin_px),
-                                v + kTitle_px);
+    double u = kMargin_px;
+    for (const BoardPanel& panel : board.rows[r]) {
+      const double panel_px = widthOf(panel);
+      const Eigen::Vector2d low(u, v + kTitle_px);
+      u += panel_px + kMargin_px;
       canvas.text(panel.title, low - Eigen::Vector2d(0.0, 7.0), 10.0, colors::kInk);
-      const double h = panelHeight(panel, panel_width);
+      const double h = panelHeight(panel, panel_px);
       if (panel.plan) {
-        drawPlan(canvas, *panel.plan, low, panel_width, h);
-        canvas.rectangle(low, low + Eigen::Vector2d(panel_width, h), colors::kGrid);
+        drawPlan(canvas, *panel.plan, low, panel_px, h);
+        canvas.rectangle(low, low + Eigen::Vector2d(panel_px, h), colors::kGrid);
       } else if (!panel.picture.empty()) {
         cv::Mat fitted;
-        const bool larger = panel.picture.cols < panel_width;
-        cv::resize(panel.picture, fitted, {panel_width, static_cast<int>(h)}, 0, 0,
+        const bool larger = panel.picture.cols < panel_px;
+        cv::resize(panel.picture, fitted, {static_cast<int>(panel_px), static_cast<int>(h)}, 0, 0,
                    larger ? cv::INTER_LINEAR : cv::INTER_AREA);
         canvas.picture(fitted, low);
       }
@@ -126,11 +150,11 @@ cv::Mat drawBoard(const Board& board, int panel_width) {
     }
     v += row_heights[r];
   }
-  double u = kMargin_px;
-  for (const LegendEntry& entry : board.legend) {
-    canvas.line({u, v + 12.0}, {u + 24.0, v + 12.0}, entry.color, 3.0);
-    canvas.text(entry.text, {u + 31.0, v + 16.0}, 9.5);
-    u += 31.0 + canvas.textWidth(entry.text, 9.5) + 24.0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const LegendEntry& entry = board.legend[i];
+    const Eigen::Vector2d at = places[i] + Eigen::Vector2d(0.0, v);
+    canvas.line(at + Eigen::Vector2d(0.0, 12.0), at + Eigen::Vector2d(kKey_px, 12.0), entry.color, 3.0);
+    canvas.text(entry.text, at + Eigen::Vector2d(kKey_px + kKeyGap_px, 16.0), kLegendText_pt);
   }
   return canvas.finish();
 }

@@ -38,6 +38,7 @@ struct BoardPanel {
   std::vector<std::string> caption;  ///< lines below it
   cv::Mat picture;
   std::optional<Plan> plan;
+  int columns = 1;  ///< as wide as so many panels
 };
 
 struct Board {

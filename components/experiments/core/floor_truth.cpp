@@ -10,10 +10,9 @@ namespace vismem {
 namespace {
 
 constexpr double kOnFloor_m = 1e-6;
-constexpr double kTouching_m = 2e-3;
 
-bool touch(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return (a - b).norm() <= kTouching_m;
+bool touch(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double touching_m) {
+  return (a - b).norm() <= touching_m;
 }
 
 Segment2 turned(const Segment2& s) {
@@ -21,11 +20,12 @@ Segment2 turned(const Segment2& s) {
 }
 
 /// Takes the piece that goes on at the chain's end out of the rest; false when there is none.
-bool extend(std::vector<Segment2>& chain, std::vector<Segment2>& rest, double turn_rad) {
+bool extend(std::vector<Segment2>& chain, std::vector<Segment2>& rest, const FloorTruthParams& params) {
   for (std::size_t i = 0; i < rest.size(); ++i) {
     for (const Segment2& next : {rest[i], turned(rest[i])}) {
-      if (!touch(chain.back().b, next.a)) continue;
-      if (std::abs(angleDifference(next.direction(), chain.back().direction())) > turn_rad) continue;
+      if (!touch(chain.back().b, next.a, params.touching_m)) continue;
+      if (std::abs(angleDifference(next.direction(), chain.back().direction())) > params.curve_turn_rad)
+        continue;
       chain.push_back(next);
       rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
       return true;
@@ -34,14 +34,15 @@ bool extend(std::vector<Segment2>& chain, std::vector<Segment2>& rest, double tu
   return false;
 }
 
-TrueEdge makeEdge(const Label& label, std::vector<Segment2> pieces, bool curve, double step_m) {
+TrueEdge makeEdge(const Label& label, std::vector<Segment2> pieces, bool curve,
+                  const FloorTruthParams& params) {
   TrueEdge edge;
   edge.label = label;
   edge.curve = curve;
-  edge.closed = curve && touch(pieces.front().a, pieces.back().b);
+  edge.closed = curve && touch(pieces.front().a, pieces.back().b, params.touching_m);
   for (const Segment2& piece : pieces) {
     const double length = piece.length();
-    const int steps = std::max(1, static_cast<int>(std::ceil(length / step_m)));
+    const int steps = std::max(1, static_cast<int>(std::ceil(length / params.step_m)));
     for (int i = 0; i <= steps; ++i) {
       if (i == 0 && !edge.samples.empty()) continue;  // where the piece before ended
       const double t = static_cast<double>(i) / steps;
@@ -58,6 +59,12 @@ TrueEdge makeEdge(const Label& label, std::vector<Segment2> pieces, bool curve, 
 
 }  // namespace
 
+double floorFootprint(const TrueEdge::Sample& sample, double focal_px) {
+  const double d = sample.nearest_m;
+  const double h = sample.camera_height_m;
+  return (d * d + h * h) / (h * focal_px);
+}
+
 FloorTruth::FloorTruth(const SegmentMap& edges, const Params& params) : params_(params) {
   struct Short {
     Label label;
@@ -70,7 +77,7 @@ FloorTruth::FloorTruth(const SegmentMap& edges, const Params& params) : params_(
     if (floor.length() <= params_.curve_piece_m) {
       short_ones.push_back({segment.label, floor});
     } else {
-      edges_.push_back(makeEdge(segment.label, {floor}, false, params_.step_m));
+      edges_.push_back(makeEdge(segment.label, {floor}, false, params_));
     }
   }
   std::vector<Label> labels;
@@ -85,17 +92,17 @@ FloorTruth::FloorTruth(const SegmentMap& edges, const Params& params) : params_(
     while (!rest.empty()) {
       std::vector<Segment2> chain{rest.front()};
       rest.erase(rest.begin());
-      while (extend(chain, rest, params_.curve_turn_rad)) {
+      while (extend(chain, rest, params_)) {
       }
       // And backwards from its beginning.
       std::reverse(chain.begin(), chain.end());
       for (Segment2& s : chain) s = turned(s);
-      while (extend(chain, rest, params_.curve_turn_rad)) {
+      while (extend(chain, rest, params_)) {
       }
       if (static_cast<int>(chain.size()) >= params_.curve_pieces) {
-        edges_.push_back(makeEdge(label, std::move(chain), true, params_.step_m));
+        edges_.push_back(makeEdge(label, std::move(chain), true, params_));
       } else {
-        for (const Segment2& s : chain) edges_.push_back(makeEdge(label, {s}, false, params_.step_m));
+        for (const Segment2& s : chain) edges_.push_back(makeEdge(label, {s}, false, params_));
       }
     }
   }

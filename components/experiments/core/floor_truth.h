@@ -36,12 +36,16 @@ struct TrueEdge {
   double longest_view_px = 0.0;  ///< the length of the image of it in the best of those views
 };
 
+/// The floor along the ray that one pixel covers in the nearest view of a point that was seen [m].
+double floorFootprint(const TrueEdge::Sample& sample, double focal_px);
+
 struct FloorTruthParams {
   double range_m = 4.0;          ///< farther parts do not count as shown (along the floor)
   double step_m = 0.02;          ///< between samples
   double border_px = 2.0;        ///< nearer to the image's border nothing counts as shown
   double curve_piece_m = 0.10;   ///< longer pieces of the map are no part of a curve ..
-  double curve_turn_rad = 0.35;  ///< .. nor are those that meet at a larger angle
+  double curve_turn_rad = 0.35;  ///< .. nor are those that meet at a larger angle ..
+  double touching_m = 2e-3;      ///< .. nor those whose ends are further apart than this
   int curve_pieces = 8;          ///< of fewer pieces there is no curve
 };
 

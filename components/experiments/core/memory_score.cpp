@@ -31,9 +31,7 @@ std::vector<Run> seenRuns(const TrueEdge& edge, double gap_m) {
 
 /// How wrong an end is: 1 at the limit of what is right.
 double endError(const Eigen::Vector2d& p, const TrueEdge::Sample& truth, const MemoryScoreParams& params) {
-  const double d = truth.nearest_m;
-  const double h = truth.camera_height_m;
-  const double footprint = (d * d + h * h) / (h * params.focal_px);
+  const double footprint = floorFootprint(truth, params.focal_px);
   const Eigen::Vector2d ray = (truth.p - truth.camera).normalized();
   const Eigen::Vector2d off = p - truth.p;
   const double along = std::abs(ray.dot(off)) / (params.end_m + footprint);

@@ -10,6 +10,7 @@
 #include <ostream>
 
 #include "common/config/config_error.h"
+#include "experiments/core/shape_score.h"
 
 namespace vismem {
 namespace {
@@ -114,14 +115,12 @@ void writeMemoryCsv(const MemorySnapshot& memory, std::ostream& out) {
 }
 
 void writePrimitivesCsv(const MemorySnapshot& memory, std::ostream& out) {
-  static constexpr const char* kNames[] = {"stripe", "parallelogram", "triangle", "arrow", "circle"};
   out << "t_s,id,kind,x_m,y_m,heading_rad,length_m,width_m,radius_m,hidden_vertex,quality,life,vertices_m\n";
   for (const Primitive& p : memory.primitives) {
     putSeconds(out, memory.stamp_us);
-    out << std::fixed << std::setprecision(4) << ',' << p.id << ',' << kNames[static_cast<int>(p.kind)] << ','
-        << p.centre.x() << ',' << p.centre.y() << ',' << p.heading_rad << ',' << p.length_m << ','
-        << p.width_m << ',' << p.radius_m << ',' << p.hidden_vertex << ',' << p.quality << ',' << p.life
-        << ',';
+    out << std::fixed << std::setprecision(4) << ',' << p.id << ',' << nameOf(p.kind) << ',' << p.centre.x()
+        << ',' << p.centre.y() << ',' << p.heading_rad << ',' << p.length_m << ',' << p.width_m << ','
+        << p.radius_m << ',' << p.hidden_vertex << ',' << p.quality << ',' << p.life << ',';
     const char* separator = "";
     for (const Eigen::Vector2d& v : p.vertices) {
       out << separator << v.x() << ' ' << v.y();

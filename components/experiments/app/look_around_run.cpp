@@ -1,0 +1,111 @@
+#include "experiments/app/look_around_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "common/kinematics/kinematics.h"
+#include "experiments/app/score_json.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kClearance_m = 0.3;
+
+}  // namespace
+
+JudgementFiles::JudgementFiles(const std::filesystem::path& folder)
+    : elements_(folder / "elements.csv", "variant,after,id,x1_m,y1_m,x2_m,y2_m,label,verdict,true_edge"),
+      edges_(folder / "edges.csv",
+             "variant,after,edge,x1_m,y1_m,x2_m,y2_m,label,curve,longest_view_px,state") {}
+
+void JudgementFiles::add(const std::string& variant, const std::string& after, const MemoryScore& score,
+                         const std::vector<RememberedEdge>& memory, const std::vector<TrueEdge>& edges) {
+  const auto row = [&](const RememberedEdge& e, const char* verdict, int edge) {
+    elements_.row(text("%s,%s,%llu,%.4f,%.4f,%.4f,%.4f,%s,%s,%d", variant.c_str(), after.c_str(),
+                       static_cast<unsigned long long>(e.id), e.world.a.x(), e.world.a.y(), e.world.b.x(),
+                       e.world.b.y(), e.label.c_str(), verdict, edge));
+  };
+  for (const auto& judged : score.judged) {
+    constexpr const char* kNames[] = {"right", "partial", "false"};
+    row(judged.edge, kNames[static_cast<int>(judged.verdict)], judged.true_edge);
+  }
+  for (const RememberedEdge& e : memory) {
+    if (!e.confirmed) row(e, "unconfirmed", -1);
+  }
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const TrueEdge& edge = edges[i];
+    const bool missed = std::count(score.missed.begin(), score.missed.end(), static_cast<int>(i)) > 0;
+    const Eigen::Vector2d a = edge.pieces.front().a;
+    const Eigen::Vector2d b = edge.pieces.back().b;
+    edges_.row(text("%s,%s,%zu,%.3f,%.3f,%.3f,%.3f,%s,%d,%.1f,%s", variant.c_str(), after.c_str(), i, a.x(),
+                    a.y(), b.x(), b.y(), edge.label.c_str(), edge.curve ? 1 : 0, edge.longest_view_px,
+                    !edge.shown_in_full ? "not shown in full"
+                    : missed            ? "missed"
+                                        : "found"));
+  }
+}
+
+void JudgementFiles::close() {
+  elements_.close();
+  edges_.close();
+}
+
+MemoryScore lookAroundTwice(ExperimentRun& run, const std::string& variant, const LookAroundWay& way,
+                            JudgementFiles& files, nlohmann::json& json) {
+  const auto judge = [&](const char* after) {
+    const MemoryScore score = run.score();
+    files.add(variant, after, score, rememberedIn(run.snapshot(), run.trueRobot()), run.truth().edges());
+    json[after] = toJson(score);
+    json[after]["edges_per_image_mean"] = run.meanEdgesPerImage();
+    json[after]["edges_per_image_most"] = run.mostEdgesInAnImage();
+    json[after]["memory_over_image"] = score.right / std::max(1.0, run.meanEdgesPerImage());
+    return score;
+  };
+  run.turn(2.0 * std::numbers::pi, way.turn_rate_radps);
+  judge("turn");
+  run.drive(way.way_m, way.speed_mps);
+  run.turn(2.0 * std::numbers::pi, way.turn_rate_radps);
+  const MemoryScore score = judge("drive");
+  json["seconds"] = run.now_s();
+  return score;
+}
+
+Pose2 placeWithFreeWay(const World& world, double way_m, const std::function<Pose2()>& draw) {
+  const auto obstacles = obstaclesOf(world);
+  constexpr int kTries = 1000;
+  for (int i = 0; i < kTries; ++i) {
+    const Pose2 start = draw();
+    bool free = true;
+    for (double way = 0.0; way <= way_m + 0.05 && free; way += 0.05) {
+      const Eigen::Vector2d at = (start * Pose2{way, 0.0, 0.0}).position();
+      free = std::all_of(obstacles.begin(), obstacles.end(), [&](const WorldObstacle& obstacle) {
+        return distanceToOutline(at, obstacle.outline) > kClearance_m;
+      });
+    }
+    if (free) return start;
+  }
+  throw std::runtime_error(world.name + text(": no place drawn has %.1f m of free way ahead", way_m));
+}
+
+BoardPanel scorePanel(const ExperimentRun& run, const MemoryScore& score, std::string title) {
+  BoardPanel panel;
+  panel.title = std::move(title);
+  panel.plan = planOfScore(score, rememberedIn(run.snapshot(), run.trueRobot()), run.truth().edges());
+  panel.plan->robot = run.trueRobot();
+  const ImageAnalysis& analysis = run.analysis();
+  const Eigen::Vector3d axis = analysis.T_robot_camera.linear().col(2);
+  panel.plan->view = ViewCone{run.trueRobot().theta + std::atan2(axis.y(), axis.x()),
+                              2.0 * std::atan(0.5 * analysis.intrinsics.width / analysis.intrinsics.fx), 4.0};
+  panel.caption = {
+      text("%d right, %d on an edge with a wrong end, %d false; %d not confirmed", score.right, score.partial,
+           score.wrong, score.unconfirmed),
+      text("precision %.3f, recall %.3f (of edges of 10 px or more %.3f), %.2f elements per edge",
+           score.precision(), score.recall(), score.recallResolved(), score.duplicates())};
+  return panel;
+}
+
+}  // namespace vismem
