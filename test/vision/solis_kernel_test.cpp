@@ -76,7 +76,7 @@ std::vector<std::int32_t> startsOf(const EdgePointFinder& finder) {
 }
 
 TEST(EdgeRows, EveryKernelGivesTheSameBits) {
-  for (const int width : {16, 17, 31, 33, 64, 255, 320, 321, 641, 800, 1111}) {
+  for (const int width : {16, 17, 31, 33, 64, 255, 320, 321, 641, 800, 1111, 1700}) {
     for (const int type : {CV_8UC1, CV_8UC3}) {
       const cv::Mat image = scene(width, 60, type, static_cast<std::uint64_t>(width));
       EdgePointFinder portable(portableEdgeRows());

@@ -5,8 +5,6 @@
 
 namespace vismem {
 
-/// Words of a row are worked on eight at a time.
-constexpr int kEdgeWordBlock = 8;
 /// Words of zeros before and after each plane of a row, which looking sideways reads.
 constexpr int kEdgeWordMargin = 4;
 

@@ -86,8 +86,8 @@ double estimateNoise(const cv::Mat& image) {
 void EdgePointFinder::prepare(const cv::Mat& image) {
   width_ = image.cols;
   height_ = image.rows;
-  constexpr int kBlockBits = kWordBits * kEdgeWordBlock;
-  words_ = (width_ + kBlockBits - 1) / kBlockBits * kEdgeWordBlock;
+  const int block_bits = kWordBits * kernel_.word_block;
+  words_ = (width_ + block_bits - 1) / block_bits * kernel_.word_block;
   count_ = 0;
   stride_ = kWordBits * words_ + 2 * kEdgeReadMargin;
   const std::size_t pixels = image.total() + 2 * kEdgePointBlock;

@@ -69,8 +69,8 @@ const EdgeRowKernel& avx512EdgeRows();
 
 const EdgeRowKernel& portableEdgeRows() {
   static constexpr EdgeRowKernel kKernel{
-      "portable", grayLoop,      columnsLoop,     gradientLoop,   maximaLoop,         listLoop,  pointsLoop,
-      linkLoop,   listLinksLoop, bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsLoop};
+      "portable", kWordBlock, grayLoop,      columnsLoop,     gradientLoop,   maximaLoop,         listLoop,
+      pointsLoop, linkLoop,   listLinksLoop, bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsLoop};
   return kKernel;
 }
 

@@ -40,6 +40,7 @@ struct EdgeRowPoints {
 /// 240.
 struct EdgeRowKernel {
   const char* name;
+  int word_block;  ///< planes have a multiple of so many words
   /// Brightness of R, G, B pixels with the weights of ITU-R BT.601.
   void (*gray)(const std::uint8_t* rgb, int width, std::uint8_t* gray);
   /// Five rows of the image, top to bottom -> smoothed and differentiated down the columns.
@@ -66,7 +67,7 @@ struct EdgeRowKernel {
   /// @param points has room for two blocks more.
   void (*points)(const std::int16_t* const gradient[3], const EdgeRowPoints& row, EdgePoint* points);
   /// Links between neighbours in a row and to the row above, whose ends are free and whose directions agree.
-  /// @param words a multiple of kEdgeWordBlock.
+  /// @param words a multiple of word_block.
   void (*link)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                const EdgeLinks& links);
   /// Lists the links of a row: from which point to which one, the brighter side on the left.

@@ -79,8 +79,8 @@ void pointsLoop(const std::int16_t* const gradient[3], const EdgeRowPoints& row,
 const EdgeRowKernel& avx2EdgeRows();
 const EdgeRowKernel& avx2EdgeRows() {
   static constexpr EdgeRowKernel kKernel{
-      "avx2",   grayLoop,      columnsLoop,     gradientLoop,   maximaLoop,         listLoop,  pointsLoop,
-      linkLoop, listLinksLoop, bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsLoop};
+      "avx2",     kWordBlock, grayLoop,      columnsLoop,     gradientLoop,   maximaLoop,         listLoop,
+      pointsLoop, linkLoop,   listLinksLoop, bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsLoop};
   return kKernel;
 }
 

@@ -212,9 +212,10 @@ EdgeChainEnds startsMasks(const std::int16_t* next, const std::uint8_t* previous
 
 const EdgeRowKernel& avx512EdgeRows();
 const EdgeRowKernel& avx512EdgeRows() {
-  static constexpr EdgeRowKernel kKernel{
-      "avx512", grayLoop,       columnsLoop,     gradientLoop,   maximaMasks,        listMasks,  pointsMasks,
-      linkLoop, listLinksMasks, bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsMasks};
+  static constexpr EdgeRowKernel kKernel{"avx512",           kWordBlock,     grayLoop,        columnsLoop,
+                                         gradientLoop,       maximaMasks,    listMasks,       pointsMasks,
+                                         linkLoop,           listLinksMasks, bridgeSteepLoop, bridgeFlatLoop,
+                                         bridgeDiagonalLoop, startsMasks};
   return kKernel;
 }
 
