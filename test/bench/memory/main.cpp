@@ -20,6 +20,7 @@
 #include "common/geometry/angles.h"
 #include "experiments/app/cpu_stages.h"
 #include "experiments/app/evaluation_setup.h"
+#include "over_time.h"
 #include "simulator/core/image_errors.h"
 #include "simulator/core/renderer.h"
 
@@ -36,6 +37,7 @@ struct Options {
   double rate_hz = 30.0;
   double lap_s = 30.0;
   double minutes = 60.0;
+  fs::path out = "out/bench-memory";
 };
 
 struct Lap {
@@ -77,14 +79,6 @@ double residentMb() {
   return 0.0;
 }
 
-struct Part {
-  double minutes = 0.0;  ///< of robot time, at its end
-  double mean_ms = 0.0;
-  double p99_ms = 0.0;
-  double elements = 0.0;  ///< mean
-  double resident_mb = 0.0;
-};
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -103,6 +97,7 @@ int main(int argc, char** argv) {
   app.add_option("--minutes", options.minutes, "of robot time")
       ->check(CLI::Range(0.5, 600.0))
       ->capture_default_str();
+  app.add_option("--out", options.out, "folder of over_time.csv and over_time.png")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
     EvaluationOptions evaluation;
@@ -114,13 +109,14 @@ int main(int argc, char** argv) {
     MemoryPipeline pipeline(params.pipeline, params.palette);
     CpuStages stages;
     std::vector<double> iteration_ms;
-    std::vector<Part> parts;
+    std::vector<Minute> minutes;
     double elements = 0.0;
     double all_ms = 0.0;
     double all_elements = 0.0;
     std::uint64_t frames = 0;
     const auto total = static_cast<std::uint64_t>(options.minutes * 60.0 * options.rate_hz);
-    const auto per_part = std::max<std::uint64_t>(1, total / 12);
+    const auto per_minute =
+        std::max<std::uint64_t>(1, std::llround(std::min(1.0, options.minutes) * 60.0 * options.rate_hz));
     for (; frames < total; ++frames) {
       RobotObservation o = lap.observations[frames % lap.observations.size()];
       o.frame.seq = frames;
@@ -134,16 +130,16 @@ int main(int argc, char** argv) {
       iteration_ms.push_back(1e3 * (after - before));
       all_ms += iteration_ms.back();
       elements += static_cast<double>(result.update.snapshot->segments.size());
-      if (iteration_ms.size() < per_part) continue;
+      if (iteration_ms.size() < per_minute) continue;
       std::vector<double> sorted = iteration_ms;
       std::sort(sorted.begin(), sorted.end());
-      Part part;
-      part.minutes = static_cast<double>(frames + 1) / options.rate_hz / 60.0;
-      for (const double ms : sorted) part.mean_ms += ms / static_cast<double>(sorted.size());
-      part.p99_ms = sorted[sorted.size() * 99 / 100];
-      part.elements = elements / static_cast<double>(sorted.size());
-      part.resident_mb = residentMb();
-      parts.push_back(part);
+      Minute minute;
+      minute.minutes = static_cast<double>(frames + 1) / options.rate_hz / 60.0;
+      for (const double ms : sorted) minute.mean_ms += ms / static_cast<double>(sorted.size());
+      minute.p99_ms = sorted[sorted.size() * 99 / 100];
+      minute.elements = elements / static_cast<double>(sorted.size());
+      minute.resident_mb = residentMb();
+      minutes.push_back(minute);
       all_elements += elements;
       elements = 0.0;
       iteration_ms.clear();
@@ -161,16 +157,14 @@ int main(int argc, char** argv) {
     std::printf("| all | %.3f |\n\n", all_ms / n);
     json["mean_ms"] = all_ms / n;
     json["share_of_a_core_at_30_hz"] = all_ms / n * 30.0 / 1e3;
-    std::printf(
-        "| robot time [min] | mean [ms] | 99 %% [ms] | elements | resident [MB] |\n|---|---|---|---|---|\n");
-    for (const Part& part : parts) {
-      std::printf("| %.1f | %.3f | %.3f | %.0f | %.1f |\n", part.minutes, part.mean_ms, part.p99_ms,
-                  part.elements, part.resident_mb);
-      json["over_time"].push_back({{"minutes", part.minutes},
-                                   {"mean_ms", part.mean_ms},
-                                   {"p99_ms", part.p99_ms},
-                                   {"elements", part.elements},
-                                   {"resident_mb", part.resident_mb}});
+    printTable(minutes);
+    json.update(toJson(minutes));
+    if (!options.out.empty()) {
+      fs::create_directories(options.out);
+      writeCsv(minutes, options.out / "over_time.csv");
+      writeFigure(minutes, "The visual memory over time: `" + options.world + "`, " + options.mode + " mode",
+                  options.out / "over_time.png");
+      json["out"] = options.out.string();
     }
     std::cout << std::endl << json.dump() << std::endl;
   } catch (const std::exception& error) {
