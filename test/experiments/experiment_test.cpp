@@ -109,7 +109,7 @@ TEST_F(ExperimentProgram, E1RemembersTheRoomBetterThanOneImageShowsIt) {
 TEST_F(ExperimentProgram, E4RemembersAsAHumanoidAndSaysWhichRecordingIsAbsent) {
   const std::string out = (folder_ / "e4").string();
   ASSERT_EQ(run("E4 --seed 1 --variant corridor --out " + out), 0) << content("stderr");
-  const auto& corridor = lastLine()["corridor"]["drive"];
+  const auto corridor = lastLine()["corridor"]["drive"];
   EXPECT_GT(corridor["right"].get<int>() + corridor["unconfirmed_on_edges"].get<int>(), 3) << corridor;
   EXPECT_LT(corridor["duplicates"].get<double>(), 1.5) << corridor;
   EXPECT_FALSE(cv::imread(out + "/figure19_corridor.png").empty());
@@ -135,6 +135,18 @@ TEST_F(ExperimentProgram, E4MeasuresTheRecordingOfTheNao) {
   EXPECT_LT(nao["distance_to_map_m"].get<double>(), 0.06) << nao;
   EXPECT_LT(nao["elements_per_edge"]["median"].get<double>(), 1.5) << nao;
   EXPECT_FALSE(cv::imread(out + "/figure19_nao.png").empty());
+}
+
+TEST_F(ExperimentProgram, E3ARobotThatDrivesAheadDoesNotDragTheMemoryAlong) {
+  const std::string out = (folder_ / "e3").string();
+  ASSERT_EQ(run("E3 --seed 3 --variant drive --out " + out), 0) << content("stderr");
+  const auto drive = lastLine()["drive"];
+  EXPECT_GT(drive["view_covered"].get<double>(), 0.8) << drive;
+  EXPECT_GT(drive["survived"].get<double>(), 0.9) << drive;
+  // 0.62 when what came lately could align the memory.
+  EXPECT_GT(drive["survived_in_place"].get<double>(), 0.85) << drive;
+  EXPECT_LT(drive["after"]["duplicates"].get<double>(), 1.1) << drive;
+  EXPECT_FALSE(cv::imread(out + "/figure16_18_drive.png").empty());
 }
 
 TEST_F(ExperimentProgram, PrimitivesFindsTheShapesOfTheRoom) {

@@ -269,7 +269,8 @@ std::vector<Primitive> findPolygons(const std::vector<FloorEdge>& edges, const P
 std::vector<Primitive> findArrows(const std::vector<FloorEdge>& strokes, const PolygonParams& params) {
   struct Head {
     int stroke = 0;
-    double angle = 0.0;  ///< from the shaft, > 0 counter-clockwise
+    double angle = 0.0;                               ///< from the shaft, > 0 counter-clockwise
+    Eigen::Vector2d meets = Eigen::Vector2d::Zero();  ///< the shaft's line
     Eigen::Vector2d end = Eigen::Vector2d::Zero();
     double length = 0.0;
   };
@@ -279,7 +280,7 @@ std::vector<Primitive> findArrows(const std::vector<FloorEdge>& strokes, const P
     const FloorEdge& shaft = strokes[s];
     if (shaft.length > params.max_side_m) continue;
     for (int end = 0; end < 2; ++end) {
-      const Eigen::Vector2d tip = shaft.end(end);
+      const Eigen::Vector2d shaft_end = shaft.end(end);
       const Eigen::Vector2d backwards = shaft.inward(end);
       heads.clear();
       for (std::size_t h = 0; h < strokes.size(); ++h) {
@@ -287,14 +288,16 @@ std::vector<Primitive> findArrows(const std::vector<FloorEdge>& strokes, const P
         if (h == s || head.length < params.min_head_m || head.length * params.shaft_ratio > shaft.length)
           continue;
         if (shareIds(head.segments, shaft.segments) || !labelsCompatible(head.label, shaft.label)) continue;
-        const int near = (head.line.a - tip).squaredNorm() <= (head.line.b - tip).squaredNorm() ? 0 : 1;
+        const int near =
+            (head.line.a - shaft_end).squaredNorm() <= (head.line.b - shaft_end).squaredNorm() ? 0 : 1;
         const double reach = params.arrow_gap_m + 0.5 * (head.width_m + shaft.width_m);
         const auto place = meeting(head, shaft);
-        if (!place || (*place - tip).norm() > reach || (*place - head.end(near)).norm() > reach) continue;
+        if (!place || (*place - shaft_end).norm() > reach || (*place - head.end(near)).norm() > reach)
+          continue;
         const Eigen::Vector2d away = head.inward(near);
         const double angle = std::atan2(cross(backwards, away), backwards.dot(away));
         if (std::abs(angle) < params.min_head_rad || std::abs(angle) > params.max_head_rad) continue;
-        heads.push_back({static_cast<int>(h), angle, head.end(1 - near), head.length});
+        heads.push_back({static_cast<int>(h), angle, *place, head.end(1 - near), head.length});
       }
       for (std::size_t m = 0; m < heads.size(); ++m) {
         for (std::size_t n = m + 1; n < heads.size(); ++n) {
@@ -309,10 +312,12 @@ std::vector<Primitive> findArrows(const std::vector<FloorEdge>& strokes, const P
           const Head& right = one.angle < 0.0 ? two : one;
           Primitive primitive;
           primitive.kind = PrimitiveKind::kArrow;
+          // A painted shaft ends where the heads begin; its middle line goes on to the tip.
+          const Eigen::Vector2d tip = 0.5 * (one.meets + two.meets);
           primitive.vertices = {tip, shaft.end(1 - end), left.end, right.end};
           primitive.centre = 0.5 * (tip + shaft.end(1 - end));
           primitive.heading_rad = std::atan2(-backwards.y(), -backwards.x());
-          primitive.length_m = shaft.length;
+          primitive.length_m = (tip - shaft.end(1 - end)).norm();
           primitive.width_m = (left.end - right.end).norm();
           primitive.quality = 1.0 - 0.5 * std::abs(one.angle + two.angle) / params.head_symmetry_rad -
                               0.5 * (1.0 - ratio) / (1.0 - params.head_ratio);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "active_visual_memory/core/floor_edge.h"
@@ -49,20 +50,28 @@ double sizeOf(const Primitive& primitive) {
   return size;
 }
 
-}  // namespace
-
-bool sameShape(const Primitive& a, const Primitive& b, const PrimitiveParams& params) {
-  if (a.kind != b.kind || (a.centre - b.centre).norm() > params.same_place_m) return false;
-  const double size_a = sizeOf(a);
-  const double size_b = sizeOf(b);
-  if (std::abs(size_a - size_b) > params.same_size_share * std::max(size_a, size_b)) return false;
-  if (a.kind != PrimitiveKind::kStripe) return true;
-  return std::abs(std::sin(a.heading_rad - b.heading_rad)) < 0.3;  // crossing lines have one middle too
+/// Of the length of a shape's segments, what is confirmed.
+double confirmedShare(const Primitive& shape, std::span<const MemorySegment> segments) {
+  double confirmed = 0.0;
+  double all = 0.0;
+  for (const MemorySegment& segment : segments) {
+    if (!std::binary_search(shape.segments.begin(), shape.segments.end(), segment.id)) continue;
+    const double length = segment.odom.floor().length();
+    all += length;
+    if (segment.confirmed) confirmed += length;
+  }
+  return all > 0.0 ? confirmed / all : 0.0;
 }
 
-std::vector<Primitive> findPrimitives(std::span<const MemorySegment> segments,
-                                      const PrimitiveParams& params) {
-  const std::vector<FloorEdge> edges = floorEdges(segments, params.confirmed_only);
+std::vector<FloorEdge> labelledEdges(std::span<const MemorySegment> segments) {
+  std::vector<MemorySegment> labelled;
+  for (const MemorySegment& segment : segments) {
+    if (segment.confirmed || segment.label != kUnknownLabel) labelled.push_back(segment);
+  }
+  return floorEdges(labelled, false);
+}
+
+std::vector<Primitive> findAmong(const std::vector<FloorEdge>& edges, const PrimitiveParams& params) {
   std::vector<Primitive> found;
   choose(findCircles(edges, params.circles), 0, params, found);
 
@@ -92,6 +101,43 @@ std::vector<Primitive> findPrimitives(std::span<const MemorySegment> segments,
   found.insert(found.end(), std::make_move_iterator(polygons.begin()),
                std::make_move_iterator(polygons.end()));
   for (const FloorEdge& stripe : lines) found.push_back(stripePrimitive(stripe));
+  return found;
+}
+
+}  // namespace
+
+bool sameShape(const Primitive& a, const Primitive& b, const PrimitiveParams& params) {
+  if (a.kind != b.kind || (a.centre - b.centre).norm() > params.same_place_m) return false;
+  const double size_a = sizeOf(a);
+  const double size_b = sizeOf(b);
+  if (std::abs(size_a - size_b) > params.same_size_share * std::max(size_a, size_b)) return false;
+  if (a.kind != PrimitiveKind::kStripe) return true;
+  return std::abs(std::sin(a.heading_rad - b.heading_rad)) < 0.3;  // crossing lines have one middle too
+}
+
+std::vector<Primitive> findPrimitives(std::span<const MemorySegment> segments,
+                                      const PrimitiveParams& params) {
+  std::vector<Primitive> found = findAmong(floorEdges(segments, params.confirmed_only), params);
+  if (!params.confirmed_only) return found;
+
+  // A shape of confirmed segments with a gap where a labelled one lies that nothing has confirmed yet: what
+  // stands up would not close it.
+  const auto is_stripe = [](const Primitive& shape) { return shape.kind == PrimitiveKind::kStripe; };
+  std::vector<Primitive> closed;
+  std::remove_copy_if(found.begin(), found.end(), std::back_inserter(closed), is_stripe);
+  std::vector<Primitive> more = findAmong(without(labelledEdges(segments), closed), params);
+  std::erase_if(more, [&](const Primitive& shape) {
+    const bool known = std::any_of(closed.begin(), closed.end(), [&](const Primitive& better) {
+      return better.kind == shape.kind && (better.centre - shape.centre).norm() <= params.same_place_m;
+    });
+    return is_stripe(shape) || known || confirmedShare(shape, segments) < params.confirmed_share;
+  });
+  std::erase_if(found, [&](const Primitive& shape) {
+    return is_stripe(shape) && std::any_of(more.begin(), more.end(), [&](const Primitive& better) {
+             return shareIds(shape.segments, better.segments);
+           });
+  });
+  found.insert(found.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
   return found;
 }
 

@@ -1,5 +1,6 @@
 #include "active_visual_memory/core/primitive_memory.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -69,6 +70,47 @@ void PrimitiveMemory::take(Entry& entry, Primitive found, double dt_s) const {
   known.life = std::min(params_.max_life, known.life + params_.gain_per_s * dt_s);
 }
 
+std::vector<std::optional<Segment2>> PrimitiveMemory::placesOf(const Primitive& shape,
+                                                               std::span<const MemorySegment> segments) {
+  std::vector<std::optional<Segment2>> places(shape.segments.size());
+  for (const MemorySegment& segment : segments) {
+    const auto id = std::lower_bound(shape.segments.begin(), shape.segments.end(), segment.id);
+    if (id == shape.segments.end() || *id != segment.id) continue;
+    places[static_cast<std::size_t>(id - shape.segments.begin())] = segment.odom.floor();
+  }
+  return places;
+}
+
+/// The rigid motion that brings the segments' lines from their old places to the new ones (least squares; how
+/// far they reach may change meanwhile), applied to the shape.
+void PrimitiveMemory::follow(Primitive& shape, const std::vector<std::optional<Segment2>>& before,
+                             const std::vector<std::optional<Segment2>>& now) {
+  // A little weight on not moving keeps what no line tells.
+  constexpr double kRest = 1e-3;
+  Eigen::Matrix3d normal = kRest * Eigen::Matrix3d::Identity();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < before.size() && i < now.size(); ++i) {
+    if (!before[i] || !now[i]) continue;
+    const Eigen::Vector2d along = (now[i]->b - now[i]->a).normalized();
+    const Eigen::Vector2d across(-along.y(), along.x());
+    for (const Eigen::Vector2d& p : {before[i]->a, before[i]->b}) {
+      const Eigen::Vector2d arm = p - shape.centre;
+      const Eigen::Vector3d row(across.x(), across.y(), across.dot(Eigen::Vector2d(-arm.y(), arm.x())));
+      normal += row * row.transpose();
+      right += across.dot(now[i]->a - p) * row;
+    }
+  }
+  const Eigen::Vector3d motion = normal.ldlt().solve(right);
+  const Eigen::Rotation2Dd turn(motion.z());
+  const Eigen::Vector2d centre = shape.centre;
+  const auto moved = [&](const Eigen::Vector2d& p) {
+    return Eigen::Vector2d(centre + motion.head<2>() + turn * (p - centre));
+  };
+  for (auto& v : shape.vertices) v = moved(v);
+  shape.centre = moved(centre);
+  shape.heading_rad = wrapAngle(shape.heading_rad + motion.z());
+}
+
 bool PrimitiveMemory::update(StampUs stamp_us, std::span<const MemorySegment> segments) {
   if (has_last_ && stamp_us >= last_us_ && stamp_us - last_us_ < params_.interval_us) return false;
   const double dt_s = has_last_ && stamp_us > last_us_ ? std::min(1.0, toSeconds(stamp_us - last_us_))
@@ -92,14 +134,15 @@ bool PrimitiveMemory::update(StampUs stamp_us, std::span<const MemorySegment> se
     if (best >= 0) {
       taken[best] = true;
       take(entry, std::move(found[best]), dt_s);
+      entry.places = placesOf(entry.value, segments);
       entry.value.last_seen_us = stamp_us;
       continue;
     }
+    const auto places = placesOf(entry.value, segments);
     const auto alive =
-        std::count_if(entry.value.segments.begin(), entry.value.segments.end(), [&](std::uint64_t id) {
-          return std::any_of(segments.begin(), segments.end(),
-                             [&](const MemorySegment& s) { return s.id == id; });
-        });
+        std::count_if(places.begin(), places.end(), [](const auto& p) { return p.has_value(); });
+    follow(entry.value, entry.places, places);
+    entry.places = places;
     if (2 * alive < static_cast<std::ptrdiff_t>(entry.value.segments.size())) {
       entry.value.life -= params_.loss_per_s * dt_s;
     }
@@ -113,6 +156,7 @@ bool PrimitiveMemory::update(StampUs stamp_us, std::span<const MemorySegment> se
     entry.value.life = params_.gain_per_s * dt_s;
     entry.value.first_seen_us = entry.value.last_seen_us = stamp_us;
     entry.findings = 1;
+    entry.places = placesOf(entry.value, segments);
     entries_.push_back(std::move(entry));
   }
   return true;

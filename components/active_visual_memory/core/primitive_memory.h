@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct SideCompletion {
 /// *Single-threaded* (owner: the perception loop). Invariants: ids are never used twice; life in [0,
 /// maximum]. A shape is found in the memory's segments, not in images, so it is as steady as they are: it
 /// lives on while half of its segments do (out of view they fade slowly by themselves), and fades when they
-/// are gone.
+/// are gone. While it is not found it goes wherever its segments go: the memory moves as a whole when
+/// odometry has drifted.
 class PrimitiveMemory {
  public:
   struct Params {
@@ -49,8 +51,14 @@ class PrimitiveMemory {
   struct Entry {
     Primitive value;
     int findings = 0;
+    /// Where its segments were at the last update, as value.segments.
+    std::vector<std::optional<Segment2>> places;
   };
   void take(Entry& entry, Primitive found, double dt_s) const;
+  static std::vector<std::optional<Segment2>> placesOf(const Primitive& shape,
+                                                       std::span<const MemorySegment> segments);
+  static void follow(Primitive& shape, const std::vector<std::optional<Segment2>>& before,
+                     const std::vector<std::optional<Segment2>>& now);
   bool isPublished(const Entry& entry) const { return entry.value.life >= params_.published_life; }
 
   Params params_;

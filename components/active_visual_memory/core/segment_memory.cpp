@@ -45,6 +45,11 @@ void SegmentMemory::alignTo(const std::vector<std::vector<const FloorSegment*>>&
     // What did not prove to rest on the floor while the camera moved may be something that moves along.
     const double moved = (view.camera - element.anchor_camera).norm();
     if (!element.on_floor && moved > params_.parallax.min_baseline_m) continue;
+    // Nor may what came lately, while the robot drives: another robot that drives ahead would drag all along.
+    if (!element.on_floor && moved > params_.parallax.min_step_m &&
+        isNew(element, view.observation.frame.stamp_us)) {
+      continue;
+    }
     const double doubt = element.on_floor || moved < params_.parallax.min_step_m ? 1.0 : params_.align_doubt;
     const double noise = std::pow(params_.align_noise * doubt, 2);
     for (const FloorSegment* piece : seen[p]) {

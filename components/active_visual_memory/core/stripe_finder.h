@@ -9,7 +9,7 @@
 namespace vismem {
 
 struct StripeParams {
-  double min_width_m = 0.03;
+  double min_width_m = 0.008;  ///< a line seen from afar is remembered narrower than it is
   double max_width_m = 0.13;
   double max_angle_rad = 0.10;   ///< between the edges
   double min_overlap = 0.5;      ///< of the shorter edge
