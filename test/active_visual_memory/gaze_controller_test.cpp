@@ -197,6 +197,36 @@ TEST(GazeController, VisitsTenObjectsEvenly) {
   EXPECT_LE(*most, 2 * *least);
 }
 
+/// Seconds from a client's wish until the head looks there, in the middle of the visit of an object.
+double waitOfAClient(double priority) {
+  auto params = AttentiveVisualMemoryParams::standard();
+  params.gaze.track_s = 3.0;
+  Bench bench(params);
+  MemorySegment object;
+  object.id = 1;
+  object.odom = {{1.5, 0.1, -0.4}, {1.6, 0.1, -0.4}};
+  const auto see = [&] {
+    object.last_seen_us = bench.now + 33'333;
+    bench.step({object});
+  };
+  for (int i = 0; i < 3000; ++i) {
+    see();
+    const auto status = bench.gaze.status(bench.now, bench.pool);
+    if (status.state == GazeState::kTrack && status.target->kind == AttentionKind::kSegment) break;
+  }
+  EXPECT_EQ(bench.gaze.status(bench.now, bench.pool).state, GazeState::kTrack);
+  const StampUs asked_us = bench.now;
+  bench.pool.request(
+      {"client", "key", std::nullopt, PanTilt{degToRad(40), 0.0}, priority, bench.now + 60 * kSecondUs});
+  for (int i = 0; i < 3000 && std::abs(bench.head.pan_rad - degToRad(40)) > degToRad(1); ++i) see();
+  return toSeconds(bench.now - asked_us);
+}
+
+TEST(GazeController, AnUrgentWishEndsTheVisitOfAnObjectAndOthersWait) {
+  EXPECT_GT(waitOfAClient(kUrgentPriority - 1.0), 3.0);  // the rest of the visit, and the way
+  EXPECT_LT(waitOfAClient(kUrgentPriority), 1.5);        // the way alone
+}
+
 TEST(GazeMailbox, RefusesWhatMakesNoSenseAndSaysWhy) {
   GazeMailbox mailbox;
   GazeRequest request;

@@ -4,17 +4,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 
+#include "active_visual_memory/ice/gaze_ice.h"
 #include "active_visual_memory/ice/visual_memory_ice.h"
 #include "common/geometry/angles.h"
 #include "common/segment_map/segment_map.h"
 #include "localization/corridor_world.h"
 #include "localization/ice/localization_ice.h"
+#include "robot_ice/loopback.h"
 #include "support/component_process.h"
 
 namespace vismem {
@@ -22,6 +26,52 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
+
+/// Notes the wishes of clients.
+class FakeGaze : public GazeClient {
+ public:
+  PortReply setMode(GazeMode) override { return PortReply::accepted(); }
+  PortReply fixate(const Eigen::Vector3d&) override { return PortReply::accepted(); }
+  PortReply request(const GazeRequest& request) override {
+    const std::lock_guard lock(mutex_);
+    requests_.push_back(request);
+    return PortReply::accepted();
+  }
+  PortReply withdraw(const std::string&, const std::string& key) override {
+    const std::lock_guard lock(mutex_);
+    withdrawn_.push_back(key);
+    return PortReply::accepted();
+  }
+  std::optional<GazeStatus> status() override { return std::nullopt; }
+
+  std::vector<GazeRequest> requests() const {
+    const std::lock_guard lock(mutex_);
+    return requests_;
+  }
+  std::vector<std::string> withdrawn() const {
+    const std::lock_guard lock(mutex_);
+    return withdrawn_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<GazeRequest> requests_;
+  std::vector<std::string> withdrawn_;
+};
+
+/// A gaze that can be taken away and come back at its port.
+class GazeServer {
+ public:
+  explicit GazeServer(FakeGaze& gaze, int port = 0) : server_(port) {
+    server_.add("Gaze", std::make_shared<GazeServant>(gaze));
+    server_.activate();
+  }
+  int port() const { return server_.port(); }
+  std::string proxy() const { return "Gaze:tcp -h 127.0.0.1 -p " + std::to_string(port()); }
+
+ private:
+  LoopbackServer server_;
+};
 
 /// A visual memory on an ephemeral port, filled by a synthetic drive.
 class MemoryServer {
@@ -62,6 +112,21 @@ class LocalizationProcessTest : public testing::Test {
   std::shared_ptr<Ice::ObjectPrx> object(const std::string& identity, int port) {
     return communicator_->stringToProxy(identity + ":tcp -h 127.0.0.1 -p " + std::to_string(port))
         ->ice_invocationTimeout(5000);
+  }
+
+  /// Lock-step until the world's time: every update is answered before the next goes out.
+  static void drive(test::CorridorWorld& world, MemoryServer& server, RemoteLocalization& localization,
+                    double until_s) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (world.seconds() < until_s) {
+      const MemoryUpdate update = world.next();
+      server.memory().publish(update);
+      std::optional<PoseEstimate> estimate;
+      while (!estimate || estimate->stamp_us < update.snapshot->stamp_us) {
+        ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+        estimate = localization.next(estimate ? estimate->revision : 0, 1000ms);
+      }
+    }
   }
 
   const std::filesystem::path map_;
@@ -109,6 +174,87 @@ TEST_F(LocalizationProcessTest, FindsTheRobotAndTakesCommands) {
 
   ASSERT_TRUE(child->signal(SIGTERM));
   EXPECT_EQ(child->waitForExit(kPatience), 0) << child->error();
+}
+
+TEST_F(LocalizationProcessTest, AsksForGazeUntilThePoseIsSure) {
+  MemoryServer server;
+  FakeGaze gaze;
+  GazeServer gaze_server(gaze);
+  const auto child = process(server.proxy(), {"--Localization.Gaze.Proxy=" + gaze_server.proxy()});
+  ASSERT_GT(child->port(), 0) << child->error();
+  RemoteLocalization localization(
+      Ice::uncheckedCast<avm::LocalizationPrx>(object("Localization", child->port())));
+  test::CorridorWorld world({}, 1);
+  drive(world, server, localization, 1.0);
+  // Nothing is known: it asks, with its name, for a place, and only for so long.
+  EXPECT_TRUE(eventually([&] { return !gaze.requests().empty(); })) << child->error();
+  ASSERT_FALSE(gaze.requests().empty());
+  const GazeRequest first = gaze.requests().front();
+  EXPECT_EQ(first.client, "localization");
+  EXPECT_TRUE(first.p_odom);
+  EXPECT_GT(first.priority, 50.0);
+  EXPECT_NEAR(toSeconds(first.deadline_us), 2.0, 1.1);
+  // Sure, it asks no more.
+  drive(world, server, localization, 40.0);
+  const auto estimate = localization.latest();
+  ASSERT_TRUE(estimate && estimate->T_world_robot);
+  EXPECT_LT((estimate->T_world_robot->position() - world.truth().position()).norm(), 0.3);
+  const std::size_t asked = gaze.requests().size();
+  drive(world, server, localization, 44.0);
+  EXPECT_LE(gaze.requests().size(), asked + 1);
+  // All that was asked for was taken back, or ran into its deadline.
+  EXPECT_GE(gaze.withdrawn().size() + 1, asked);
+  const auto status =
+      Ice::checkedCast<avm::ComponentPrx>(object("localization/component", child->port()))->getStatus();
+  ASSERT_EQ(status.peers.size(), 2u);
+  const auto rate = std::find_if(status.rates.begin(), status.rates.end(),
+                                 [](const auto& one) { return one.name == "gaze wishes"; });
+  ASSERT_NE(rate, status.rates.end());
+  EXPECT_EQ(static_cast<std::size_t>(rate->total), gaze.requests().size());
+  ASSERT_TRUE(child->signal(SIGTERM));
+  EXPECT_EQ(child->waitForExit(kPatience), 0) << child->error();
+}
+
+TEST_F(LocalizationProcessTest, SurvivesTheLossOfTheGazeAndFindsItAgain) {
+  MemoryServer server;
+  FakeGaze gaze;
+  // The child must not inherit the socket of a server that shall go: a port of the system's choice, free
+  // again.
+  const int port = GazeServer(gaze).port();
+  const auto child =
+      process(server.proxy(), {"--Localization.Gaze.Proxy=Gaze:tcp -h 127.0.0.1 -p " + std::to_string(port)});
+  ASSERT_GT(child->port(), 0) << child->error();
+  auto gaze_server = std::make_unique<GazeServer>(gaze, port);
+  RemoteLocalization localization(
+      Ice::uncheckedCast<avm::LocalizationPrx>(object("Localization", child->port())));
+  test::CorridorWorld world({}, 1);
+  drive(world, server, localization, 1.0);
+  EXPECT_TRUE(eventually([&] { return !gaze.requests().empty(); })) << child->error();
+  gaze_server.reset();
+  EXPECT_TRUE(localization.relocalize().ok());
+  drive(world, server, localization, 4.0);  // poses come all the same
+  const auto component = Ice::checkedCast<avm::ComponentPrx>(object("localization/component", child->port()));
+  EXPECT_TRUE(eventually([&] {
+    const auto status = component->getStatus();
+    return status.state == avm::ComponentState::Degraded && status.reason.find("Gaze") != std::string::npos;
+  })) << component->getStatus().reason;
+  const std::size_t asked = gaze.requests().size();
+  gaze_server = std::make_unique<GazeServer>(gaze, port);
+  EXPECT_TRUE(localization.relocalize().ok());
+  EXPECT_TRUE(eventually([&] {
+    drive(world, server, localization, world.seconds() + 0.5);
+    localization.relocalize();
+    return gaze.requests().size() > asked;
+  })) << child->error();
+  EXPECT_TRUE(child->waitForLine("Gaze is back", kPatience)) << child->error();
+}
+
+TEST_F(LocalizationProcessTest, SaysThatItAsksForNoGaze) {
+  MemoryServer server;
+  const auto child = process(server.proxy());
+  ASSERT_GT(child->port(), 0) << child->error();
+  EXPECT_TRUE(child->waitForLine("asks for no gaze: Localization.Gaze.Proxy is not set", kPatience))
+      << child->error();
 }
 
 TEST_F(LocalizationProcessTest, ComesUpWithoutItsPeerAndSaysWhomItWaitsFor) {

@@ -53,6 +53,22 @@ TEST(LocalizationConfig, DefaultsAreThePresets) {
   EXPECT_DOUBLE_EQ(chapter.params.races.delete_health, 0.6);
 }
 
+TEST(LocalizationConfig, GazeIsAskedForWithAProxyAlone) {
+  EXPECT_TRUE(parse(kNeeded).gaze_proxy.empty());
+  const LocalizationConfig config = parse(kNeeded +
+                                          "Localization.Gaze.Proxy = Gaze:tcp -p 9970\n"
+                                          "Localization.Gaze.DoubtAbove = 0.4\n"
+                                          "Localization.Gaze.Pan.Maximum_deg = 90\n");
+  EXPECT_EQ(config.gaze_proxy, "Gaze:tcp -p 9970");
+  EXPECT_DOUBLE_EQ(config.gaze.doubt_above, 0.4);
+  EXPECT_NEAR(config.gaze.advisor.maximum_pan_rad, degToRad(90), 1e-12);
+  EXPECT_THAT(problemsOf(kNeeded + "Localization.Gaze.LeastPriority = 60\n"
+                                   "Localization.Gaze.MostPriority = 50\n"
+                                   "Localization.Gaze.Tilt.Minimum_deg = 5\n"),
+              ElementsAre(HasSubstr("Localization.Gaze.MostPriority"),
+                          HasSubstr("must not be more than Localization.Gaze.Tilt.Maximum_deg")));
+}
+
 TEST(LocalizationConfig, AKeyOverridesThePreset) {
   const LocalizationConfig config = parse(kNeeded +
                                           "Localization.Races.SamePlace_deg = 20\n"

@@ -211,6 +211,9 @@ MemoryUpdate CorridorWorld::next() {
   analysis->stamp_us = snapshot->stamp_us;
   analysis->intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
   analysis->T_odom_robot = T_odom_robot_;
+  CameraMount mount;
+  mount.T_robot_pantilt.translation().z() = 0.45;
+  analysis->T_robot_camera = cameraPose(mount, pan_rad_, degToRad(-15));
   return {snapshot, analysis};
 }
 

@@ -73,7 +73,8 @@ void expectTheyWorkOn(const Robot& robot, Processes& processes, const std::strin
       {"ActiveVisualMemory.Odometry.Proxy", robot.odometry}};
   auto& memory = processes.start("active_visual_memory", "ActiveVisualMemory", "sim", memory_changes);
   const std::map<std::string, std::string> localization_changes{
-      {"Localization.VisualMemory.Proxy", memory.proxy("VisualMemory")}};
+      {"Localization.VisualMemory.Proxy", memory.proxy("VisualMemory")},
+      {"Localization.Gaze.Proxy", memory.proxy("Gaze")}};
   auto& localization = processes.start("localization", "Localization", "sim", localization_changes);
   for (const auto& changes : {memory_changes, localization_changes}) {
     for (const auto& [key, value] : changes) EXPECT_TRUE(key.ends_with(".Proxy")) << key;

@@ -3,11 +3,16 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "experiments/trials/trial_method.h"
 #include "experiments/trials/trial_score.h"
 
 namespace vismem {
 namespace {
+
+using ::testing::Contains;
 
 TrialOptions shortTrial() {
   TrialOptions options;
@@ -21,7 +26,9 @@ TrialOptions shortTrial() {
 std::vector<PoseEstimate> estimatesOf(const Trial& trial, const MethodMaker& maker, const SegmentMap& edges) {
   const auto method = maker.make(edges, trial.seed);
   std::vector<PoseEstimate> estimates;
-  for (const MemoryUpdate& update : trial.updates) estimates.push_back(method->step(update));
+  for (std::size_t i = 0; i < trial.updates.size(); ++i) {
+    estimates.push_back(method->step(trial.updates[i], trial.T_odom_robot_now[i]));
+  }
   return estimates;
 }
 
@@ -50,6 +57,41 @@ TEST(TrialRun, TheDefaultModeFindsTheKidnappedRobot) {
       trial, estimatesOf(trial, localizerMethod("default", run.params().localizer), run.params().map_edges));
   ASSERT_EQ(events.size(), 2u);
   EXPECT_TRUE(events[1].settled_after_s);
+  EXPECT_TRUE(events[1].right_at_end);
+}
+
+// What B4 is compared by: the same kidnappings, another gaze, and a localization that gives the same
+// estimates on the record that it gave in the loop.
+TEST(TrialRun, LocalizationSteersTheGazeInClosedLoop) {
+  TrialOptions options = shortTrial();
+  TrialRun alone(options);
+  const Trial by_salience = alone.record();
+  EXPECT_EQ(by_salience.gaze_wishes, 0);
+  options.gaze.emplace();
+  TrialRun run(options);
+  std::vector<AttentionKind> targets;
+  const Trial trial = run.record([&](const TrialRun::Step& step, GazeClient&) {
+    if (step.gaze.target) targets.push_back(step.gaze.target->kind);
+  });
+  EXPECT_GT(trial.gaze_wishes, 0);
+  EXPECT_THAT(targets, Contains(AttentionKind::kClient));
+  EXPECT_EQ(trial.gaze_plan_ms.size(), trial.updates.size());
+  ASSERT_EQ(trial.events_us, by_salience.events_us);
+  for (std::size_t event = 0; event < trial.events_us.size(); ++event) {
+    EXPECT_EQ(truthOfEvent(trial, event).front().pose, truthOfEvent(by_salience, event).front().pose);
+  }
+  // Another gaze sees other things.
+  const auto panOf = [](const MemoryUpdate& update) {
+    return update.analysis->T_robot_camera.linear()(1, 2);
+  };
+  bool differs = false;
+  for (std::size_t i = 0; i < std::min(trial.updates.size(), by_salience.updates.size()); ++i) {
+    differs = differs || std::abs(panOf(trial.updates[i]) - panOf(by_salience.updates[i])) > 0.1;
+  }
+  EXPECT_TRUE(differs);
+  const auto events = scoreEvents(
+      trial, estimatesOf(trial, localizerMethod("default", run.params().localizer), run.params().map_edges));
+  ASSERT_EQ(events.size(), 2u);
   EXPECT_TRUE(events[1].right_at_end);
 }
 

@@ -120,6 +120,32 @@ TEST(TrialSummary, TheRightPlaceMustWinWithinTenSecondsOfTheEvidence) {
   EXPECT_DOUBLE_EQ(summary.right_after_evidence->value, 0.5);
 }
 
+TEST(TrialSummary, QuantilesOfTwoAreComparedOverTheSameSeeds) {
+  std::vector<EventScore> quick;
+  std::vector<EventScore> slow;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    EventScore event;
+    event.seed = seed;
+    event.event = 1;
+    event.settled_after_s = 0.2 * static_cast<double>(seed);  // 0.2 .. 4 s
+    quick.push_back(event);
+    event.settled_after_s = 0.5 * static_cast<double>(seed);  // 0.5 .. 10 s
+    slow.push_back(event);
+  }
+  for (const double q : {0.5, 0.9}) {
+    const auto ratio = ratioOfQuantiles(quick, slow, q);
+    ASSERT_TRUE(ratio);
+    EXPECT_NEAR(ratio->value, 0.4, 1e-9);
+    // Drawn in pairs, seed by seed, the ratio of two that are proportional is always the same.
+    EXPECT_NEAR(ratio->interval.low, 0.4, 1e-9);
+    EXPECT_NEAR(ratio->interval.high, 0.4, 1e-9);
+  }
+  // Nobody is 0.9 of something that never came.
+  for (std::size_t i = 0; i < 5; ++i) slow[i].settled_after_s.reset();
+  EXPECT_FALSE(ratioOfQuantiles(quick, slow, 0.9));
+  EXPECT_TRUE(ratioOfQuantiles(quick, slow, 0.3));
+}
+
 TEST(TwinEvidence, ComesWhenALineIsSeenThatTheTwinDoesNotHave) {
   // Two walls along y = 2 and y = -2, alike under half a turn, but one has a piece more at its end.
   SegmentMap map;

@@ -142,15 +142,25 @@ void AttentionPool::update(StampUs stamp_us, const AttentionObjects& objects, co
   }
 }
 
-std::optional<AttentionPoint> AttentionPool::mostSalient() const {
+const AttentionPool::Entry* AttentionPool::best() const {
   const Entry* best = nullptr;
   for (const Entry& entry : entries_) {
     // What was just looked at (or just seen for the first time) does not call.
     if (entry.point.salience <= 0.0) continue;
     if (!best || entry.point.salience > best->point.salience) best = &entry;
   }
-  if (!best) return std::nullopt;
-  return best->point;
+  return best;
+}
+
+std::optional<AttentionPoint> AttentionPool::mostSalient() const {
+  const Entry* entry = best();
+  if (!entry) return std::nullopt;
+  return entry->point;
+}
+
+bool AttentionPool::isUrgent() const {
+  const Entry* entry = best();
+  return entry && entry->request && entry->request->priority >= kUrgentPriority;
 }
 
 std::optional<AttentionPoint> AttentionPool::find(std::uint64_t id) const {

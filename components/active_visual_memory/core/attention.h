@@ -64,6 +64,8 @@ class AttentionPool {
   /// The most salient point; the older of equals.
   std::optional<AttentionPoint> mostSalient() const;
   std::optional<AttentionPoint> find(std::uint64_t id) const;
+  /// True if the most salient point is an urgent wish of a client: it need not wait for the end of a visit.
+  bool isUrgent() const;
   /// Id of the segment that a point stands for.
   std::optional<std::uint64_t> segmentOf(std::uint64_t point_id) const;
   /// Salience of a remembered object, 0 if it has no point.
@@ -90,6 +92,7 @@ class AttentionPool {
     double rate = 1.0;
     std::optional<GazeRequest> request;
   };
+  const Entry* best() const;
   void follow(const AttentionObjects& objects, const Pose2& T_odom_robot);
   double objects(const Pose2& T_odom_robot, const CameraMount& mount) const;
   PanTilt directionOf(const AttentionPoint& point, const Pose2& T_odom_robot, const CameraMount& mount) const;

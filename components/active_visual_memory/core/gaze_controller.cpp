@@ -297,6 +297,8 @@ std::optional<PanTiltCommand> GazeController::attend(const RobotObservation& obs
     conditions.analysed = in_state_s >= params_.analyse_s;
     const bool client = target_->kind == AttentionKind::kClient;
     conditions.tracked = in_state_s >= (client ? params_.client_track_s : params_.track_s);
+    // An object can wait; it keeps the salience that it has, or was looked at already.
+    if (!client && pool.isUrgent()) conditions.target_gone = true;
     if (client) {
       conditions.relevant = true;
     } else if (const auto id = pool.segmentOf(target_->id)) {

@@ -40,14 +40,17 @@ struct GazeStatus {
   std::uint64_t given_up = 0;  ///< targets not reached in time (A6)
 };
 
+/// A wish of at least this priority that has become the most salient point ends the visit of an object.
+inline constexpr double kUrgentPriority = 50.0;
+
 /// A client's wish: look at a place or a direction, more likely the higher the priority, until the deadline.
 struct GazeRequest {
   std::string client;  ///< who asks; a new request of the same client and key replaces the old one
   std::string key;
   std::optional<Eigen::Vector3d> p_odom;
   std::optional<PanTilt> direction;
-  double priority = 1.0;     ///< growth of salience relative to a remembered segment's, > 0, at most 100
-  StampUs deadline_us = 0;   ///< forgotten after this stamp
+  double priority = 1.0;    ///< growth of salience relative to a remembered segment's, > 0, at most 100
+  StampUs deadline_us = 0;  ///< forgotten after this stamp
 };
 
 /// The port of gaze clients: the local component, or the client of a remote one.

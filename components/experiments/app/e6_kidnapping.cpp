@@ -1,21 +1,15 @@
 #include "experiments/app/e6_kidnapping.h"
 
-#include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <stdexcept>
 
+#include "experiments/app/e6_gaze.h"
 #include "experiments/app/experiment_files.h"
-#include "experiments/app/trial_report.h"
-#include "experiments/app/trial_run.h"
-#include "experiments/trials/twin_evidence.h"
+#include "experiments/app/trial_series.h"
 
 namespace vismem {
 namespace {
-
-/// Trials of --seed N have the seeds 1000 N + 1, 1000 N + 2 ... Those of N = 7 were used for tuning.
-constexpr std::uint64_t kSeedsApart = 1000;
 
 enum class Methods { kAll, kDefaultAndMcl, kAblation };
 
@@ -153,59 +147,21 @@ std::vector<MethodMaker> methodsOf(const Variant& variant, const LocalizerParams
   return methods;
 }
 
-std::vector<std::optional<double>> evidenceOf(const Trial& trial, const SegmentMap& map_edges,
-                                              const LocalizerParams& ours) {
-  MapIndex::Params index;
-  index.cell_m = ours.cell_m;
-  index.direction_gate_rad = ours.robust.direction_gate_rad;
-  index.minimum_plan_length_m = 0.03;
-  const MapIndex map(map_edges, index);
-  const Pose2 half_turn{0.0, 0.0, std::numbers::pi};
-  std::vector<std::optional<double>> all;
-  for (std::size_t event = 0; event < trial.events_us.size(); ++event) {
-    all.push_back(evidenceAfter(trial, event, half_turn, map));
-  }
-  return all;
-}
-
 nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& options) {
-  const auto began = std::chrono::steady_clock::now();
-  const int trials = options.trials > 0 ? options.trials : variant.trials;
-  const std::uint64_t first = kSeedsApart * options.seed + 1;
-  std::optional<Comparison> comparison;
-  for (int i = 0; i < trials; ++i) {
-    TrialOptions trial_options;
-    trial_options.world = variant.world;
-    trial_options.seed = first + static_cast<std::uint64_t>(i);
-    trial_options.rendered = variant.rendered;
-    trial_options.disturbance = variant.disturbance;
-    trial_options.blackout_from_s = kBlackoutFrom_s;
-    trial_options.blackout_s = variant.blackout_s;
-    TrialRun run(trial_options);
-    if (!comparison) {
-      comparison.emplace(
-          variant.name,
-          text("E6 %s: %s; seeds %llu..%llu", variant.name, variant.title,
-               static_cast<unsigned long long>(first), static_cast<unsigned long long>(first + trials - 1)),
-          methodsOf(variant, run.params().localizer));
-    }
-    const Trial trial = run.record();
-    comparison->add(trial, run.params().map_edges);
-    if (i == 0) {
-      for (const char* method : {"default", "chapter"}) {
-        comparison->drawLast(method, options.out / (std::string(variant.name) + "_" + method + ".png"));
-      }
-    }
-    if (variant.twins) {
-      comparison->noteEvidence(evidenceOf(trial, run.params().map_edges, run.params().localizer));
-    }
-  }
-  nlohmann::json json = comparison->report(options.out);
-  json["seeds"] = {first, first + trials - 1};
-  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - began;
-  json["took_s"] = spent.count();
-  std::cerr << text("  took %.0f s\n", spent.count());
-  return json;
+  TrialSeries series;
+  series.name = variant.name;
+  series.title = text("E6 %s: %s", variant.name, variant.title);
+  series.trial.world = variant.world;
+  series.trial.rendered = variant.rendered;
+  series.trial.disturbance = variant.disturbance;
+  series.trial.blackout_from_s = kBlackoutFrom_s;
+  series.trial.blackout_s = variant.blackout_s;
+  series.seed = options.seed;
+  series.trials = options.trials > 0 ? options.trials : variant.trials;
+  series.methods = [&variant](const LocalizerParams& ours) { return methodsOf(variant, ours); };
+  series.drawn = {"default", "chapter"};
+  series.twins = variant.twins;
+  return runSeries(series, options.out);
 }
 
 /// How the made-up observations compare with what images give, in the same trials.
@@ -236,6 +192,7 @@ nlohmann::json compareVision(const ExperimentOptions& options) {
 }  // namespace
 
 nlohmann::json kidnapping(const ExperimentOptions& options) {
+  if (!options.gaze.empty()) return compareGaze(options);
   nlohmann::json json;
   for (const Variant& variant : variants()) {
     if (!options.variant.empty() && options.variant != variant.name) continue;

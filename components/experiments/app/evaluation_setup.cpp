@@ -63,9 +63,9 @@ LocalizerParams readLocalizer(const EvaluationOptions& options) {
   ConfigReader config(properties);
   config.known("ActiveVisualMemory.*");
   ConfigReader reader = config.group("Localization");
-  // Map, palette, seed and start are the evaluation's own.
+  // Map, palette, seed and start are the evaluation's own; who decides about gaze is said by experiments.
   knowKeys(reader, {"Endpoints", "LogLevel", "EndWithParent", "VisualMemory.Proxy", "Map", "Palette", "Seed",
-                    "Start.*", "Pose3D.*"});
+                    "Start.*", "Pose3D.*", "Gaze.*"});
   const LocalizerParams params = readLocalizerParams(reader);
   config.finish();
   return params;
@@ -90,6 +90,17 @@ fs::path projectFile(const fs::path& relative) {
     if (fs::exists(folder / relative)) return folder / relative;
   }
   return relative;
+}
+
+EvaluationOptions inProjectWorld(const std::string& world, const std::string& setup, std::uint64_t seed,
+                                 double camera_rate_hz) {
+  EvaluationOptions evaluation;
+  evaluation.world = projectFile("cfg/worlds/" + world + ".world");
+  evaluation.map = projectFile("cfg/maps/" + world + ".csv");
+  evaluation.setup = setup;
+  evaluation.seed = seed;
+  evaluation.camera_rate_hz = camera_rate_hz;
+  return evaluation;
 }
 
 EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt) {

@@ -1,7 +1,10 @@
 /// @file What an evaluation is made of: files found, configuration read, robot and parameters. DESIGN 7, 11.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <string>
 
 #include "active_visual_memory/core/memory_pipeline.h"
 #include "common/robot/observation.h"
@@ -19,6 +22,10 @@ namespace vismem {
 /// A file of the project named from its root: below the working directory, else below the folder that holds
 /// this program's build. @return `relative` itself if it is in neither, for the message of who opens it.
 std::filesystem::path projectFile(const std::filesystem::path& relative);
+
+/// A run in a world of the project: cfg/worlds/NAME.world with its map, by cfg/SETUP.
+EvaluationOptions inProjectWorld(const std::string& world, const std::string& setup, std::uint64_t seed,
+                                 double camera_rate_hz);
 
 struct EvaluationParams {
   MemoryPipelineParams pipeline;

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
@@ -13,19 +12,13 @@
 
 #include "common/tool/command_line_tool.h"
 #include "experiments/app/evaluation_setup.h"
+#include "experiments/app/experiment_files.h"
 #include "experiments/app/experiments.h"
 #include "experiments/app/over_runs.h"
 
 namespace {
 
 using namespace vismem;
-
-void write(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  out.close();
-  if (!out) throw std::runtime_error(file.string() + ": cannot be written");
-}
 
 nlohmann::json runOnce(const Experiment& experiment, const ExperimentOptions& options) {
   std::filesystem::create_directories(options.out);
@@ -34,7 +27,7 @@ nlohmann::json runOnce(const Experiment& experiment, const ExperimentOptions& op
                         {"seed", options.seed},
                         {"out", options.out.string()}};
   result.update(experiment.run(options));
-  write(options.out / "result.json", result.dump(2) + "\n");
+  replaceFile(options.out / "result.json", result.dump(2) + "\n");
   return result;
 }
 
@@ -74,7 +67,7 @@ int runSeeds(const Experiment& experiment, const ExperimentOptions& options, con
                            {"seeds", {seeds.first, seeds.last}},
                            {"out", options.out.string()},
                            {"over_seeds", overRuns(results)}};
-  write(options.out / "result.json", all.dump(2) + "\n");
+  replaceFile(options.out / "result.json", all.dump(2) + "\n");
   std::cout << all.dump() << "\n";
   return 0;
 }
@@ -113,6 +106,11 @@ int main(int argc, char** argv) {
   app.add_option("--trials", options.trials,
                  "runs of each variant of an experiment over many (E5, E6; default: as documented)")
       ->check(CLI::Range(1, 10'000));
+  app.add_option(
+         "--gaze", options.gaze,
+         "of E6: who decides where the camera looks, salience alone or localization too; both: each in "
+         "trials of its own with the same kidnappings, compared")
+      ->check(CLI::IsMember({"salience", "localization", "both"}));
   app.add_option("--out", options.out, "folder for all that is written (default: out/EXPERIMENT)");
   app.add_option(
       "--data", options.data,

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 namespace vismem {
 
@@ -14,6 +15,19 @@ std::string text(const char* pattern, auto... values) {
   char buffer[400];
   std::snprintf(buffer, sizeof buffer, pattern, values...);
   return buffer;
+}
+
+/// Writes a whole file in the place of an old one: whoever is stopped meanwhile leaves one or the other.
+/// @throws std::runtime_error naming the file when it could not be written.
+inline void replaceFile(const std::filesystem::path& file, const std::string& content) {
+  std::filesystem::path unfinished = file;
+  unfinished += ".unfinished";
+  std::ofstream out(unfinished, std::ios::binary);
+  out << content;
+  out.close();
+  std::error_code failed;
+  if (out) std::filesystem::rename(unfinished, file, failed);
+  if (!out || failed) throw std::runtime_error(file.string() + ": cannot be written");
 }
 
 class CsvFile {

@@ -14,13 +14,9 @@ constexpr double kVisible_px = 10.0;
 constexpr double kRayTolerance_m = 0.03;
 
 EvaluationOptions evaluationOptions(const ExperimentRunOptions& options) {
-  EvaluationOptions evaluation;
-  evaluation.world = projectFile("cfg/worlds/" + options.world + ".world");
-  evaluation.map = projectFile("cfg/maps/" + options.world + ".csv");
-  evaluation.setup = options.setup;
+  EvaluationOptions evaluation =
+      inProjectWorld(options.world, options.setup, options.seed, options.camera_rate_hz);
   evaluation.mode = options.mode;
-  evaluation.seed = options.seed;
-  evaluation.camera_rate_hz = options.camera_rate_hz;
   return evaluation;
 }
 

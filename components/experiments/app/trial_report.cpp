@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <stdexcept>
 #include <utility>
 
 #include "common/geometry/angles.h"
@@ -19,6 +21,7 @@ namespace {
 /// An update without a cycle only carries the pose forward; cycles come every second image at 10 Hz. What
 /// takes less than this was none.
 constexpr double kTick_s = 0.2;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 nlohmann::json finite(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
@@ -121,7 +124,7 @@ nlohmann::json toJson(const TrialSummary& summary) {
                       {"p90_s", toJson(summary.p90_s)},
                       {"position_error_m", toJson(summary.position_error_m)},
                       {"median_position_error_m", toJson(summary.median_position_error_m)},
-                      {"heading_error_deg", toJson(summary.heading_error_rad, 180.0 / std::numbers::pi)},
+                      {"heading_error_deg", toJson(summary.heading_error_rad, kDegrees)},
                       {"wrong_at_end_share", summary.wrong_at_end}};
   if (summary.true_alive) json["true_place_alive_share"] = *summary.true_alive;
   if (summary.right_after_evidence) json["right_10_s_after_evidence"] = toJson(summary.right_after_evidence);
@@ -129,71 +132,112 @@ nlohmann::json toJson(const TrialSummary& summary) {
 }
 
 Comparison::Comparison(std::string name, std::string title, std::vector<MethodMaker> methods)
-    : name_(std::move(name)), title_(std::move(title)), methods_(std::move(methods)) {
+    : name_(std::move(name)), title_(std::move(title)), methods_(std::move(methods)), last_(methods_.size()) {
   for (const MethodMaker& method : methods_) records_.push_back({method.name, {}, {}});
 }
 
 void Comparison::add(const Trial& trial, const SegmentMap& map_edges,
                      const std::vector<std::string>& known_start) {
-  if (!records_.empty()) last_added_ = records_.front().events.size();
-  last_ = Trial{trial.seed, {}, trial.truth, trial.events_us};
-  last_poses_.assign(methods_.size(), {});
   for (std::size_t m = 0; m < methods_.size(); ++m) {
-    const auto method = methods_[m].make(map_edges, trial.seed);
-    bool tell = std::find(known_start.begin(), known_start.end(), methods_[m].name) != known_start.end();
-    std::vector<PoseEstimate> estimates;
-    std::optional<StampUs> last_tick_us;
-    for (const MemoryUpdate& update : trial.updates) {
-      const double before_s = CpuStages::now_s();
-      estimates.push_back(method->step(update));
-      const double spent_s = CpuStages::now_s() - before_s;
-      const StampUs stamp_us = update.snapshot->stamp_us;
-      // All count; what came between two ticks is added to the first.
-      if (!last_tick_us || stamp_us >= *last_tick_us + toStampUs(kTick_s)) {
-        records_[m].cycle_ms.push_back(0.0);
-        last_tick_us = stamp_us;
-      }
-      records_[m].cycle_ms.back() += 1e3 * spent_s;
-      if (!tell) continue;
-      const auto truth = poseAt(trial.truth, stamp_us);
-      if (!truth) continue;
-      method->setPose(*truth);
-      tell = false;
+    run(m, trial, map_edges,
+        std::find(known_start.begin(), known_start.end(), methods_[m].name) != known_start.end());
+  }
+}
+
+void Comparison::addTo(const std::string& method, const Trial& trial, const SegmentMap& map_edges) {
+  for (Last& last : last_) last.is_newest = false;
+  for (std::size_t m = 0; m < methods_.size(); ++m) {
+    if (methods_[m].name != method) continue;
+    run(m, trial, map_edges, false);
+    return;
+  }
+  throw std::invalid_argument("comparison \"" + name_ + "\" has no method \"" + method + "\"");
+}
+
+void Comparison::run(std::size_t m, const Trial& trial, const SegmentMap& map_edges, bool is_start_known) {
+  MethodRecord& record = records_[m];
+  Last& last = last_[m];
+  last = Last{true, record.events.size(), {}, {}};
+  last.trial.seed = trial.seed;
+  last.trial.truth = trial.truth;
+  last.trial.events_us = trial.events_us;
+  const auto method = methods_[m].make(map_edges, trial.seed);
+  bool tell = is_start_known;
+  std::vector<PoseEstimate> estimates;
+  std::optional<StampUs> last_tick_us;
+  for (std::size_t i = 0; i < trial.updates.size(); ++i) {
+    const MemoryUpdate& update = trial.updates[i];
+    const double before_s = CpuStages::now_s();
+    estimates.push_back(method->step(update, trial.T_odom_robot_now[i]));
+    const double spent_s = CpuStages::now_s() - before_s;
+    const StampUs stamp_us = update.snapshot->stamp_us;
+    // All count; what came between two ticks is added to the first.
+    if (!last_tick_us || stamp_us >= *last_tick_us + toStampUs(kTick_s)) {
+      record.cycle_ms.push_back(0.0);
+      last_tick_us = stamp_us;
     }
-    for (EventScore& event : scoreEvents(trial, estimates)) records_[m].events.push_back(event);
-    for (const PoseEstimate& estimate : estimates) {
-      last_poses_[m].push_back({estimate.stamp_us, estimate.T_world_robot, estimate.reliability});
-    }
+    record.cycle_ms.back() += 1e3 * spent_s;
+    if (!tell) continue;
+    const auto truth = poseAt(trial.truth, stamp_us);
+    if (!truth) continue;
+    method->setPose(*truth);
+    tell = false;
+  }
+  for (EventScore& event : scoreEvents(trial, estimates)) record.events.push_back(event);
+  for (const PoseEstimate& estimate : estimates) {
+    last.poses.push_back({estimate.stamp_us, estimate.T_world_robot, estimate.reliability});
   }
 }
 
 void Comparison::drawLast(const std::string& method, const std::filesystem::path& file) const {
   for (std::size_t m = 0; m < methods_.size(); ++m) {
-    if (methods_[m].name != method || m >= last_poses_.size()) continue;
+    if (methods_[m].name != method || last_[m].poses.empty()) continue;
     ErrorFigure figure;
-    figure.title =
-        text("%s, seed %llu: error over time", method.c_str(), static_cast<unsigned long long>(last_.seed));
-    figure.score = scoreLocalization(last_poses_[m], last_.truth, last_.events_us);
+    figure.title = text("%s, seed %llu: error over time", method.c_str(),
+                        static_cast<unsigned long long>(last_[m].trial.seed));
+    figure.score = scoreLocalization(last_[m].poses, last_[m].trial.truth, last_[m].trial.events_us);
     writeImageFile(drawErrors(figure), file);
   }
 }
 
 void Comparison::noteEvidence(const std::vector<std::optional<double>>& evidence_after_s) {
-  for (MethodRecord& record : records_) {
-    for (std::size_t i = 0; i < evidence_after_s.size() && last_added_ + i < record.events.size(); ++i) {
-      record.events[last_added_ + i].evidence_after_s = evidence_after_s[i];
+  for (std::size_t m = 0; m < records_.size(); ++m) {
+    if (!last_[m].is_newest) continue;
+    std::vector<EventScore>& events = records_[m].events;
+    const std::size_t first = last_[m].first_event;
+    for (std::size_t i = 0; i < evidence_after_s.size() && first + i < events.size(); ++i) {
+      events[first + i].evidence_after_s = evidence_after_s[i];
     }
   }
 }
 
-nlohmann::json Comparison::report(const std::filesystem::path& out, const SummaryParams& params) const {
-  CsvFile csv(out / (name_ + "_events.csv"),
-              "method,seed,event,settled_after_s,position_error_m,heading_error_deg,right_at_end,true_alive,"
-              "evidence_after_s");
+nlohmann::json Comparison::write(const std::filesystem::path& out, const SummaryParams& params) const {
+  std::string csv =
+      "method,seed,event,settled_after_s,position_error_m,heading_error_deg,right_at_end,true_alive,"
+      "evidence_after_s\n";
   const auto number = [](const std::optional<double>& value, double scale = 1.0) {
     return value ? text("%.4f", scale * *value) : std::string();
   };
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  nlohmann::json json;
+  for (const MethodRecord& record : records_) {
+    for (const EventScore& event : record.events) {
+      csv += text("%s,%llu,%d,%s,%s,%s,%d,%s,%s\n", record.name.c_str(),
+                  static_cast<unsigned long long>(event.seed), event.event,
+                  number(event.settled_after_s).c_str(), number(event.position_error_m).c_str(),
+                  number(event.heading_error_rad, kDegrees).c_str(), event.right_at_end ? 1 : 0,
+                  number(event.true_alive).c_str(), number(event.evidence_after_s).c_str());
+    }
+    json[record.name] = toJson(summarize(record.events, params));
+    json[record.name]["cpu_ms_mean"] = mean(record.cycle_ms).value_or(0.0);
+    json[record.name]["cpu_ms_p99"] = quantile(record.cycle_ms, 0.99).value_or(0.0);
+  }
+  replaceFile(out / (name_ + "_events.csv"), csv);
+  replaceFile(out / (name_ + ".json"), json.dump(2) + "\n");
+  return json;
+}
+
+nlohmann::json Comparison::report(const std::filesystem::path& out, const SummaryParams& params) const {
+  nlohmann::json json = write(out, params);
   std::vector<std::vector<std::string>> rows{{"method", "recovered", "median s", "p90 s", "error cm",
                                               "median cm", "deg", "wrong at end", "CPU ms, p99"}};
   const bool twins = std::any_of(records_.begin(), records_.end(), [](const MethodRecord& record) {
@@ -204,21 +248,8 @@ nlohmann::json Comparison::report(const std::filesystem::path& out, const Summar
     rows.front().push_back("true place alive");
     rows.front().push_back("right 10 s after evidence");
   }
-  nlohmann::json json;
   for (const MethodRecord& record : records_) {
-    for (const EventScore& event : record.events) {
-      csv.row(text("%s,%llu,%d,%s,%s,%s,%d,%s,%s", record.name.c_str(),
-                   static_cast<unsigned long long>(event.seed), event.event,
-                   number(event.settled_after_s).c_str(), number(event.position_error_m).c_str(),
-                   number(event.heading_error_rad, kDegrees).c_str(), event.right_at_end ? 1 : 0,
-                   number(event.true_alive).c_str(), number(event.evidence_after_s).c_str()));
-    }
     const TrialSummary summary = summarize(record.events, params);
-    const double mean_ms = mean(record.cycle_ms).value_or(0.0);
-    const double p99_ms = quantile(record.cycle_ms, 0.99).value_or(0.0);
-    json[record.name] = toJson(summary);
-    json[record.name]["cpu_ms_mean"] = mean_ms;
-    json[record.name]["cpu_ms_p99"] = p99_ms;
     rows.push_back(
         {record.name,
          text("%d/%d ", summary.recovered, summary.events) + shown(summary.recovered_share, 100.0, "%.1f"),
@@ -226,13 +257,13 @@ nlohmann::json Comparison::report(const std::filesystem::path& out, const Summar
          shown(summary.position_error_m, 100.0, "%.1f"),
          shown(summary.median_position_error_m, 100.0, "%.1f"),
          shown(summary.heading_error_rad, kDegrees, "%.2f"), text("%.1f %%", 100.0 * summary.wrong_at_end),
-         text("%.2f, %.2f", mean_ms, p99_ms)});
+         text("%.2f, %.2f", json[record.name]["cpu_ms_mean"].get<double>(),
+              json[record.name]["cpu_ms_p99"].get<double>())});
     if (twins) {
       rows.back().push_back(summary.true_alive ? text("%.1f %%", 100.0 * *summary.true_alive) : "-");
       rows.back().push_back(shown(summary.right_after_evidence, 100.0, "%.1f"));
     }
   }
-  csv.close();
   printTable(title_, rows);
   writeImageFile(drawRecovery(title_, records_, params), out / (name_ + ".png"));
   return json;

@@ -12,6 +12,8 @@
 #include "common/geometry/angles.h"
 #include "common/kinematics/random_stream.h"
 #include "common/routes/route_follower.h"
+#include "experiments/app/cpu_stages.h"
+#include "localization/core/localizer.h"
 #include "simulator/core/renderer.h"
 
 namespace vismem {
@@ -23,16 +25,29 @@ constexpr double kLeastTurn_rad = 0.5 * std::numbers::pi;
 constexpr int kTries = 1000;
 
 EvaluationOptions evaluationOptions(const TrialOptions& options) {
-  EvaluationOptions evaluation;
-  evaluation.world = projectFile("cfg/worlds/" + options.world + ".world");
-  evaluation.map = projectFile("cfg/maps/" + options.world + ".csv");
-  evaluation.setup = options.setup;
-  evaluation.seed = options.seed;
-  evaluation.camera_rate_hz = options.camera_rate_hz;
-  return evaluation;
+  return inProjectWorld(options.world, options.setup, options.seed, options.camera_rate_hz);
 }
 
 }  // namespace
+
+/// The localization of the robot itself, which asks for gaze.
+struct Seeker {
+  Seeker(const GazePlannerParams& gaze, const EvaluationParams& params, std::uint64_t seed)
+      : localizer(params.localizer, params.map_edges, seed),
+        planner(gaze, params.localizer, params.map_edges) {}
+
+  void steer(const MemoryUpdate& update, const Pose2& T_odom_robot_now, GazeClient& client, Trial& trial) {
+    const PoseEstimate estimate = localizer.step(update, T_odom_robot_now);
+    const double before_s = CpuStages::now_s();
+    const GazePlan plan = planner.plan(estimate, update);
+    trial.gaze_plan_ms.push_back(1e3 * (CpuStages::now_s() - before_s));
+    trial.gaze_wishes += static_cast<int>(plan.requests.size());
+    if (carryOut(plan, client) > 0) throw std::logic_error("the gaze rejected a wish of localization");
+  }
+
+  Localizer localizer;
+  GazePlanner planner;
+};
 
 struct TrialRun::Impl {
   explicit Impl(const TrialOptions& given)
@@ -134,8 +149,11 @@ struct TrialRun::Impl {
     trial.seed = options.seed;
     trial.events_us.push_back(0);
     append(trial.truth, {0, simulation->truth().T_world_robot});
+    std::optional<Seeker> seeker;
+    if (options.gaze) seeker.emplace(*options.gaze, params, options.seed);
     StampUs newest_pan_tilt_us = -1;
     StampUs newest_odometry_us = -1;
+    Pose2 T_odom_robot_now;
     const StampUs end_us = toStampUs(options.events * options.event_s);
     while (simulation->now() < end_us) {
       const auto drive = driver->drive(simulation->truth().T_world_robot);
@@ -148,6 +166,7 @@ struct TrialRun::Impl {
       }
       for (const auto& sample : simulation->base().samplesSince(newest_odometry_us, kNoWait).samples) {
         newest_odometry_us = sample.stamp_us;
+        T_odom_robot_now = sample.T_odom_robot;
         assembler.add(sample);
       }
       if (auto frame = takeFrame()) assembler.add(std::move(*frame));
@@ -156,6 +175,8 @@ struct TrialRun::Impl {
         if (step.command) simulation->panTilt().command(*step.command);
         if (trial.updates.empty() || trial.updates.back().snapshot != step.update.snapshot) {
           trial.updates.push_back(step.update);
+          trial.T_odom_robot_now.push_back(T_odom_robot_now);
+          if (seeker) seeker->steer(step.update, T_odom_robot_now, memory.memory().gazeClient(), trial);
         }
         if (visit) visit(step, memory.memory().gazeClient());
       }

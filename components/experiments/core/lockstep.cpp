@@ -39,6 +39,7 @@ bool Lockstep::step(const Visitor& visit) {
   }
   for (const auto& sample : robot_.base().samplesSince(newest_odometry_us_, kNoWait).samples) {
     newest_odometry_us_ = sample.stamp_us;
+    T_odom_robot_now_ = sample.T_odom_robot;
     assembler_.add(sample);
   }
   enterStage(probe_, "render");
@@ -56,7 +57,8 @@ void Lockstep::process(const RobotObservation& observation, const Visitor& visit
   const AttentiveVisualMemory::StepResult memory = memory_.process(observation, probe_);
   if (memory.command && !robot_.panTilt().command(*memory.command).ok()) ++rejected_;
   enterStage(probe_, "localization");
-  const PoseEstimate estimate = localizer_ ? localizer_->step(memory.update) : PoseEstimate{};
+  const PoseEstimate estimate =
+      localizer_ ? localizer_->step(memory.update, T_odom_robot_now_) : PoseEstimate{};
   enterStage(probe_, "report");
   ++processed_;
   if (visit) visit({observation, memory, estimate});

@@ -15,10 +15,15 @@ namespace vismem {
 struct Trial {
   std::uint64_t seed = 0;
   std::vector<MemoryUpdate> updates;  ///< stamps increase
-  Trajectory truth;                   ///< world -> robot
+  /// Odometry at the moment when each update came, which is later than its stamp where images are late.
+  std::vector<Pose2> T_odom_robot_now;
+  Trajectory truth;  ///< world -> robot
   /// When each event began: the first is the start of the run, the others are kidnappings. An event ends
   /// where the next begins, the last one with the truth.
   std::vector<StampUs> events_us;
+  /// Where localization asked for gaze: CPU time of each decision about it, and how often it asked.
+  std::vector<double> gaze_plan_ms;
+  int gaze_wishes = 0;
 };
 
 /// The truth of one event alone: between two events lies no way. @param event index into events_us.

@@ -9,7 +9,9 @@ class LocalizerMethod : public TrialMethod {
  public:
   LocalizerMethod(const LocalizerParams& params, const SegmentMap& map_edges, std::uint64_t seed)
       : localizer_(params, map_edges, seed) {}
-  PoseEstimate step(const MemoryUpdate& update) override { return localizer_.step(update); }
+  PoseEstimate step(const MemoryUpdate& update, const Pose2& T_odom_robot_now) override {
+    return localizer_.step(update, T_odom_robot_now);
+  }
   void setPose(const Pose2& T_world_robot) override { localizer_.setPose(T_world_robot); }
 
  private:
@@ -20,7 +22,7 @@ class MonteCarloMethod : public TrialMethod {
  public:
   MonteCarloMethod(const MonteCarloParams& params, const SegmentMap& map_edges, std::uint64_t seed)
       : monte_carlo_(params, map_edges, seed) {}
-  PoseEstimate step(const MemoryUpdate& update) override { return monte_carlo_.step(update); }
+  PoseEstimate step(const MemoryUpdate& update, const Pose2&) override { return monte_carlo_.step(update); }
   void setPose(const Pose2& T_world_robot) override { monte_carlo_.setPose(T_world_robot); }
 
  private:
@@ -60,6 +62,7 @@ std::vector<Ablation> ablations(const LocalizerParams& base) {
   without("no_kld", [](auto& p) { p.robust.kld_error = 0.0; });
   without("no_age_weight", [](auto& p) { p.robust.half_life_s = 0.0; });
   without("no_lean", [](auto& p) { p.robust.lean_bias_rad = p.robust.lean_sway_rad = 0.0; });
+  without("rated_on_arrival", [](auto& p) { p.robust.rate_at_image_stamp = false; });
   without("image_only", [](auto& p) { p.robust.source = HealthSource::kImage; });
   without("memory_only", [](auto& p) { p.robust.source = HealthSource::kMemory; });
   return all;

@@ -18,7 +18,8 @@ namespace vismem {
 class TrialMethod {
  public:
   virtual ~TrialMethod() = default;
-  virtual PoseEstimate step(const MemoryUpdate& update) = 0;
+  /// @param T_odom_robot_now when the update came.
+  virtual PoseEstimate step(const MemoryUpdate& update, const Pose2& T_odom_robot_now) = 0;
   /// The robot is here, at the stamp of the last update.
   virtual void setPose(const Pose2& T_world_robot) = 0;
 };

@@ -35,6 +35,12 @@ std::optional<double> shareAlive(const std::vector<PoseEstimate>& estimates, con
   return static_cast<double>(alive) / since_first;
 }
 
+/// An event that did not recover is infinitely late.
+double recoveryTime(const EventScore& event, double within_s) {
+  const bool recovered = event.settled_after_s && *event.settled_after_s <= within_s;
+  return recovered ? *event.settled_after_s : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 Trajectory truthOfEvent(const Trial& trial, std::size_t event) {
@@ -79,8 +85,42 @@ std::vector<EventScore> scoreEvents(const Trial& trial, const std::vector<PoseEs
   return scores;
 }
 
+std::optional<Figure> ratioOfQuantiles(const std::vector<EventScore>& a, const std::vector<EventScore>& b,
+                                       double q, const SummaryParams& params) {
+  // The bootstrap draws whole groups of one list of numbers: those of `b` are told by their sign.
+  std::map<std::uint64_t, std::vector<double>> pairs;
+  const auto add = [&](const std::vector<EventScore>& events, double sign) {
+    for (const EventScore& event : events) {
+      if (params.kidnaps_only && event.event == 0) continue;
+      pairs[event.seed].push_back(sign * recoveryTime(event, params.within_s));
+    }
+  };
+  add(a, 1.0);
+  add(b, -1.0);
+  const auto ratio = [q](const std::vector<double>& values) -> std::optional<double> {
+    std::vector<double> times_a;
+    std::vector<double> times_b;
+    for (const double value : values) (std::signbit(value) ? times_b : times_a).push_back(std::abs(value));
+    const auto above = quantile(times_a, q);
+    const auto below = quantile(times_b, q);
+    if (!above || !below || !std::isfinite(*above) || !std::isfinite(*below) || *below <= 0.0) {
+      return std::nullopt;
+    }
+    return *above / *below;
+  };
+  std::vector<std::vector<double>> groups;
+  std::vector<double> all;
+  for (const auto& [seed, values] : pairs) {
+    groups.push_back(values);
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  const auto value = ratio(all);
+  const auto interval = bootstrapInterval(groups, ratio, params.seed);
+  if (!value || !interval) return std::nullopt;
+  return Figure{*value, *interval};
+}
+
 TrialSummary summarize(const std::vector<EventScore>& events, const SummaryParams& params) {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
   TrialSummary summary;
   std::map<std::uint64_t, std::vector<double>> times;
   std::map<std::uint64_t, std::vector<double>> positions;
@@ -92,8 +132,9 @@ TrialSummary summarize(const std::vector<EventScore>& events, const SummaryParam
   for (const EventScore& event : events) {
     if (params.kidnaps_only && event.event == 0) continue;
     ++summary.events;
-    const bool recovered = event.settled_after_s && *event.settled_after_s <= params.within_s;
-    times[event.seed].push_back(recovered ? *event.settled_after_s : kNever);
+    const double recovery_s = recoveryTime(event, params.within_s);
+    const bool recovered = std::isfinite(recovery_s);
+    times[event.seed].push_back(recovery_s);
     if (event.true_alive) alive.push_back(*event.true_alive);
     // Evidence in the last seconds leaves no time to settle.
     if (event.evidence_after_s && *event.evidence_after_s + kEvidenceGrace_s <= event.seconds) {

@@ -65,6 +65,12 @@ struct TrialSummary {
   std::optional<Figure> right_after_evidence;
 };
 
+/// How a quantile of the recovery times of `a` compares with that of `b`, both of the same seeds: a / b, with
+/// the bootstrap's interval over pairs of runs. @param params its `within_s` and `kidnaps_only` count.
+/// @return empty where the quantile of either is no finite time.
+std::optional<Figure> ratioOfQuantiles(const std::vector<EventScore>& a, const std::vector<EventScore>& b,
+                                       double q, const SummaryParams& params = {});
+
 TrialSummary summarize(const std::vector<EventScore>& events, const SummaryParams& params = {});
 
 }  // namespace vismem

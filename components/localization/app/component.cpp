@@ -1,8 +1,10 @@
 #include "localization/app/component.h"
 
+#include <optional>
 #include <utility>
 
 #include "active_visual_memory/ice/visual_memory_ice.h"
+#include "localization/app/gaze_sender.h"
 #include "localization/app/localization_loop.h"
 #include "localization/ice/localization_ice.h"
 
@@ -13,6 +15,7 @@ class LocalizationComponent final : public Component, public LocalizationControl
  public:
   LocalizationComponent(LocalizationConfig config, const SegmentMap& map_edges)
       : config_(std::move(config)), localizer_(config_.params, map_edges, config_.seed) {
+    if (!config_.gaze_proxy.empty()) planner_.emplace(config_.gaze, config_.params, map_edges);
     if (config_.start) localizer_.setPose(*config_.start);
   }
 
@@ -28,6 +31,16 @@ class LocalizationComponent final : public Component, public LocalizationControl
                                                      }
                                                    });
     loop_ = std::make_unique<LocalizationLoop>(std::move(localizer_), *memory_);
+    if (planner_) {
+      gaze_ = std::make_unique<GazeSender>(host.communicator()->stringToProxy(config_.gaze_proxy),
+                                           host.status(), host.log());
+      loop_->seekGaze(std::move(*planner_), [this, &host](const GazePlan& plan, double plan_s) {
+        host.status().latency("gaze plan", plan_s);
+        gaze_->send(plan);
+      });
+    } else {
+      host.status().note("asks for no gaze: Localization.Gaze.Proxy is not set");
+    }
     host.serve("Localization",
                std::make_shared<LocalizationServant>(*this, estimates_, config_.pose3d_scale));
     loop_->start(
@@ -49,11 +62,15 @@ class LocalizationComponent final : public Component, public LocalizationControl
           }
         },
         [&host](std::exception_ptr failure) { host.fail(std::move(failure)); },
-        [&host] { host.status().alive("localization"); });
+        [this, &host] {
+          host.status().alive("localization");
+          if (gaze_) gaze_->keepInTouch();
+        });
   }
 
   void stop() override {
     if (loop_) loop_->stop();
+    if (gaze_) gaze_->close();
     estimates_.stop();
   }
 
@@ -66,9 +83,11 @@ class LocalizationComponent final : public Component, public LocalizationControl
 
  private:
   const LocalizationConfig config_;
-  Localizer localizer_;  ///< until start(), then the loop's
+  Localizer localizer_;                 ///< until start(), then the loop's
+  std::optional<GazePlanner> planner_;  ///< until start(), then the loop's
   EstimateBroadcaster estimates_;
   std::unique_ptr<VisualMemoryClient> memory_;
+  std::unique_ptr<GazeSender> gaze_;        ///< null: no gaze is asked for
   std::unique_ptr<LocalizationLoop> loop_;  ///< last member: its thread uses all of the above
 };
 

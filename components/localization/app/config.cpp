@@ -155,6 +155,45 @@ LocalizerParams readLocalizerParams(ConfigReader& reader) {
   return params;
 }
 
+GazePlannerParams readGazePlannerParams(ConfigReader& reader) {
+  GazePlannerParams p;
+  ConfigReader r = reader.group("Gaze");
+  p.doubt_above = r.real("DoubtAbove", p.doubt_above, 0.0, 1.0);
+  p.least_priority = r.real("LeastPriority", p.least_priority, 0.01, 100.0);
+  p.most_priority = r.real("MostPriority", p.most_priority, 0.01, 100.0);
+  if (p.most_priority < p.least_priority) {
+    r.problem("MostPriority", "must not be less than " + r.key("LeastPriority"));
+  }
+  p.confirming_looks = count(r, "ConfirmingLooks", p.confirming_looks, 1, 100);
+  p.deadline_s = r.real("Deadline_s", p.deadline_s, 0.1, 60.0);
+  p.images = count(r, "Images", p.images, 1, 100);
+  p.look_s = r.real("Look_s", p.look_s, 0.0, 10.0);
+  p.seen_rad = r.angleDeg("Seen_deg", radToDeg(p.seen_rad), 0.5, 90.0);
+  p.inhibition_s = r.real("Inhibition_s", p.inhibition_s, 0.01, 1e4);
+  p.inhibition_rad = r.angleDeg("Inhibition_deg", radToDeg(p.inhibition_rad), 0.0, 180.0);
+  GazeAdvisorParams& a = p.advisor;
+  a.minimum_pan_rad = r.angleDeg("Pan.Minimum_deg", radToDeg(a.minimum_pan_rad), -180.0, 180.0);
+  a.maximum_pan_rad = r.angleDeg("Pan.Maximum_deg", radToDeg(a.maximum_pan_rad), -180.0, 180.0);
+  if (a.minimum_pan_rad > a.maximum_pan_rad) {
+    r.problem("Pan.Minimum_deg", "must not be more than " + r.key("Pan.Maximum_deg"));
+  }
+  a.minimum_tilt_rad = r.angleDeg("Tilt.Minimum_deg", radToDeg(a.minimum_tilt_rad), -90.0, 90.0);
+  a.maximum_tilt_rad = r.angleDeg("Tilt.Maximum_deg", radToDeg(a.maximum_tilt_rad), -90.0, 90.0);
+  if (a.minimum_tilt_rad > a.maximum_tilt_rad) {
+    r.problem("Tilt.Minimum_deg", "must not be more than " + r.key("Tilt.Maximum_deg"));
+  }
+  a.step_rad = r.angleDeg("Step_deg", radToDeg(a.step_rad), 1.0, 90.0);
+  a.range_m = r.real("Range_m", a.range_m, 0.1, kFar);
+  a.disagreement_weight = r.real("DisagreementWeight", a.disagreement_weight, 0.0, 1000.0);
+  a.information_weight = r.real("InformationWeight", a.information_weight, 0.0, 1000.0);
+  a.coverage_weight = r.real("CoverageWeight", a.coverage_weight, 0.0, 1000.0);
+  a.staleness_weight = r.real("StalenessWeight", a.staleness_weight, 0.0, 1000.0);
+  a.none_share = r.real("NoneShare", a.none_share, 0.0, 1.0);
+  a.head_speed_radps = r.angleDeg("HeadSpeed_degps", radToDeg(a.head_speed_radps), 1.0, 2000.0);
+  a.look_cost_s = r.real("LookCost_s", a.look_cost_s, 0.01, 10.0);
+  return p;
+}
+
 LocalizationConfig readLocalizationConfig(ConfigReader& reader) {
   LocalizationConfig config;
   config.visual_memory_proxy = reader.requiredText(
@@ -169,6 +208,8 @@ LocalizationConfig readLocalizationConfig(ConfigReader& reader) {
   reader.known("Start.Position_m");
   reader.known("Start.Heading_deg");
   config.pose3d_scale = reader.boolean("Pose3D.MillimetreScale", false) ? 1000.0 : 1.0;
+  config.gaze_proxy = reader.text("Gaze.Proxy", "");
+  config.gaze = readGazePlannerParams(reader);
   config.params = readLocalizerParams(reader);
   return config;
 }

@@ -21,6 +21,8 @@ struct LocalizationConfig {
   std::uint64_t seed = 1;
   std::optional<Pose2> start;  ///< known from outside; empty: unknown
   double pose3d_scale = 1.0;   ///< of JdeRobot positions: 1 metres, 1000 for old millimetre clients
+  std::string gaze_proxy;      ///< empty: no gaze is asked for
+  GazePlannerParams gaze;
   LocalizerParams params;
 };
 
@@ -30,6 +32,9 @@ LocalizationConfig readLocalizationConfig(ConfigReader& reader);
 
 /// The part that lock-step tools share: mode and parameters. Keys and prefix as above.
 LocalizerParams readLocalizerParams(ConfigReader& reader);
+
+/// The same of the wishes for gaze. @param reader at the prefix "Localization".
+GazePlannerParams readGazePlannerParams(ConfigReader& reader);
 
 /// The map with its stripes expanded to edges, as the Localizer takes it.
 /// @param palette may be empty. @throws ConfigError: what is wrong in either file.

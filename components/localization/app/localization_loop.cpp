@@ -21,6 +21,11 @@ LocalizationLoop::~LocalizationLoop() {
   stop();
 }
 
+void LocalizationLoop::seekGaze(GazePlanner planner, Ask ask) {
+  planner_.emplace(std::move(planner));
+  ask_ = std::move(ask);
+}
+
 void LocalizationLoop::start(Publish publish, SourceChanged source_changed, Failed failed,
                              std::function<void()> alive) {
   publish_ = std::move(publish);
@@ -105,9 +110,16 @@ void LocalizationLoop::run(const std::stop_token& stop) {
     memory_revision = result.update.snapshot->revision;
     const std::uint64_t before = localizer_.latest().revision;
     const auto begin = std::chrono::steady_clock::now();
+    const auto spent_s = [&begin] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
     const PoseEstimate estimate = localizer_.step(result.update);
-    const double step_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    if (estimate.revision != before) publish_(estimate, step_s);
+    if (estimate.revision == before) continue;
+    const double step_s = spent_s();
+    publish_(estimate, step_s);
+    if (!planner_) continue;
+    const GazePlan plan = planner_->plan(estimate, result.update);
+    ask_(plan, spent_s() - step_s);
   }
 }
 

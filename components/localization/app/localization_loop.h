@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common/visual_memory/memory_snapshot.h"
+#include "localization/core/gaze_planner.h"
 #include "localization/core/localizer.h"
 
 namespace vismem {
@@ -25,6 +26,10 @@ class LocalizationLoop {
   /// @param source must outlive the loop; its waits should end within a second.
   LocalizationLoop(Localizer localizer, VisualMemorySource& source);
   ~LocalizationLoop();
+
+  using Ask = std::function<void(const GazePlan&, double plan_s)>;
+  /// Before start(): every update's plan is given to `ask`, from the loop's thread.
+  void seekGaze(GazePlanner planner, Ask ask);
 
   /// Called from the loop's thread: every new estimate, and every change of the source's state.
   /// @param alive  called in every round, twice a second at least.
@@ -45,6 +50,8 @@ class LocalizationLoop {
   void run(const std::stop_token& stop);
 
   Localizer localizer_;
+  std::optional<GazePlanner> planner_;  ///< empty: no gaze is asked for
+  Ask ask_;
   VisualMemorySource& source_;
   Publish publish_;
   SourceChanged source_changed_;

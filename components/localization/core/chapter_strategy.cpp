@@ -96,6 +96,9 @@ class ChapterStrategy : public RaceStrategy {
     return shares;
   }
 
+  /// The chapter's search follows its reliability alone.
+  std::optional<double> agreement(const RaceTable&) const override { return std::nullopt; }
+
   double nextReliability(double last, const RaceTable& table) const override {
     const Race* winner = table.winner();
     if (!winner) return 0.0;

@@ -20,7 +20,17 @@ constexpr double kPointsPerMetre = 5.0;
 constexpr double kPointSigma_m = 0.05;
 constexpr double kFullInformation_nats = 2.0;  // information gain that counts 63 %
 /// The health that a race at the right place has, when nothing is wrong.
-constexpr double kGoodHealth = 0.7;
+constexpr double kGoodHealth = 0.8;
+constexpr double kBadHealth = 0.4;
+/// What a second look right after the first one is worth of it.
+constexpr double kOldNews = 0.1;
+/// That another place has such a line at just that place.
+constexpr double kChanceOfLine = 0.2;
+
+/// A robot stands on its way: ahead and behind there is room, and more to be seen than beside it.
+double openness(double pan_rad) {
+  return 0.5 + 0.5 * std::abs(std::cos(pan_rad));
+}
 
 double saturate(double value, double scale) {
   return 1.0 - std::exp(-value / scale);
@@ -33,11 +43,6 @@ Pose3 cameraTowards(const Eigen::Vector3d& position, const PanTilt& direction) {
   return T_robot_camera;
 }
 
-PanTilt axisOf(const Pose3& T_robot_camera) {
-  const Eigen::Vector3d axis = T_robot_camera.linear().col(2);
-  return {std::atan2(axis.y(), axis.x()), std::atan2(axis.z(), axis.head<2>().norm())};
-}
-
 std::vector<double> spread(double low, double high, double step) {
   const int count = std::max(1, static_cast<int>(std::lround((high - low) / step)) + 1);
   std::vector<double> values;
@@ -48,6 +53,11 @@ std::vector<double> spread(double low, double high, double step) {
 }
 
 }  // namespace
+
+PanTilt axisOf(const Pose3& T_robot_camera) {
+  const Eigen::Vector3d axis = T_robot_camera.linear().col(2);
+  return {std::atan2(axis.y(), axis.x()), std::atan2(axis.z(), axis.head<2>().norm())};
+}
 
 GazeAdvisor::GazeAdvisor(const GazeAdvisorParams& params, const LocalizerParams& localizer,
                          const SegmentMap& map_edges)
@@ -81,7 +91,7 @@ double GazeAdvisor::coverageOf(double bearing_odom, double half_width_rad, Stamp
   return count > 0 ? sum / count : 0.0;
 }
 
-std::vector<GazeAdvisor::Target> GazeAdvisor::targets(const PoseEstimate& estimate) const {
+std::vector<GazeAdvisor::Target> GazeAdvisor::targets(const PoseEstimate& estimate, double none) const {
   std::vector<const RaceReport*> races;
   for (const RaceReport& race : estimate.races) {
     if (race.weight >= kNegligibleWeight) races.push_back(&race);
@@ -102,6 +112,8 @@ std::vector<GazeAdvisor::Target> GazeAdvisor::targets(const PoseEstimate& estima
         const double d = field ? field->distance_m / params_.sigma_m : 1e9;
         target.disagreement += race->weight * other->weight * (1.0 - std::exp(-0.5 * d * d));
       }
+      // What another place would show there is not known: probably no such line.
+      target.disagreement = (1.0 - none) * target.disagreement + none * (1.0 - kChanceOfLine) * race->weight;
       target.disagreement *= 4.0 * point.length_m;  // two equal races that disagree fully: its length
       if (race->winner) {
         // How a shift of the pose moves the line across itself, in world.
@@ -123,10 +135,11 @@ std::vector<GazeAdvice> GazeAdvisor::advise(const PoseEstimate& estimate, const 
   const MemorySnapshot& snapshot = *update.snapshot;
   std::vector<GazeAdvice> advice;
   if (view.intrinsics.width <= 0) return advice;
-  const std::vector<Target> seen = targets(estimate);
   double best_health = 0.0;
   for (const RaceReport& race : estimate.races) best_health = std::max(best_health, race.health);
-  const double none = std::clamp(1.0 - best_health / kGoodHealth, std::min(params_.none_share, 1.0), 1.0);
+  const double none = std::clamp(1.0 - (best_health - kBadHealth) / (kGoodHealth - kBadHealth),
+                                 std::min(params_.none_share, 1.0), 1.0);
+  const std::vector<Target> seen = targets(estimate, none);
   const double half_width = std::atan(0.5 * view.intrinsics.width / view.intrinsics.fx);
   const PanTilt now = axisOf(view.T_robot_camera);
   const Eigen::Matrix3d P = estimate.P + 1e-8 * Eigen::Matrix3d::Identity();
@@ -146,8 +159,8 @@ std::vector<GazeAdvice> GazeAdvisor::advise(const PoseEstimate& estimate, const 
         information += target.information;
       }
       one.disagreement = telling / (telling + kTellingLength_m);
-      const double gain = 0.5 * std::log((Eigen::Matrix3d::Identity() + P * information).determinant());
-      one.information = saturate(std::max(0.0, gain), kFullInformation_nats);
+      const double nats = 0.5 * std::log((Eigen::Matrix3d::Identity() + P * information).determinant());
+      one.information = saturate(std::max(0.0, nats), kFullInformation_nats);
       one.coverage = coverageOf(pan + snapshot.T_odom_robot.theta, half_width, snapshot.stamp_us);
       double age = 0.0;
       double length = 0.0;
@@ -158,12 +171,15 @@ std::vector<GazeAdvice> GazeAdvisor::advise(const PoseEstimate& estimate, const 
         length += segment.odom.length();
       }
       if (length > 0.0) one.staleness = age / length;
-      const double travel =
-          std::hypot(pan - now.pan_rad, tilt - now.tilt_rad) / std::numbers::pi;  // units stop at limits
-      one.score = (1.0 - none) * (params_.disagreement_weight * one.disagreement +
-                                  params_.information_weight * one.information) +
-                  (params_.coverage_weight + none) * one.coverage + params_.staleness_weight * one.staleness -
-                  params_.travel_weight * travel;
+      // The races were rated by what was seen there just now: it has told what it can.
+      const double news = kOldNews + (1.0 - kOldNews) * one.coverage;
+      const double gain = news * (params_.disagreement_weight * one.disagreement +
+                                  (1.0 - none) * params_.information_weight * one.information) +
+                          (params_.coverage_weight + none) * one.coverage * openness(pan) +
+                          params_.staleness_weight * one.staleness;
+      // Units stop at their limits, so no way leads behind the robot.
+      const double way = std::max(std::abs(pan - now.pan_rad), std::abs(tilt - now.tilt_rad));
+      one.score = gain / (params_.look_cost_s + way / params_.head_speed_radps);
       const Eigen::Vector3d axis = T_robot_camera.linear().col(2);
       const double to_floor = axis.z() < 0.0 ? -camera.z() / axis.z() : params_.aim_m;
       one.p_odom = transform(snapshot.T_odom_robot,

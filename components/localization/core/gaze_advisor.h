@@ -23,12 +23,15 @@ struct GazeAdvice {
   /// A point on the axis in odom, where it meets the floor or at most `aim_m` away [m]: what avm::Gaze is
   /// asked for, independent of how the camera is mounted on its unit.
   Eigen::Vector3d p_odom = Eigen::Vector3d::Zero();
-  double score = 0.0;         ///< weighted sum of the following
-  double disagreement = 0.0;  ///< of the races about what would be seen
+  double score = 0.0;         ///< weighted sum of the following for the time that the look takes [1/s]
+  double disagreement = 0.0;  ///< of the races, and of none of them, about what is there
   double information = 0.0;   ///< about the winner's pose
   double coverage = 0.0;      ///< how long the direction was not looked at
   double staleness = 0.0;     ///< how long what is remembered there was not seen
 };
+
+/// Pan and tilt of a camera's axis on the robot, however it is mounted.
+PanTilt axisOf(const Pose3& T_robot_camera);
 
 /// Rates directions of gaze. What it keeps between calls is when each bearing was last in view.
 /// *Single-threaded* (owner: the component's loop).
@@ -37,6 +40,8 @@ class GazeAdvisor {
   /// @param localizer of the Localizer whose races are compared: its fields' cell, gate and opaque labels.
   GazeAdvisor(const GazeAdvisorParams& params, const LocalizerParams& localizer, const SegmentMap& map_edges);
 
+  /// What was seen so far tells nothing more: the robot may be anywhere.
+  void forget() { seen_us_.fill(std::nullopt); }
   /// Notes what the camera saw. Every update, also those without advice.
   void look(const MemoryUpdate& update);
 
@@ -55,7 +60,7 @@ class GazeAdvisor {
     double length = 0.0;
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // about the winner's pose
   };
-  std::vector<Target> targets(const PoseEstimate& estimate) const;
+  std::vector<Target> targets(const PoseEstimate& estimate, double none) const;
   double coverageOf(double bearing_odom, double half_width_rad, StampUs now_us) const;
 
   GazeAdvisorParams params_;

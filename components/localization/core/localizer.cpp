@@ -23,6 +23,9 @@ constexpr double kFullJump_m = 2.0;
 constexpr double kGivenStd_m = 0.1;
 constexpr double kGivenStd_rad = 0.1;
 
+/// An observation that lets the winner be believed less than this share of its reliability is a surprise.
+constexpr double kSurprise = 0.7;
+
 std::unique_ptr<RaceStrategy> makeStrategy(const LocalizerParams& params, const SegmentMap& map_edges) {
   return params.mode == LocalizationMode::kChapter ? makeChapterStrategy(map_edges, params)
                                                    : makeRobustStrategy(map_edges, params);
@@ -91,7 +94,12 @@ void Localizer::iterate(const MemoryUpdate& update) {
   const Pose2 pose_before = before ? before->T_world_robot : Pose2{};
   table_.age();
   for (Race& race : table_.races()) strategy_->rate(race);
-  const int explorers = explorerCount(params_.explorers, reliability_, iteration_);
+  // Reliability is slow on purpose; the search need not wait for it when the winner's place does not show
+  // what it should.
+  const auto agreement = strategy_->agreement(table_);
+  const bool is_surprised = agreement && *agreement < kSurprise * reliability_;
+  const int explorers =
+      explorerCount(params_.explorers, is_surprised ? *agreement : reliability_, iteration_);
   if (explorers > 0) {
     for (Race& candidate : strategy_->search(explorers, table_, reliability_, engine_)) {
       table_.admit(std::move(candidate));

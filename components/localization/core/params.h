@@ -127,8 +127,8 @@ enum class LocalizationMode { kDefault, kChapter };
 struct GazeAdvisorParams {
   double minimum_pan_rad = -159.0 * std::numbers::pi / 180.0;  ///< of the camera's axis
   double maximum_pan_rad = 159.0 * std::numbers::pi / 180.0;
-  double minimum_tilt_rad = -31.0 * std::numbers::pi / 180.0;
-  double maximum_tilt_rad = 0.0;  ///< what localizes lies on the floor
+  double minimum_tilt_rad = -20.0 * std::numbers::pi / 180.0;
+  double maximum_tilt_rad = -10.0 * std::numbers::pi / 180.0;  ///< what localizes lies on the floor
   double step_rad = 15.0 * std::numbers::pi / 180.0;
   double range_m = 4.0;   ///< floor further away than this is not expected to be seen well
   double aim_m = 3.0;     ///< distance of the place that is looked at where the axis meets no floor before
@@ -137,9 +137,29 @@ struct GazeAdvisorParams {
   double information_weight = 0.3;
   double coverage_weight = 0.3;
   double staleness_weight = 0.1;
-  double age_s = 8.0;          ///< unseen for this long counts 63 %
-  double none_share = 0.2;     ///< least belief in "none of these races": it makes coverage count instead
-  double travel_weight = 0.1;  ///< cost of a turn of the camera by 180 degrees
+  double age_s = 8.0;       ///< unseen for this long counts 63 %
+  double none_share = 0.2;  ///< least belief in "none of these races": it makes coverage count instead
+  /// What a look costs beside what it gains: the head's speed, and the time for starting, stopping and
+  /// looking.
+  double head_speed_radps = 150.0 * std::numbers::pi / 180.0;
+  double look_cost_s = 0.4;
+};
+
+/// B4: when localization asks for gaze.
+struct GazePlannerParams {
+  GazeAdvisorParams advisor;
+  double doubt_above = 0.3;  ///< asks while the pose is less sure than 1 - this
+  /// Of the wishes, from little doubt to full doubt (see GazeRequest::priority).
+  double least_priority = 10.0;
+  double most_priority = 100.0;
+  /// Doubt that came ends after so many looks that took it away again: a plain wall agrees with many places.
+  int confirming_looks = 2;
+  double deadline_s = 2.0;  ///< a wish that is not served within this is given up
+  int images = 2;           ///< with the place this near to the camera's axis ..
+  double look_s = 0.1;      ///< .. over at least this long, and the wish is served
+  double seen_rad = 8.0 * std::numbers::pi / 180.0;
+  double inhibition_s = 3.0;  ///< what was looked at is less attractive for about this long ..
+  double inhibition_rad = 25.0 * std::numbers::pi / 180.0;  ///< .. within this angle
 };
 
 struct LocalizerParams {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/segment_map/segment_map.h"
@@ -36,6 +37,9 @@ class RaceStrategy {
   virtual void choose(RaceTable& table, double reliability) const = 0;
   /// Share of belief per race, in the table's order; sums to 1.
   virtual std::vector<double> weights(const RaceTable& table) const = 0;
+  /// How far this observation alone lets the winner be believed, 0..1; empty where it says too little. All
+  /// races are rated.
+  virtual std::optional<double> agreement(const RaceTable& table) const = 0;
   /// The reliability after this iteration, before any jump of the winner is accounted for.
   virtual double nextReliability(double last, const RaceTable& table) const = 0;
   /// The memory was set aside or the source jumped: what the races earned so far counts no more.

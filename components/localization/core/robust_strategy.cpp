@@ -170,17 +170,23 @@ class RobustStrategy : public RaceStrategy {
     return shares;
   }
 
+  std::optional<double> agreement(const RaceTable& table) const override {
+    const Race* winner = table.winner();
+    if (!winner || !params_.robust.validity || observation_.amount < params_.robust.enough_points) {
+      return std::nullopt;
+    }
+    return fitOf(*winner);
+  }
+
   double nextReliability(double last, const RaceTable& table) const override {
     const RobustParams& robust = params_.robust;
     double target = 0.0;
     if (const Race* winner = table.winner()) {
-      const double fit = std::clamp(
-          (winner->health - robust.explained_low) / (robust.explained_high - robust.explained_low), 0.0, 1.0);
       const double amount = std::min(1.0, observation_.amount / robust.enough_points);
       const std::vector<double> shares = weights(table);
       const auto index = static_cast<std::size_t>(winner - table.races().data());
       if (!robust.validity) return shares[index];
-      target = fit * amount * shares[index];
+      target = fitOf(*winner) * amount * shares[index];
     }
     if (!robust.validity) return 0.0;
     const double gain = 1.0 - std::exp(-params_.tick_s / robust.reliability_time_s);
@@ -196,6 +202,12 @@ class RobustStrategy : public RaceStrategy {
   }
 
  private:
+  double fitOf(const Race& race) const {
+    const RobustParams& robust = params_.robust;
+    return std::clamp((race.health - robust.explained_low) / (robust.explained_high - robust.explained_low),
+                      0.0, 1.0);
+  }
+
   void missWhatShouldBeSeen(Race& race) const {
     if (params_.robust.negative_information) race.log_likelihood += negative_.logPenalty(race.T_world_robot);
   }

@@ -1,0 +1,99 @@
+#include "experiments/app/e6_gaze.h"
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "experiments/app/experiment_files.h"
+#include "experiments/app/trial_series.h"
+
+namespace vismem {
+namespace {
+
+struct Variant {
+  const char* name;
+  const char* title;
+  const char* world;
+  int trials;
+  bool rendered;
+  Disturbance disturbance;
+  bool twins;
+};
+
+/// 20 % of the segments false and 20 % lost: what looks alike at once is told apart by looking more.
+const Disturbance kHard{0.2, 0.2, 3.0};
+
+const Variant kVariants[] = {
+    {"irregular", "irregular corridor, made-up observations", "corridor_irregular", 50, false, {}, false},
+    {"irregular_hard", "irregular corridor, 20 % false segments, 20 % lost", "corridor_irregular", 50, false,
+     kHard, false},
+    {"aliased", "corridor with two wings alike, made-up observations", "corridor", 50, false, {}, true},
+    {"rendered", "irregular corridor, rendered images", "corridor_irregular", 20, true, {}, false},
+    {"rendered_aliased", "corridor with two wings alike, rendered images", "corridor", 20, true, {}, true},
+};
+
+/// Half of the time that E6 gives: what gaze can help with lies within seconds.
+constexpr double kEvent_s = 30.0;
+
+constexpr const char* kSalience = "salience";
+constexpr const char* kLocalization = "localization";
+
+void addRatio(const Comparison& comparison, const SummaryParams& params, nlohmann::json& json) {
+  for (const double q : {0.5, 0.9}) {
+    const auto ratio =
+        ratioOfQuantiles(comparison.records()[1].events, comparison.records()[0].events, q, params);
+    const char* name = q == 0.5 ? "median_ratio" : "p90_ratio";
+    if (!ratio) {
+      json[name] = nullptr;
+      continue;
+    }
+    json[name] = {{"value", ratio->value}, {"low", ratio->interval.low}, {"high", ratio->interval.high}};
+    std::cerr << text("  %s of recovery, localization against salience: %.2f (%.2f..%.2f)\n",
+                      q == 0.5 ? "median" : "p90", ratio->value, ratio->interval.low, ratio->interval.high);
+  }
+}
+
+}  // namespace
+
+nlohmann::json compareGaze(const ExperimentOptions& options) {
+  nlohmann::json json;
+  for (const Variant& variant : kVariants) {
+    if (!options.variant.empty() && options.variant != variant.name) continue;
+    TrialSeries series;
+    series.name = std::string("gaze_") + variant.name;
+    series.title = text("E6 gaze, %s: %s", variant.name, variant.title);
+    series.trial.world = variant.world;
+    series.trial.event_s = kEvent_s;
+    series.summary.within_s = kEvent_s;
+    series.trial.rendered = variant.rendered;
+    series.trial.disturbance = variant.disturbance;
+    series.seed = options.seed;
+    series.trials = options.trials > 0 ? options.trials : variant.trials;
+    series.twins = variant.twins;
+    // Each policy of gaze is a method: the same localization on the record that it brought about itself.
+    std::vector<std::string> names;
+    series.recordings.clear();
+    if (options.gaze != kLocalization) {
+      names.emplace_back(kSalience);
+      series.recordings.push_back({{}, kSalience});
+    }
+    if (options.gaze != kSalience) {
+      names.emplace_back(kLocalization);
+      series.recordings.push_back({[](TrialOptions& trial) { trial.gaze.emplace(); }, kLocalization});
+    }
+    series.methods = [names](const LocalizerParams& ours) {
+      std::vector<MethodMaker> methods;
+      for (const std::string& name : names) methods.push_back(localizerMethod(name, ours));
+      return methods;
+    };
+    series.drawn = names;
+    json[variant.name] =
+        runSeries(series, options.out, [&](const Comparison& comparison, nlohmann::json& figures) {
+          if (names.size() == 2) addRatio(comparison, series.summary, figures);
+        });
+  }
+  if (json.empty()) throw std::invalid_argument("E6 --gaze has no variant \"" + options.variant + "\"");
+  return json;
+}
+
+}  // namespace vismem

@@ -1,0 +1,50 @@
+/// @file Many trials of one kind, every method on each, written down as they come. SPEC E5, E6.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "experiments/app/trial_report.h"
+#include "experiments/app/trial_run.h"
+
+namespace vismem {
+
+/// A record of each trial, and who is given it.
+struct TrialRecording {
+  /// Changes the series' trial for this record; may be empty.
+  std::function<void(TrialOptions&)> change;
+  /// One of the series' methods; empty: all of them.
+  std::string method;
+};
+
+struct TrialSeries {
+  std::string name;    ///< of the files: "irregular"
+  std::string title;   ///< for people: "E6 irregular: ..."; the seeds are added
+  TrialOptions trial;  ///< its seed is set
+  std::uint64_t seed = 1;
+  int trials = 1;
+  /// @param ours the default mode as the setup configures it.
+  std::function<std::vector<MethodMaker>(const LocalizerParams& ours)> methods;
+  std::vector<TrialRecording> recordings{{}};
+  std::vector<std::string> known_start;  ///< methods that are told where the first event begins
+  /// Of the first trial: the error of each of these methods over time, as NAME_METHOD.png.
+  std::vector<std::string> drawn;
+  bool twins = false;  ///< a half turn about the origin maps the world onto its twin
+  SummaryParams summary;
+};
+
+/// Trials of `experiment --seed N` have the seeds 1000 N + 1, 1000 N + 2 ... Those of N = 7 were used for
+/// tuning.
+inline constexpr std::uint64_t kSeedsApart = 1000;
+
+/// Runs them. After each trial NAME_events.csv and NAME.json hold all so far.
+/// @param add_figures adds to the JSON at the end what only this series has; may be empty.
+/// @return the figures, with "seeds" and "took_s".
+nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path& out,
+                         const std::function<void(const Comparison&, nlohmann::json&)>& add_figures = {});
+
+}  // namespace vismem

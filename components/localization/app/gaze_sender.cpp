@@ -1,0 +1,101 @@
+#include "localization/app/gaze_sender.h"
+
+#include <mutex>
+#include <utility>
+
+#include "active_visual_memory/ice/gaze_ice.h"
+#include "common/robot_ice/remote.h"
+
+namespace vismem {
+namespace {
+
+/// A peer that leaves more calls than this unanswered gets no more of them.
+constexpr int kMostCalls = 4;
+constexpr std::chrono::seconds kIdle{1};
+
+}  // namespace
+
+/// What the answers need; they may come after the sender has gone.
+struct GazeSender::Shared {
+  Shared(const std::shared_ptr<Ice::ObjectPrx>& proxy, StatusBoard& board, Logger& log)
+      : link("Gaze", proxy, board, log), status(&board) {}
+
+  void answered(const std::shared_ptr<avm::GazePrx>& proxy) {
+    const std::lock_guard lock(mutex);
+    --calls;
+    if (!status) return;
+    connection = proxy->ice_getCachedConnection();
+    link.succeeded();
+  }
+  void failed(const std::shared_ptr<avm::GazePrx>& proxy, const std::exception_ptr& error, bool is_wish) {
+    const std::lock_guard lock(mutex);
+    --calls;
+    if (!status) return;
+    try {
+      std::rethrow_exception(error);
+    } catch (const Ice::UserException& refusal) {
+      // It is there, and says no.
+      link.succeeded();
+      if (is_wish) status->count("gaze wishes refused");
+      status->error(describeFailure(*proxy, error));
+    } catch (...) {
+      if (is_wish) status->count("gaze wishes lost");
+      link.failed(reasonOf(*proxy, error));
+      if (const auto gone = std::exchange(connection, nullptr)) leaveIfSilent(*gone, error);
+    }
+  }
+
+  std::mutex mutex;
+  PeerLink link;
+  StatusBoard* status;  ///< null after close()
+  std::shared_ptr<Ice::Connection> connection;
+  int calls = 0;  ///< unanswered
+};
+
+GazeSender::GazeSender(const std::shared_ptr<Ice::ObjectPrx>& proxy, StatusBoard& status, Logger& log)
+    : proxy_(boundedProxy(Ice::uncheckedCast<avm::GazePrx>(proxy), kCommandTimeout_ms)),
+      shared_(std::make_shared<Shared>(proxy, status, log)) {}
+
+bool GazeSender::beginCall() {
+  const std::lock_guard lock(shared_->mutex);
+  if (!shared_->status || shared_->calls >= kMostCalls) return false;
+  ++shared_->calls;
+  last_call_ = std::chrono::steady_clock::now();
+  return true;
+}
+
+void GazeSender::send(const GazePlan& plan) {
+  const auto answered = [shared = shared_, proxy = proxy_](const auto&...) { shared->answered(proxy); };
+  const auto failed = [shared = shared_, proxy = proxy_](bool is_wish) {
+    return
+        [shared, proxy, is_wish](const std::exception_ptr& error) { shared->failed(proxy, error, is_wish); };
+  };
+  for (const std::string& key : plan.withdrawn) {
+    // One that is lost runs into its deadline.
+    if (beginCall()) proxy_->withdrawAsync(kGazeClientName, key, answered, failed(false));
+  }
+  for (const GazeRequest& request : plan.requests) {
+    const bool is_free = beginCall();
+    {
+      const std::lock_guard lock(shared_->mutex);
+      if (shared_->status) shared_->status->count(is_free ? "gaze wishes" : "gaze wishes lost");
+    }
+    if (is_free) proxy_->requestAsync(toIce(request), answered, failed(true));
+  }
+}
+
+void GazeSender::keepInTouch() {
+  if (std::chrono::steady_clock::now() - last_call_ < kIdle || !beginCall()) return;
+  proxy_->ice_pingAsync([shared = shared_, proxy = proxy_] { shared->answered(proxy); },
+                        [shared = shared_, proxy = proxy_](const std::exception_ptr& error) {
+                          shared->failed(proxy, error, false);
+                        });
+}
+
+void GazeSender::close() {
+  const std::lock_guard lock(shared_->mutex);
+  shared_->status = nullptr;
+  shared_->connection.reset();
+}
+
+}  // namespace vismem

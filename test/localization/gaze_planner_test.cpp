@@ -1,0 +1,207 @@
+// When localization asks for gaze, and when it has seen enough (SPEC B4, A6).
+#include "localization/core/gaze_planner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/geometry/angles.h"
+#include "localization/map_views.h"
+
+namespace vismem {
+namespace {
+
+/// A corridor with a door to the right ahead of `kHere`, and none there ahead of `kThere`.
+SegmentMap corridor() {
+  SegmentMap map;
+  const auto add = [&map](double x1, double y, double x2, const char* label) {
+    map.segments.push_back({{{x1, y, 0.0}, {x2, y, 0.0}}, label, 0.0});
+  };
+  add(-12, 0.75, 12, "skirting");
+  add(-12, -0.75, 3.1, "skirting");
+  add(3.1, -0.75, 3.9, "door_foot");
+  add(3.9, -0.75, 12, "skirting");
+  return map;
+}
+const Pose2 kHere{2, 0, 0};
+const Pose2 kThere{-8, 0, 0};
+
+PoseEstimate estimateOf(double weight_here, double health, double reliability) {
+  PoseEstimate estimate;
+  estimate.P = Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal();
+  estimate.reliability = reliability;
+  RaceReport here;
+  here.T_world_robot = kHere;
+  here.weight = weight_here;
+  here.health = health;
+  here.winner = true;
+  RaceReport there = here;
+  there.T_world_robot = kThere;
+  there.weight = 1.0 - weight_here;
+  there.winner = false;
+  estimate.races = {here, there};
+  estimate.T_world_robot = kHere;
+  return estimate;
+}
+const PoseEstimate kSure = estimateOf(1.0, 0.95, 0.95);
+const PoseEstimate kTorn = estimateOf(0.5, 0.9, 0.5);
+
+/// Plays the images of a robot that stands at the origin of odom.
+class GazePlannerTest : public testing::Test {
+ protected:
+  GazePlan see(const PoseEstimate& estimate, double pan_rad, double tilt_rad) {
+    stamp_us_ += kSecondUs / 10;
+    MemoryUpdate update = test::viewFrom(map_, kHere, stamp_us_, pan_rad, tilt_rad);
+    auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
+    snapshot->epoch = epoch_;
+    update.snapshot = snapshot;
+    return planner_.plan(estimate, update);
+  }
+  GazePlan seeAhead(const PoseEstimate& estimate) { return see(estimate, 0.0, degToRad(-15)); }
+  /// The camera looks where it was asked to.
+  GazePlan seeWish(const PoseEstimate& estimate) {
+    const PanTilt at = planner_.wish()->direction;
+    return see(estimate, at.pan_rad, at.tilt_rad);
+  }
+
+  const SegmentMap map_ = corridor();
+  GazePlannerParams params_;
+  GazePlanner planner_{params_, localizerPreset(LocalizationMode::kDefault), map_};
+  StampUs stamp_us_ = kSecondUs;
+  std::uint32_t epoch_ = 0;
+};
+
+TEST_F(GazePlannerTest, ASurePoseAsksForNothing) {
+  for (int i = 0; i < 50; ++i) EXPECT_TRUE(seeAhead(kSure).isEmpty());
+  EXPECT_FALSE(planner_.wish());
+}
+
+TEST_F(GazePlannerTest, DoubtIsWhatIsNotSure) {
+  // Reliability 0.95, weight 1, health above what counts as good.
+  EXPECT_NEAR(GazePlanner::doubt(kSure), 0.05, 1e-9);
+  EXPECT_NEAR(GazePlanner::doubt(kTorn), 0.75, 1e-9);
+  EXPECT_EQ(GazePlanner::doubt(PoseEstimate{}), 1.0);
+  // A winner that explains nothing of what is seen right now is doubted at once, however reliable it was.
+  EXPECT_GT(GazePlanner::doubt(estimateOf(1.0, 0.2, 0.95)), 0.6);
+}
+
+TEST_F(GazePlannerTest, AskedForIsAPlaceWithPriorityAndDeadline) {
+  const GazePlan plan = seeAhead(kTorn);
+  ASSERT_EQ(plan.requests.size(), 1u);
+  EXPECT_TRUE(plan.withdrawn.empty());
+  const GazeRequest& request = plan.requests.front();
+  EXPECT_EQ(request.client, kGazeClientName);
+  EXPECT_FALSE(request.key.empty());
+  ASSERT_TRUE(request.p_odom);
+  EXPECT_FALSE(request.direction);
+  // Doubt 0.75 of the way from the least priority to the most.
+  EXPECT_NEAR(request.priority, 10.0 + 0.75 * 90.0, 1e-6);
+  EXPECT_EQ(request.deadline_us, stamp_us_ + toStampUs(params_.deadline_s));
+  // One at a time.
+  EXPECT_TRUE(seeAhead(kTorn).isEmpty() || planner_.wish());
+}
+
+TEST_F(GazePlannerTest, AServedWishIsTakenBackAndTheNextIsElsewhere) {
+  seeAhead(kTorn);
+  const GazeAdvice first = *planner_.wish();
+  GazePlan plan;
+  for (int image = 0; image < 5 && plan.isEmpty(); ++image) plan = seeWish(kTorn);
+  ASSERT_EQ(plan.withdrawn.size(), 1u);
+  ASSERT_EQ(plan.requests.size(), 1u);
+  EXPECT_NE(plan.withdrawn.front(), plan.requests.front().key);
+  // Nothing was resolved, yet the same place is not asked for again at once.
+  const GazeAdvice second = *planner_.wish();
+  EXPECT_GT(std::abs(angleDifference(first.direction.pan_rad, second.direction.pan_rad)), degToRad(20));
+}
+
+TEST_F(GazePlannerTest, AWishThatNobodyServesIsGivenUp) {
+  const double away = degToRad(-150);
+  see(kTorn, away, degToRad(-15));
+  ASSERT_TRUE(planner_.wish());
+  GazePlan plan;
+  int images = 0;
+  while (plan.isEmpty() && images < 100) {
+    // The camera does not turn: a stuck unit, or other clients that are more urgent.
+    plan = see(kTorn, away, degToRad(29));
+    ++images;
+  }
+  EXPECT_NEAR(images / 10.0, params_.deadline_s, 0.15);
+  EXPECT_EQ(plan.withdrawn.size(), 1u);
+}
+
+TEST_F(GazePlannerTest, DoubtEndsAfterLooksThatReassure) {
+  seeAhead(kTorn);
+  ASSERT_TRUE(planner_.wish());
+  int looks = 0;
+  for (int image = 0; image < 100 && planner_.wish(); ++image) {
+    if (!seeWish(kSure).withdrawn.empty()) ++looks;
+  }
+  EXPECT_FALSE(planner_.wish());
+  EXPECT_EQ(looks, params_.confirming_looks);
+  EXPECT_TRUE(seeAhead(kSure).isEmpty());
+}
+
+TEST_F(GazePlannerTest, ANewEpochBeginsAnew) {
+  seeAhead(kTorn);
+  const std::string key = [&] {
+    GazePlan plan;
+    epoch_ = 1;
+    plan = seeAhead(kTorn);
+    EXPECT_EQ(plan.withdrawn.size(), 1u);
+    EXPECT_EQ(plan.requests.size(), 1u);  // the places of odom before mean nothing any more
+    return plan.requests.empty() ? std::string() : plan.requests.front().key;
+  }();
+  EXPECT_FALSE(key.empty());
+  // A source whose stamps went back: what stood has no place in its time.
+  stamp_us_ = 0;
+  const GazePlan plan = seeAhead(kTorn);
+  ASSERT_EQ(plan.requests.size(), 1u);
+  EXPECT_LT(plan.requests.front().deadline_us, 5 * kSecondUs);
+}
+
+TEST_F(GazePlannerTest, AdviceStaysInsideWhatTheHeadCanDo) {
+  for (int i = 0; i < 30; ++i) {
+    if (planner_.wish()) {
+      const PanTilt at = planner_.wish()->direction;
+      EXPECT_LE(std::abs(at.pan_rad), params_.advisor.maximum_pan_rad + 1e-9);
+      EXPECT_GE(at.tilt_rad, params_.advisor.minimum_tilt_rad - 1e-9);
+      EXPECT_LE(at.tilt_rad, params_.advisor.maximum_tilt_rad + 1e-9);
+      seeWish(kTorn);
+    } else {
+      seeAhead(kTorn);
+    }
+  }
+}
+
+class RecordingClient : public GazeClient {
+ public:
+  PortReply setMode(GazeMode) override { return PortReply::accepted(); }
+  PortReply fixate(const Eigen::Vector3d&) override { return PortReply::accepted(); }
+  PortReply request(const GazeRequest& request) override {
+    calls.push_back("ask " + request.key);
+    return accepts ? PortReply::accepted() : PortReply::rejected("no");
+  }
+  PortReply withdraw(const std::string& client, const std::string& key) override {
+    calls.push_back("take back " + key);
+    EXPECT_EQ(client, kGazeClientName);
+    return PortReply::accepted();
+  }
+  std::optional<GazeStatus> status() override { return std::nullopt; }
+  std::vector<std::string> calls;
+  bool accepts = true;
+};
+
+TEST(GazePlan, IsCarriedOutInItsOrderAndRejectionsAreCounted) {
+  GazePlan plan;
+  plan.withdrawn = {"a"};
+  plan.requests.resize(1);
+  plan.requests[0].key = "b";
+  RecordingClient client;
+  EXPECT_EQ(carryOut(plan, client), 0);
+  EXPECT_EQ(client.calls, (std::vector<std::string>{"take back a", "ask b"}));
+  client.accepts = false;
+  EXPECT_EQ(carryOut(plan, client), 1);
+}
+
+}  // namespace
+}  // namespace vismem
