@@ -43,8 +43,8 @@ TEST(DriftAlignment, FindsTheDriftOfARobotThatMoved) {
     const SmallMotion drift{{0.3, -0.2}, {0.03, -0.02}, -0.025};
     const auto found = alignment.solve({0.3, -0.2}, wallsSeen(drift, 0.005, random), {});
     ASSERT_TRUE(found);
-    EXPECT_NEAR((found->shift - drift.shift).norm(), 0.0, 0.006) << "seed " << seed;
-    EXPECT_NEAR(found->turn_rad, drift.turn_rad, 0.003) << "seed " << seed;
+    EXPECT_NEAR((found->motion.shift - drift.shift).norm(), 0.0, 0.006) << "seed " << seed;
+    EXPECT_NEAR(found->motion.turn_rad, drift.turn_rad, 0.003) << "seed " << seed;
     EXPECT_LT(alignment.sigmaAt(2.0), 0.01);
   }
 }
@@ -60,8 +60,8 @@ TEST(DriftAlignment, IsNotLedAstrayByWhatMovedByItself) {
     for (std::size_t i = 0; i < residuals.size(); i += 3) residuals[i].residual_m += 0.12;
     const auto found = alignment.solve({0.0, 0.0}, residuals, {});
     ASSERT_TRUE(found);
-    EXPECT_NEAR((found->shift - drift.shift).norm(), 0.0, 0.012) << "seed " << seed;
-    EXPECT_NEAR(found->turn_rad, drift.turn_rad, 0.006) << "seed " << seed;
+    EXPECT_NEAR((found->motion.shift - drift.shift).norm(), 0.0, 0.012) << "seed " << seed;
+    EXPECT_NEAR(found->motion.turn_rad, drift.turn_rad, 0.006) << "seed " << seed;
   }
 }
 
@@ -72,8 +72,8 @@ TEST(DriftAlignment, BelievesNoMoreThanOdometryMayHaveDrifted) {
   std::vector<DriftResidual> residuals{{{2.0, 0.0}, {1.0, 0.0}, 0.5, 1e-4}};
   const auto found = alignment.solve({0.0, 0.0}, residuals, {});
   ASSERT_TRUE(found);
-  EXPECT_LT(found->shift.norm(), 0.001);
-  EXPECT_EQ(found->shift.y(), 0.0);
+  EXPECT_LT(found->motion.shift.norm(), 0.001);
+  EXPECT_EQ(found->motion.shift.y(), 0.0);
 }
 
 TEST(ThinLines, TheFormulaIsThatOfABlurredBar) {

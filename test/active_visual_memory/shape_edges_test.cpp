@@ -24,7 +24,7 @@ MemoryElement seen(std::uint64_t id, const Segment2& line, bool open_b = false, 
   element.line = FloorLine(segment, {});
   for (int i = 0; i < 3; ++i) element.line.fuse(segment, {});
   element.strength = strength;
-  publish(element, true);
+  publish(element, true, LeanCovariance::Zero());
   return element;
 }
 
@@ -72,6 +72,33 @@ TEST(ShapeEdges, CloseNoJunction) {
   EXPECT_EQ(published.segments.size(), 4U) << "only the left end";
 }
 
+TEST(ShapeEdges, CutASideThatRanIntoAnEdgeInItsLine) {
+  // The lower side goes on by 30 cm at its right end, then at its left one: both sides of a painted line end
+  // together.
+  for (const Segment2& over : {Segment2{{0.0, 0.0}, {1.3, 0.0}}, Segment2{{-0.3, 0.0}, {1.0, 0.0}}}) {
+    const Published published = complete({seen(1, over), seen(2, kUpper)});
+    ASSERT_EQ(published.segments.size(), 4U) << "and both ends are closed";
+    const Segment2 cut = published.segments.front().odom.floor();
+    EXPECT_EQ(published.segments.front().id, 1U);
+    EXPECT_NEAR((cut.a - kLower.a).norm(), 0.0, 0.005);
+    EXPECT_NEAR((cut.b - kLower.b).norm(), 0.0, 0.005);
+  }
+}
+
+TEST(ShapeEdges, DoNotCutWhereTheOtherSideGoesOnOrALineBranchesOff) {
+  const Segment2 over{{0.0, 0.0}, {1.5, 0.0}};
+  const auto length = [](const Published& p) { return p.segments.front().odom.length(); };
+  // A line of 5 cm that branches off interrupts the upper side.
+  EXPECT_NEAR(length(complete({seen(1, over), seen(2, kUpper), seen(3, {{1.5, 0.05}, {1.05, 0.05}})})), 1.5,
+              0.01);
+  EXPECT_NEAR(length(complete({seen(1, over), seen(2, kUpper), seen(3, {{1.0, 0.05}, {1.0, 0.6}})})), 1.5,
+              0.01);
+  // An end that an image border cut is none, and a side of a line that is mostly alone has no partner.
+  EXPECT_NEAR(length(complete({seen(1, over), seen(2, {{0.0, 0.05}, {1.0, 0.05}})})), 1.5, 0.01)
+      << "one polarity";
+  EXPECT_NEAR(length(complete({seen(1, over), seen(2, {{0.3, 0.05}, {0.0, 0.05}})})), 1.5, 0.01);
+}
+
 TEST(ShapeEdges, CloseNoStripOfShadow) {
   EXPECT_EQ(complete({seen(1, kLower), seen(2, kUpper, false, 30.0)}).segments.size(), 2U);
 }
@@ -88,7 +115,7 @@ TEST(ShapeEdges, TellACircleInRegularChords) {
     const Eigen::Vector2d middle = 0.49 * Eigen::Vector2d(std::cos(angle), std::sin(angle));
     const Eigen::Vector2d half = 0.16 * Eigen::Vector2d(-std::sin(angle), std::cos(angle));
     elements.push_back(seen(static_cast<std::uint64_t>(i + 1), {middle - half, middle + half}));
-    publish(elements.back(), i % 2 == 0);
+    publish(elements.back(), i % 2 == 0, LeanCovariance::Zero());
     circle.segments.push_back(elements.back().value.id);
   }
   const Published published = complete(elements, {circle});

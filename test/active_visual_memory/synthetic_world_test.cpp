@@ -17,6 +17,8 @@ struct Exploration {
   MemoryScore score;
   std::vector<MemorySegment> segments;
   GazeStatus gaze;
+  Lean lean = Lean::Zero();
+  Lean lean_sigma = Lean::Zero();
   double ms_per_step = 0.0;
 };
 
@@ -85,7 +87,7 @@ MemoryScore judge(const std::vector<MemorySegment>& segments, const SyntheticWor
 }
 
 Exploration explore(SyntheticWorld world, const AttentiveVisualMemory::Params& params, double seconds,
-                    double drive_mps, bool confirmed) {
+                    double drive_mps, bool confirmed, double turn_radps = 0.0) {
   AttentiveVisualMemory::Params p = params;
   p.gaze.mount = world.mount;
   AttentiveVisualMemory memory(p);
@@ -99,7 +101,7 @@ Exploration explore(SyntheticWorld world, const AttentiveVisualMemory::Params& p
     const double dt = toSeconds(kFrame_us);
     head.move(dt);
     // A slow arc of about a metre.
-    pose = pose * Pose2{drive_mps * dt, 0.0, 0.25 * drive_mps * dt};
+    pose = pose * Pose2{drive_mps * dt, 0.0, (0.25 * drive_mps + turn_radps) * dt};
     const RobotObservation observation = world.observe(t, pose, head.angles);
     const auto observed = world.detect(observation);
     const auto begin = std::chrono::steady_clock::now();
@@ -111,6 +113,8 @@ Exploration explore(SyntheticWorld world, const AttentiveVisualMemory::Params& p
   run.segments = result.update.snapshot->segments;
   run.score = judge(run.segments, world, confirmed);
   run.gaze = result.gaze;
+  run.lean = memory.lean();
+  run.lean_sigma = memory.leanCovariance().diagonal().cwiseSqrt();
   run.ms_per_step = spent / steps;
   return run;
 }
@@ -172,6 +176,57 @@ TEST(SyntheticWorld, BoxTopsAreNotConfirmedDespiteATiltError) {
       confirmed_tops += near_box_1 || near_box_2;
     }
     EXPECT_LE(confirmed_tops, 1);
+  }
+}
+
+/// Rotations about the robot's x and y, the camera's x (up) and z axes, in degrees.
+void reportLean(const char* what, std::uint64_t seed, const Exploration& run) {
+  std::cout << what << " seed " << seed << ": lean";
+  for (int i = 0; i < 4; ++i) {
+    std::cout << ' ' << radToDeg(run.lean[i]) << " (" << radToDeg(run.lean_sigma[i]) << ")";
+  }
+  std::cout << " degrees\n";
+}
+
+TEST(SyntheticWorld, ACameraThatIsWhereItShouldBeIsNotFoundToLean) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    for (const bool boxes : {false, true}) {
+      const Exploration run = explore(SyntheticWorld::room(seed, boxes),
+                                      AttentiveVisualMemory::Params::standard(), 40.0, 0.05, true);
+      reportLean(boxes ? "upright, boxes" : "upright", seed, run);
+      // A tenth of a degree is half a pixel.
+      EXPECT_LT(radToDeg(run.lean.cwiseAbs().maxCoeff()), 0.15) << "seed " << seed;
+    }
+  }
+}
+
+TEST(SyntheticWorld, HalfADegreeOfTiltIsFoundOnAMetreOfWay) {
+  double mean_error_deg = 0.0;
+  for (const double tilt_deg : {0.5, -0.5}) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      SyntheticWorld world = SyntheticWorld::room(seed, true);
+      world.noise.tilt_bias_rad = degToRad(tilt_deg);
+      const Exploration run = explore(world, AttentiveVisualMemory::Params::standard(), 20.0, 0.05, true);
+      reportLean("half a degree", seed, run);
+      // A pixel is a fifth of a degree.
+      const double error_deg = std::abs(radToDeg(run.lean[2]) - tilt_deg);
+      EXPECT_LT(error_deg, 0.2) << "seed " << seed;
+      mean_error_deg += error_deg / 10.0;
+      EXPECT_LT(radToDeg(run.lean_sigma[2]), 0.2) << "of 0.5 before anything was seen";
+      for (const int other : {0, 1, 3}) EXPECT_LT(std::abs(radToDeg(run.lean[other])), 0.15);
+    }
+  }
+  EXPECT_LT(mean_error_deg, 0.12);
+}
+
+TEST(SyntheticWorld, ARobotThatOnlyTurnsInventsNoLean) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Exploration run = explore(SyntheticWorld::room(seed, true),
+                                    AttentiveVisualMemory::Params::standard(), 40.0, 0.0, false, 0.35);
+    reportLean("turning", seed, run);
+    EXPECT_LT(radToDeg(run.lean.cwiseAbs().maxCoeff()), 0.2) << "seed " << seed;
+    // And knows that its pitch is hardly shown by that.
+    EXPECT_GT(run.lean_sigma[2], 2.0 * run.lean_sigma[1]);
   }
 }
 

@@ -73,16 +73,21 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::step(const RobotObserva
   followEpoch(observation);
   readMail();
   const double rate = turnRate(observation);
-  const Pose3 T_odom_camera = toPose3(observation.T_odom_robot) * observation.T_robot_camera;
-  const auto floor = projector_.project(observation.frame.intrinsics, T_odom_camera,
-                                        correctThinLines(observed, params_.thin_lines), rate);
-  last_update_.analysis =
-      std::make_shared<const ImageAnalysis>(memory_.update(observation, observed, floor, rate));
+  RobotObservation believed = observation;
+  believed.T_robot_camera = leaned(observation.T_robot_camera, memory_.lean());
+  const Pose3 T_odom_camera = toPose3(believed.T_odom_robot) * believed.T_robot_camera;
+  const auto floor =
+      projector_.project(believed.frame.intrinsics, T_odom_camera,
+                         correctThinLines(observed, params_.thin_lines), rate, believed.T_odom_robot.theta);
+  ImageAnalysis analysis = memory_.update(believed, observed, floor, rate);
+  // Consumers are told what the kinematics say; localization estimates the lean from its map, not from ours.
+  analysis.T_robot_camera = observation.T_robot_camera;
+  last_update_.analysis = std::make_shared<const ImageAnalysis>(std::move(analysis));
   // What was remembered belongs to another place: only what this image shows is true here.
   const bool kidnapped = kidnap_.update(observation.frame.stamp_us, memory_.agreement());
   if (kidnapped) {
     reset();
-    memory_.update(observation, observed, floor, rate);
+    memory_.update(believed, observed, floor, rate);
   }
   gate_.passed(observation);
   ++revision_;

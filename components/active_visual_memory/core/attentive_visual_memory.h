@@ -70,6 +70,9 @@ class AttentiveVisualMemory {
   GazeMailbox& gazeClient() { return mailbox_; }
   const std::vector<MemoryElement>& elements() const { return memory_.elements(); }
   std::uint32_t epoch() const { return epoch_; }
+  /// How the camera leans beside what the kinematics say, as far as the images told.
+  const Lean& lean() const { return memory_.lean(); }
+  LeanCovariance leanCovariance() const { return memory_.leanCovariance(); }
 
  private:
   void followEpoch(const RobotObservation& observation);

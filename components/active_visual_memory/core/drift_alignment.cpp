@@ -11,6 +11,8 @@ Eigen::Vector2d turned90(const Eigen::Vector2d& v) {
   return {-v.y(), v.x()};
 }
 
+constexpr double kLeastVariance = 1e-12;  // [m^2], [rad^2]: of what cannot change
+
 }  // namespace
 
 Eigen::Vector2d SmallMotion::apply(const Eigen::Vector2d& p) const {
@@ -43,32 +45,53 @@ double DriftAlignment::sigmaAt(double distance_m) const {
   return std::sqrt(0.5 * (P_(0, 0) + P_(1, 1)) + distance_m * distance_m * P_(2, 2));
 }
 
-std::optional<SmallMotion> DriftAlignment::solve(const Eigen::Vector2d& robot,
-                                                 std::span<const DriftResidual> residuals,
-                                                 const Params& params) {
+void DriftAlignment::reset() {
+  const LeanCovariance known = leanCovariance();
+  P_.setZero();
+  P_.bottomRightCorner<4, 4>() = known;
+}
+
+std::optional<Correction> DriftAlignment::solve(const Eigen::Vector2d& robot,
+                                                std::span<const DriftResidual> residuals,
+                                                const Params& params) {
   if (residuals.empty() || !(P_.trace() > 0.0)) return std::nullopt;
-  const Eigen::Matrix3d prior = (P_ + 1e-10 * Eigen::Matrix3d::Identity()).inverse();
-  Eigen::Vector3d drift = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d information = prior;
+  using Vector = Eigen::Matrix<double, 9, 1>;  // drift, lean, sway
+  using Matrix = Eigen::Matrix<double, 9, 9>;
+  Matrix P = Matrix::Zero();
+  P.topLeftCorner<7, 7>() = P_;
+  P.bottomRightCorner<2, 2>().diagonal().setConstant(lean_params_.sway_rad * lean_params_.sway_rad);
+  const Matrix prior = (P + kLeastVariance * Matrix::Identity()).inverse();
+  Vector state = Vector::Zero();
+  Matrix information = prior;
   for (int i = 0; i < params.iterations; ++i) {
     information = prior;
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    Vector right = Vector::Zero();
     for (const DriftResidual& r : residuals) {
-      const Eigen::Vector3d h{r.direction.x(), r.direction.y(), r.direction.dot(turned90(r.p - robot))};
+      Vector h;
+      h << r.direction, r.direction.dot(turned90(r.p - robot)), -r.d_lean.transpose(), -r.d_sway.transpose();
       // The gate opens by what the drift may be; at the end only what agrees with the rest counts.
-      const double spread = i == 0 ? h.dot(P_ * h) : 0.0;
+      const double spread = i == 0 ? h.dot(P * h) : 0.0;
       const double sigma = std::sqrt(r.variance_m2);
-      const double off = std::abs(r.residual_m - h.dot(drift)) / std::sqrt(r.variance_m2 + spread);
+      const double off = std::abs(r.residual_m - h.dot(state)) / std::sqrt(r.variance_m2 + spread);
       if (off > params.gate) continue;
       const double weight = off <= params.huber ? 1.0 : params.huber / off;
       const double w = weight / (sigma * sigma);
       information += w * h * h.transpose();
       right += w * r.residual_m * h;
     }
-    drift = information.ldlt().solve(right);
+    state = information.ldlt().solve(right);
   }
-  P_ = information.inverse();
-  return SmallMotion{robot, drift.head<2>(), drift.z()};
+  P_ = information.inverse().topLeftCorner<7, 7>();
+  Correction correction{{robot, state.head<2>(), state[2]}, Lean::Zero(), state.tail<2>()};
+  const Lean most = lean_params_.most_sigmas * lean_params_.prior().diagonal().cwiseSqrt();
+  const Lean before = lean_;
+  lean_ = (before + state.segment<4>(3)).cwiseMax(-most).cwiseMin(most);
+  correction.lean = lean_ - before;
+  for (int i = 0; i < 4; ++i) {
+    const double least = std::min(lean_params_.floor_rad, most[i]);
+    P_(3 + i, 3 + i) = std::max(P_(3 + i, 3 + i), least * least);
+  }
+  return correction;
 }
 
 }  // namespace vismem

@@ -1,11 +1,12 @@
-/// @file How far odometry has drifted since the memory was made, from what an image shows of it. Pure. SPEC
-/// M6.
+/// @file How far odometry has drifted since the memory was made, and how the camera leans, from what an image
+/// shows of both. Pure. SPEC M1, M6.
 #pragma once
 
 #include <Eigen/Core>
 #include <optional>
 #include <span>
 
+#include "active_visual_memory/core/camera_lean.h"
 #include "common/geometry/pose.h"
 
 namespace vismem {
@@ -24,13 +25,27 @@ struct DriftResidual {
   Eigen::Vector2d p = Eigen::Vector2d::Zero();           ///< where it was observed, in odom [m]
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< along which both are compared
   double residual_m = 0.0;                               ///< observed minus remembered
-  double variance_m2 = 1.0;                              ///< of the difference, without drift
+  double variance_m2 = 1.0;                              ///< of the difference, without drift and lean
+  LeanRow d_lean =
+      LeanRow::Zero();  ///< how the lean moves the observed minus the remembered coordinate [m/rad]
+  Eigen::RowVector2d d_sway =
+      Eigen::RowVector2d::Zero();  ///< how a sway of this image moves the observed one
+};
+
+/// What one image tells.
+struct Correction {
+  SmallMotion motion;        ///< of the memory
+  Lean lean = Lean::Zero();  ///< change of what is believed of the lean
+  Eigen::Vector2d sway =
+      Eigen::Vector2d::Zero();  ///< about the robot's x and y axes, in this image beside the lean
 };
 
 /// The drift of odometry relative to the memory as a small random motion about the robot: it grows while the
-/// robot moves and shrinks with what is seen. A robot that stands cannot drift. *Single-threaded value.* The
-/// memory follows the drift as one rigid whole, so that what was seen long ago stays right relative to the
-/// robot, and what comes into view again is met where it is expected.
+/// robot moves and shrinks with what is seen. A robot that stands cannot drift. Beside it the lean of the
+/// camera, which stays, and its sway, which is another in each image; errors of drift and lean are known with
+/// their covariance. *Single-threaded value.* The memory follows the drift as one rigid whole, so that what
+/// was seen long ago stays right relative to the robot, and what comes into view again is met where it is
+/// expected.
 class DriftAlignment {
  public:
   struct Params {
@@ -43,19 +58,31 @@ class DriftAlignment {
     int iterations = 3;
   };
 
+  DriftAlignment() = default;
+  explicit DriftAlignment(const LeanParams& lean) : lean_params_(lean) {
+    P_.bottomRightCorner<4, 4>() = lean.prior();
+  }
+
   /// The robot moved. @param moved T_before_now.
   void travel(const Pose2& moved, const Params& params);
 
-  /// @return how the memory has to move about the robot to agree with the image; empty when nothing tells.
-  std::optional<SmallMotion> solve(const Eigen::Vector2d& robot, std::span<const DriftResidual> residuals,
-                                   const Params& params);
+  /// @return how memory and lean have to change to agree with the image; empty when nothing tells.
+  std::optional<Correction> solve(const Eigen::Vector2d& robot, std::span<const DriftResidual> residuals,
+                                  const Params& params);
+
+  const Lean& lean() const { return lean_; }
+  LeanCovariance leanCovariance() const { return P_.bottomRightCorner<4, 4>(); }
 
   /// Sigma of the drift across the view at a distance from the robot [m].
   double sigmaAt(double distance_m) const;
-  void reset() { P_.setZero(); }
+  /// The memory begins anew. What is known of the lean stays.
+  void reset();
 
  private:
-  Eigen::Matrix3d P_ = Eigen::Matrix3d::Zero();  ///< of (shift x, shift y, turn) about the robot
+  LeanParams lean_params_{0.0, 0.0, 0.0};
+  Lean lean_ = Lean::Zero();
+  /// Of (shift x, shift y, turn) about the robot and the lean.
+  Eigen::Matrix<double, 7, 7> P_ = Eigen::Matrix<double, 7, 7>::Zero();
 };
 
 }  // namespace vismem

@@ -10,9 +10,11 @@
 namespace vismem {
 
 /// Adds what both ends tell across the line, and along it where a true end of the line was observed.
-/// @param slack_m sigma for what the covariances do not model. @param noise factor of all variances.
-/// @param max_end_shift_m ends further apart are not one end.
-void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, double slack_m, double noise,
-                       double max_end_shift_m, std::vector<DriftResidual>& residuals);
+/// @param view that showed the piece. @param slack_m sigma for what the covariances do not model. @param
+/// noise factor of all variances.
+/// @param end_doubt factor of the sigmas of ends. @param max_end_shift_m ends further apart are not one end.
+void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, const LeaningView& view,
+                       double slack_m, double noise, double end_doubt, double max_end_shift_m,
+                       std::vector<DriftResidual>& residuals);
 
 }  // namespace vismem

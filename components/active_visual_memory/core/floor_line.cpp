@@ -34,6 +34,7 @@ ExtentEnd fuseEnds(const ExtentEnd& known, const ExtentEnd& seen, double outward
   const double known_variance = known.variance_m2 + noise * noise;
   const double gain = known_variance / (known_variance + seen.variance_m2);
   fused.t_m += gain * (seen.t_m - known.t_m);
+  fused.d_lean += gain * (seen.d_lean - known.d_lean);
   fused.variance_m2 = std::max((1.0 - gain) * known_variance, params.end_floor_m * params.end_floor_m);
   fused.best_m2 = std::min(known.best_m2, seen.best_m2);
   fused.views = known.views + seen.views;
@@ -53,14 +54,20 @@ FloorLine::FloorLine(const FloorSegment& segment, const Params& params) {
   P_(0, 0) = 0.25 * (va + vb);
   P_(1, 1) = (va + vb) / (length * length);
   P_(0, 1) = P_(1, 0) = 0.5 * (vb - va) / length;
-  a_ = endAt(-half, segment.P_a, segment.open_a);
-  b_ = endAt(half, segment.P_b, segment.open_b);
+  J_.row(0) = 0.5 * n.transpose() * (segment.D_a + segment.D_b);
+  J_.row(1) = n.transpose() * (segment.D_b - segment.D_a) / length;
+  a_ = endAt(-half, segment.P_a, segment.D_a, segment.open_a);
+  b_ = endAt(half, segment.P_b, segment.D_b, segment.open_b);
   applyFloor(params);
 }
 
-ExtentEnd FloorLine::endAt(double t, const Eigen::Matrix2d& P, bool open) const {
+ExtentEnd FloorLine::endAt(double t, const Eigen::Matrix2d& P, const FloorLean& D, bool open) const {
   const double variance = varianceAlong(P, along());
-  return {t, variance, open, variance, 1};
+  return {t, variance, open, variance, 1, along().transpose() * D};
+}
+
+FloorLean FloorLine::leanOf(const ExtentEnd& end) const {
+  return along() * end.d_lean + normal() * offsetLean(end.t_m);
 }
 
 Eigen::Vector2d FloorLine::along() const {
@@ -89,6 +96,15 @@ void FloorLine::move(const SmallMotion& motion) {
   direction_rad_ = wrapAngle(direction_rad_ + motion.turn_rad);
 }
 
+void FloorLine::lean(const Lean& change) {
+  const Eigen::Vector2d moved = J_ * change;
+  origin_ += moved.x() * normal();
+  direction_rad_ = wrapAngle(direction_rad_ + moved.y());
+  a_.t_m += a_.d_lean.dot(change);
+  b_.t_m += b_.d_lean.dot(change);
+  if (a_.t_m > b_.t_m) std::swap(a_, b_);
+}
+
 void FloorLine::drift(double offset_sigma_m, double angle_sigma_rad) {
   P_(0, 0) += offset_sigma_m * offset_sigma_m;
   P_(1, 1) += angle_sigma_rad * angle_sigma_rad;
@@ -96,24 +112,29 @@ void FloorLine::drift(double offset_sigma_m, double angle_sigma_rad) {
   b_.variance_m2 += offset_sigma_m * offset_sigma_m;
 }
 
-double FloorLine::disagreement(const FloorSegment& observed, double slack_m) const {
+double FloorLine::disagreement(const FloorSegment& observed, double slack_m,
+                               const LeanCovariance& P_lean) const {
   const Eigen::Vector2d n = normal();
-  const auto one = [&](const Eigen::Vector2d& p, const Eigen::Matrix2d& P) {
+  const auto one = [&](const Eigen::Vector2d& p, const Eigen::Matrix2d& P, const FloorLean& D) {
     // Beyond the seen extent the direction's own error dominates; the line is compared where it was seen.
     const double t = std::clamp(tOf(p), a_.t_m, b_.t_m);
-    const double variance = offsetVariance(t) + varianceAlong(P, n) + slack_m * slack_m;
+    const LeanRow d = n.transpose() * D - offsetLean(t);
+    const double variance =
+        offsetVariance(t) + varianceAlong(P, n) + slack_m * slack_m + d * P_lean * d.transpose();
     const double offset = offsetOf(p);
     return offset * offset / variance;
   };
-  return std::max(one(observed.odom.a, observed.P_a), one(observed.odom.b, observed.P_b));
+  return std::max(one(observed.odom.a, observed.P_a, observed.D_a),
+                  one(observed.odom.b, observed.P_b, observed.D_b));
 }
 
-void FloorLine::updateOffset(double t, double offset, double variance) {
+void FloorLine::updateOffset(double t, double offset, double variance, const LeanRow& d_lean) {
   const Eigen::Vector2d h{1.0, t};
   const Eigen::Vector2d Ph = P_ * h;
   const double s = h.dot(Ph) + variance;
   const Eigen::Vector2d gain = Ph / s;
   correction_ += gain * (offset - h.dot(correction_));
+  J_ += gain * (d_lean - h.transpose() * J_);
   P_ -= gain * Ph.transpose();
 }
 
@@ -140,6 +161,7 @@ void FloorLine::recentre() {
   const double p01 = P_(0, 1);
   P_(0, 0) += 2.0 * s * p01 + s * s * P_(1, 1);
   P_(0, 1) = P_(1, 0) = p01 + s * P_(1, 1);
+  J_.row(0) += s * J_.row(1);
 }
 
 void FloorLine::fuse(const FloorSegment& observed, const Params& params) {
@@ -151,11 +173,11 @@ void FloorLine::fuse(const FloorSegment& observed, const Params& params) {
   const double yb = offsetOf(observed.odom.b);
   const double ta = tOf(observed.odom.a);
   const double tb = tOf(observed.odom.b);
-  updateOffset(ta, ya, varianceAlong(observed.P_a, n) + floor_variance);
-  updateOffset(tb, yb, varianceAlong(observed.P_b, n) + floor_variance);
+  updateOffset(ta, ya, varianceAlong(observed.P_a, n) + floor_variance, n.transpose() * observed.D_a);
+  updateOffset(tb, yb, varianceAlong(observed.P_b, n) + floor_variance, n.transpose() * observed.D_b);
   applyCorrection();
-  a_ = fuseEnds(a_, endAt(ta, observed.P_a, observed.open_a), -1.0, params);
-  b_ = fuseEnds(b_, endAt(tb, observed.P_b, observed.open_b), +1.0, params);
+  a_ = fuseEnds(a_, endAt(ta, observed.P_a, observed.D_a, observed.open_a), -1.0, params);
+  b_ = fuseEnds(b_, endAt(tb, observed.P_b, observed.D_b, observed.open_b), +1.0, params);
   recentre();
   applyFloor(params);
 }
@@ -196,6 +218,8 @@ FloorSegment FloorLine::asObservation() const {
   segment.odom = this->segment();
   segment.P_a = covarianceA();
   segment.P_b = covarianceB();
+  segment.D_a = leanOfA();
+  segment.D_b = leanOfB();
   segment.open_a = a_.open;
   segment.open_b = b_.open;
   return segment;

@@ -13,17 +13,21 @@ namespace vismem {
 
 /// One end of the seen extent.
 struct ExtentEnd {
-  double t_m = 0.0;          ///< along the line from its origin
-  double variance_m2 = 0.0;  ///< of t_m
-  bool open = false;         ///< the line may go on: only a bound is known
-  double best_m2 = 0.0;      ///< variance of the best single view of this end
-  int views = 1;             ///< that agreed on it
+  double t_m = 0.0;                  ///< along the line from its origin
+  double variance_m2 = 0.0;          ///< of t_m
+  bool open = false;                 ///< the line may go on: only a bound is known
+  double best_m2 = 0.0;              ///< variance of the best single view of this end
+  int views = 1;                     ///< that agreed on it
+  LeanRow d_lean = LeanRow::Zero();  ///< how the lean of the camera moves t_m [m/rad]
 };
 
 /// A supporting line (offset and direction with a 2x2 covariance) and the extent on it. The direction a -> b
 /// carries the polarity. *Pure value.* Invariant: end a lies before end b, covariances are positive.
 /// Default fusion: the line is updated by the observed ends' offsets, weighted by their covariances; the
 /// extent is the union of what was seen, true ends averaged, open ends only moved outwards.
+/// The camera's lean (CameraLean) is common to all lines: a line is kept given the lean that is believed now,
+/// with the derivatives of its parameters by it. The covariance is that for a known lean; `P_lean` adds the
+/// rest.
 class FloorLine {
  public:
   struct Params {
@@ -50,10 +54,16 @@ class FloorLine {
   Eigen::Vector2d normal() const;  ///< left of the direction
   Eigen::Matrix2d covarianceA() const { return covarianceAt(a_); }
   Eigen::Matrix2d covarianceB() const { return covarianceAt(b_); }
+  /// How the lean moves the places of the ends [m/rad].
+  FloorLean leanOfA() const { return leanOf(a_); }
+  FloorLean leanOfB() const { return leanOf(b_); }
+  /// How it moves the line across its direction at t [m/rad].
+  LeanRow offsetLean(double t_m) const { return J_.row(0) + t_m * J_.row(1); }
   const ExtentEnd& endA() const { return a_; }
   const ExtentEnd& endB() const { return b_; }
   double length() const { return b_.t_m - a_.t_m; }
 
+  Eigen::Vector2d pointAt(double t_m) const { return origin_ + t_m * along(); }
   double tOf(const Eigen::Vector2d& p_odom) const { return along().dot(p_odom - origin_); }
   double offsetOf(const Eigen::Vector2d& p_odom) const { return normal().dot(p_odom - origin_); }
   /// Variance of the line's place across its direction, at t [m^2].
@@ -64,12 +74,16 @@ class FloorLine {
   /// Carries the line along with a motion of the plane.
   void move(const SmallMotion& motion);
 
+  /// The lean is believed to be another, by so much.
+  void lean(const Lean& change);
+
   /// Grows the uncertainty by what odometry may have drifted: offset sigma and angle sigma are added.
   void drift(double offset_sigma_m, double angle_sigma_rad);
 
   /// Squared normalised distances of the observed ends from the line, the larger of both. `slack_m` is a
   /// sigma added for what the covariances do not model.
-  double disagreement(const FloorSegment& observed, double slack_m) const;
+  double disagreement(const FloorSegment& observed, double slack_m,
+                      const LeanCovariance& P_lean = LeanCovariance::Zero()) const;
 
   /// Default fusion with an observation of the same line (directions within 90 degrees).
   void fuse(const FloorSegment& observed, const Params& params);
@@ -85,9 +99,10 @@ class FloorLine {
   FloorSegment asObservation() const;
 
  private:
-  ExtentEnd endAt(double t_m, const Eigen::Matrix2d& P, bool open) const;
+  ExtentEnd endAt(double t_m, const Eigen::Matrix2d& P, const FloorLean& D, bool open) const;
+  FloorLean leanOf(const ExtentEnd& end) const;
   Eigen::Matrix2d covarianceAt(const ExtentEnd& end) const;
-  void updateOffset(double t_m, double offset_m, double variance_m2);
+  void updateOffset(double t_m, double offset_m, double variance_m2, const LeanRow& d_lean);
   void applyCorrection();
   void applyFloor(const Params& params);
   void recentre();
@@ -96,6 +111,7 @@ class FloorLine {
   double direction_rad_ = 0.0;
   Eigen::Vector2d correction_ = Eigen::Vector2d::Zero();  ///< offset and angle gathered in one update
   Eigen::Matrix2d P_ = Eigen::Matrix2d::Identity();       ///< of (offset, angle) at the origin
+  Eigen::Matrix<double, 2, 4> J_ = Eigen::Matrix<double, 2, 4>::Zero();  ///< d (offset, angle) / d lean
   ExtentEnd a_;
   ExtentEnd b_;
 };

@@ -35,6 +35,7 @@ FloorSegment reversed(const FloorSegment& segment) {
   FloorSegment r = segment;
   std::swap(r.odom.a, r.odom.b);
   std::swap(r.P_a, r.P_b);
+  std::swap(r.D_a, r.D_b);
   std::swap(r.open_a, r.open_b);
   return r;
 }
@@ -60,8 +61,10 @@ std::vector<FloorSegment> cleanDuplicates(const std::vector<FloorSegment>& segme
       const FloorSegment o = against ? reversed(other) : other;
       const double ta = along.dot(o.odom.a - origin);
       const double tb = along.dot(o.odom.b - origin);
-      if (ta < 0.0) line.odom.a = origin + ta * along, line.P_a = o.P_a, line.open_a = o.open_a;
-      if (tb > length) line.odom.b = origin + tb * along, line.P_b = o.P_b, line.open_b = o.open_b;
+      if (ta < 0.0)
+        line.odom.a = origin + ta * along, line.P_a = o.P_a, line.D_a = o.D_a, line.open_a = o.open_a;
+      if (tb > length)
+        line.odom.b = origin + tb * along, line.P_b = o.P_b, line.D_b = o.D_b, line.open_b = o.open_b;
       if (line.label == kUnknownLabel) line.label = other.label;
       kept = line;
       joined = true;

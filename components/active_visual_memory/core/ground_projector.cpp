@@ -116,6 +116,7 @@ std::optional<FloorSegment> GroundProjector::place(const CameraIntrinsics& k, co
   if (!P_a || !P_b) return std::nullopt;
   floor.P_a = *P_a;
   floor.P_b = *P_b;
+  floor.pitch_sigma_rad = params_.pitch_sigma_rad;
   floor.label = segment.label;
   floor.strength = segment.strength;
   return floor;
@@ -124,14 +125,17 @@ std::optional<FloorSegment> GroundProjector::place(const CameraIntrinsics& k, co
 std::vector<FloorSegment> GroundProjector::project(const CameraIntrinsics& intrinsics,
                                                    const Pose3& T_odom_camera,
                                                    const std::vector<ImageSegment>& observed,
-                                                   double turn_rate_radps) const {
+                                                   double turn_rate_radps, double robot_heading_rad) const {
   std::vector<FloorSegment> floor;
   floor.reserve(observed.size());
   const auto& off_floor = params_.off_floor_labels;
+  const LeaningView view(T_odom_camera, robot_heading_rad);
   for (std::size_t i = 0; i < observed.size(); ++i) {
     if (std::find(off_floor.begin(), off_floor.end(), observed[i].label) != off_floor.end()) continue;
     if (auto placed = place(intrinsics, T_odom_camera, observed[i], turn_rate_radps)) {
       placed->observed = static_cast<int>(i);
+      placed->D_a = view.derivativeAt(placed->odom.a);
+      placed->D_b = view.derivativeAt(placed->odom.b);
       floor.push_back(std::move(*placed));
     }
   }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "active_visual_memory/core/camera_lean.h"
 #include "common/geometry/camera.h"
 #include "common/geometry/pose.h"
 #include "common/geometry/segment.h"
@@ -18,6 +19,9 @@ struct FloorSegment {
   Segment2 odom;  ///< on the floor of the frame that the camera pose was given in [m]
   Eigen::Matrix2d P_a = Eigen::Matrix2d::Zero();  ///< covariance of end a [m^2]
   Eigen::Matrix2d P_b = Eigen::Matrix2d::Zero();
+  FloorLean D_a = FloorLean::Zero();  ///< how a lean of the camera moves end a [m/rad]; not part of P_a
+  FloorLean D_b = FloorLean::Zero();
+  double pitch_sigma_rad = 0.0;  ///< what P_a and P_b contain of it, for the camera's pitch and roll
   /// The segment was cut here (image border, range, horizon): it may go on, the end says nothing.
   bool open_a = false;
   bool open_b = false;
@@ -46,9 +50,10 @@ class GroundProjector {
 
   /// @param T_odom_camera  pose of the camera; the floor is z = 0 of its frame.
   /// @param turn_rate_radps of the camera in odom, >= 0: widens the covariances.
+  /// @param robot_heading_rad in odom: the axes that the robot leans about.
   std::vector<FloorSegment> project(const CameraIntrinsics& intrinsics, const Pose3& T_odom_camera,
-                                    const std::vector<ImageSegment>& observed,
-                                    double turn_rate_radps = 0.0) const;
+                                    const std::vector<ImageSegment>& observed, double turn_rate_radps = 0.0,
+                                    double robot_heading_rad = 0.0) const;
 
   /// Covariance of the floor point under an ideal pixel. @param along unit direction of the segment [px].
   /// @return empty when the pixel's ray does not go down.

@@ -48,13 +48,15 @@ void absorb(MemoryElement& element, const MemoryElement& other, const FloorLine:
   element.sightings = std::max(element.sightings, other.sightings);
 }
 
-void publish(MemoryElement& element, bool confirmed) {
+void publish(MemoryElement& element, bool confirmed, const LeanCovariance& P_lean) {
   const Segment2 floor = element.line.segment();
   element.value.odom = {{floor.a.x(), floor.a.y(), 0.0}, {floor.b.x(), floor.b.y(), 0.0}};
   element.value.P_a.setZero();
   element.value.P_b.setZero();
-  element.value.P_a.topLeftCorner<2, 2>() = element.line.covarianceA();
-  element.value.P_b.topLeftCorner<2, 2>() = element.line.covarianceB();
+  const FloorLean D_a = element.line.leanOfA();
+  const FloorLean D_b = element.line.leanOfB();
+  element.value.P_a.topLeftCorner<2, 2>() = element.line.covarianceA() + D_a * P_lean * D_a.transpose();
+  element.value.P_b.topLeftCorner<2, 2>() = element.line.covarianceB() + D_b * P_lean * D_b.transpose();
   element.value.uncertainty = uncertaintyOf(element.value.life);
   element.value.confirmed = confirmed;
 }

@@ -36,6 +36,7 @@ struct MemoryElement {
   LabelVotes votes;  ///< nearer views count more
   ParallaxEstimate parallax;
   bool on_floor = false;      ///< its place rests while the camera moves (M1)
+  bool stands = false;        ///< its place moves with the camera: it stands up, or moves by itself
   bool not_vertical = false;  ///< some view ruled out a vertical edge
   FloorLine anchor_line;      ///< where the first sample of `parallax` saw it
   Eigen::Vector2d anchor_camera = Eigen::Vector2d::Zero();
@@ -55,7 +56,8 @@ struct MemoryElement {
 /// M2, M9: takes in another element that is a piece or a copy of the same edge; the id stays.
 void absorb(MemoryElement& element, const MemoryElement& other, const FloorLine::Params& params);
 
-/// Brings `value` up to date. @param confirmed whether it counts as confirmed.
-void publish(MemoryElement& element, bool confirmed);
+/// Brings `value` up to date. @param confirmed whether it counts as confirmed. @param P_lean of the camera's
+/// lean.
+void publish(MemoryElement& element, bool confirmed, const LeanCovariance& P_lean);
 
 }  // namespace vismem

@@ -5,14 +5,15 @@
 
 namespace vismem {
 
-void ParallaxEstimate::add(Channel channel, double baseline_m, double shift_m, double variance_m2,
-                           const Params& params) {
+void ParallaxEstimate::add(Channel channel, double baseline_m, double shift_m, const LeanRow& d_lean,
+                           double variance_m2, const Params& params) {
   Sums& sums = sums_[channel];
   const double w = 1.0 / (variance_m2 + params.sample_sigma_m * params.sample_sigma_m);
   if (sums.count > 0 && std::abs(baseline_m - sums.last_b) < params.min_step_m) {
-    sums.countIn(-sums.last_w, sums.last_b, sums.last_s);
+    sums.countIn(-sums.last_w);
     const double known = sums.last_single_w * sums.last_views;
     sums.last_s = (known * sums.last_s + w * shift_m) / (known + w);
+    sums.last_ds = (known * sums.last_ds + w * d_lean) / (known + w);
     sums.last_single_w = (known + w) / (sums.last_views + 1);
     ++sums.last_views;
     sums.last_w = sums.last_single_w * std::min(sums.last_views, params.views_per_place);
@@ -23,33 +24,48 @@ void ParallaxEstimate::add(Channel channel, double baseline_m, double shift_m, d
     sums.last_w = sums.last_single_w = w;
     sums.last_b = baseline_m;
     sums.last_s = shift_m;
+    sums.last_ds = d_lean;
     sums.last_views = 1;
   }
-  sums.countIn(sums.last_w, sums.last_b, sums.last_s);
+  sums.countIn(sums.last_w);
 }
 
-void ParallaxEstimate::Sums::countIn(double weight, double b, double s) {
+void ParallaxEstimate::Sums::countIn(double weight) {
+  const double b = last_b;
   w += weight;
   wb += weight * b;
   wbb += weight * b * b;
-  ws += weight * s;
-  wbs += weight * b * s;
+  ws += weight * last_s;
+  wbs += weight * b * last_s;
+  ds += weight * last_ds;
+  dbs += weight * b * last_ds;
 }
 
-std::optional<ParallaxEstimate::Slope> ParallaxEstimate::slope(Channel channel, const Params& params) const {
+void ParallaxEstimate::lean(const Lean& change) {
+  for (Sums& sums : sums_) {
+    sums.ws += sums.ds * change;
+    sums.wbs += sums.dbs * change;
+    sums.last_s += sums.last_ds * change;
+  }
+}
+
+std::optional<ParallaxEstimate::Slope> ParallaxEstimate::slope(Channel channel, const LeanCovariance& P_lean,
+                                                               const Params& params) const {
   const Sums& s = sums_[channel];
   if (s.count < 2 || s.high - s.low < params.min_baseline_m) return std::nullopt;
   const double spread = s.wbb - s.wb * s.wb / s.w;
   if (!(spread > 0.0)) return std::nullopt;
-  return Slope{-(s.wbs - s.wb * s.ws / s.w) / spread, 1.0 / spread};
+  const LeanRow d = (s.dbs - s.wb / s.w * s.ds) / spread;
+  return Slope{-(s.wbs - s.wb * s.ws / s.w) / spread, 1.0 / spread + d * P_lean * d.transpose()};
 }
 
 ParallaxEstimate::Verdict ParallaxEstimate::verdict(double camera_height_m, bool not_vertical,
+                                                    const LeanCovariance& P_lean,
                                                     const Params& params) const {
   if (camera_height_m <= params.least_height_m) return Verdict::kUnknown;
   const double limit = params.least_height_m / (camera_height_m - params.least_height_m);
   const auto judge = [&](Channel channel) {
-    const auto k = slope(channel, params);
+    const auto k = slope(channel, P_lean, params);
     if (!k) return Verdict::kUnknown;
     const double margin = params.sigmas * std::sqrt(k->variance);
     if (std::abs(k->value) + margin < limit) return Verdict::kOnFloor;

@@ -4,11 +4,14 @@
 #include <array>
 #include <optional>
 
+#include "active_visual_memory/core/camera_lean.h"
+
 namespace vismem {
 
 /// An edge at height h, back-projected to the floor from a camera at height H, moves by -b h / (H - h) for a
 /// camera displacement b. The slope h / (H - h) is estimated by weighted least squares on three channels:
-/// the line's offset, and the places of its two ends along it. *Pure value.*
+/// the line's offset, and the places of its two ends along it. A camera that leans moves what lies on the
+/// floor, too: the slopes are kept with their derivatives by the lean. *Pure value.*
 class ParallaxEstimate {
  public:
   enum Channel { kOffset = 0, kEndA = 1, kEndB = 2 };
@@ -27,12 +30,18 @@ class ParallaxEstimate {
   /// Views from one place make one sample, their mean.
   /// @param baseline_m  displacement of the camera along the channel's axis since the first sample.
   /// @param shift_m     displacement of the floor place along the same axis.
-  void add(Channel channel, double baseline_m, double shift_m, double variance_m2, const Params& params);
+  /// @param d_lean     how the lean of the camera changes the shift [m/rad].
+  void add(Channel channel, double baseline_m, double shift_m, const LeanRow& d_lean, double variance_m2,
+           const Params& params);
 
   /// The line's offset decides. Where it tells nothing (the camera moved along the line) the ends do: off the
   /// floor both would move, so one that rests is enough, except for what may be a vertical edge, whose foot
   /// rests too: there both must.
-  Verdict verdict(double camera_height_m, bool not_vertical, const Params& params) const;
+  Verdict verdict(double camera_height_m, bool not_vertical, const LeanCovariance& P_lean,
+                  const Params& params) const;
+
+  /// The lean is believed to be another, by so much.
+  void lean(const Lean& change);
 
   /// Begins a channel anew: its samples were of something else.
   void forget(Channel channel) { sums_[channel] = {}; }
@@ -42,7 +51,7 @@ class ParallaxEstimate {
     double variance = 0.0;
   };
   /// @return empty while the baseline is too short.
-  std::optional<Slope> slope(Channel channel, const Params& params) const;
+  std::optional<Slope> slope(Channel channel, const LeanCovariance& P_lean, const Params& params) const;
 
  private:
   struct Sums {
@@ -53,7 +62,8 @@ class ParallaxEstimate {
     double last_w = 0, last_b = 0, last_s = 0;
     double last_single_w = 0;
     int last_views = 0;
-    void countIn(double weight, double b, double s);
+    LeanRow ds = LeanRow::Zero(), dbs = LeanRow::Zero(), last_ds = LeanRow::Zero();  ///< of ws, wbs, last_s
+    void countIn(double weight);
   };
   std::array<Sums, 3> sums_;
 };

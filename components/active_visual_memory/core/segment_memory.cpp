@@ -18,7 +18,10 @@ struct SegmentMemory::View {
   FloorEvidence evidence;
 };
 
-SegmentMemory::SegmentMemory(const Params& params) : params_(params), clock_(params.life.tick_us) {}
+SegmentMemory::SegmentMemory(const Params& params)
+    : params_(params),
+      clock_(params.life.tick_us),
+      drift_(params.align ? DriftAlignment(params.lean) : DriftAlignment()) {}
 
 void SegmentMemory::clear() {
   elements_.clear();
@@ -37,16 +40,21 @@ void SegmentMemory::travel(const Pose2& T_odom_robot) {
 }
 
 void SegmentMemory::alignTo(const std::vector<std::vector<const FloorSegment*>>& seen,
-                            const std::vector<int>& index_of, const View& view) {
+                            const std::vector<int>& index_of, std::vector<FloorSegment>& floor, View& view) {
   std::vector<DriftResidual> residuals;
+  const LeaningView leaning(view.T_odom_camera, view.observation.T_odom_robot.theta);
+  const bool anything_rests =
+      std::any_of(elements_.begin(), elements_.end(), [](const MemoryElement& e) { return e.on_floor; });
   for (std::size_t p = 0; p < seen.size(); ++p) {
     const MemoryElement& element = elements_[index_of[p]];
     if (onTrial(element)) continue;
-    // What did not prove to rest on the floor while the camera moved may be something that moves along.
+    // What is seen not to rest on the floor while the camera moves stands up, or moves along; what does not
+    // prove to may do so, too.
+    if (element.stands) continue;
     const double moved = (view.camera - element.anchor_camera).norm();
-    if (!element.on_floor && moved > params_.parallax.min_baseline_m) continue;
-    // Nor may what came lately, while the robot drives: another robot that drives ahead would drag all along.
-    if (!element.on_floor && moved > params_.parallax.min_step_m &&
+    // What came lately, while the robot drives, may be another robot that drives ahead: it would drag all
+    // along. As long as nothing is sure to rest, there is nothing else to go by.
+    if (anything_rests && !element.on_floor && moved > params_.parallax.min_step_m &&
         isNew(element, view.observation.frame.stamp_us)) {
       continue;
     }
@@ -55,16 +63,41 @@ void SegmentMemory::alignTo(const std::vector<std::vector<const FloorSegment*>>&
     for (const FloorSegment* piece : seen[p]) {
       const double distance = (piece->odom.middle() - view.camera).norm();
       const double slack = params_.slack_m + params_.slack_share * distance;
-      addDriftResiduals(element.line, *piece, slack, noise, params_.max_end_shift_m, residuals);
+      addDriftResiduals(element.line, *piece, leaning, slack, noise, params_.align_end_doubt,
+                        params_.max_end_shift_m, residuals);
+      // A line that is seen all the time follows what it is told. What the lean does on the way since it was
+      // first seen shows against its place then; once for each step of the camera, however many images show
+      // it.
+      const double step = travel_m_ - element.seen_travel_m;
+      if (step <= 0.0 || moved < params_.parallax.min_step_m || moved > params_.max_anchor_travel_m) continue;
+      const double aligned = params_.aligned_m + params_.aligned_rad * distance;
+      const double often = std::max(1.0, params_.parallax.min_step_m / step);
+      addDriftResiduals(element.anchor_line, *piece, leaning, std::hypot(slack, aligned), noise * often,
+                        params_.align_end_doubt, params_.max_end_shift_m, residuals);
     }
   }
-  const auto motion = drift_.solve(view.observation.T_odom_robot.position(), residuals, params_.alignment);
-  if (!motion) return;
+  const auto correction =
+      drift_.solve(view.observation.T_odom_robot.position(), residuals, params_.alignment);
+  if (!correction) return;
   for (MemoryElement& element : elements_) {
-    element.line.move(*motion);
-    element.anchor_line.move(*motion);
-    element.anchor_camera = motion->apply(element.anchor_camera);
+    element.line.move(correction->motion);
+    element.anchor_line.move(correction->motion);
+    element.anchor_camera = correction->motion.apply(element.anchor_camera);
+    element.line.lean(correction->lean);
+    element.anchor_line.lean(correction->lean);
+    element.parallax.lean(correction->lean);
   }
+  // What this image shows lies elsewhere, too.
+  Lean change = correction->lean;
+  change.head<2>() += correction->sway;
+  const Pose3 T_odom_camera =
+      toPose3(view.observation.T_odom_robot) * leaned(view.observation.T_robot_camera, change);
+  const Eigen::Matrix3d R = T_odom_camera.linear() * view.T_odom_camera.linear().transpose();
+  for (FloorSegment& segment : floor) {
+    segment.odom.a = turnedOnFloor(segment.odom.a, T_odom_camera.translation(), R);
+    segment.odom.b = turnedOnFloor(segment.odom.b, T_odom_camera.translation(), R);
+  }
+  view.T_odom_camera = T_odom_camera;
 }
 
 std::vector<int> SegmentMemory::cache(const Pose2& T_odom_robot) const {
@@ -97,7 +130,7 @@ bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment
   const double slack =
       params_.slack_m + params_.slack_share * distance_m + unseen_m + unseen_rad * distance_m;
   const double gate = params_.gate_sigmas;
-  return element.line.disagreement(observed, slack) <= gate * gate;
+  return element.line.disagreement(observed, slack, leanCovariance()) <= gate * gate;
 }
 
 void SegmentMemory::confirm(MemoryElement& element, const FloorSegment& observed, const View& view) {
@@ -126,8 +159,9 @@ void SegmentMemory::confirm(MemoryElement& element, const FloorSegment& observed
   const double drift = params_.align
                            ? params_.aligned_m + params_.aligned_rad * distance
                            : params_.drift_per_rad * (turn_rad_ - element.anchor_turn_rad) * distance;
-  const auto add = [&](ParallaxEstimate::Channel channel, double b, double shift, double variance) {
-    element.parallax.add(channel, b, shift, variance + drift * drift, params_.parallax);
+  const auto add = [&](ParallaxEstimate::Channel channel, double b, double shift, const LeanRow& d_lean,
+                       double variance) {
+    element.parallax.add(channel, b, shift, d_lean, variance + drift * drift, params_.parallax);
   };
   // A constant error of the anchor's place does not matter, one of its direction does.
   const Eigen::Vector2d middle = observed.odom.middle();
@@ -137,12 +171,14 @@ void SegmentMemory::confirm(MemoryElement& element, const FloorSegment& observed
   const Eigen::Vector2d at = element.not_vertical ? middle : (b_is_far ? observed.odom.b : observed.odom.a);
   const double t = anchor.tOf(at);
   const double share = params_.parallax_noise_share;
-  add(ParallaxEstimate::kOffset, across, anchor.offsetOf(at),
+  const double f = (at - observed.odom.a).norm() / std::max(1e-6, observed.odom.length());
+  const LeanRow d_at = n.transpose() * ((1.0 - f) * observed.D_a + f * observed.D_b);
+  add(ParallaxEstimate::kOffset, across, anchor.offsetOf(at), d_at - anchor.offsetLean(t),
       0.25 * share * n.dot((observed.P_a + observed.P_b) * n) + anchor.turnVariance(t));
   // The places of the ends, as long as they are the ends that were seen before.
   const Eigen::Vector2d u = anchor.along();
   const auto addEnd = [&](ParallaxEstimate::Channel channel, const Eigen::Vector2d& p,
-                          const Eigen::Matrix2d& P, bool open, const ExtentEnd& known) {
+                          const Eigen::Matrix2d& P, const FloorLean& D, bool open, const ExtentEnd& known) {
     if (open || known.open) return;
     const double variance = u.dot(P * u);
     const double gate = std::max(params_.line.end_gate_m,
@@ -153,17 +189,21 @@ void SegmentMemory::confirm(MemoryElement& element, const FloorSegment& observed
       if (outside) element.parallax.forget(channel);  // the old end was none
       return;
     }
-    add(channel, along, anchor.tOf(p), share * variance);
+    add(channel, along, anchor.tOf(p), u.transpose() * D, share * variance);
   };
-  addEnd(ParallaxEstimate::kEndA, observed.odom.a, observed.P_a, observed.open_a, element.line.endA());
-  addEnd(ParallaxEstimate::kEndB, observed.odom.b, observed.P_b, observed.open_b, element.line.endB());
+  addEnd(ParallaxEstimate::kEndA, observed.odom.a, observed.P_a, observed.D_a, observed.open_a,
+         element.line.endA());
+  addEnd(ParallaxEstimate::kEndB, observed.odom.b, observed.P_b, observed.D_b, observed.open_b,
+         element.line.endB());
   // The image of a vertical edge lies on a ray from the point below the camera, wherever the camera is.
   const Eigen::Vector2d ray = (middle - view.camera).normalized();
   const Eigen::Vector2d seen_along = (observed.odom.b - observed.odom.a).normalized();
   if (std::abs(ray.x() * seen_along.y() - ray.y() * seen_along.x()) > params_.not_radial) {
     element.not_vertical = true;
   }
-  const auto verdict = element.parallax.verdict(view.height, element.not_vertical, params_.parallax);
+  const auto verdict =
+      element.parallax.verdict(view.height, element.not_vertical, leanCovariance(), params_.parallax);
+  element.stands = verdict == ParallaxEstimate::Verdict::kOffFloor;
   if (verdict == ParallaxEstimate::Verdict::kOnFloor) element.on_floor = true;
   if (verdict == ParallaxEstimate::Verdict::kOffFloor) element.on_floor = false;
 }
@@ -292,16 +332,19 @@ bool SegmentMemory::isOfAnotherKind(const Segment2& place, const MemoryElement& 
 void SegmentMemory::reviewEnds(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
                                const std::vector<FloorSegment>& floor, const View& view) {
   // The extent seen in this image, from all its pieces.
-  ExtentEnd low{1e9, 0.0, true, 0.0, 1};
-  ExtentEnd high{-1e9, 0.0, true, 0.0, 1};
+  ExtentEnd low;
+  ExtentEnd high;
+  low.t_m = 1e9;
+  high.t_m = -1e9;
+  low.open = high.open = true;
   const Eigen::Vector2d u = element.line.along();
   for (const FloorSegment* piece : seen) {
     const bool against = u.dot(piece->odom.b - piece->odom.a) < 0.0;
     const FloorSegment s = against ? reversed(*piece) : *piece;
     const double variance_a = u.dot(s.P_a * u);
     const double variance_b = u.dot(s.P_b * u);
-    const ExtentEnd a{element.line.tOf(s.odom.a), variance_a, s.open_a, variance_a, 1};
-    const ExtentEnd b{element.line.tOf(s.odom.b), variance_b, s.open_b, variance_b, 1};
+    const ExtentEnd a{element.line.tOf(s.odom.a), variance_a, s.open_a, variance_a, 1, u.transpose() * s.D_a};
+    const ExtentEnd b{element.line.tOf(s.odom.b), variance_b, s.open_b, variance_b, 1, u.transpose() * s.D_b};
     if (a.t_m < low.t_m) low = a;
     if (b.t_m > high.t_m) high = b;
   }
@@ -324,119 +367,24 @@ void SegmentMemory::reviewEnds(MemoryElement& element, const std::vector<const F
     votes.t_m = (votes.t_m * votes.count + at.t_m) / (votes.count + 1);
     votes.variance_m2 = at.variance_m2;
     if (++votes.count < params_.short_votes) return;
-    element.line.shorten(at_b, {votes.t_m, votes.variance_m2, false, votes.variance_m2, 1});
+    element.line.shorten(at_b, {votes.t_m, votes.variance_m2, false, votes.variance_m2, 1, at.d_lean});
     element.short_a = element.short_b = {};
   };
   review(element.short_a, element.line.endA(), low, false);
   review(element.short_b, element.line.endB(), high, true);
 }
 
-void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
-  std::vector<std::uint64_t> absorbed;
-  for (const SideCompletion& side : sides) {
-    MemoryElement* whole = nullptr;
-    for (MemoryElement& element : elements_) {
-      if (!std::binary_search(side.segments.begin(), side.segments.end(), element.value.id)) continue;
-      if (std::count(absorbed.begin(), absorbed.end(), element.value.id) > 0) continue;  // of two shapes
-      if (!whole) {
-        whole = &element;
-        continue;
-      }
-      if (!samePolarity(whole->line.segment(), whole->strength, element.line.segment(), element.strength))
-        continue;
-      absorb(*whole, element, params_.line);
-      absorbed.push_back(element.value.id);
-    }
-    if (whole) publish(*whole);
-  }
-  std::erase_if(elements_, [&](const MemoryElement& element) {
-    return std::count(absorbed.begin(), absorbed.end(), element.value.id) > 0;
-  });
-}
-
-void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
-  std::vector<bool> gone(elements_.size(), false);
-  for (std::size_t m = 0; m < cached.size(); ++m) {
-    for (std::size_t n = m + 1; n < cached.size(); ++n) {
-      MemoryElement& a = elements_[cached[m]];
-      const MemoryElement& b = elements_[cached[n]];
-      if (gone[cached[m]]) break;
-      if (gone[cached[n]]) continue;
-      // Something moved on only where an element was just observed.
-      if (a.sighting != Sighting::kObserved && b.sighting != Sighting::kObserved) continue;
-      if (!labelsCompatible(a.value.label, b.value.label)) continue;
-      const Segment2 sa = a.line.segment();
-      const Segment2 sb = b.line.segment();
-      if (!samePolarity(sa, a.strength, sb, b.strength)) continue;
-      const bool a_longer = a.line.length() >= b.line.length();
-      const Neighbourhood near = neighbourhood(a_longer ? sa : sb, a_longer ? sb : sa);
-      if (near.angle_rad > params_.near_angle_rad || near.gap_m > params_.max_gap_m) continue;
-      const double sigma = std::sqrt(a.line.offsetVariance(0.0) + b.line.offsetVariance(0.0));
-      if (near.distance_m > std::min(params_.near_distance_m, 0.02 + 3.0 * sigma)) continue;
-      // Pieces that only meet end to end must continue each other well.
-      if (near.gap_m > 0.0 && near.angle_rad > 0.5 * params_.near_angle_rad) continue;
-      absorb(a, b, params_.line);
-      gone[cached[n]] = true;
-    }
-  }
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < elements_.size(); ++i) {
-    if (gone[i]) continue;
-    if (kept != i) elements_[kept] = std::move(elements_[i]);
-    ++kept;
-  }
-  elements_.resize(kept);
-}
-
-void SegmentMemory::countLife(StampUs stamp_us) {
-  const double dt = clock_.advance(stamp_us);
-  if (dt > 0.0) {
-    for (MemoryElement& element : elements_) {
-      // What is new since the last tick has its first life already.
-      // What only ever showed itself along the viewing ray may be a standing edge, whose floor place moves:
-      // it must not stay long where nobody looks.
-      const bool suspect = !element.on_floor && !element.not_vertical;
-      const bool unseen = element.sighting == Sighting::kOutOfView;
-      element.value.life = agedLife(element.value.life, element.sighting,
-                                    suspect && unseen ? params_.suspect_fading * dt : dt, params_.life);
-      element.sighting = Sighting::kAbsent;
-    }
-    std::erase_if(elements_, [&](const MemoryElement& e) { return e.value.life < params_.life.threshold; });
-  }
-  if (static_cast<int>(elements_.size()) > params_.max_elements) {
-    std::stable_sort(elements_.begin(), elements_.end(), [](const MemoryElement& a, const MemoryElement& b) {
-      return a.value.life > b.value.life;
-    });
-    elements_.resize(static_cast<std::size_t>(params_.max_elements));
-    std::sort(elements_.begin(), elements_.end(),
-              [](const MemoryElement& a, const MemoryElement& b) { return a.value.id < b.value.id; });
-  }
-}
-
-void SegmentMemory::publish(MemoryElement& element) const {
-  vismem::publish(element,
-                  element.on_floor && (params_.confirm_unlabelled || element.value.label != kUnknownLabel));
-}
-
-void SegmentMemory::age(StampUs stamp_us) {
-  // An image that is not analysed speaks neither for nor against anything.
-  for (MemoryElement& element : elements_)
-    element.sighting = std::max(element.sighting, Sighting::kOutOfView);
-  countLife(stamp_us);
-  for (MemoryElement& element : elements_) publish(element);
-}
-
 ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
                                     const std::vector<ImageSegment>& observed,
-                                    const std::vector<FloorSegment>& floor, double turn_rate_radps) {
+                                    std::vector<FloorSegment> floor, double turn_rate_radps) {
   travel(observation.T_odom_robot);
   const Pose3 T_odom_camera = toPose3(observation.T_odom_robot) * observation.T_robot_camera;
-  const View view{observation,
-                  T_odom_camera,
-                  T_odom_camera.translation().head<2>(),
-                  T_odom_camera.translation().z(),
-                  turn_rate_radps,
-                  {observation.frame.image, observation.frame.intrinsics, params_.evidence}};
+  View view{observation,
+            T_odom_camera,
+            T_odom_camera.translation().head<2>(),
+            T_odom_camera.translation().z(),
+            turn_rate_radps,
+            {observation.frame.image, observation.frame.intrinsics, params_.evidence}};
 
   std::vector<const FloorSegment*> floor_of(observed.size(), nullptr);
   for (const FloorSegment& segment : floor) floor_of[segment.observed] = &segment;
@@ -471,7 +419,7 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
   }
   for (const auto& support : association.supports) assign(support);
 
-  if (params_.align) alignTo(seen, index_of, view);
+  if (params_.align) alignTo(seen, index_of, floor, view);
 
   agreement_ = {};
   for (std::size_t p = 0; p < expected.size(); ++p) {

@@ -50,7 +50,11 @@ class SegmentMemory {
     int max_elements = 1000;
     bool align = true;  ///< the whole memory follows the drift of odometry that the images show
     DriftAlignment::Params alignment;
-    double align_doubt = 3.0;    ///< and times this for what is not known yet to rest on the floor
+    LeanParams lean;           ///< estimated with the drift
+    double align_doubt = 3.0;  ///< and times this for what is not known yet to rest on the floor
+    /// Ends are found a pixel or so short, and always the same way: as independent errors they would make a
+    /// camera that comes nearer seem to lean. Standard deviations times this.
+    double align_end_doubt = 4.0;
     double align_noise = 2.0;    ///< errors of neighbouring images are alike: standard deviations times this
     double aligned_m = 0.003;    ///< error of the alignment: of places ..
     double aligned_rad = 0.004;  ///< .. and of the heading
@@ -75,8 +79,13 @@ class SegmentMemory {
   explicit SegmentMemory(const Params& params);
 
   /// Takes in one image. @param floor the observed segments placed on the floor, with their indices.
+  /// @param observation with the camera where its lean puts it (`lean`).
   ImageAnalysis update(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
-                       const std::vector<FloorSegment>& floor, double turn_rate_radps);
+                       std::vector<FloorSegment> floor, double turn_rate_radps);
+
+  /// What is believed of the camera's lean, and how well it is known [rad^2].
+  const Lean& lean() const { return drift_.lean(); }
+  LeanCovariance leanCovariance() const { return drift_.leanCovariance(); }
 
   /// How the last image met what was well remembered (M10).
   const SceneAgreement& agreement() const { return agreement_; }
@@ -101,7 +110,7 @@ class SegmentMemory {
   std::vector<int> cache(const Pose2& T_odom_robot) const;
   void travel(const Pose2& T_odom_robot);
   void alignTo(const std::vector<std::vector<const FloorSegment*>>& seen, const std::vector<int>& index_of,
-               const View& view);
+               std::vector<FloorSegment>& floor, View& view);
   std::vector<Expectation> expect(const View& view, std::vector<int>& index_of) const;
   bool fitsOnFloor(const MemoryElement& element, const FloorSegment& observed, double distance_m) const;
   void take(MemoryElement& element, const FloorSegment& observed, const View& view);

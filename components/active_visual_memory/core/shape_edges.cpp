@@ -37,6 +37,15 @@ Side sideOf(const MemoryElement& element) {
           element.value.id};
 }
 
+/// The same side with its ends exchanged, for looking at its other end.
+Side turned(const Side& side) {
+  Side t = side;
+  std::swap(t.line.a, t.line.b);
+  std::swap(t.a, t.b);
+  t.along = -side.along;
+  return t;
+}
+
 /// The edge from the end b of one side to the end a of the other, square to the line.
 std::optional<LineEnd> endBetween(const Side& one, const Side& other, const ShapeEdges::Params& params) {
   if (one.along.dot(other.along) > -std::cos(params.max_angle_rad)) return std::nullopt;
@@ -100,6 +109,49 @@ Surroundings lookAround(const LineEnd& end, const Side& one, const Side& other,
   return found;
 }
 
+/// Does the line end where this side of it ends (its end a), with nothing that goes on from there or branches
+/// off?
+bool endsAlone(const Side& side, double width, double ahead_m, const Side& partner,
+               const std::vector<MemorySegment>& segments, const ShapeEdges::Params& params) {
+  return std::none_of(segments.begin(), segments.end(), [&](const MemorySegment& segment) {
+    if (segment.id == side.id || segment.id == partner.id) return false;
+    const Segment2 floor = segment.odom.floor();
+    const double near = std::min((floor.a - side.line.a).norm(), (floor.b - side.line.a).norm());
+    if (lineAngleDifference(floor.direction(), side.line.direction()) > 0.6) {
+      return near <= params.neighbour_m && floor.length() > 1.8 * width + 0.04;
+    }
+    const auto ahead = [&](const Eigen::Vector2d& p) { return side.along.dot(side.line.a - p); };
+    const double from = std::min(ahead(floor.a), ahead(floor.b));
+    const double to = std::max(ahead(floor.a), ahead(floor.b));
+    return distanceToLine(floor.middle(), side.line) <= 0.5 * width && to > params.neighbour_m &&
+           from < ahead_m + params.continuation_m;
+  });
+}
+
+/// Both sides of a painted line end at one place. One that goes on far behind the other's end has run into an
+/// edge in its line (that of a shadow): cuts it there.
+/// @return whether its end b was cut.
+bool cutOvershoot(Side& one, const Side& other, const std::vector<MemorySegment>& segments,
+                  const ShapeEdges::Params& params) {
+  if (one.along.dot(other.along) > -std::cos(params.max_angle_rad)) return false;
+  const double width = distanceToLine(other.line.middle(), one.line);
+  if (width < params.min_width_m || width > params.max_width_m) return false;
+  if (other.a.open || other.a.views < params.min_views) return false;
+  const double end = one.along.dot(other.line.a - one.line.a);
+  const double begin = one.along.dot(other.line.b - one.line.a);
+  const double over = one.line.length() - end;
+  // Most of the shorter side lies beside the other one, and much more of it than goes on behind.
+  const double beside = end - std::max(0.0, begin);
+  if (over <= params.most_skew_m || beside < 0.8 * other.line.length() || beside < 2.0 * over) return false;
+  if (!endsAlone(other, width, over, one, segments, params)) return false;
+  one.line.b = one.line.a + end * one.along;
+  one.b.t_m = one.a.t_m + std::copysign(end, one.b.t_m - one.a.t_m);
+  one.b.variance_m2 = other.a.variance_m2;
+  one.b.open = false;
+  one.b.views = other.a.views;
+  return true;
+}
+
 Eigen::Matrix3d covarianceOf(const Eigen::Vector2d& u, double along, double across) {
   const Eigen::Vector2d n{-u.y(), u.x()};
   Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
@@ -124,19 +176,40 @@ void ShapeEdges::addLineEnds(std::vector<MemorySegment>& segments, std::span<con
                                       [&](const MemoryElement& e) { return e.value.id == segment.id; });
     if (element != elements.end() && segment.confirmed) sides.push_back(&*element);
   }
+  std::vector<Side> lines;
+  for (const MemoryElement* side : sides) lines.push_back(sideOf(*side));
+  // Both sides of paint are as strong; the strip of shadow along a box has two different ones.
+  const auto areSidesOfPaint = [&](std::size_t i, std::size_t k) {
+    const auto [weak, strong] = std::minmax(sides[i]->strength, sides[k]->strength);
+    return i != k && sides[i]->value.label == sides[k]->value.label &&
+           weak >= params_.min_strength_share * strong;
+  };
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      if (!areSidesOfPaint(i, k)) continue;
+      const bool b = cutOvershoot(lines[i], lines[k], segments, params_);
+      Side against = turned(lines[i]);
+      const bool a = cutOvershoot(against, turned(lines[k]), segments, params_);
+      if (a) lines[i] = turned(against);
+      if (!a && !b) continue;
+      const auto told = std::find_if(segments.begin(), segments.end(),
+                                     [&](const MemorySegment& s) { return s.id == lines[i].id; });
+      const Segment2& line = lines[i].line;
+      told->odom = {{line.a.x(), line.a.y(), 0.0}, {line.b.x(), line.b.y(), 0.0}};
+    }
+  }
   std::vector<MemorySegment> ends;
   std::vector<std::uint64_t> replaced;
-  for (const MemoryElement* first : sides) {
-    const Side one = sideOf(*first);
-    for (const MemoryElement* second : sides) {
-      if (first == second || first->value.label != second->value.label) continue;
-      const Side other = sideOf(*second);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const MemoryElement* first = sides[i];
+    const Side& one = lines[i];
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      if (!areSidesOfPaint(i, k)) continue;
+      const MemoryElement* second = sides[k];
+      const Side& other = lines[k];
       if ((one.line.b - other.line.a).norm() > params_.max_width_m + params_.most_skew_m) continue;
       const auto end = endBetween(one, other, params_);
       if (!end) continue;
-      // Both sides of paint are as strong; the strip of shadow along a box has two different ones.
-      const auto [weak, strong] = std::minmax(first->strength, second->strength);
-      if (weak < params_.min_strength_share * strong) continue;
       const Surroundings around = lookAround(*end, one, other, segments, params_);
       if (!around.is_end) continue;
       replaced.insert(replaced.end(), around.replaced.begin(), around.replaced.end());

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/geometry/angles.h"
 #include "common/kinematics/kinematics.h"
 #include "experiments/app/score_json.h"
 
@@ -14,6 +15,18 @@ namespace vismem {
 namespace {
 
 constexpr double kClearance_m = 0.3;
+
+/// What the memory believes of the camera's lean: about the robot's x and y and the camera's x and z axes.
+nlohmann::json leanOf(const AttentiveVisualMemory& memory) {
+  constexpr const char* kNames[] = {"robot_x_deg", "robot_y_deg", "camera_x_deg", "camera_z_deg"};
+  nlohmann::json json;
+  const LeanCovariance P = memory.leanCovariance();
+  for (int i = 0; i < 4; ++i) {
+    json[kNames[i]] = radToDeg(memory.lean()[i]);
+    json[kNames[i] + std::string("_sigma")] = radToDeg(std::sqrt(P(i, i)));
+  }
+  return json;
+}
 
 }  // namespace
 
@@ -62,6 +75,7 @@ MemoryScore lookAroundTwice(ExperimentRun& run, const std::string& variant, cons
     json[after] = toJson(score);
     json[after]["edges_per_image_mean"] = run.meanEdgesPerImage();
     json[after]["edges_per_image_most"] = run.mostEdgesInAnImage();
+    json[after]["lean"] = leanOf(run.pipeline().memory());
     json[after]["memory_over_image"] = score.right / std::max(1.0, run.meanEdgesPerImage());
     return score;
   };

@@ -1,0 +1,106 @@
+// What the memory does with its elements beside taking in images: joining, life, publishing.
+#include <algorithm>
+#include <cmath>
+
+#include "active_visual_memory/core/floor_matching.h"
+#include "active_visual_memory/core/segment_memory.h"
+
+namespace vismem {
+
+void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
+  std::vector<std::uint64_t> absorbed;
+  for (const SideCompletion& side : sides) {
+    MemoryElement* whole = nullptr;
+    for (MemoryElement& element : elements_) {
+      if (!std::binary_search(side.segments.begin(), side.segments.end(), element.value.id)) continue;
+      if (std::count(absorbed.begin(), absorbed.end(), element.value.id) > 0) continue;  // of two shapes
+      if (!whole) {
+        whole = &element;
+        continue;
+      }
+      if (!samePolarity(whole->line.segment(), whole->strength, element.line.segment(), element.strength))
+        continue;
+      absorb(*whole, element, params_.line);
+      absorbed.push_back(element.value.id);
+    }
+    if (whole) publish(*whole);
+  }
+  std::erase_if(elements_, [&](const MemoryElement& element) {
+    return std::count(absorbed.begin(), absorbed.end(), element.value.id) > 0;
+  });
+}
+
+void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
+  std::vector<bool> gone(elements_.size(), false);
+  for (std::size_t m = 0; m < cached.size(); ++m) {
+    for (std::size_t n = m + 1; n < cached.size(); ++n) {
+      MemoryElement& a = elements_[cached[m]];
+      const MemoryElement& b = elements_[cached[n]];
+      if (gone[cached[m]]) break;
+      if (gone[cached[n]]) continue;
+      // Something moved on only where an element was just observed.
+      if (a.sighting != Sighting::kObserved && b.sighting != Sighting::kObserved) continue;
+      if (!labelsCompatible(a.value.label, b.value.label)) continue;
+      const Segment2 sa = a.line.segment();
+      const Segment2 sb = b.line.segment();
+      if (!samePolarity(sa, a.strength, sb, b.strength)) continue;
+      const bool a_longer = a.line.length() >= b.line.length();
+      const Neighbourhood near = neighbourhood(a_longer ? sa : sb, a_longer ? sb : sa);
+      if (near.angle_rad > params_.near_angle_rad || near.gap_m > params_.max_gap_m) continue;
+      const double sigma = std::sqrt(a.line.offsetVariance(0.0) + b.line.offsetVariance(0.0));
+      if (near.distance_m > std::min(params_.near_distance_m, 0.02 + 3.0 * sigma)) continue;
+      // Pieces that only meet end to end must continue each other well.
+      if (near.gap_m > 0.0 && near.angle_rad > 0.5 * params_.near_angle_rad) continue;
+      absorb(a, b, params_.line);
+      gone[cached[n]] = true;
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    if (gone[i]) continue;
+    if (kept != i) elements_[kept] = std::move(elements_[i]);
+    ++kept;
+  }
+  elements_.resize(kept);
+}
+
+void SegmentMemory::countLife(StampUs stamp_us) {
+  const double dt = clock_.advance(stamp_us);
+  if (dt > 0.0) {
+    for (MemoryElement& element : elements_) {
+      // What is new since the last tick has its first life already.
+      // What only ever showed itself along the viewing ray may be a standing edge, whose floor place moves:
+      // it must not stay long where nobody looks.
+      const bool suspect = !element.on_floor && !element.not_vertical;
+      const bool unseen = element.sighting == Sighting::kOutOfView;
+      element.value.life = agedLife(element.value.life, element.sighting,
+                                    suspect && unseen ? params_.suspect_fading * dt : dt, params_.life);
+      element.sighting = Sighting::kAbsent;
+    }
+    std::erase_if(elements_, [&](const MemoryElement& e) { return e.value.life < params_.life.threshold; });
+  }
+  if (static_cast<int>(elements_.size()) > params_.max_elements) {
+    std::stable_sort(elements_.begin(), elements_.end(), [](const MemoryElement& a, const MemoryElement& b) {
+      return a.value.life > b.value.life;
+    });
+    elements_.resize(static_cast<std::size_t>(params_.max_elements));
+    std::sort(elements_.begin(), elements_.end(),
+              [](const MemoryElement& a, const MemoryElement& b) { return a.value.id < b.value.id; });
+  }
+}
+
+void SegmentMemory::publish(MemoryElement& element) const {
+  vismem::publish(element,
+                  element.on_floor && (params_.confirm_unlabelled || element.value.label != kUnknownLabel),
+                  leanCovariance());
+}
+
+void SegmentMemory::age(StampUs stamp_us) {
+  // An image that is not analysed speaks neither for nor against anything.
+  for (MemoryElement& element : elements_)
+    element.sighting = std::max(element.sighting, Sighting::kOutOfView);
+  countLife(stamp_us);
+  for (MemoryElement& element : elements_) publish(element);
+}
+
+}  // namespace vismem

@@ -1,0 +1,134 @@
+#include "active_visual_memory/core/camera_lean.h"
+
+#include <gtest/gtest.h>
+
+#include "active_visual_memory/core/floor_line.h"
+#include "active_visual_memory/core/floor_matching.h"
+#include "active_visual_memory/core/ground_projector.h"
+#include "common/geometry/angles.h"
+#include "common/geometry/projection.h"
+#include "common/kinematics/kinematics.h"
+
+namespace vismem {
+namespace {
+
+CameraMount mount() {
+  CameraMount m;
+  m.T_robot_pantilt = poseFromXyzRpy(0.05, 0, 0.45, 0, 0, 0);
+  return m;
+}
+
+const Lean kLean{0.006, -0.009, 0.008, -0.005};
+
+TEST(CameraLean, TurnsTheCameraAboutItsOwnCentre) {
+  const Pose3 T = cameraPose(mount(), 0.7, -0.3);
+  EXPECT_TRUE(leaned(T, Lean::Zero()).isApprox(T));
+  const Pose3 there = leaned(T, kLean);
+  EXPECT_EQ(there.translation(), T.translation());
+  // Looking ahead, a camera that sits 0.01 rad too high on its head looks up by as much.
+  const Pose3 ahead = leaned(cameraPose(mount(), 0.0, 0.0), {0.0, 0.0, 0.01, 0.0});
+  EXPECT_NEAR(ahead.linear().col(2).z(), std::sin(0.01), 1e-12);
+  // A robot that leans forward (about its y axis, to the left) looks down, and a camera that looks left
+  // rolls.
+  EXPECT_NEAR(leaned(cameraPose(mount(), 0.0, 0.0), {0.0, 0.01, 0.0, 0.0}).linear().col(2).z(),
+              -std::sin(0.01), 1e-12);
+  EXPECT_NEAR(leaned(cameraPose(mount(), degToRad(90.0), 0.0), {0.0, 0.01, 0.0, 0.0}).linear().col(2).z(),
+              0.0, 1e-12);
+}
+
+TEST(CameraLean, DerivativesAreThoseOfTheProjection) {
+  const auto k = intrinsicsFromFieldOfView(320, 240, degToRad(60.0));
+  const Pose2 robot{1.0, -2.0, 0.8};
+  for (const double pan : {-1.2, 0.0, 0.6}) {
+    const Pose3 T_robot_camera = cameraPose(mount(), pan, -0.3);
+    const Pose3 T = toPose3(robot) * T_robot_camera;
+    const LeaningView view(T, robot.theta);
+    for (const Eigen::Vector2d& px :
+         {Eigen::Vector2d(20, 150), Eigen::Vector2d(160, 120), Eigen::Vector2d(300, 200)}) {
+      const Eigen::Vector2d p = backProjectToGround(k, T, px, 100.0)->head<2>();
+      const FloorLean D = view.derivativeAt(p);
+      for (int i = 0; i < 4; ++i) {
+        const double step = 1e-5;
+        const Pose3 turned = toPose3(robot) * leaned(T_robot_camera, step * Lean::Unit(i));
+        const Eigen::Vector2d q = backProjectToGround(k, turned, px, 100.0)->head<2>();
+        EXPECT_NEAR(((q - p) / step - D.col(i)).norm(), 0.0, 1e-3 * (1.0 + D.col(i).norm())) << i;
+        // And a place is carried there exactly.
+        const Eigen::Matrix3d R = turned.linear() * T.linear().transpose();
+        EXPECT_NEAR((turnedOnFloor(p, T.translation(), R) - q).norm(), 0.0, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(CameraLean, ALineSeenFromManyPlacesIsCorrectedAsIfTheLeanHadBeenKnown) {
+  // The same images under a wrong and the right lean; the wrong line, told of the right lean, is the right
+  // line.
+  const auto k = intrinsicsFromFieldOfView(320, 240, degToRad(60.0));
+  const Lean lean = 0.3 * kLean;
+  GroundProjector::Params exact;
+  exact.border_margin_px = 0.0;
+  const GroundProjector projector(exact);
+  const FloorLine::Params params;
+  const Segment3 edge{{2.2, -0.3, 0.0}, {2.5, 0.4, 0.0}};
+  std::optional<FloorLine> wrong;
+  std::optional<FloorLine> right;
+  for (int i = 0; i < 12; ++i) {
+    const Pose2 robot{0.06 * i, 0.02 * i, 0.03 * i};
+    const Pose3 T_robot_camera = cameraPose(mount(), -0.02 * i, -0.25);
+    const Pose3 believed = toPose3(robot) * T_robot_camera;
+    const Pose3 truth = toPose3(robot) * leaned(T_robot_camera, lean);
+    const auto px = projectSegment(k, truth, edge);
+    ASSERT_TRUE(px);
+    const auto take = [&](std::optional<FloorLine>& line, const Pose3& T) {
+      const auto floor = projector.project(k, T, {{*px, "edge", 40.0}}, 0.0, robot.theta);
+      ASSERT_EQ(floor.size(), 1u);
+      if (line) {
+        line->fuse(floor.front(), params);
+      } else {
+        line = FloorLine(floor.front(), params);
+      }
+    };
+    take(wrong, believed);
+    take(right, truth);
+  }
+  const auto off = [&](const FloorLine& line) {
+    const Segment2 s = line.segment();
+    return std::max((s.a - edge.a.head<2>()).norm(), (s.b - edge.b.head<2>()).norm());
+  };
+  EXPECT_LT(off(*right), 1e-6);
+  const double before = off(*wrong);
+  EXPECT_GT(before, 0.03);
+  wrong->lean(lean);
+  EXPECT_LT(off(*wrong), 0.1 * before);  // second order remains
+}
+
+TEST(CameraLean, WhatIsNotKnownOfTheLeanOpensTheGate) {
+  FloorSegment seen;
+  seen.odom = {{2.0, -0.5}, {2.0, 0.5}};
+  seen.P_a = seen.P_b = 1e-4 * Eigen::Matrix2d::Identity();
+  const FloorLine line(seen, {});
+  FloorSegment again = seen;
+  again.odom.a.x() = again.odom.b.x() = 2.1;
+  again.D_a(0, 2) = again.D_b(0, 2) = 10.0;  // seen from where the lean matters
+  LeanCovariance P = LeanCovariance::Zero();
+  EXPECT_GT(line.disagreement(again, 0.0, P), 9.0);
+  P(2, 2) = std::pow(degToRad(0.5), 2);  // 8.7 cm
+  EXPECT_LT(line.disagreement(again, 0.0, P), 2.0);
+  // Both seen alike: a lean would have moved both.
+  FloorSegment first = seen;
+  first.D_a = again.D_a;
+  first.D_b = again.D_b;
+  EXPECT_GT(FloorLine(first, {}).disagreement(again, 0.0, P), 9.0);
+}
+
+TEST(CameraLean, ExchangedEndsKeepTheirDerivatives) {
+  FloorSegment s;
+  s.odom = {{1.0, 0.0}, {2.0, 0.0}};
+  s.D_a.setConstant(1.0);
+  s.D_b.setConstant(2.0);
+  EXPECT_EQ(reversed(s).D_a, s.D_b);
+  EXPECT_EQ(reversed(s).D_b, s.D_a);
+}
+
+}  // namespace
+}  // namespace vismem
