@@ -71,7 +71,8 @@ TEST_F(RobotSetup, RunsOnceTheDevicesAppear) {
                              "--ActiveVisualMemory.PanTilt.Proxy=" + pan_tilt->proxy("PanTilt"),
                              "--ActiveVisualMemory.Odometry.Proxy=" + base->proxy("Encoders")});
   const auto localization = start("localization", "Localization",
-                                  {"--Localization.VisualMemory.Proxy=" + memory->proxy("VisualMemory")});
+                                  {"--Localization.VisualMemory.Proxy=" + memory->proxy("VisualMemory"),
+                                   "--Localization.Gaze.Proxy=" + memory->proxy("Gaze")});
   EXPECT_THAT(reason(*base, "base_server"), HasSubstr("no such device"));
   EXPECT_THAT(reason(*pan_tilt, "pantilt_server"), HasSubstr("no such device"));
   EXPECT_EQ(reason(*camera, "camera_server"), "cameraA: /dev/video0: no such device");
