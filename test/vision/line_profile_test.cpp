@@ -69,7 +69,10 @@ TEST(LineProfile, GivesBackWhatSmoothingMovesTheEdgesOfAThinBarApart) {
   EdgePointFinder finder(bestEdgeRows());
   finder.find(image, 9.0, true);
   double left = 1e9;
-  for (int i = 0; i < finder.count(); ++i) left = std::min(left, static_cast<double>(finder.points()[i].x));
+  for (int i = 0; i < finder.count(); ++i) {
+    const EdgePoint& point = finder.points()[i];
+    left = std::min(left, point.column() + kEdgePointUnit_px * point.asideX());
+  }
   EXPECT_LT(left, 19.3);
   const Segment2 edge{{left, 5.0},
                       {left, 35.0}};  // down: its left is the right of the picture, where it is bright

@@ -11,8 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "common/vision/collinear_merge.h"
 #include "common/vision/edge_points.h"
 #include "common/vision/edge_rows.h"
+#include "common/vision/line_runs.h"
 #include "common/vision/segment_detector.h"
 #include "vision/support/synthetic.h"
 
@@ -64,6 +66,10 @@ std::vector<RawSegment> segmentsOf(SegmentDetector& detector, const cv::Mat& ima
   return out;
 }
 
+double xOf(const EdgePoint& point) {
+  return point.column() + kEdgePointUnit_px * point.asideX();
+}
+
 /// Where chains begin, and then where rings may.
 std::vector<std::int32_t> startsOf(const EdgePointFinder& finder) {
   const auto room = static_cast<std::size_t>(finder.count() + 2 * kEdgePointBlock);
@@ -97,6 +103,64 @@ TEST(EdgeRows, EveryKernelGivesTheSameBits) {
   }
 }
 
+TEST(LineRuns, EveryKernelGivesTheSameRunsAndPieces) {
+  for (const int width : {64, 321, 800}) {
+    const cv::Mat image = scene(width, 300, CV_8UC1, static_cast<std::uint64_t>(width));
+    std::vector<LineRun> expected_runs;
+    std::vector<GroupedSegment> expected_pieces;
+    for (const EdgeRowKernel* kernel : edgeRowKernels()) {
+      EdgePointFinder edges(*kernel);
+      LineRunFinder finder(SolisParams{}, *kernel);
+      CollinearMerger merger(*kernel);
+      edges.find(image, 9.0, true);
+      const std::span<const LineRun> found = finder.find(edges);
+      const std::vector<LineRun> runs(found.begin(), found.end());
+      std::vector<GroupedSegment> pieces;
+      for (const LineRun& run : runs)
+        pieces.push_back({{{run.ax_px, run.ay_px}, {run.bx_px, run.by_px}}, 0, 1.0, 0.0});
+      merger.merge(pieces, CollinearMergeParams{});
+      if (kernel == edgeRowKernels().front()) {
+        expected_runs = runs;
+        expected_pieces = pieces;
+        EXPECT_GT(runs.size(), pieces.size());
+        continue;
+      }
+      ASSERT_EQ(runs.size(), expected_runs.size()) << kernel->name;
+      EXPECT_EQ(std::memcmp(runs.data(), expected_runs.data(), runs.size() * sizeof(LineRun)), 0)
+          << kernel->name;
+      ASSERT_EQ(pieces.size(), expected_pieces.size()) << kernel->name;
+      for (std::size_t k = 0; k < pieces.size(); ++k) {
+        EXPECT_EQ(pieces[k].px.a, expected_pieces[k].px.a) << kernel->name;
+        EXPECT_EQ(pieces[k].px.b, expected_pieces[k].px.b) << kernel->name;
+      }
+    }
+  }
+}
+
+// Points know their row modulo 256 only: an edge down 700 rows must not wrap, nor one that begins far below.
+TEST(LineRuns, AnEdgeLongerThanPointsCanCountIsWhole) {
+  cv::Mat image(900, 64, CV_8UC1, cv::Scalar(50));
+  image(cv::Rect(20, 0, 44, 700)) = 114;
+  image(cv::Rect(0, 760, 30, 140)) = 180;
+  for (const EdgeRowKernel* kernel : edgeRowKernels()) {
+    EdgePointFinder edges(*kernel);
+    LineRunFinder finder(SolisParams{}, *kernel);
+    edges.find(image, 9.0, true);
+    bool whole = false;
+    bool lower = false;
+    for (const LineRun& run : finder.find(edges)) {
+      const double top = std::min(run.ay_px, run.by_px);
+      const double bottom = std::max(run.ay_px, run.by_px);
+      if (std::abs(run.ax_px - 19.5) < 0.1 && std::abs(run.bx_px - 19.5) < 0.1)
+        whole |= top < 3.0 && bottom > 695.0;
+      if (std::abs(run.ax_px - 29.5) < 0.1 && std::abs(run.bx_px - 29.5) < 0.1)
+        lower |= top < 766.0 && bottom > 895.0;
+    }
+    EXPECT_TRUE(whole) << kernel->name;
+    EXPECT_TRUE(lower) << kernel->name;
+  }
+}
+
 // A step of 64 grey levels between columns 19 and 20: the gradient is [1 3 3 1] of it about 19.5, so the two
 // middle columns are equal, and the edge point between them lies at 19.5 by the parabola through 1, 3, 3.
 TEST(EdgePoints, WorkedExampleStep) {
@@ -106,8 +170,10 @@ TEST(EdgePoints, WorkedExampleStep) {
   finder.find(image, 9.0, true);
   ASSERT_EQ(finder.count(), 28);  // a row each, but 2 at the top and at the bottom
   for (int i = 0; i < finder.count(); ++i) {
-    EXPECT_FLOAT_EQ(finder.points()[i].x, 19.5F);
-    EXPECT_FLOAT_EQ(finder.points()[i].y, static_cast<float>(i + 2));
+    EXPECT_DOUBLE_EQ(xOf(finder.points()[i]), 19.5);
+    EXPECT_EQ(finder.points()[i].row(i), i + 2);
+    EXPECT_EQ(finder.points()[i].asideY(), 0);
+    EXPECT_EQ(finder.rowBegins()[i + 2], i);
     EXPECT_EQ(finder.points()[i].gx, 48 * 64);
     EXPECT_EQ(finder.points()[i].gy, 0);
     // Bright on the right of the picture: with it on the left the way goes down.
@@ -136,13 +202,13 @@ TEST(EdgePoints, ChainsBeginWhereNothingLeadsAndRingsAtTheirFirstPoint) {
     if (followed[static_cast<std::size_t>(i)] == 0) begins.push_back(i);
   }
   ASSERT_EQ(begins.size(), 1U);
-  EXPECT_GT(finder.points()[begins[0]].x, 60.0F);
+  EXPECT_GT(xOf(finder.points()[begins[0]]), 60.0);
   const std::vector<std::int32_t> listed = startsOf(finder);
   ASSERT_GE(listed.size(), 2U);
   EXPECT_EQ(listed[0], begins[0]);
   // The ring's first point is among the others.
   int first_of_ring = 0;
-  while (finder.points()[first_of_ring].x > 60.0F) ++first_of_ring;
+  while (xOf(finder.points()[first_of_ring]) > 60.0) ++first_of_ring;
   EXPECT_NE(std::find(listed.begin() + 1, listed.end(), first_of_ring), listed.end());
 }
 

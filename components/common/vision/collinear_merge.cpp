@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <tuple>
 
 namespace vismem {
 namespace {
 
-constexpr int kLanes = 16;         // compared at a time
 constexpr double kTurn = 65536.0;  // what an angle of 16 bits wraps at
 constexpr double kDiamondTurn = 4.0;
 constexpr double kPi = 3.14159265358979;
@@ -130,16 +127,16 @@ class CollinearMerger::Lanes {
   }
 
   void reserve(std::size_t count) {
-    for (auto* column : {&left_, &right_, &top_, &bottom_}) column->reserve(count + kLanes);
-    angle_.reserve(count + kLanes);
+    for (auto* column : {&left_, &right_, &top_, &bottom_}) column->reserve(count + kBoxBlock);
+    angle_.reserve(count + kBoxBlock);
     rod_.reserve(count);
   }
   /// Lays rods out, counted by cell first.
   void lay(const std::vector<Box>& boxes) {
     const std::size_t count = boxes.size();
     rod_.resize(count);
-    for (auto* column : {&left_, &right_, &top_, &bottom_}) column->resize(count + kLanes);
-    angle_.resize(count + kLanes);
+    for (auto* column : {&left_, &right_, &top_, &bottom_}) column->resize(count + kBoxBlock);
+    angle_.resize(count + kBoxBlock);
     std::fill_n(extent_, kBins, 0);
     lowest_ = count == 0 ? 0 : kShift;
     int highest = lowest_ - 1;
@@ -164,7 +161,6 @@ class CollinearMerger::Lanes {
       rod_[lane] = box.rod;
       set(lane, box);
     }
-    for (std::size_t k = count; k < count + kLanes; ++k) set(k, {32767, -32768, 32767, -32768, 0, 0});
   }
   int count() const { return static_cast<int>(rod_.size()); }
   int rod(int lane) const { return rod_[lane]; }
@@ -175,24 +171,7 @@ class CollinearMerger::Lanes {
   int firstOf(int bin, const Box& box) const { return begin_[cellAt(bin, lowOf(box, bin) - extent_[bin])]; }
   int endOf(int bin, const Box& box) const { return begin_[cellAt(bin, highOf(box, bin)) + 1]; }
 
-  /// Whether the boxes of some of the kLanes lanes from `begin` on meet this one, with a direction near its
-  /// own: those lanes are then marked.
-  void meet(const Box& box, int begin, std::uint16_t angle_limit, std::uint8_t marks[kLanes]) const {
-    const std::int16_t* __restrict left = left_.data() + begin;
-    const std::int16_t* __restrict right = right_.data() + begin;
-    const std::int16_t* __restrict top = top_.data() + begin;
-    const std::int16_t* __restrict bottom = bottom_.data() + begin;
-    const std::uint16_t* __restrict angle = angle_.data() + begin;
-    const auto lowest = static_cast<std::uint16_t>(box.angle - angle_limit);
-    const auto span = static_cast<std::uint16_t>(2 * angle_limit);
-    for (int k = 0; k < kLanes; ++k) {
-      // From the lowest angle on, over the end of the turn.
-      const bool alike = static_cast<std::uint16_t>(angle[k] - lowest) <= span;
-      const bool meets =
-          (left[k] <= box.right) & (right[k] >= box.left) & (top[k] <= box.bottom) & (bottom[k] >= box.top);
-      marks[k] = static_cast<std::uint8_t>((alike & meets) ? 1 : 0);
-    }
-  }
+  BoxLanes boxes() const { return {left_.data(), right_.data(), top_.data(), bottom_.data(), angle_.data()}; }
 
  private:
   static int binOf(const Box& box) { return box.angle / kBinWidth; }
@@ -225,7 +204,8 @@ class CollinearMerger::Lanes {
   int extent_[kBins] = {};                     // of a bin's largest box, along what it is sorted by
 };
 
-CollinearMerger::CollinearMerger() : given_(std::make_unique<Lanes>()), joined_(std::make_unique<Lanes>()) {}
+CollinearMerger::CollinearMerger(const EdgeRowKernel& kernel)
+    : kernel_(&kernel), given_(std::make_unique<Lanes>()), joined_(std::make_unique<Lanes>()) {}
 CollinearMerger::~CollinearMerger() = default;
 CollinearMerger::CollinearMerger(CollinearMerger&&) noexcept = default;
 CollinearMerger& CollinearMerger::operator=(CollinearMerger&&) noexcept = default;
@@ -241,6 +221,7 @@ void CollinearMerger::reserve(std::size_t segments) {
   given_->reserve(segments);
   joined_->reserve(segments);
   boxes_.reserve(segments);
+  meetings_.reserve(segments + kBoxBlock);
 }
 
 /// Lays rods from `begin` on that are not part of another one.
@@ -281,21 +262,22 @@ void CollinearMerger::compare(const Box& box, int begin, const Lanes& lanes,
   const int lowest = box.angle - (begin == 0 ? angle_limit_ : 0);
   const int first_bin = (lowest + kAngles) / kBinWidth;
   const int last_bin = std::min((box.angle + angle_limit_ + kAngles) / kBinWidth, first_bin + kBins - 1);
-  std::uint8_t marks[kLanes];
+  const BoxQuery query{box.left,
+                       box.right,
+                       box.top,
+                       box.bottom,
+                       static_cast<std::uint16_t>(box.angle - angle_limit_),
+                       static_cast<std::uint16_t>(2 * angle_limit_)};
+  const auto room = static_cast<std::size_t>(lanes.count() + kBoxBlock);
+  if (meetings_.size() < room) meetings_.resize(room);
   for (int bin = first_bin; bin <= last_bin; ++bin) {
     const int which = bin % kBins;
-    const int end = lanes.endOf(which, box);
-    int lane = begin != 0 && bin == first_bin ? begin : lanes.firstOf(which, box);
-    for (; lane < end; lane += kLanes) {
-      lanes.meet(box, lane, angle_limit_, marks);
-      for (int eight = 0; eight < kLanes; eight += 8) {
-        std::uint64_t bits;
-        std::memcpy(&bits, marks + eight, sizeof(bits));
-        for (; bits != 0; bits &= bits - 1) {
-          const int at = lane + eight + __builtin_ctzll(bits) / 8;
-          if (at < end && lanes.rod(at) != box.rod) judge(box.rod, lanes.rod(at), params);
-        }
-      }
+    const int lane = begin != 0 && bin == first_bin ? begin : lanes.firstOf(which, box);
+    const int found =
+        kernel_->meetings(lanes.boxes(), query, lane, lanes.endOf(which, box), meetings_.data());
+    for (int k = 0; k < found; ++k) {
+      const int other = lanes.rod(meetings_[k]);
+      if (other != box.rod) judge(box.rod, other, params);
     }
   }
 }

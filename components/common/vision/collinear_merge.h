@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/geometry/segment.h"
+#include "common/vision/edge_rows.h"
 
 namespace vismem {
 
@@ -38,7 +39,7 @@ struct GroupedSegment {
 /// *Single-threaded*; keeps its work space and no memory of earlier segments.
 class CollinearMerger {
  public:
-  CollinearMerger();
+  explicit CollinearMerger(const EdgeRowKernel& kernel = bestEdgeRows());
   ~CollinearMerger();
   CollinearMerger(CollinearMerger&&) noexcept;
   CollinearMerger& operator=(CollinearMerger&&) noexcept;
@@ -68,11 +69,13 @@ class CollinearMerger {
   void judge(int rod, int other, const CollinearMergeParams& params);
   bool goesOn(const Rod& a, const Rod& b) const;
 
+  const EdgeRowKernel* kernel_;
   std::vector<Rod> rods_;
   std::vector<Candidate> candidates_;
   std::unique_ptr<Lanes> given_;   // the rods given
   std::unique_ptr<Lanes> joined_;  // those joined that are left
   std::vector<Box> boxes_;
+  std::vector<std::int32_t> meetings_;
   const GapEvidence* evidence_ = nullptr;
   double cos_limit_ = 0.0;
   double reach_px_ = 0.0;  // of a rod aside, see Lanes::boxOf

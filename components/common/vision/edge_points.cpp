@@ -92,6 +92,7 @@ void EdgePointFinder::prepare(const cv::Mat& image) {
   stride_ = kWordBits * words_ + 2 * kEdgeReadMargin;
   const std::size_t pixels = image.total() + 2 * kEdgePointBlock;
   points_.reserve(pixels);
+  row_begins_.reserve(height_ + 1);
   next_.reserve(pixels);
   previous_.reserve(pixels);
   smooth_.reserve(width_ + 2 * kEdgeRowMargin);
@@ -137,6 +138,8 @@ void EdgePointFinder::find(const cv::Mat& image, double minimum_contrast, bool b
     gradientRow(image, y);
     if (y > 2 && y < height_ - 1) pointsOfRow(y - 1);
   }
+  std::fill_n(row_begins_.data(), 2, 0);
+  std::fill(row_begins_.data() + height_ - 2, row_begins_.data() + height_ + 1, count_);
 }
 
 /// Row y of the image, the nearest one beyond its borders. Rows of a colour image are converted in order.
@@ -174,6 +177,7 @@ void EdgePointFinder::pointsOfRow(int y) {
     magnitude[k] = ring(magnitude_, y + k - 1, 1);
     gradient[k] = ring(gradient_, y + k - 1, 2);
   }
+  row_begins_[y] = count_;
   EdgeBits& here = bits(y);
   kernel_.maxima(magnitude, ring(kind_, y, 1), 2, width_ - 2, minimum_, mask_.data(), words_, here);
   std::copy_n(here.edge, words_, here.free_next);

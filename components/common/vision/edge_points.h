@@ -43,6 +43,8 @@ class EdgePointFinder {
   /// No image of this size can have more.
   int capacity() const { return width_ * height_; }
   const EdgePoint* points() const { return points_.data(); }
+  /// For each row of the image, the first point that lies in it or in a later one.
+  const std::int32_t* rowBegins() const { return row_begins_.data(); }
   /// For each point, how much further in the list the one is that follows with the brighter side on the left;
   /// 0 where none does, or is too far for the type: that takes rows of more than 10 000 points.
   const std::int16_t* next() const { return next_.data(); }
@@ -83,6 +85,7 @@ class EdgePointFinder {
   int count_ = 0;
   bool bridge_ = false;
   Room<EdgePoint> points_;
+  Room<std::int32_t> row_begins_;
   Room<std::int16_t> next_;
   Room<std::uint8_t> previous_;
   Room<std::uint8_t> gray_;  // five rows of a colour image

@@ -2,8 +2,10 @@
 
 namespace vismem {
 namespace {
+#include "common/vision/box_lanes.inc"
 #include "common/vision/edge_links.inc"
 #include "common/vision/edge_rows_loops.inc"
+#include "common/vision/line_runs.inc"
 
 /// Eight bytes of a mask, one bit of each, in order.
 std::uint64_t eightBits(std::uint64_t bytes, int bit) {
@@ -46,11 +48,12 @@ void pointsLoop(const std::int16_t* const gradient[3], const EdgeRowPoints& row,
     offset = offset > -kMaximumOffset_px ? offset : -kMaximumOffset_px;
     offset = offset < kMaximumOffset_px ? offset : kMaximumOffset_px;
     EdgePoint& point = points[k];
-    point.x = static_cast<float>(x) + (steep ? offset : 0.0F);
-    point.y = static_cast<float>(row.y) + (steep ? 0.0F : offset);
+    const int aside =
+        static_cast<int>(offset * kOffsetUnits + (static_cast<float>(kOffsetZero) + 0.5F)) - kOffsetZero;
+    point.place = static_cast<std::uint32_t>(x) | static_cast<std::uint32_t>(row.y & 255) << 16 |
+                  static_cast<std::uint32_t>(steep) << 24 | static_cast<std::uint32_t>(aside) << 25;
     point.gx = static_cast<std::int16_t>(u);
     point.gy = static_cast<std::int16_t>(v);
-    point.squared = squared;
   }
 }
 
@@ -68,9 +71,10 @@ const EdgeRowKernel& avx512EdgeRows();
 #endif
 
 const EdgeRowKernel& portableEdgeRows() {
-  static constexpr EdgeRowKernel kKernel{
-      "portable", kWordBlock, grayLoop,      columnsLoop,     gradientLoop,   maximaLoop,         listLoop,
-      pointsLoop, linkLoop,   listLinksLoop, bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsLoop};
+  static constexpr EdgeRowKernel kKernel{"portable",         kWordBlock,    grayLoop,        columnsLoop,
+                                         gradientLoop,       maximaLoop,    listLoop,        pointsLoop,
+                                         linkLoop,           listLinksLoop, bridgeSteepLoop, bridgeFlatLoop,
+                                         bridgeDiagonalLoop, startsLoop,    findRuns,        meetingsLoop};
   return kKernel;
 }
 

@@ -4,7 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/vision/box_lanes.h"
 #include "common/vision/edge_bits.h"
+#include "common/vision/edge_point.h"
+#include "common/vision/line_run_kernel.h"
 
 namespace vismem {
 
@@ -15,15 +18,6 @@ constexpr int kEdgeRowMargin = 2;
 constexpr int kEdgeReadMargin = 16;
 /// So many columns are worked on together: a list of them must be readable that far beyond its end.
 constexpr int kEdgePointBlock = 16;
-
-/// Where the gradient is largest across an edge.
-struct EdgePoint {
-  float x = 0.0F;  ///< sub-pixel [px]
-  float y = 0.0F;
-  std::int16_t gx = 0;  ///< gradient, see EdgeRowKernel
-  std::int16_t gy = 0;
-  std::int32_t squared = 0;  ///< length of the gradient, squared
-};
 
 /// Which points of a row are wanted.
 struct EdgeRowPoints {
@@ -87,6 +81,10 @@ struct EdgeRowKernel {
   /// See EdgePointFinder::listStarts. `next` and `previous` are readable for two blocks more.
   EdgeChainEnds (*starts)(const std::int16_t* next, const std::uint8_t* previous, int count,
                           std::int32_t* starts, std::int32_t* tops);
+  /// See LineRunFinder.
+  FindLineRuns runs;
+  /// See CollinearMerger.
+  ListMeetings meetings;
 };
 
 /// For any processor.

@@ -5,8 +5,10 @@
 
 namespace vismem {
 namespace {
+#include "common/vision/box_lanes.inc"
 #include "common/vision/edge_links.inc"
 #include "common/vision/edge_rows_loops.inc"
+#include "common/vision/line_runs.inc"
 
 void maximaLoop(const std::int16_t* const magnitude[3], const std::int16_t* kind, int begin, int end,
                 std::int16_t minimum, std::uint8_t* mask, int words, const EdgeBits& out) {
@@ -32,7 +34,8 @@ void pointsLoop(const std::int16_t* const gradient[3], const EdgeRowPoints& row,
   const auto* here = reinterpret_cast<const int*>(gradient[1]);
   const auto up = static_cast<int>((gradient[0] - gradient[1]) / 2);
   const auto down = static_cast<int>((gradient[2] - gradient[1]) / 2);
-  const __m256 y = _mm256_set1_ps(static_cast<float>(row.y));
+  const __m256i y = _mm256_set1_epi32((row.y & 255) << 16);
+  const __m256i steep_bit = _mm256_set1_epi32(1 << 24);
   const __m256 limit = _mm256_set1_ps(kMaximumOffset_px);
   for (int k = 0; k < row.count; k += kEight) {
     const __m256i x =
@@ -54,23 +57,19 @@ void pointsLoop(const std::int16_t* const gradient[3], const EdgeRowPoints& row,
     __m256 offset = _mm256_div_ps(_mm256_mul_ps(_mm256_set1_ps(0.5F), skew), curvature);
     offset = _mm256_max_ps(offset, _mm256_sub_ps(_mm256_setzero_ps(), limit));
     offset = _mm256_min_ps(offset, limit);
-    const __m256 is_flat = _mm256_castsi256_ps(flat);
-    const __m256 px = _mm256_add_ps(_mm256_cvtepi32_ps(x), _mm256_andnot_ps(is_flat, offset));
-    const __m256 py = _mm256_add_ps(y, _mm256_and_ps(is_flat, offset));
+    const __m256i aside = _mm256_sub_epi32(
+        _mm256_cvttps_epi32(_mm256_add_ps(_mm256_mul_ps(offset, _mm256_set1_ps(kOffsetUnits)),
+                                          _mm256_set1_ps(static_cast<float>(kOffsetZero) + 0.5F))),
+        _mm256_set1_epi32(kOffsetZero));
+    const __m256i place =
+        _mm256_or_si256(_mm256_or_si256(_mm256_or_si256(x, y), _mm256_slli_epi32(aside, 25)),
+                        _mm256_andnot_si256(flat, steep_bit));
     // From columns of numbers to points.
-    const __m256i xy_low = _mm256_castps_si256(_mm256_unpacklo_ps(px, py));   // points 0 1 4 5
-    const __m256i xy_high = _mm256_castps_si256(_mm256_unpackhi_ps(px, py));  // 2 3 6 7
-    const __m256i gs_low = _mm256_unpacklo_epi32(middle, squared);
-    const __m256i gs_high = _mm256_unpackhi_epi32(middle, squared);
-    const __m256i p04 = _mm256_unpacklo_epi64(xy_low, gs_low);
-    const __m256i p15 = _mm256_unpackhi_epi64(xy_low, gs_low);
-    const __m256i p26 = _mm256_unpacklo_epi64(xy_high, gs_high);
-    const __m256i p37 = _mm256_unpackhi_epi64(xy_high, gs_high);
+    const __m256i low = _mm256_unpacklo_epi32(place, middle);   // points 0 1 4 5
+    const __m256i high = _mm256_unpackhi_epi32(place, middle);  // 2 3 6 7
     auto* out = reinterpret_cast<__m256i*>(points + k);
-    _mm256_storeu_si256(out, _mm256_permute2x128_si256(p04, p15, 0x20));
-    _mm256_storeu_si256(out + 1, _mm256_permute2x128_si256(p26, p37, 0x20));
-    _mm256_storeu_si256(out + 2, _mm256_permute2x128_si256(p04, p15, 0x31));
-    _mm256_storeu_si256(out + 3, _mm256_permute2x128_si256(p26, p37, 0x31));
+    _mm256_storeu_si256(out, _mm256_permute2x128_si256(low, high, 0x20));
+    _mm256_storeu_si256(out + 1, _mm256_permute2x128_si256(low, high, 0x31));
   }
 }
 
@@ -79,8 +78,9 @@ void pointsLoop(const std::int16_t* const gradient[3], const EdgeRowPoints& row,
 const EdgeRowKernel& avx2EdgeRows();
 const EdgeRowKernel& avx2EdgeRows() {
   static constexpr EdgeRowKernel kKernel{
-      "avx2",     kWordBlock, grayLoop,      columnsLoop,     gradientLoop,   maximaLoop,         listLoop,
-      pointsLoop, linkLoop,   listLinksLoop, bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsLoop};
+      "avx2",     kWordBlock,  grayLoop,      columnsLoop,     gradientLoop,   maximaLoop,         listLoop,
+      pointsLoop, linkLoop,    listLinksLoop, bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsLoop,
+      findRuns,   meetingsLoop};
   return kKernel;
 }
 

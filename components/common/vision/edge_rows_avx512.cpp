@@ -9,6 +9,7 @@ namespace {
 
 #include "common/vision/edge_links.inc"
 #include "common/vision/edge_rows_loops.inc"
+#include "common/vision/line_runs.inc"
 
 /// Bits of `word` (64 columns from 64 * word on) that are in begin..end-1.
 std::uint64_t inside(int word, int begin, int end) {
@@ -109,7 +110,11 @@ void pointsMasks(const std::int16_t* const gradient[3], const EdgeRowPoints& row
       found += __builtin_popcount(mask);
     }
   }
-  const __m512 y = _mm512_set1_ps(static_cast<float>(row.y));
+  const __m512i y = _mm512_set1_epi32((row.y & 255) << 16);
+  const __m512i steep_bit = _mm512_set1_epi32(1 << 24);
+  // From columns of numbers to points.
+  const __m512i first_eight = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+  const __m512i last_eight = _mm512_add_epi32(first_eight, _mm512_set1_epi32(8));
   const __m512 limit = _mm512_set1_ps(kMaximumOffset_px);
   for (int k = 0; k < row.count; k += 16) {
     const __m512i x =
@@ -127,27 +132,15 @@ void pointsMasks(const std::int16_t* const gradient[3], const EdgeRowPoints& row
     __m512 offset = _mm512_div_ps(_mm512_mul_ps(_mm512_set1_ps(0.5F), skew), curvature);
     offset = _mm512_max_ps(offset, _mm512_sub_ps(_mm512_setzero_ps(), limit));
     offset = _mm512_min_ps(offset, limit);
-    const auto steep = static_cast<__mmask16>(~flat);
-    const __m512 px = _mm512_add_ps(_mm512_cvtepi32_ps(x), _mm512_maskz_mov_ps(steep, offset));
-    const __m512 py = _mm512_add_ps(y, _mm512_maskz_mov_ps(flat, offset));
-    // From columns of numbers to points: fours of points 0 4 8 12, 1 5 9 13, ...
-    const __m512i xy_low = _mm512_castps_si512(_mm512_unpacklo_ps(px, py));
-    const __m512i xy_high = _mm512_castps_si512(_mm512_unpackhi_ps(px, py));
-    const __m512i gs_low = _mm512_unpacklo_epi32(middle, squared);
-    const __m512i gs_high = _mm512_unpackhi_epi32(middle, squared);
-    const __m512i p0 = _mm512_unpacklo_epi64(xy_low, gs_low);
-    const __m512i p1 = _mm512_unpackhi_epi64(xy_low, gs_low);
-    const __m512i p2 = _mm512_unpacklo_epi64(xy_high, gs_high);
-    const __m512i p3 = _mm512_unpackhi_epi64(xy_high, gs_high);
-    const __m512i p01_low = _mm512_shuffle_i64x2(p0, p1, 0x44);   // 0 4 1 5
-    const __m512i p01_high = _mm512_shuffle_i64x2(p0, p1, 0xee);  // 8 12 9 13
-    const __m512i p23_low = _mm512_shuffle_i64x2(p2, p3, 0x44);
-    const __m512i p23_high = _mm512_shuffle_i64x2(p2, p3, 0xee);
+    const __m512i aside = _mm512_sub_epi32(
+        _mm512_cvttps_epi32(_mm512_add_ps(_mm512_mul_ps(offset, _mm512_set1_ps(kOffsetUnits)),
+                                          _mm512_set1_ps(static_cast<float>(kOffsetZero) + 0.5F))),
+        _mm512_set1_epi32(kOffsetZero));
+    __m512i place = _mm512_or_si512(_mm512_or_si512(x, y), _mm512_slli_epi32(aside, 25));
+    place = _mm512_mask_or_epi32(place, static_cast<__mmask16>(~flat), place, steep_bit);
     auto* out = points + k;
-    _mm512_storeu_si512(out, _mm512_shuffle_i64x2(p01_low, p23_low, 0x88));
-    _mm512_storeu_si512(out + 4, _mm512_shuffle_i64x2(p01_low, p23_low, 0xdd));
-    _mm512_storeu_si512(out + 8, _mm512_shuffle_i64x2(p01_high, p23_high, 0x88));
-    _mm512_storeu_si512(out + 12, _mm512_shuffle_i64x2(p01_high, p23_high, 0xdd));
+    _mm512_storeu_si512(out, _mm512_permutex2var_epi32(place, first_eight, middle));
+    _mm512_storeu_si512(out + 8, _mm512_permutex2var_epi32(place, last_eight, middle));
   }
 }
 
@@ -180,6 +173,28 @@ int listLinksMasks(const EdgeBits& here, const EdgeLinks& links_made, int words,
     list.putSecond(links, columns, 64 * word);
   }
   return list.found;
+}
+
+int meetingsMasks(const BoxLanes& boxes, const BoxQuery& query, int begin, int end, std::int32_t* lanes) {
+  const __m512i left = _mm512_set1_epi16(query.left);
+  const __m512i right = _mm512_set1_epi16(query.right);
+  const __m512i top = _mm512_set1_epi16(query.top);
+  const __m512i bottom = _mm512_set1_epi16(query.bottom);
+  const __m512i lowest = _mm512_set1_epi16(static_cast<std::int16_t>(query.lowest_angle));
+  const __m512i span = _mm512_set1_epi16(static_cast<std::int16_t>(query.angle_span));
+  int found = 0;
+  for (int lane = begin; lane < end; lane += kBoxBlock) {
+    const int rest = end - lane;
+    __mmask32 mask = rest >= kBoxBlock ? ~__mmask32{0} : (__mmask32{1} << rest) - 1;
+    mask = _mm512_mask_cmple_epi16_mask(mask, _mm512_loadu_si512(boxes.left + lane), right);
+    mask = _mm512_mask_cmpge_epi16_mask(mask, _mm512_loadu_si512(boxes.right + lane), left);
+    mask = _mm512_mask_cmple_epi16_mask(mask, _mm512_loadu_si512(boxes.top + lane), bottom);
+    mask = _mm512_mask_cmpge_epi16_mask(mask, _mm512_loadu_si512(boxes.bottom + lane), top);
+    mask = _mm512_mask_cmple_epu16_mask(
+        mask, _mm512_sub_epi16(_mm512_loadu_si512(boxes.angle + lane), lowest), span);
+    for (std::uint32_t bits = mask; bits != 0; bits &= bits - 1) lanes[found++] = lane + __builtin_ctz(bits);
+  }
+  return found;
 }
 
 EdgeChainEnds startsMasks(const std::int16_t* next, const std::uint8_t* previous, int count,
@@ -215,7 +230,7 @@ const EdgeRowKernel& avx512EdgeRows() {
   static constexpr EdgeRowKernel kKernel{"avx512",           kWordBlock,     grayLoop,        columnsLoop,
                                          gradientLoop,       maximaMasks,    listMasks,       pointsMasks,
                                          linkLoop,           listLinksMasks, bridgeSteepLoop, bridgeFlatLoop,
-                                         bridgeDiagonalLoop, startsMasks};
+                                         bridgeDiagonalLoop, startsMasks,    findRuns,        meetingsMasks};
   return kKernel;
 }
 

@@ -36,7 +36,7 @@ class StepInGap final : public GapEvidence {
 class SolisDetector final : public SegmentDetector {
  public:
   SolisDetector(const SolisParams& params, const EdgeRowKernel& kernel)
-      : params_(params), edges_(kernel), run_finder_(params) {}
+      : params_(params), edges_(kernel), run_finder_(params, kernel), merger_(kernel) {}
 
   void detect(const cv::Mat& image, std::vector<RawSegment>& out) override {
     out.clear();
@@ -48,9 +48,11 @@ class SolisDetector final : public SegmentDetector {
     const double noise_contrast = noise * noiseMagnitude() / stepMagnitude();
     edges_.find(image, std::max(params_.minimum_contrast, params_.noise_factor * noise_contrast),
                 params_.bridge_missing_point);
-    run_finder_.find(edges_, runs_);
     pieces_.clear();
-    for (const LineRun& run : runs_) pieces_.push_back({run.px, 0, run.points / run.px.length(), 0.0});
+    for (const LineRun& run : run_finder_.find(edges_)) {
+      const Segment2 px{{run.ax_px, run.ay_px}, {run.bx_px, run.by_px}};
+      pieces_.push_back({px, 0, run.points / px.length(), 0.0});
+    }
     const CollinearMergeParams merge{params_.merge_angle_rad, params_.merge_offset_px, params_.merge_gap_px,
                                      params_.bridge_share, params_.bridge_px};
     const StepInGap evidence(image, params_.bridge_step_share);
@@ -77,7 +79,6 @@ class SolisDetector final : public SegmentDetector {
     if (pixels <= reserved_pixels_) return;
     reserved_pixels_ = pixels;
     const std::size_t count = std::clamp<std::size_t>(pixels / kPixelsPerRun, 64, kMaximumReserved);
-    runs_.reserve(count);
     pieces_.reserve(count);
     merger_.reserve(count);
   }
@@ -86,7 +87,6 @@ class SolisDetector final : public SegmentDetector {
   std::size_t reserved_pixels_ = 0;
   EdgePointFinder edges_;
   LineRunFinder run_finder_;
-  std::vector<LineRun> runs_;
   std::vector<GroupedSegment> pieces_;
   CollinearMerger merger_;
 };
