@@ -180,11 +180,12 @@ TEST(ImageHealth, HandWorkedDistances) {
   const CameraIntrinsics camera = intrinsicsFromFieldOfView(320, 240, degToRad(60));
   // Distances 0, 10 and 20 px: mean 10, H = 1 - 10 / 50 = 0.8.
   const std::vector<ImagePoint> points = {{{100, 119.5}, 0}, {{150, 129.5}, 0}, {{200, 99.5}, 0}};
-  EXPECT_NEAR(imageHealth(points, camera, T, index, 50.0), 0.8, 1e-6);
-  EXPECT_NEAR(imageHealth({points[0]}, camera, T, index, 50.0), 1.0, 1e-6);
+  ProjectedLines room;
+  EXPECT_NEAR(imageHealth(points, camera, T, index, 50.0, room), 0.8, 1e-6);
+  EXPECT_NEAR(imageHealth({points[0]}, camera, T, index, 50.0, room), 1.0, 1e-6);
   // Turned away no line is in view: the diagonal (400 px) counts, and the health is clamped.
   const Pose3 away = toPose3({0, 0, degToRad(180)}) * T;
-  EXPECT_DOUBLE_EQ(imageHealth(points, camera, away, index, 50.0), 0.0);
+  EXPECT_DOUBLE_EQ(imageHealth(points, camera, away, index, 50.0, room), 0.0);
 }
 
 TEST(HealthObservation, RatesByTheImageAndByBothAlike) {

@@ -4,11 +4,9 @@
 
 namespace vismem {
 
-std::optional<Segment2> projectSegmentUnbounded(const CameraIntrinsics& intrinsics,
-                                                const Pose3& T_world_camera, const Segment3& segment_world) {
-  const Pose3 T_camera_world = T_world_camera.inverse(Eigen::Isometry);
-  Eigen::Vector3d a = T_camera_world * segment_world.a;
-  Eigen::Vector3d b = T_camera_world * segment_world.b;
+std::optional<Segment2> SegmentProjector::unbounded(const Segment3& segment_world) const {
+  Eigen::Vector3d a = T_camera_world_ * segment_world.a;
+  Eigen::Vector3d b = T_camera_world_ * segment_world.b;
   if (a.z() < kNearPlane_m && b.z() < kNearPlane_m) return std::nullopt;
   // Cut the end that lies before the near plane.
   if (a.z() < kNearPlane_m) {
@@ -16,14 +14,23 @@ std::optional<Segment2> projectSegmentUnbounded(const CameraIntrinsics& intrinsi
   } else if (b.z() < kNearPlane_m) {
     b += (kNearPlane_m - b.z()) / (a.z() - b.z()) * (a - b);
   }
-  return Segment2{*projectToIdeal(intrinsics, a), *projectToIdeal(intrinsics, b)};
+  return Segment2{*projectToIdeal(intrinsics_, a), *projectToIdeal(intrinsics_, b)};
+}
+
+std::optional<Segment2> SegmentProjector::inImage(const Segment2& unbounded) const {
+  return clipToBox(unbounded, {-0.5, -0.5}, {intrinsics_.width - 0.5, intrinsics_.height - 0.5});
+}
+
+std::optional<Segment2> projectSegmentUnbounded(const CameraIntrinsics& intrinsics,
+                                                const Pose3& T_world_camera, const Segment3& segment_world) {
+  return SegmentProjector(intrinsics, T_world_camera).unbounded(segment_world);
 }
 
 std::optional<Segment2> projectSegment(const CameraIntrinsics& intrinsics, const Pose3& T_world_camera,
                                        const Segment3& segment_world) {
-  const auto whole = projectSegmentUnbounded(intrinsics, T_world_camera, segment_world);
-  if (!whole) return std::nullopt;
-  return clipToBox(*whole, {-0.5, -0.5}, {intrinsics.width - 0.5, intrinsics.height - 0.5});
+  const SegmentProjector projector(intrinsics, T_world_camera);
+  const auto whole = projector.unbounded(segment_world);
+  return whole ? projector.inImage(*whole) : std::nullopt;
 }
 
 std::optional<Eigen::Vector3d> backProjectToGround(const CameraIntrinsics& intrinsics,

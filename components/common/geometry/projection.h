@@ -24,6 +24,22 @@ std::optional<Segment2> projectSegment(const CameraIntrinsics& intrinsics, const
 std::optional<Segment2> projectSegmentUnbounded(const CameraIntrinsics& intrinsics,
                                                 const Pose3& T_world_camera, const Segment3& segment_world);
 
+/// The same for many segments seen by one camera. *Pure* after construction.
+class SegmentProjector {
+ public:
+  SegmentProjector(const CameraIntrinsics& intrinsics, const Pose3& T_world_camera)
+      : intrinsics_(intrinsics), T_camera_world_(T_world_camera.inverse(Eigen::Isometry)) {}
+
+  /// What projectSegmentUnbounded gives.
+  std::optional<Segment2> unbounded(const Segment3& segment_world) const;
+  /// The part of an unbounded projection that lies in the image; empty if none.
+  std::optional<Segment2> inImage(const Segment2& unbounded) const;
+
+ private:
+  CameraIntrinsics intrinsics_;
+  Pose3 T_camera_world_;
+};
+
 /// Meets the viewing ray of a pixel with the ground plane z = 0 of the frame that T_world_camera is given in.
 /// @param max_range_m of the floor point from the point below the camera.
 /// @return the floor point [m], z = 0; empty if the ray does not go down, or lands beyond max_range_m.

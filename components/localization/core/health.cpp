@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "common/geometry/projection.h"
-
 namespace vismem {
 namespace {
 
@@ -75,36 +73,65 @@ std::vector<Eigen::Vector2d> SamplingGrid::crossings(const Segment2& px) const {
   return points;
 }
 
-double imageHealth(const std::vector<ImagePoint>& points, const CameraIntrinsics& intrinsics,
-                   const Pose3& T_world_camera, const MapIndex& map, double scale_px) {
-  std::vector<std::vector<Segment2>> theoretical(static_cast<std::size_t>(map.labelCount()));
-  for (int label = 0; label < map.labelCount(); ++label) {
-    for (const Segment3& segment : map.segments(label)) {
-      if (!projectSegment(intrinsics, T_world_camera, segment)) continue;
-      if (const auto px = projectSegmentUnbounded(intrinsics, T_world_camera, segment)) {
-        theoretical[static_cast<std::size_t>(label)].push_back(*px);
-      }
-    }
+void ProjectedLines::project(const std::vector<Segment3>& segments_world, const SegmentProjector& projector) {
+  lines_.clear();
+  for (const Segment3& segment : segments_world) {
+    const auto px = projector.unbounded(segment);
+    if (!px || !projector.inImage(*px)) continue;
+    const Eigen::Vector2d way = px->b - px->a;
+    const double square = way.squaredNorm();
+    lines_.push_back({px->a.x(), px->a.y(), way.x(), way.y(), square > 0.0 ? 1.0 / square : 0.0});
   }
+}
+
+double ProjectedLines::distance(const Eigen::Vector2d& px) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Line& line : lines_) {
+    const double rx = px.x() - line.ax;
+    const double ry = px.y() - line.ay;
+    const double fraction = std::min(std::max((rx * line.dx + ry * line.dy) * line.per_square, 0.0), 1.0);
+    const double x = rx - fraction * line.dx;
+    const double y = ry - fraction * line.dy;
+    nearest = std::min(nearest, x * x + y * y);
+  }
+  return std::sqrt(nearest);
+}
+
+double imageHealth(const std::vector<ImagePoint>& points, const CameraIntrinsics& intrinsics,
+                   const Pose3& T_world_camera, const MapIndex& map, double scale_px, ProjectedLines& room) {
+  const SegmentProjector projector(intrinsics, T_world_camera);
   const double diagonal = std::hypot(intrinsics.width, intrinsics.height);
   double sum = 0.0;
+  int label = -1;
   for (const ImagePoint& point : points) {
-    const auto& lines = theoretical[static_cast<std::size_t>(point.label)];
-    double nearest = lines.empty() ? diagonal : std::numeric_limits<double>::infinity();
-    for (const Segment2& line : lines) nearest = std::min(nearest, distanceToSegment(point.px, line));
-    sum += nearest;
+    if (point.label != label) room.project(map.segments(label = point.label), projector);
+    sum += room.isEmpty() ? diagonal : room.distance(point.px);
   }
   return std::clamp(1.0 - sum / static_cast<double>(points.size()) / scale_px, 0.0, 1.0);
 }
 
 double memoryHealth(const std::vector<RememberedLine>& lines, const Pose2& T_world_robot, const MapIndex& map,
                     double scale_m) {
+  const double most = 2.0 * static_cast<double>(lines.size()) * scale_m;  // with so much the health is 0
   double sum = 0.0;
+  // With fields first what is at least known of every end: most places need no more, and those that do need
+  // few searches over the whole map.
+  if (const auto reach = map.fieldReach()) {
+    double least = 0.0;
+    for (const RememberedLine& line : lines) {
+      const Segment2 world = transform(T_world_robot, line.robot);
+      for (const Eigen::Vector2d& end : {world.a, world.b}) {
+        const auto near = map.nearest(line.label, end, 0.0);
+        least += near ? near->distance_m : *reach;
+      }
+      if (least >= most) return 0.0;
+    }
+  }
   for (const RememberedLine& line : lines) {
     const Segment2 world = transform(T_world_robot, line.robot);
-    sum += 0.5 * (map.distance(line.label, world.a) + map.distance(line.label, world.b));
+    sum += map.distance(line.label, world.a) + map.distance(line.label, world.b);
   }
-  return std::clamp(1.0 - sum / static_cast<double>(lines.size()) / scale_m, 0.0, 1.0);
+  return std::clamp(1.0 - sum / most, 0.0, 1.0);
 }
 
 void HealthObservation::set(const MemoryUpdate& update) {
@@ -130,6 +157,8 @@ void HealthObservation::set(const MemoryUpdate& update) {
       if (!label) continue;
       for (const Eigen::Vector2d& px : grid.crossings(segment.px)) points_.push_back({px, *label});
     }
+    std::stable_sort(points_.begin(), points_.end(),
+                     [](const ImagePoint& a, const ImagePoint& b) { return a.label < b.label; });
   }
 }
 
@@ -142,7 +171,7 @@ double HealthObservation::health(const Pose2& T_world_robot) const {
   }
   if (!points_.empty()) {
     const double scale_px = params_.image_scale_px * intrinsics_.width / kReferenceWidth_px;
-    sum += imageHealth(points_, intrinsics_, toPose3(T_world_robot) * T_robot_camera_, map_, scale_px);
+    sum += imageHealth(points_, intrinsics_, toPose3(T_world_robot) * T_robot_camera_, map_, scale_px, room_);
     ++functions;
   }
   return functions == 0 ? 0.0 : sum / functions;

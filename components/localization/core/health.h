@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/geometry/camera.h"
+#include "common/geometry/projection.h"
 #include "common/visual_memory/memory_snapshot.h"
 #include "localization/core/map_index.h"
 #include "localization/core/params.h"
@@ -36,12 +37,30 @@ class SamplingGrid {
   std::vector<double> row_borders_;
 };
 
+/// Room for the lines of one label in one image, kept between calls.
+class ProjectedLines {
+ public:
+  /// Those of which any part is in view, clipped at the near plane only.
+  void project(const std::vector<Segment3>& segments_world, const SegmentProjector& projector);
+  bool isEmpty() const { return lines_.empty(); }
+  /// To the nearest of them. Not empty.
+  double distance(const Eigen::Vector2d& px) const;
+
+ private:
+  struct Line {
+    double ax, ay, dx, dy;  // begin and way [px]
+    double per_square;      // 1 / its length squared; 0 for a point
+  };
+  std::vector<Line> lines_;
+};
+
 /// L4: `H = 1 - mean(d_i) / M`, clamped to 0..1.
 /// d_i: distance in the image to the nearest map line of the label of which any part is in view; lines are
 /// clipped at the near plane, not at the border; a label without a line in view counts the image's diagonal.
-/// @param scale_px M for this image. @param points must not be empty.
+/// @param scale_px M for this image. @param points must not be empty; quickest with those of a label
+/// together.
 double imageHealth(const std::vector<ImagePoint>& points, const CameraIntrinsics& intrinsics,
-                   const Pose3& T_world_camera, const MapIndex& map, double scale_px);
+                   const Pose3& T_world_camera, const MapIndex& map, double scale_px, ProjectedLines& room);
 
 /// A remembered segment in the robot's frame (L5).
 struct RememberedLine {
@@ -73,7 +92,8 @@ class HealthObservation {
   const MapIndex& map_;
   HealthParams params_;
   std::vector<RememberedLine> lines_;
-  std::vector<ImagePoint> points_;
+  std::vector<ImagePoint> points_;  ///< by label
+  mutable ProjectedLines room_;
   CameraIntrinsics intrinsics_;
   Pose3 T_robot_camera_ = Pose3::Identity();
 };

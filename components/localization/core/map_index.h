@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/geometry/segment.h"
@@ -47,9 +48,21 @@ class MapIndex {
   Eigen::Vector2d low() const { return low_; }
   Eigen::Vector2d high() const { return high_; }
 
+  /// What the fields do not reach is at least this far; empty without fields.
+  std::optional<double> fieldReach() const {
+    return fields_ ? std::optional<double>(fields_->reach()) : std::nullopt;
+  }
+  /// Begins to read what `nearest` will need at these points (see SegmentGrid::fetch).
+  void fetch(std::span<const Eigen::Vector2d> points) const {
+    if (fields_) fields_->fetch(points);
+  }
   /// Distance on the floor, by the field; empty beyond the truncation. @param direction_rad of the observed
   /// line; ignored without a direction gate.
   std::optional<FieldSample> nearest(int label, const Eigen::Vector2d& p, double direction_rad) const;
+  /// Its distance alone, squared [m^2]; the reach's beyond the truncation. Needs fields.
+  double nearestSquare(int label, const Eigen::Vector2d& p, double direction_rad) const {
+    return fields_->nearestSquare(label, binOf(direction_rad), p);
+  }
   /// The reference: over all segments, whatever the distance. Same gate (by the same bins), same gradient.
   std::optional<FieldSample> nearestBruteForce(int label, const Eigen::Vector2d& p,
                                                double direction_rad) const;

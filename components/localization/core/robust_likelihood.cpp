@@ -1,6 +1,7 @@
 #include "localization/core/robust_likelihood.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -19,6 +20,10 @@ constexpr int kMaximumPieces = 12;
 constexpr double kLongestPiece_m = 0.2;  // towards the horizon pixels stand for ever longer pieces of floor
 
 constexpr double kMinimumLength_m = 0.05;  // a shorter remembered segment has no usable direction
+
+constexpr std::size_t kPreview = 4;  // every n-th point of an observation is a fair sample of all
+
+constexpr std::size_t kBatch = 32;  // points whose surroundings are fetched together
 
 /// Damping where the observation says nothing about a direction: one metre, one radian.
 const Matrix5d kDamping = Matrix5d::Identity();
@@ -244,6 +249,29 @@ std::optional<FieldSample> RobustLikelihood::sample(const EvidencePoint& point,
                            : map_.nearestBruteForce(point.label, p_world, direction);
 }
 
+double RobustLikelihood::squareAt(const EvidencePoint& point, const Eigen::Vector2d& p_world,
+                                  double heading) const {
+  const double direction = point.direction_robot + heading;
+  if (params_.use_field) return map_.nearestSquare(point.label, p_world, direction);
+  const auto nearest = map_.nearestBruteForce(point.label, p_world, direction);
+  return nearest ? nearest->distance_m * nearest->distance_m : kTruncation_m * kTruncation_m;
+}
+
+void RobustLikelihood::fetch(const RobustObservation& observation, const Placement& placement) const {
+  const Pose2& pose = placement.T_world_robot;
+  const Eigen::Rotation2Dd R(pose.theta);
+  const Eigen::Vector2d lean = placement.lean();
+  std::array<Eigen::Vector2d, kBatch> places;
+  for (std::span points(observation.points); !points.empty();) {
+    const std::size_t count = std::min(kBatch, points.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      places[i] = pose.position() + R * (points[i].p_robot + points[i].d_lean * lean);
+    }
+    map_.fetch(std::span(places).first(count));
+    points = points.subspan(count);
+  }
+}
+
 void RobustLikelihood::add(Rating& rating, const EvidencePoint& point,
                            const std::optional<FieldSample>& field, double blur_m) const {
   const double eps = params_.outlier_share;
@@ -262,6 +290,7 @@ void RobustLikelihood::add(Rating& rating, const EvidencePoint& point,
 
 Rating RobustLikelihood::rate(const RobustObservation& observation, const Placement& placement,
                               double blur_m) const {
+  fetch(observation, placement);
   const Pose2& T_world_robot = placement.T_world_robot;
   const Eigen::Vector2d lean = placement.lean();
   Rating rating;
@@ -275,6 +304,37 @@ Rating RobustLikelihood::rate(const RobustObservation& observation, const Placem
   }
   if (!observation.points.empty()) rating.explained /= weightOf(observation);
   return rating;
+}
+
+double RobustLikelihood::explained(const RobustObservation& observation, const Pose2& T_world_robot,
+                                   double blur_m, double least) const {
+  const double c = std::cos(T_world_robot.theta);
+  const double s = std::sin(T_world_robot.theta);
+  double weight = 0.0;
+  double explained = 0.0;
+  std::array<Eigen::Vector2d, kBatch> places;
+  const std::size_t size = observation.points.size();
+  for (std::size_t begin = 0; begin < kPreview; ++begin) {
+    for (std::size_t first = begin; first < size; first += kBatch * kPreview) {
+      std::size_t count = 0;
+      for (std::size_t i = first; i < size && count < kBatch; i += kPreview) {
+        const Eigen::Vector2d& p_robot = observation.points[i].p_robot;
+        places[count++] = {T_world_robot.x + c * p_robot.x() - s * p_robot.y(),
+                           T_world_robot.y + s * p_robot.x() + c * p_robot.y()};
+      }
+      map_.fetch(std::span(places).first(count));
+      for (std::size_t i = 0; i < count; ++i) {
+        const EvidencePoint& point = observation.points[first + i * kPreview];
+        weight += point.weight;
+        const double square = squareAt(point, places[i], T_world_robot.theta);
+        if (square >= kTruncation_m * kTruncation_m) continue;
+        const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+        explained += point.weight * std::exp(-0.5 * square / variance);
+      }
+    }
+    if (begin == 0 && explained < 0.5 * least * weight) return 0.0;
+  }
+  return weight > 0.0 ? explained / weight : 0.0;
 }
 
 /// Quadratic form of -share * log L around a placement, in (x, y, theta, lean).
@@ -336,6 +396,7 @@ RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& obse
   const Eigen::Matrix2d sway_information = Eigen::Matrix2d::Identity() / (sway * sway);
   const std::span points(observation.points);
   const std::span remembered = points.first(observation.remembered);
+  fetch(observation, start);
   // One pass more than steps: the last one only takes the curvature at the result.
   for (int step = 0; step <= steps; ++step) {
     Rating* const rating = step == steps ? &result.rating : nullptr;

@@ -88,6 +88,11 @@ class RobustLikelihood {
   /// narrow peaks.
   Rating rate(const RobustObservation& observation, const Placement& placement, double blur_m = 0.0) const;
 
+  /// Rating::explained alone, for a search that drops places under `least`: one of which every fourth point
+  /// says less than half of that is not looked at further, and counts 0.
+  double explained(const RobustObservation& observation, const Pose2& T_world_robot, double blur_m,
+                   double least) const;
+
   struct Refined {
     Placement placement;
     /// Curvature of -log L (without the prior) at the result in (x, y, theta, lasting lean), with the lean of
@@ -108,6 +113,9 @@ class RobustLikelihood {
   void soften(Curvature& memory) const;
   void add(Rating& rating, const EvidencePoint& point, const std::optional<FieldSample>& field,
            double blur_m) const;
+  /// Squared distance to the map; the truncation's or more where it is too far to explain anything.
+  double squareAt(const EvidencePoint& point, const Eigen::Vector2d& p_world, double heading) const;
+  void fetch(const RobustObservation& observation, const Placement& placement) const;
   std::optional<FieldSample> sample(const EvidencePoint& point, const Eigen::Vector2d& p_world,
                                     double heading) const;
 

@@ -229,7 +229,8 @@ class RobustStrategy : public RaceStrategy {
                                                    : constructed_.propose(observation_, engine);
       }
       if (!pose) pose = uniformExplorer(map_, params_.explorers.margin_m, engine);
-      const double health = likelihood_.rate(few_, {*pose}, kExplorerBlur_m).explained;
+      const double health =
+          likelihood_.explained(few_, *pose, kExplorerBlur_m, params_.explorers.list_health);
       population.push_back({*pose, health});
       if (robust.kld_error <= 0.0 || health < params_.explorers.list_health) continue;
       places.insert({static_cast<int>(std::floor(pose->x / robust.kld_place_m)),

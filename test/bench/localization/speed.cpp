@@ -135,6 +135,7 @@ int main(int argc, char** argv) {
   add("chapter_memory/fields/settled", chapter(HealthSource::kMemory, true), 1, false);
   add("chapter_memory/fields/kidnapped", chapter(HealthSource::kMemory, true), 1, true);
   add("chapter_memory/brute_force/settled", chapter(HealthSource::kMemory, false), 1, false);
+  add("chapter_memory/fields/kidnapped/50000_segments", chapter(HealthSource::kMemory, true), 50'000, true);
   add("chapter_image/fields/settled", chapter(HealthSource::kImage, true), 1, false);
   add("chapter_image/fields/kidnapped", chapter(HealthSource::kImage, true), 1, true);
   add("chapter_image/brute_force/settled", chapter(HealthSource::kImage, false), 1, false);
