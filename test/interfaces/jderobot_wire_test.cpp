@@ -120,6 +120,10 @@ TEST_F(Wire, OwnInterfacesAreJdeRobotsToo) {
                    std::function<void(std::exception_ptr)>, const Ice::Current&) override {}
     avm::CommandReply setPose(avm::Pose2, const Ice::Current&) override { return {}; }
     avm::CommandReply relocalize(const Ice::Current&) override { return {}; }
+    void healthMapAsync(avm::HealthMapRequest, std::function<void(const avm::HealthGrid&)> response,
+                        std::function<void(std::exception_ptr)>, const Ice::Current&) override {
+      response({});
+    }
   };
   const Ice::Current current{};
   EXPECT_THAT(Localization().ice_ids(current), Contains("::jderobot::Pose3D"));

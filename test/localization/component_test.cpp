@@ -10,6 +10,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <mutex>
 
 #include "active_visual_memory/ice/gaze_ice.h"
@@ -174,6 +175,61 @@ TEST_F(LocalizationProcessTest, FindsTheRobotAndTakesCommands) {
 
   ASSERT_TRUE(child->signal(SIGTERM));
   EXPECT_EQ(child->waitForExit(kPatience), 0) << child->error();
+}
+
+TEST_F(LocalizationProcessTest, DrawsHealthMapsWhileItGoesOn) {
+  MemoryServer server;
+  const auto child = process(server.proxy());
+  ASSERT_GT(child->port(), 0) << child->error();
+  RemoteLocalization localization(
+      Ice::uncheckedCast<avm::LocalizationPrx>(object("Localization", child->port())));
+  HealthMapRequest request;
+  request.rating = PlaceRating::kMemory;
+  request.cell_m = 0.5;
+  request.headings = 12;
+  EXPECT_THAT(localization.healthMap(request).why, HasSubstr("no observation yet"));
+
+  test::CorridorWorld world({}, 1);
+  drive(world, server, localization, 8.0);
+  const Pose2 truth = world.truth();
+  const auto coarse = localization.healthMap(request);
+  ASSERT_TRUE(coarse.map) << coarse.why;
+  EXPECT_EQ(coarse.map->stamp_us, localization.latest()->stamp_us);
+  EXPECT_GT(coarse.map->columns, 10);
+  // The true place, at the true heading, fits: better than most of the map.
+  request.theta_rad = truth.theta;
+  request.low = truth.position();
+  request.high = truth.position();
+  const auto there = localization.healthMap(request);
+  ASSERT_TRUE(there.map) << there.why;
+  ASSERT_EQ(there.map->health.size(), 1U);
+  EXPECT_GT(there.map->health[0], 0.7);
+  std::vector<float> all = coarse.map->health;
+  std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2), all.end());
+  EXPECT_GT(there.map->health[0], all[all.size() / 2] + 0.2);
+
+  request = {};
+  request.cell_m = -1.0;
+  EXPECT_THAT(localization.healthMap(request).why, HasSubstr("cell_m = -1 (must be > 0)"));
+  request.cell_m = 1e-3;
+  EXPECT_THAT(localization.healthMap(request).why, HasSubstr("makes more than 120000 places"));
+
+  // One of the largest takes seconds: meanwhile every image is answered, and a stop does not wait for it.
+  request = {};
+  request.cell_m = 0.05;
+  request.headings = 100;
+  auto slow = std::async(std::launch::async, [&] { return localization.healthMap(request); });
+  RemoteLocalization other(Ice::uncheckedCast<avm::LocalizationPrx>(object("Localization", child->port())));
+  const double begin_s = world.seconds();
+  do {
+    drive(world, server, other, world.seconds() + 0.5);
+  } while (slow.wait_for(0ms) == std::future_status::timeout && world.seconds() < begin_s + 5.0);
+  ASSERT_TRUE(child->signal(SIGTERM));
+  EXPECT_EQ(child->waitForExit(kPatience), 0) << child->error();
+  const auto result = slow.get();
+  if (!result.map) {
+    EXPECT_THAT(result.why, HasSubstr("localization stops"));
+  }
 }
 
 TEST_F(LocalizationProcessTest, AsksForGazeUntilThePoseIsSure) {

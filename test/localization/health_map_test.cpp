@@ -123,6 +123,18 @@ TEST(HealthMapRequest, SaysWhatIsWrong) {
   request = {};
   request.low = Eigen::Vector2d(1e3, 0.0);
   EXPECT_NE(checkRequest(request, map).find("not turned"), std::string::npos);
+  // 11 x 21 places, at 36 headings each.
+  request = {};
+  request.low = {0.0, 0.0};
+  request.high = {1.0, 2.0};
+  EXPECT_EQ(checkRequest(request, map, {231.0, 8316.0}), "");
+  EXPECT_NE(checkRequest(request, map, {230.0, 8316.0}).find("makes more than 230 places of 1 x 2 m"),
+            std::string::npos);
+  EXPECT_NE(
+      checkRequest(request, map, {231.0, 8315.0}).find("headings = 36 at 231 places make more than 8315"),
+      std::string::npos);
+  request.theta_rad = 0.0;
+  EXPECT_EQ(checkRequest(request, map, {231.0, 231.0}), "");
 }
 
 }  // namespace

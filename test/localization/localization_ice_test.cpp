@@ -83,10 +83,10 @@ TEST(LocalizationConversions, RefusesWhatIsNoRotation) {
   EXPECT_FALSE(fromPose3D(data, 1.0));
 }
 
-class LocalizationLoopback : public ::testing::Test, public LocalizationControl {
+class LocalizationLoopback : public ::testing::Test, public LocalizationControl, public HealthMapSource {
  protected:
   LocalizationLoopback() {
-    server.add("Localization", std::make_shared<LocalizationServant>(*this, estimates));
+    server.add("Localization", std::make_shared<LocalizationServant>(*this, estimates, *this));
     server.activate();
   }
   ~LocalizationLoopback() override { estimates.stop(); }
@@ -104,6 +104,19 @@ class LocalizationLoopback : public ::testing::Test, public LocalizationControl 
     ++relocalizations;
     return PortReply::accepted();
   }
+  std::string check(const HealthMapRequest& request) const override {
+    return request.cell_m > 0.0 ? "" : "cell_m = 0 (must be > 0)";
+  }
+  PortReply draw(const HealthMapRequest& request, Done done) override {
+    drawn = request;
+    if (request.headings == 3) return PortReply::rejected("4 health maps are waited for already");
+    if (request.headings == 2) {
+      done(std::nullopt, "no observation yet");
+    } else {
+      done(health_map, {});
+    }
+    return PortReply::accepted();
+  }
   std::shared_ptr<avm::LocalizationPrx> proxy() {
     return client.proxy<avm::LocalizationPrx>("Localization", server.port());
   }
@@ -111,6 +124,8 @@ class LocalizationLoopback : public ::testing::Test, public LocalizationControl 
   EstimateBroadcaster estimates;
   Pose2 place;
   int relocalizations = 0;
+  HealthMapRequest drawn;
+  HealthMap health_map{77, {1, -2}, 0.5, 2, 1, {0.25F, 1.0F}, {-3.0F, 0.5F}};
   LoopbackServer server;
   LoopbackClient client;
 };
@@ -140,6 +155,44 @@ TEST_F(LocalizationLoopback, CommandsArriveOrAreRefusedWithAReason) {
   EXPECT_THAT(remote.setPose({0, kNaN, 0}).message, HasSubstr("robotInWorld.y = nan (must be finite)"));
   EXPECT_TRUE(remote.relocalize().ok());
   EXPECT_EQ(relocalizations, 1);
+}
+
+TEST_F(LocalizationLoopback, HealthMapsComeOrAreRefusedWithAReason) {
+  RemoteLocalization remote(proxy());
+  HealthMapRequest request;
+  request.rating = PlaceRating::kLikelihood;
+  request.theta_rad = 0.25;
+  request.cell_m = 0.5;
+  request.low = {1, -2};
+  request.high = {2, -2};
+  const auto result = remote.healthMap(request);
+  ASSERT_TRUE(result.map) << result.why;
+  EXPECT_EQ(drawn.rating, PlaceRating::kLikelihood);
+  EXPECT_EQ(drawn.theta_rad, 0.25);
+  EXPECT_EQ(drawn.headings, 36);
+  EXPECT_EQ(drawn.cell_m, 0.5);
+  EXPECT_EQ(*drawn.low, Eigen::Vector2d(1, -2));
+  EXPECT_EQ(*drawn.high, Eigen::Vector2d(2, -2));
+  EXPECT_EQ(result.map->stamp_us, 77);
+  EXPECT_EQ(result.map->low, Eigen::Vector2d(1, -2));
+  EXPECT_EQ(result.map->cell_m, 0.5);
+  EXPECT_EQ(result.map->columns, 2);
+  EXPECT_EQ(result.map->rows, 1);
+  EXPECT_EQ(result.map->health, health_map.health);
+  EXPECT_EQ(result.map->theta_rad, health_map.theta_rad);
+  // Without a heading and an area neither is asked for.
+  EXPECT_TRUE(remote.healthMap({}).map);
+  EXPECT_FALSE(drawn.theta_rad || drawn.low || drawn.high);
+  request.cell_m = 0.0;
+  EXPECT_THAT(remote.healthMap(request).why, HasSubstr("cell_m = 0 (must be > 0)"));
+  request.cell_m = 0.5;
+  request.headings = 2;
+  EXPECT_THAT(remote.healthMap(request).why, HasSubstr("no observation yet"));
+  request.headings = 3;
+  EXPECT_THAT(remote.healthMap(request).why, HasSubstr("4 health maps are waited for already"));
+  // A server that sends nonsense.
+  health_map.rows = 2;
+  EXPECT_THAT(remote.healthMap({}).why, HasSubstr("none"));
 }
 
 TEST_F(LocalizationLoopback, ServesJdeRobotsPose3D) {

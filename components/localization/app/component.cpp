@@ -5,6 +5,7 @@
 
 #include "active_visual_memory/ice/visual_memory_ice.h"
 #include "localization/app/gaze_sender.h"
+#include "localization/app/health_map_worker.h"
 #include "localization/app/localization_loop.h"
 #include "localization/ice/localization_ice.h"
 
@@ -13,9 +14,11 @@ namespace {
 
 class LocalizationComponent final : public Component, public LocalizationControl {
  public:
-  LocalizationComponent(LocalizationConfig config, const SegmentMap& map_edges)
-      : config_(std::move(config)), localizer_(config_.params, map_edges, config_.seed) {
-    if (!config_.gaze_proxy.empty()) planner_.emplace(config_.gaze, config_.params, map_edges);
+  LocalizationComponent(LocalizationConfig config, SegmentMap map_edges)
+      : config_(std::move(config)),
+        map_edges_(std::move(map_edges)),
+        localizer_(config_.params, map_edges_, config_.seed) {
+    if (!config_.gaze_proxy.empty()) planner_.emplace(config_.gaze, config_.params, map_edges_);
     if (config_.start) localizer_.setPose(*config_.start);
   }
 
@@ -41,8 +44,10 @@ class LocalizationComponent final : public Component, public LocalizationControl
     } else {
       host.status().note("asks for no gaze: Localization.Gaze.Proxy is not set");
     }
+    health_maps_ =
+        std::make_unique<HealthMapWorker>(config_.params, map_edges_, [this] { return loop_->newest(); });
     host.serve("Localization",
-               std::make_shared<LocalizationServant>(*this, estimates_, config_.pose3d_scale));
+               std::make_shared<LocalizationServant>(*this, estimates_, *health_maps_, config_.pose3d_scale));
     loop_->start(
         [this, &host](const PoseEstimate& estimate, double step_s) {
           host.status().count("estimates");
@@ -69,6 +74,7 @@ class LocalizationComponent final : public Component, public LocalizationControl
   }
 
   void stop() override {
+    if (health_maps_) health_maps_->stop();
     if (loop_) loop_->stop();
     if (gaze_) gaze_->close();
     estimates_.stop();
@@ -83,12 +89,14 @@ class LocalizationComponent final : public Component, public LocalizationControl
 
  private:
   const LocalizationConfig config_;
+  const SegmentMap map_edges_;
   Localizer localizer_;                 ///< until start(), then the loop's
   std::optional<GazePlanner> planner_;  ///< until start(), then the loop's
   EstimateBroadcaster estimates_;
   std::unique_ptr<VisualMemoryClient> memory_;
-  std::unique_ptr<GazeSender> gaze_;        ///< null: no gaze is asked for
-  std::unique_ptr<LocalizationLoop> loop_;  ///< last member: its thread uses all of the above
+  std::unique_ptr<GazeSender> gaze_;              ///< null: no gaze is asked for
+  std::unique_ptr<LocalizationLoop> loop_;        ///< its thread uses all of the above
+  std::unique_ptr<HealthMapWorker> health_maps_;  ///< last member: its thread asks the loop
 };
 
 }  // namespace

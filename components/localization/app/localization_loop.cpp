@@ -65,6 +65,11 @@ PortReply LocalizationLoop::enqueue(const Command& command) {
   return PortReply::accepted();
 }
 
+MemoryUpdate LocalizationLoop::newest() const {
+  const std::lock_guard lock(mutex_);
+  return newest_;
+}
+
 bool LocalizationLoop::runCommands() {
   std::deque<Command> commands;
   {
@@ -116,6 +121,10 @@ void LocalizationLoop::run(const std::stop_token& stop) {
     const PoseEstimate estimate = localizer_.step(result.update);
     if (estimate.revision == before) continue;
     const double step_s = spent_s();
+    {
+      const std::lock_guard lock(mutex_);
+      newest_ = result.update;
+    }
     publish_(estimate, step_s);
     if (!planner_) continue;
     const GazePlan plan = planner_->plan(estimate, result.update);

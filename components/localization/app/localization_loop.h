@@ -39,6 +39,8 @@ class LocalizationLoop {
   /// Taken by the loop before its next update. Rejected: not finite, or too many wait.
   PortReply setPose(const Pose2& T_world_robot);
   PortReply relocalize();
+  /// The newest update that was used; without snapshot and analysis before the first.
+  MemoryUpdate newest() const;
 
  private:
   /// Empty: relocalize.
@@ -57,8 +59,9 @@ class LocalizationLoop {
   SourceChanged source_changed_;
   Failed failed_;
   std::function<void()> alive_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::deque<Command> commands_;
+  MemoryUpdate newest_;
   std::jthread thread_;  ///< last member: it uses all of the above
 };
 

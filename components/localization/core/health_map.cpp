@@ -13,7 +13,6 @@
 namespace vismem {
 namespace {
 
-constexpr double kMaximumPlaces = 1e6;
 constexpr int kMaximumHeadings = 720;
 
 using RatePlace = std::function<double(const Pose2&)>;
@@ -45,21 +44,26 @@ RatePlace robustRating(const MemoryUpdate& update, const MapIndex& map, const Ro
 
 }  // namespace
 
-std::string checkRequest(const HealthMapRequest& request, const SegmentMap& map_edges) {
+std::string checkRequest(const HealthMapRequest& request, const SegmentMap& map_edges,
+                         const HealthMapLimits& limits) {
   std::ostringstream out;
   const auto [low, high] = area(request, map_edges.low(), map_edges.high());
+  const double places = ((high - low) / request.cell_m).array().floor().operator+(1.0).prod();
   if (!low.allFinite() || !high.allFinite() || (high.array() < low.array()).any()) {
     out << "area = (" << low.transpose() << ") .. (" << high.transpose()
         << ") (must be finite and not turned)";
   } else if (!std::isfinite(request.cell_m) || request.cell_m <= 0.0) {
     out << "cell_m = " << request.cell_m << " (must be > 0)";
-  } else if (((high - low) / request.cell_m).array().floor().operator+(1.0).prod() > kMaximumPlaces) {
-    out << "cell_m = " << request.cell_m << " makes more than " << kMaximumPlaces << " places of "
+  } else if (!(places <= limits.places)) {
+    out << "cell_m = " << request.cell_m << " makes more than " << limits.places << " places of "
         << (high - low).x() << " x " << (high - low).y() << " m";
   } else if (request.theta_rad ? !std::isfinite(*request.theta_rad)
                                : request.headings < 1 || request.headings > kMaximumHeadings) {
     out << "heading: " << request.theta_rad.value_or(request.headings) << " (must be finite, or 1.."
         << kMaximumHeadings << " headings)";
+  } else if (!request.theta_rad && places * request.headings > limits.ratings) {
+    out << "headings = " << request.headings << " at " << places << " places make more than "
+        << limits.ratings << " ratings";
   }
   return out.str();
 }
@@ -98,8 +102,8 @@ std::optional<HealthMap> HealthMapper::map(const MemoryUpdate& update, const Hea
   }
   if (request.theta_rad) headings.push_back(wrapAngle(*request.theta_rad));
   for (int row = 0; row < result.rows; ++row) {
-    if (cancelled && cancelled()) return std::nullopt;
     for (int column = 0; column < result.columns; ++column) {
+      if (cancelled && cancelled()) return std::nullopt;
       const Eigen::Vector2d place = result.place(column, row);
       double best = -std::numeric_limits<double>::infinity();
       double heading = headings.front();

@@ -33,9 +33,14 @@ struct HealthMapRequest {
   std::optional<Eigen::Vector2d> high;
 };
 
-/// @return empty if the request makes sense, else what is wrong: field, value and rule. At most 1 000 000
-/// places.
-std::string checkRequest(const HealthMapRequest& request, const SegmentMap& map_edges);
+struct HealthMapLimits {
+  double places = 1e6;
+  double ratings = 1e9;  ///< places times headings
+};
+
+/// @return empty if the request makes sense, else what is wrong: field, value and rule.
+std::string checkRequest(const HealthMapRequest& request, const SegmentMap& map_edges,
+                         const HealthMapLimits& limits = {});
 
 /// The place of column i and row j is low + cell_m * (i, j).
 struct HealthMap {
@@ -60,7 +65,7 @@ class HealthMapper {
   HealthMapper(const LocalizerParams& params, const SegmentMap& map_edges);
 
   /// @param update as the Localizer takes it. @param request that checkRequest approves.
-  /// @param cancelled asked once a row.
+  /// @param cancelled asked before every place.
   /// @return empty if the observation says nothing of the kind asked for, or when cancelled.
   std::optional<HealthMap> map(const MemoryUpdate& update, const HealthMapRequest& request,
                                const std::function<bool()>& cancelled = {}) const;

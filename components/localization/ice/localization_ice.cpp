@@ -19,6 +19,9 @@ bool usable(const avm::PoseEstimate& e) {
          });
 }
 
+/// A health map of the largest size, and those that wait before it.
+constexpr int kDrawingTimeout_ms = 120'000;
+
 std::optional<std::int64_t> known(std::int64_t after_revision) {
   if (after_revision <= 0) return std::nullopt;
   return after_revision;
@@ -56,6 +59,62 @@ PoseEstimate fromIce(const avm::PoseEstimate& e) {
     result.races.push_back({static_cast<std::uint64_t>(race.id), fromIce(race.robotInWorld), race.health,
                             race.weight, race.victories, race.age, race.winner});
   }
+  return result;
+}
+
+static_assert(static_cast<int>(PlaceRating::kImage) == static_cast<int>(avm::PlaceRating::ImageHealth));
+static_assert(static_cast<int>(PlaceRating::kMemory) == static_cast<int>(avm::PlaceRating::MemoryHealth));
+static_assert(static_cast<int>(PlaceRating::kExplained) == static_cast<int>(avm::PlaceRating::Explained));
+static_assert(static_cast<int>(PlaceRating::kLikelihood) == static_cast<int>(avm::PlaceRating::Likelihood));
+
+avm::HealthMapRequest toIce(const HealthMapRequest& request) {
+  avm::HealthMapRequest result;
+  result.rating = static_cast<avm::PlaceRating>(request.rating);
+  result.hasHeading = request.theta_rad.has_value();
+  result.thetaRad = request.theta_rad.value_or(0.0);
+  result.headings = request.headings;
+  result.cellM = request.cell_m;
+  result.hasArea = request.low && request.high;
+  result.low = toIce(request.low.value_or(Eigen::Vector2d::Zero()));
+  result.high = toIce(request.high.value_or(Eigen::Vector2d::Zero()));
+  return result;
+}
+
+HealthMapRequest fromIce(const avm::HealthMapRequest& request) {
+  HealthMapRequest result;
+  result.rating = static_cast<PlaceRating>(request.rating);
+  if (request.hasHeading) result.theta_rad = request.thetaRad;
+  result.headings = request.headings;
+  result.cell_m = request.cellM;
+  if (request.hasArea) {
+    result.low = fromIce(request.low);
+    result.high = fromIce(request.high);
+  }
+  return result;
+}
+
+avm::HealthGrid toIce(const HealthMap& map) {
+  return {map.stamp_us, toIce(map.low), map.cell_m, map.columns, map.rows, map.health, map.theta_rad};
+}
+
+std::optional<HealthMap> fromIce(const avm::HealthGrid& map) {
+  const auto finite = [](const std::vector<float>& values) {
+    return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
+  };
+  const double places = static_cast<double>(map.columns) * map.rows;
+  if (map.columns < 1 || map.rows < 1 || places != static_cast<double>(map.health.size()) ||
+      places != static_cast<double>(map.thetaRad.size()) || !(map.cellM > 0.0) ||
+      !allFinite({map.low.x, map.low.y, map.cellM}) || !finite(map.health) || !finite(map.thetaRad)) {
+    return std::nullopt;
+  }
+  HealthMap result;
+  result.stamp_us = map.stampUs;
+  result.low = fromIce(map.low);
+  result.cell_m = map.cellM;
+  result.columns = map.columns;
+  result.rows = map.rows;
+  result.health = map.health;
+  result.theta_rad = map.thetaRad;
   return result;
 }
 
@@ -109,6 +168,26 @@ avm::CommandReply LocalizationServant::relocalize(const Ice::Current&) {
   return toIce(control_.relocalize());
 }
 
+void LocalizationServant::healthMapAsync(avm::HealthMapRequest request,
+                                         std::function<void(const avm::HealthGrid&)> response,
+                                         std::function<void(std::exception_ptr)> exception,
+                                         const Ice::Current&) {
+  const HealthMapRequest wanted = fromIce(request);
+  const std::string wrong = health_maps_.check(wanted);
+  if (!wrong.empty()) throw avm::InvalidArgument(wrong);
+  const PortReply reply =
+      health_maps_.draw(wanted, [response = std::move(response), exception = std::move(exception)](
+                                    const std::optional<HealthMap>& map, const std::string& why) {
+        try {
+          if (!map) throw avm::NotAvailable(why);
+          response(toIce(*map));
+        } catch (...) {
+          exception(std::current_exception());
+        }
+      });
+  if (!reply.ok()) throw avm::Refused(reply.message);
+}
+
 std::shared_ptr<jderobot::Pose3DData> LocalizationServant::getPose3DData(const Ice::Current&) {
   const auto newest = estimates_.stream().latest();
   if (!newest || !newest->T_world_robot) {
@@ -126,6 +205,7 @@ int LocalizationServant::setPose3DData(std::shared_ptr<jderobot::Pose3DData> dat
 RemoteLocalization::RemoteLocalization(const std::shared_ptr<avm::LocalizationPrx>& proxy, LinkReport report)
     : proxy_(boundedProxy(proxy, kInvocationTimeout_ms)),
       commands_(boundedProxy(proxy, kCommandTimeout_ms)),
+      drawings_(proxy ? proxy->ice_invocationTimeout(kDrawingTimeout_ms) : nullptr),
       estimates_(proxy_, std::move(report)) {}
 
 std::optional<PoseEstimate> RemoteLocalization::latest() const {
@@ -159,6 +239,17 @@ PortReply RemoteLocalization::setPose(const Pose2& T_world_robot) {
 
 PortReply RemoteLocalization::relocalize() {
   return runRemote(commands_, "localization", [](avm::LocalizationPrx& l) { return l.relocalize(); });
+}
+
+RemoteLocalization::HealthMapResult RemoteLocalization::healthMap(const HealthMapRequest& request) {
+  if (!drawings_) return {std::nullopt, "no localization is configured"};
+  try {
+    auto map = fromIce(drawings_->healthMap(toIce(request)));
+    if (!map) return {std::nullopt, "localization sent a health map that is none"};
+    return {std::move(map), {}};
+  } catch (...) {
+    return {std::nullopt, describeFailure(*drawings_, std::current_exception())};
+  }
 }
 
 }  // namespace vismem
