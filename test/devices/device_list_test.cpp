@@ -34,6 +34,15 @@ class Computer {
     fs::create_directories(path.parent_path());
     fs::create_symlink(folder_.path() / target, path);
   }
+  /// A Maestro on the USB bus, with what the kernel tells of it. @return its folder.
+  std::string maestro(const std::string& product, const std::string& device_number) const {
+    const std::string device = "sys/bus/usb/devices/1-2";
+    file(device + "/idVendor", "1ffb");
+    file(device + "/idProduct", product);
+    file(device + "/busnum", "1");
+    file(device + "/devnum", device_number);
+    return device;
+  }
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
 
  private:
@@ -81,12 +90,7 @@ TEST(SerialPorts, AreNamedByTheirAdapters) {
 
 TEST(Maestros, AreNamedByModelAndSerialNumber) {
   const Computer computer;
-  const std::string device = "sys/bus/usb/devices/1-2";
-  computer.file(device + "/idVendor", "1ffb");
-  computer.file(device + "/idProduct", "008a");
-  computer.file(device + "/serial", "00012345");
-  computer.file(device + "/busnum", "1");
-  computer.file(device + "/devnum", "14");
+  computer.file(computer.maestro("008a", "14") + "/serial", "00012345");
   computer.file("sys/bus/usb/devices/1-3/idVendor", "1ffb");
   computer.file("sys/bus/usb/devices/1-3/idProduct", "0001");
   const auto maestros = listMaestros(computer.roots());
@@ -101,11 +105,7 @@ TEST(Maestros, AreNamedByModelAndSerialNumber) {
 
 TEST(Permissions, AreMissedByName) {
   const Computer computer;
-  const std::string device = "sys/bus/usb/devices/1-2";
-  computer.file(device + "/idVendor", "1ffb");
-  computer.file(device + "/idProduct", "0089");
-  computer.file(device + "/busnum", "1");
-  computer.file(device + "/devnum", "2");
+  computer.maestro("0089", "2");
   computer.file("dev/bus/usb/001/002", "");
   computer.file("sys/devices/serial8250/driver_override", "");
   computer.link("sys/class/tty/ttyS0/device", "sys/devices/serial8250");

@@ -9,10 +9,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <opencv2/core.hpp>
 #include <stdexcept>
 
-#include "common/image_codec/image_codec.h"
+#include "support/emulated_picture.h"
 
 namespace vismem {
 namespace {
@@ -45,23 +44,6 @@ EmulatedNode::Description describeNode(int number) {
           "P: " + device + "\nE: DEVNAME=/dev/" + name +
               "\nE: SUBSYSTEM=video4linux\nE: MAJOR=81\nE: MINOR=" + std::to_string(number) +
               "\nA: dev=81:" + std::to_string(number) + "\\n\n\n"};
-}
-
-/// Without the tables of the standard, and with what is left from a longer picture before it.
-std::vector<std::uint8_t> bare(const std::vector<std::uint8_t>& jpeg) {
-  std::vector<std::uint8_t> bytes(jpeg.begin(), jpeg.begin() + 2);
-  std::size_t at = 2;
-  while (jpeg[at + 1] != 0xDA) {
-    const std::size_t end = at + 2 + (static_cast<std::size_t>(jpeg[at + 2]) << 8U | jpeg[at + 3]);
-    if (jpeg[at + 1] != 0xC4) {
-      bytes.insert(bytes.end(), jpeg.begin() + static_cast<std::ptrdiff_t>(at),
-                   jpeg.begin() + static_cast<std::ptrdiff_t>(end));
-    }
-    at = end;
-  }
-  bytes.insert(bytes.end(), jpeg.begin() + static_cast<std::ptrdiff_t>(at), jpeg.end());
-  bytes.insert(bytes.end(), {0x12, 0x34, 0x56});
-  return bytes;
 }
 
 }  // namespace
@@ -367,27 +349,6 @@ IoctlAnswer EmulatedCamera::stream(unsigned code, const Argument& argument) {
   return {};
 }
 
-std::vector<std::uint8_t> EmulatedCamera::paint(std::uint32_t sequence) const {
-  const auto shade = static_cast<std::uint8_t>(shadeOf(sequence));
-  const auto pixels = static_cast<std::size_t>(current_.width * current_.height);
-  if (current_.fourcc == "MJPG") {
-    const auto jpeg =
-        encodeJpeg(cv::Mat(current_.height, current_.width, CV_8UC3, cv::Scalar::all(shade)), 90);
-    return bare_jpeg_ ? bare(jpeg) : jpeg;
-  }
-  std::vector<std::uint8_t> bytes;
-  if (current_.fourcc == "YUYV" || current_.fourcc == "UYVY") {
-    bytes.assign(2 * pixels, 128);
-    for (std::size_t i = current_.fourcc == "YUYV" ? 0 : 1; i < bytes.size(); i += 2) bytes[i] = shade;
-  } else if (current_.fourcc == "NV12") {
-    bytes.assign(pixels * 3 / 2, 128);
-    std::fill_n(bytes.begin(), pixels, shade);
-  } else {
-    bytes.assign(current_.fourcc == "GREY" ? pixels : 3 * pixels, shade);
-  }
-  return bytes;
-}
-
 IoctlAnswer EmulatedCamera::dequeue(const Argument& argument) {
   if (!streaming_) return IoctlAnswer::failed(EINVAL);
   const std::chrono::duration<double> since = Clock::now() - began_;
@@ -399,7 +360,8 @@ IoctlAnswer EmulatedCamera::dequeue(const Argument& argument) {
   buffer.index = queued_.front();
   queued_.erase(queued_.begin());
   buffer.sequence = static_cast<std::uint32_t>(due - 1);
-  last_ = paint(buffer.sequence);
+  last_ = paintPicture(current_.fourcc, current_.width, current_.height,
+                       static_cast<std::uint8_t>(shadeOf(buffer.sequence)), bare_jpeg_);
   if (std::exchange(shorten_, false)) last_.resize(last_.size() / 2);
   std::memcpy(memory_ + buffer.index * kBufferBytes, last_.data(), last_.size());
   buffer.bytesused = static_cast<unsigned>(last_.size());

@@ -100,7 +100,6 @@ class EmulatedCamera {
   IoctlAnswer mapExtension(const Argument& argument);
   IoctlAnswer controls(unsigned code, const Argument& argument);
   IoctlAnswer dequeue(const Argument& argument);
-  std::vector<std::uint8_t> paint(std::uint32_t sequence) const;
   std::vector<Mode> modesOf(const std::string& fourcc) const;
   int set(std::uint32_t id, int value);
   Control* findControl(std::uint32_t id);

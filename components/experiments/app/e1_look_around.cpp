@@ -1,8 +1,6 @@
 #include "experiments/app/e1_look_around.h"
 
 #include <nlohmann/json.hpp>
-#include <numbers>
-#include <random>
 #include <stdexcept>
 
 #include "active_visual_memory/core/overlay.h"
@@ -34,17 +32,6 @@ constexpr Variant kVariants[] = {
     {"texture", "texture", "the room with a carpet full of lines", -1.0, 0.0},
 };
 
-/// Near the middle, at a place with a metre of free way ahead.
-Pose2 startOf(const World& world, std::uint64_t seed) {
-  std::mt19937_64 random(seed * 7919 + 17);
-  const auto draw = [&](double low, double high) {
-    return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1.0p-53);
-  };
-  return placeWithFreeWay(world, LookAroundWay{}.way_m, [&] {
-    return Pose2{draw(-0.6, 0.6), draw(-0.3, 0.3), draw(-std::numbers::pi, std::numbers::pi)};
-  });
-}
-
 void drawFigure13(ExperimentRun& run, const MemoryScore& score, const ExperimentOptions& options) {
   const World& world = run.simulation().config().world;
   Renderer renderer(world);
@@ -72,7 +59,7 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
   run_options.mode = options.mode;
   run_options.seed = options.seed;
   run_options.change_robot = [&](SimulationConfig& robot) {
-    robot.start = startOf(robot.world, options.seed);
+    robot.start = startNearMiddle(robot.world, options.seed);
     SimulatedCameraParams& camera = robot.cameras.front();
     if (variant.noise >= 0.0) camera.errors.gaussian = variant.noise;
     camera.T_believed_true =

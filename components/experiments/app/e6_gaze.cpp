@@ -4,33 +4,17 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "experiments/app/e6_place.h"
 #include "experiments/app/experiment_files.h"
-#include "experiments/app/trial_series.h"
 
 namespace vismem {
 namespace {
 
-struct Variant {
-  const char* name;
-  const char* title;
-  const char* world;
-  int trials;
-  bool rendered;
-  Disturbance disturbance;
-  bool twins;
-};
-
 /// 20 % of the segments false and 20 % lost: what looks alike at once is told apart by looking more.
-const Disturbance kHard{0.2, 0.2, 3.0};
-
-const Variant kVariants[] = {
-    {"irregular", "irregular corridor, made-up observations", "corridor_irregular", 50, false, {}, false},
-    {"irregular_hard", "irregular corridor, 20 % false segments, 20 % lost", "corridor_irregular", 50, false,
-     kHard, false},
-    {"aliased", "corridor with two wings alike, made-up observations", "corridor", 50, false, {}, true},
-    {"rendered", "irregular corridor, rendered images", "corridor_irregular", 20, true, {}, false},
-    {"rendered_aliased", "corridor with two wings alike, rendered images", "corridor", 20, true, {}, true},
-};
+const E6Place kIrregularHard{.name = "irregular_hard",
+                             .title = "irregular corridor, 20 % false segments, 20 % lost",
+                             .trials = 50,
+                             .disturbance = {0.2, 0.2, 3.0}};
 
 /// Half of the time that E6 gives: what gaze can help with lies within seconds.
 constexpr double kEvent_s = 30.0;
@@ -57,19 +41,12 @@ void addRatio(const Comparison& comparison, const SummaryParams& params, nlohman
 
 nlohmann::json compareGaze(const ExperimentOptions& options) {
   nlohmann::json json;
-  for (const Variant& variant : kVariants) {
-    if (!options.variant.empty() && options.variant != variant.name) continue;
-    TrialSeries series;
-    series.name = std::string("gaze_") + variant.name;
-    series.title = text("E6 gaze, %s: %s", variant.name, variant.title);
-    series.trial.world = variant.world;
+  for (const E6Place& place : {kIrregular, kIrregularHard, kAliased, kRendered, kRenderedAliased}) {
+    if (!isWanted(place, options)) continue;
+    TrialSeries series = seriesAt(place, "E6 gaze", options);
+    series.name = "gaze_" + series.name;
     series.trial.event_s = kEvent_s;
     series.summary.within_s = kEvent_s;
-    series.trial.rendered = variant.rendered;
-    series.trial.disturbance = variant.disturbance;
-    series.seed = options.seed;
-    series.trials = options.trials > 0 ? options.trials : variant.trials;
-    series.twins = variant.twins;
     // Each policy of gaze is a method: the same localization on the record that it brought about itself.
     std::vector<std::string> names;
     series.recordings.clear();
@@ -87,7 +64,7 @@ nlohmann::json compareGaze(const ExperimentOptions& options) {
       return methods;
     };
     series.drawn = names;
-    json[variant.name] =
+    json[place.name] =
         runSeries(series, options.out, [&](const Comparison& comparison, nlohmann::json& figures) {
           if (names.size() == 2) addRatio(comparison, series.summary, figures);
         });

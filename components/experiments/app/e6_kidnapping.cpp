@@ -5,8 +5,7 @@
 #include <stdexcept>
 
 #include "experiments/app/e6_gaze.h"
-#include "experiments/app/experiment_files.h"
-#include "experiments/app/trial_series.h"
+#include "experiments/app/e6_place.h"
 
 namespace vismem {
 namespace {
@@ -14,121 +13,40 @@ namespace {
 enum class Methods { kAll, kDefaultAndMcl, kAblation };
 
 struct Variant {
-  const char* name;
-  const char* title;
-  const char* world;
-  int trials;
-  Methods methods;
-  bool rendered;
-  Disturbance disturbance;
-  double blackout_s;
-  bool twins;  ///< a half turn about the origin maps the world onto its twin
+  E6Place place;
+  Methods methods = Methods::kAll;
+  double blackout_s = 0.0;
 };
 
 constexpr double kBlackoutFrom_s = 30.0;
+const Disturbance kFalse30{0.3, 0.0, 3.0};
+const Disturbance kFalse50{0.5, 0.0, 3.0};
+const Disturbance kLost50{0.0, 0.5, 3.0};
 
 const std::vector<Variant>& variants() {
   static const std::vector<Variant> all{
-      {"irregular",
-       "irregular corridor, made-up observations",
-       "corridor_irregular",
-       50,
+      {kIrregular},
+      {kAliased},
+      {kRendered},
+      {kRenderedAliased},
+      {{.name = "false30", .title = "irregular corridor, 30 % false segments", .disturbance = kFalse30}},
+      {{.name = "false50", .title = "irregular corridor, 50 % false segments", .disturbance = kFalse50}},
+      {{.name = "lost50", .title = "irregular corridor, half of the segments lost", .disturbance = kLost50}},
+      {{.name = "blackout", .title = "irregular corridor, nothing seen from 30 to 40 s after each event"},
        Methods::kAll,
-       false,
-       {},
-       0.0,
-       false},
-      {"aliased",
-       "corridor with two wings alike, made-up observations",
-       "corridor",
-       50,
-       Methods::kAll,
-       false,
-       {},
-       0.0,
-       true},
-      {"rendered",
-       "irregular corridor, rendered images",
-       "corridor_irregular",
-       20,
-       Methods::kAll,
-       true,
-       {},
-       0.0,
-       false},
-      {"rendered_aliased",
-       "corridor with two wings alike, rendered images",
-       "corridor",
-       20,
-       Methods::kAll,
-       true,
-       {},
-       0.0,
-       true},
-      {"false30",
-       "irregular corridor, 30 % false segments",
-       "corridor_irregular",
-       25,
-       Methods::kAll,
-       false,
-       {0.3, 0.0, 3.0},
-       0.0,
-       false},
-      {"false50",
-       "irregular corridor, 50 % false segments",
-       "corridor_irregular",
-       25,
-       Methods::kAll,
-       false,
-       {0.5, 0.0, 3.0},
-       0.0,
-       false},
-      {"lost50",
-       "irregular corridor, half of the segments lost",
-       "corridor_irregular",
-       25,
-       Methods::kAll,
-       false,
-       {0.0, 0.5, 3.0},
-       0.0,
-       false},
-      {"blackout",
-       "irregular corridor, nothing seen from 30 to 40 s after each event",
-       "corridor_irregular",
-       25,
-       Methods::kAll,
-       false,
-       {},
-       10.0,
-       false},
-      {"ablation",
-       "irregular corridor, parts of the default mode off",
-       "corridor_irregular",
-       25,
-       Methods::kAblation,
-       false,
-       {},
-       0.0,
-       false},
-      {"ablation_false",
-       "irregular corridor, 30 % false segments, parts of the default mode off",
-       "corridor_irregular",
-       25,
-       Methods::kAblation,
-       false,
-       {0.3, 0.0, 3.0},
-       0.0,
-       false},
-      {"room", "room, made-up observations", "room", 25, Methods::kDefaultAndMcl, false, {}, 0.0, false},
-      {"field",
-       "football field, made-up observations",
-       "field_6x4",
-       25,
-       Methods::kDefaultAndMcl,
-       false,
-       {},
-       0.0,
-       true},
+       10.0},
+      {{.name = "ablation", .title = "irregular corridor, parts of the default mode off"},
+       Methods::kAblation},
+      {{.name = "ablation_false",
+        .title = "irregular corridor, 30 % false segments, parts of the default mode off",
+        .disturbance = kFalse30},
+       Methods::kAblation},
+      {{.name = "room", .title = "room, made-up observations", .world = "room"}, Methods::kDefaultAndMcl},
+      {{.name = "field",
+        .title = "football field, made-up observations",
+        .world = "field_6x4",
+        .twins = true},
+       Methods::kDefaultAndMcl},
   };
   return all;
 }
@@ -148,19 +66,11 @@ std::vector<MethodMaker> methodsOf(const Variant& variant, const LocalizerParams
 }
 
 nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& options) {
-  TrialSeries series;
-  series.name = variant.name;
-  series.title = text("E6 %s: %s", variant.name, variant.title);
-  series.trial.world = variant.world;
-  series.trial.rendered = variant.rendered;
-  series.trial.disturbance = variant.disturbance;
+  TrialSeries series = seriesAt(variant.place, "E6", options);
   series.trial.blackout_from_s = kBlackoutFrom_s;
   series.trial.blackout_s = variant.blackout_s;
-  series.seed = options.seed;
-  series.trials = options.trials > 0 ? options.trials : variant.trials;
   series.methods = [&variant](const LocalizerParams& ours) { return methodsOf(variant, ours); };
   series.drawn = {"default", "chapter"};
-  series.twins = variant.twins;
   return runSeries(series, options.out);
 }
 
@@ -195,8 +105,8 @@ nlohmann::json kidnapping(const ExperimentOptions& options) {
   if (!options.gaze.empty()) return compareGaze(options);
   nlohmann::json json;
   for (const Variant& variant : variants()) {
-    if (!options.variant.empty() && options.variant != variant.name) continue;
-    json[variant.name] = runVariant(variant, options);
+    if (!isWanted(variant.place, options)) continue;
+    json[variant.place.name] = runVariant(variant, options);
   }
   if (options.variant.empty() || options.variant == "vision") json["vision"] = compareVision(options);
   if (json.empty()) throw std::invalid_argument("E6 has no variant \"" + options.variant + "\"");

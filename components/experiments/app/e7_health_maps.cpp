@@ -110,7 +110,12 @@ BoardPanel panelOf(const std::string& title, const MemoryUpdate& update, const L
   if (!map) throw std::runtime_error(title + ": nothing was seen that could be rated");
   const HealthMapReading reading = readHealthMap(*map, truth);
   json = toJson(reading);
-  BoardPanel panel{title, {}, drawHealthMap(*map, map_edges, truth, kPanel_px), {}};
+  BoardPanel panel{
+      title,
+      {},
+      drawHealthMap(*map, map_edges, truth, kPanel_px,
+                    rating == PlaceRating::kLikelihood ? HealthScale::kLogarithmic : HealthScale::kLinear),
+      {}};
   panel.caption = {text("at the true place %.2f, best %.2f, %.2f m from the truth", reading.at_truth,
                         reading.best, reading.off_m),
                    text("%.2f %% of the places are as good as the true one", 100.0 * reading.rivals)};
@@ -149,8 +154,8 @@ nlohmann::json healthFromImages(const ExperimentOptions& options) {
     board.rows.push_back({image,
                           panelOf("the chapter's health (L4)", update, params, edges, PlaceRating::kImage,
                                   run.trueRobot(), numbers["chapter"]),
-                          panelOf("our likelihood", update, params, edges, PlaceRating::kLikelihood,
-                                  run.trueRobot(), numbers["likelihood"]),
+                          panelOf("our likelihood, logarithmic", update, params, edges,
+                                  PlaceRating::kLikelihood, run.trueRobot(), numbers["likelihood"]),
                           panelOf("share explained", update, params, edges, PlaceRating::kExplained,
                                   run.trueRobot(), numbers["explained"])});
   }
@@ -192,7 +197,7 @@ nlohmann::json healthFromMemory(const ExperimentOptions& options) {
                                   PlaceRating::kImage, run.trueRobot(), numbers["image_chapter"]),
                           panelOf("the memory, the chapter's health (L5)", update, params, edges,
                                   PlaceRating::kMemory, run.trueRobot(), numbers["memory_chapter"]),
-                          panelOf("the memory, our likelihood", update, params, edges,
+                          panelOf("the memory, our likelihood, logarithmic", update, params, edges,
                                   PlaceRating::kLikelihood, run.trueRobot(), numbers["memory_likelihood"])});
   }
   writeImageFile(drawBoard(board, kPanel_px), options.out / "figure27.png");

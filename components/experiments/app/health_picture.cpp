@@ -9,6 +9,8 @@
 namespace vismem {
 namespace {
 
+constexpr double kMostLogRange = 40.0;  // of the logarithmic scale [nats]
+
 /// From white over orange to a dark red, so that a small peak is seen.
 Rgb heat(double health) {
   const double h = std::clamp(health, 0.0, 1.0);
@@ -32,14 +34,18 @@ Eigen::Vector2d placeOf(const HealthMap& map, std::size_t index) {
 
 }  // namespace
 
-cv::Mat drawHealthMap(const HealthMap& map, const SegmentMap& map_edges, const Pose2& truth, int width_px) {
+cv::Mat drawHealthMap(const HealthMap& map, const SegmentMap& map_edges, const Pose2& truth, int width_px,
+                      HealthScale scale) {
   const int cell = std::max(1, width_px / map.columns);
   const int width = cell * map.columns;
   const int height = cell * map.rows;
+  const double least = *std::min_element(map.health.begin(), map.health.end());
+  const double log_range = std::clamp(-std::log(least), 1.0, kMostLogRange);
   cv::Mat heats(height, width, CV_8UC3);
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
-      const Rgb color = heat(map.health[map.index(u / cell, map.rows - 1 - v / cell)]);
+      const double health = map.health[map.index(u / cell, map.rows - 1 - v / cell)];
+      const Rgb color = heat(scale == HealthScale::kLinear ? health : 1.0 + std::log(health) / log_range);
       heats.at<cv::Vec3b>(v, u) =
           cv::Vec3b(static_cast<uchar>(color.r), static_cast<uchar>(color.g), static_cast<uchar>(color.b));
     }

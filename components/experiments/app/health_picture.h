@@ -9,9 +9,16 @@
 
 namespace vismem {
 
-/// White: 0, dark: 1. The truth is a green arrow, the best place a blue ring.
+/// How a health becomes a colour, from white to dark.
+enum class HealthScale {
+  kLinear,      ///< from 0 to 1
+  kLogarithmic  ///< from the least, or e^-40, to 1: a likelihood's ridges are seen beside its peak
+};
+
+/// The truth is a green arrow, the best place a blue ring.
 /// @return CV_8UC3 (R, G, B), about `width_px` wide.
-cv::Mat drawHealthMap(const HealthMap& map, const SegmentMap& map_edges, const Pose2& truth, int width_px);
+cv::Mat drawHealthMap(const HealthMap& map, const SegmentMap& map_edges, const Pose2& truth, int width_px,
+                      HealthScale scale);
 
 /// What the picture shows, in numbers.
 struct HealthMapReading {

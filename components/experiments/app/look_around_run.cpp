@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <random>
 #include <stdexcept>
 #include <utility>
 
@@ -103,6 +104,16 @@ Pose2 placeWithFreeWay(const World& world, double way_m, const std::function<Pos
     if (free) return start;
   }
   throw std::runtime_error(world.name + text(": no place drawn has %.1f m of free way ahead", way_m));
+}
+
+Pose2 startNearMiddle(const World& world, std::uint64_t seed) {
+  std::mt19937_64 random(seed * 7919 + 17);
+  const auto draw = [&](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1.0p-53);
+  };
+  return placeWithFreeWay(world, LookAroundWay{}.way_m, [&] {
+    return Pose2{draw(-0.6, 0.6), draw(-0.3, 0.3), draw(-std::numbers::pi, std::numbers::pi)};
+  });
 }
 
 BoardPanel scorePanel(const ExperimentRun& run, const MemoryScore& score, std::string title) {

@@ -2,6 +2,7 @@
 /// metre and turns again; the memory is scored after both. SPEC E1, E4.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -43,6 +44,9 @@ MemoryScore lookAroundTwice(ExperimentRun& run, const std::string& variant, cons
 /// The first of up to 1000 drawn places that has the way ahead free, with 0.3 m to either side.
 /// @throws std::runtime_error if none has.
 Pose2 placeWithFreeWay(const World& world, double way_m, const std::function<Pose2()>& draw);
+
+/// Near the middle of a room, with the way of LookAroundWay free ahead. The same seed gives the same place.
+Pose2 startNearMiddle(const World& world, std::uint64_t seed);
 
 /// The memory over the true edges, with the robot and its view; the figures below.
 BoardPanel scorePanel(const ExperimentRun& run, const MemoryScore& score, std::string title);

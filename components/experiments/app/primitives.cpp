@@ -7,8 +7,6 @@
 #include <iostream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <numbers>
-#include <random>
 #include <stdexcept>
 
 #include "active_visual_memory/core/overlay.h"
@@ -65,16 +63,6 @@ TrueShape footOf(const Cover& cover) {
     foot.vertices.push_back(cover.at + Eigen::Vector2d(x, y));
   }
   return foot;
-}
-
-Pose2 startOf(const World& world, std::uint64_t seed) {
-  std::mt19937_64 random(seed * 7919 + 17);
-  const auto draw = [&](double low, double high) {
-    return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1.0p-53);
-  };
-  return placeWithFreeWay(world, LookAroundWay{}.way_m, [&] {
-    return Pose2{draw(-0.6, 0.6), draw(-0.3, 0.3), draw(-std::numbers::pi, std::numbers::pi)};
-  });
 }
 
 void addOutline(Plan& plan, const std::vector<Segment2>& outline, Rgb color, double width_px, bool dashed) {
@@ -251,7 +239,7 @@ nlohmann::json runVariant(bool corner_hidden, const ExperimentOptions& options, 
       const PropShape box{PropShape::Kind::kBox, {kCover_m, kCover_m, kCoverHeight_m}, {0.2, 0.3, 0.75}};
       robot.world.models.push_back(makeProp(kCover, box, toPose3(Pose2{cover->at.x(), cover->at.y(), 0.0})));
     }
-    robot.start = startOf(robot.world, options.seed);
+    robot.start = startNearMiddle(robot.world, options.seed);
   };
   ExperimentRun run(run_options);
   ImagesOfCover images;
