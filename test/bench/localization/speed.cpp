@@ -49,7 +49,8 @@ Drive drive(bool kidnapped) {
   return result;
 }
 
-/// The ring corridor, and beside it segments of other places, as dense, up to a number.
+/// The ring corridor, and beside it segments of other places up to a number, one on each 3 m2: so much to
+/// compare with is nowhere in the small map, and from a thousand on everywhere.
 SegmentMap mapWith(int segments) {
   SegmentMap map = test::corridorMap();
   RandomEngine engine(1);
@@ -131,6 +132,8 @@ int main(int argc, char** argv) {
   add("default/settled/50_segments", ours, 50, false);
   add("default/settled/50000_segments", ours, 50'000, false);
   add("default/kidnapped/50_segments", ours, 50, true);
+  add("default/settled/1000_segments", ours, 1'000, false);
+  add("default/kidnapped/1000_segments", ours, 1'000, true);
   add("default/kidnapped/50000_segments", ours, 50'000, true);
   add("chapter_memory/fields/settled", chapter(HealthSource::kMemory, true), 1, false);
   add("chapter_memory/fields/kidnapped", chapter(HealthSource::kMemory, true), 1, true);
