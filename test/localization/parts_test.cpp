@@ -155,6 +155,34 @@ TEST(Parts, EvidenceOutlivesOneOddImage) {
   }
 }
 
+// Part 4: a memory full of another place does not hold a robot that was put elsewhere.
+TEST(Parts, AMemoryOfTheOldPlaceDoesNotDelayTheNewOne) {
+  const SegmentMap map = test::corridorMap();
+  const Pose2 before{6.9, 0.0, 0.0};
+  const Pose2 after{-0.1, 2.0, degToRad(90)};
+  const auto iterations = [&](HealthSource source, std::uint64_t seed) {
+    Localizer localizer(defaultsBut([&](LocalizerParams& p) { p.robust.source = source; }), map, seed);
+    const auto look = [&](const Pose2& at, int i) {
+      MemoryUpdate update = test::viewFrom(map, at, i * 200'000, 0.0, degToRad(-15), 3.0);
+      auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
+      snapshot->T_odom_robot = before;
+      test::remember(*snapshot, map, before, 3.0);
+      return localizer.step({snapshot, update.analysis});
+    };
+    look(before, 1);
+    localizer.setPose(before);
+    for (int i = 2; i < 40; ++i) look(before, i);
+    for (int i = 0; i < 40; ++i) {
+      if (errorOf(look(after, 40 + i), after) < 0.3) return i;
+    }
+    return 40;
+  };
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    EXPECT_LE(iterations(HealthSource::kBoth, seed), iterations(HealthSource::kImage, seed) + 3) << seed;
+    EXPECT_LE(iterations(HealthSource::kBoth, seed), 15) << seed;
+  }
+}
+
 // Part 5: where nothing is explained the pose is not reliable, though no rival lives.
 TEST(Parts, ValidityFallsWhenNothingIsExplained) {
   const SegmentMap map = test::corridorMap();

@@ -96,7 +96,7 @@ TEST(ObserveImage, PointsOnAFloorLineLieOnIt) {
   for (const EvidencePoint& point : observation.points) {
     EXPECT_NEAR(point.p_robot.x(), 1.0, 1e-9);
     EXPECT_NEAR(lineAngleDifference(point.direction_robot, degToRad(90)), 0.0, 1e-9);
-    EXPECT_NEAR(point.sigma_m, std::hypot(0.04, 0.02), 2e-3);
+    EXPECT_NEAR(point.sigma_m, std::hypot(RobustParams().sigma_m, 0.02), 2e-3);
   }
   // 40 px at f = 277 px and 1.414 m: 0.204 m of floor at 5 points a metre.
   EXPECT_NEAR(observation.amount, 5.0 * 40 / 277.13 * std::sqrt(2.0), 1e-3);
@@ -116,16 +116,64 @@ TEST(Observe, MemoryAndImageShareTheEffectivePoints) {
   const auto snapshot = std::make_shared<MemorySnapshot>(snapshotOf(many));
   // A camera that sees nothing leaves all 30 points to the memory.
   EXPECT_NEAR(sumOf({snapshot, std::make_shared<ImageAnalysis>()}), 30.0, 1e-9);
-  // With a short line in the image (0.2 m, one point at 5 a metre) the memory is held to its 60 %.
+  // With a short line in the image (0.2 m, one point at 5 a metre, of the 6 that leave the memory nothing)
+  // the memory is held to five sixths of its 60 %.
   CameraMount mount;
   mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 1, 0, 0, 0);
   auto analysis = std::make_shared<ImageAnalysis>();
   analysis->intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
   analysis->T_robot_camera = cameraPose(mount, 0.0, degToRad(-45));
   analysis->observed = {{{{140, 119.5}, {180, 119.5}}, "skirting", 30.0}};
-  EXPECT_NEAR(sumOf({snapshot, analysis}), 0.6 * 30.0 + 5.0 * 40 / 277.13 * std::sqrt(2.0), 1e-3);
+  const double seen = 5.0 * 40 / 277.13 * std::sqrt(2.0);
+  EXPECT_NEAR(sumOf({snapshot, analysis}), (1.0 - seen / 6.0) * 0.6 * 30.0 + seen, 1e-3);
   params.source = HealthSource::kImage;
   EXPECT_EQ(sumOf({snapshot, std::make_shared<ImageAnalysis>()}), 0.0);
+}
+
+/// A camera that looks down at 45 degrees on a line across, as wide as asked for, straight ahead.
+ImageAnalysis lineAhead(double half_width_px) {
+  CameraMount mount;
+  mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 1, 0, 0, 0);
+  ImageAnalysis analysis;
+  analysis.intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+  analysis.T_robot_camera = cameraPose(mount, 0.0, degToRad(-45));
+  analysis.observed = {{{{159.5 - half_width_px, 119.5}, {159.5 + half_width_px, 119.5}}, "skirting", 30.0}};
+  return analysis;
+}
+
+TEST(Observe, AnImageThatShowsEnoughLeavesNothingToTheMemory) {
+  const MapIndex map = cornerMap();
+  RobustParams params;
+  params.memory_below_points = 3.0;
+  const auto snapshot = std::make_shared<MemorySnapshot>(snapshotOf({remembered(0, 1, 1, 1)}));
+  const auto seen = [&](double half_width_px) {
+    return observe({snapshot, std::make_shared<ImageAnalysis>(lineAhead(half_width_px))}, map, params);
+  };
+  const RobustObservation much = seen(150);  // 1.5 m, worth 7.6 points
+  EXPECT_GT(much.amount, 7.0);
+  EXPECT_EQ(much.remembered, 0u);
+  EXPECT_EQ(much.segments.size(), 2u) << "landmarks are of both";
+  const RobustObservation little = seen(40);  // 0.4 m, worth 2 points
+  EXPECT_GT(little.remembered, 0u);
+  EXPECT_EQ(little.memory_pull, 0.0);
+  EXPECT_NEAR(seen(10).memory_pull, 1.0 - 2.0 * 0.51 / 3.0, 0.01);
+}
+
+TEST(RobustLikelihood, AMemoryWithoutPullIsRatedButMovesNothing) {
+  const MapIndex map = cornerMap();
+  const RobustParams params;
+  const RobustLikelihood likelihood(map, params);
+  RobustObservation observation = observeMemory(snapshotOf({remembered(0, 1, 2, 1)}), map, params);
+  const Pose2 off{1.0, -0.95, 0.0};
+  ASSERT_LT(
+      std::abs(
+          likelihood.refine(observation, {off}, Matrix5d::Zero(), 1.0, 5, 0.0).placement.T_world_robot.y +
+          1.0),
+      0.01);
+  observation.memory_pull = 0.0;
+  const auto refined = likelihood.refine(observation, {off}, Matrix5d::Zero(), 1.0, 5, 0.0);
+  EXPECT_EQ(refined.placement.T_world_robot.y, off.y);
+  EXPECT_LT(refined.rating.log_likelihood, -1.0);
 }
 
 TEST(RobustLikelihood, HandWorkedExample) {

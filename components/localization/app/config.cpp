@@ -69,6 +69,7 @@ void readHealth(ConfigReader r, HealthParams& p) {
 void readRobust(ConfigReader r, RobustParams& p) {
   p.source = readSource(r, p.source);
   p.image_share = r.real("ImageShare", p.image_share, 0.0, 1.0);
+  p.memory_below_points = r.real("MemoryBelow_points", p.memory_below_points, 0.0, 1e6);
   p.image_range_m = r.real("ImageRange_m", p.image_range_m, 0.1, kFar);
   p.camera_sigma_rad = r.angleDeg("CameraSigma_deg", radToDeg(p.camera_sigma_rad), 0.0, 20.0);
   p.lean_bias_rad = r.angleDeg("LeanBias_deg", radToDeg(p.lean_bias_rad), 0.0, 20.0);

@@ -44,8 +44,7 @@ class ChapterStrategy : public RaceStrategy {
     race.P.topLeftCorner<3, 3>() = eliteCovariance(race);
   }
 
-  std::vector<Race> search(int explorers, const RaceTable& table, double,
-                           RandomEngine& engine) const override {
+  std::vector<Race> search(int explorers, const RaceTable& table, RandomEngine& engine) const override {
     std::vector<Individual> population;
     population.reserve(static_cast<std::size_t>(explorers));
     for (int i = 0; i < explorers; ++i) {
@@ -115,7 +114,10 @@ class ChapterStrategy : public RaceStrategy {
     return std::clamp(last + change, 0.0, 1.0);
   }
 
-  void forgetEvidence(RaceTable& table) const override {
+  /// The chapter's races live by what they see now.
+  void forgetPast(const RaceTable&) override {}
+
+  void forgetEvidence(RaceTable& table) override {
     for (Race& race : table.races()) race.victories = std::min(race.victories, 1);
   }
 

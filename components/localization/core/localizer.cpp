@@ -101,7 +101,7 @@ void Localizer::iterate(const MemoryUpdate& update) {
   const int explorers =
       explorerCount(params_.explorers, is_surprised ? *agreement : reliability_, iteration_);
   if (explorers > 0) {
-    for (Race& candidate : strategy_->search(explorers, table_, reliability_, engine_)) {
+    for (Race& candidate : strategy_->search(explorers, table_, engine_)) {
       table_.admit(std::move(candidate));
     }
   }
@@ -138,6 +138,7 @@ void Localizer::setPose(const Pose2& T_world_robot) {
       Eigen::Vector3d(kGivenStd_m * kGivenStd_m, kGivenStd_m * kGivenStd_m, kGivenStd_rad * kGivenStd_rad)
           .asDiagonal();
   table_.replaceAll(std::move(race));
+  strategy_->forgetPast(table_);
   table_.award(table_.winner()->id);
   table_.noteBest(table_.winner()->id);
   reliability_ = 1.0;
@@ -146,6 +147,7 @@ void Localizer::setPose(const Pose2& T_world_robot) {
 
 void Localizer::relocalize() {
   table_.clear();
+  strategy_->forgetPast(table_);
   reliability_ = 0.0;
   report();
 }

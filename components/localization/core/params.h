@@ -60,6 +60,8 @@ struct RobustParams {
   HealthSource source = HealthSource::kBoth;
   double image_share =
       0.85;  ///< of the effective points where both have some: what is seen now is not yet bent
+  /// The memory counts where the image is worth less than so many points, the more the less it is worth.
+  double memory_below_points = 6.0;
   double image_range_m = 4.0;        ///< floor points of the image further away than this are not used
   double camera_sigma_rad = 0.0035;  ///< of the camera's direction, each floor point by itself
   /// How far the camera may lean from where the kinematics put it, about the robot's x and y axes: for good
@@ -77,7 +79,7 @@ struct RobustParams {
   double unconfirmed_weight = 0.4;  ///< of elements not yet seen from a second viewpoint (M1)
   double effective_points = 30.0;   ///< the points of one observation are worth at most this many
   double points_per_metre = 5.0;    ///< what a metre of fresh, confirmed segment is worth
-  double sigma_m = 0.04;            ///< least standard deviation of a point across its line
+  double sigma_m = 0.03;            ///< least standard deviation of a point across its line
   double maximum_sigma_m = 0.25;
   double drift_sigma_mps = 0.01;       ///< growth of it with time unseen (odometry drift)
   double outlier_share = 0.05;         ///< eps of the bounded likelihood
@@ -98,9 +100,10 @@ struct RobustParams {
   /// Evidence is the mean of some 1 / (1 - forgetting) observations, of which this share is news: so many
   /// times it counts when shares of belief are made of it (but at least once).
   double news_share = 0.15;
-  double forgetting = 0.95;        ///< of evidence per iteration; 0: the last observation alone
-  double lead = 1.5;               ///< evidence [nats] by which a rival must lead to become the winner
-  double birth_penalty = 3.0;      ///< evidence [nats] a new race starts behind a reliable winner
+  double forgetting = 0.95;  ///< of evidence per iteration; 0: the last observation alone
+  /// Evidence [nats] by which a newcomer must lead to become the winner; one that lived long needs a third.
+  double lead = 3.0;
+  double birth_penalty = 3.0;      ///< evidence [nats] that a jump of the robot costs (PastObservations)
   double delete_behind = 12.0;     ///< evidence [nats] behind the best that ends a race
   double constructed_share = 0.5;  ///< of explorers placed by matching what is seen to the map
   double landmark_share = 0.7;     ///< of those: by landmarks, where any match; the rest by single segments

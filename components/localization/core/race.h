@@ -38,6 +38,8 @@ struct Race {
   Matrix5d P = Matrix5d::Zero();  ///< default mode: covariance of (x, y, theta, lean about y, lean about x)
   double evidence = 0.0;          ///< default mode [nats]
   double log_likelihood = 0.0;    ///< default mode: of the last observation [nats]
+  /// Default mode: of the observations kept in PastObservations, newest first; fewer where it is younger.
+  std::vector<double> past;
 };
 
 /// True if two poses count as one place: x, y and heading (on the circle) each within their limit.

@@ -25,8 +25,7 @@ class RaceStrategy {
   virtual void move(Race& race, const Pose2& T_before_now) const = 0;
   virtual void rate(Race& race) const = 0;
   /// L6: sends explorers out and founds races at the best places, best first.
-  virtual std::vector<Race> search(int explorers, const RaceTable& table, double reliability,
-                                   RandomEngine& engine) const = 0;
+  virtual std::vector<Race> search(int explorers, const RaceTable& table, RandomEngine& engine) const = 0;
   /// A rated race at a given place.
   virtual Race foundAt(const Pose2& T_world_robot, RandomEngine& engine) const = 0;
   /// Beyond L7's rule: a race that lost too much against the best.
@@ -43,7 +42,9 @@ class RaceStrategy {
   /// The reliability after this iteration, before any jump of the winner is accounted for.
   virtual double nextReliability(double last, const RaceTable& table) const = 0;
   /// The memory was set aside or the source jumped: what the races earned so far counts no more.
-  virtual void forgetEvidence(RaceTable& table) const = 0;
+  virtual void forgetEvidence(RaceTable& table) = 0;
+  /// Somebody said that the robot is at the table's only race, or (an empty table) that nobody knows where.
+  virtual void forgetPast(const RaceTable& table) = 0;
 };
 
 std::unique_ptr<RaceStrategy> makeChapterStrategy(const SegmentMap& map_edges, const LocalizerParams& params);

@@ -214,15 +214,23 @@ RobustObservation observe(const MemoryUpdate& update, const MapIndex& map, const
   }
   // A covered camera leaves all to the memory, an empty memory all to the image.
   if (!memory.points.empty() && !image.points.empty()) {
-    capPoints(memory, (1.0 - params.image_share) * params.effective_points);
-    capPoints(image, params.image_share * params.effective_points);
+    const double memory_share = (1.0 - params.image_share) * std::max(0.0, 1.0 - image.amount / (6.0));
+    if (memory_share > 0.0) {
+      capPoints(memory, memory_share * params.effective_points);
+      capPoints(image, (1.0 - memory_share) * params.effective_points);
+    } else {
+      memory.points.clear();
+      memory.remembered = 0;
+    }
   }
   RobustObservation all = std::move(memory);
-  if (all.segments.empty()) {
-    all.segments = std::move(image.segments);
-    all.segment_weight = image.segment_weight;
-  }
+  all.segments.insert(all.segments.end(), image.segments.begin(), image.segments.end());
+  all.segment_weight += image.segment_weight;
   all.points.insert(all.points.end(), image.points.begin(), image.points.end());
+  // A race has already been moved by what the memory holds; half as much of an image moves it better.
+  if (!image.points.empty()) {
+    all.memory_pull = std::max(0.0, 1.0 - 2.0 * image.amount / params.memory_below_points);
+  }
   // What the memory has of this image is no second observation for "is there enough to see".
   all.amount = std::max(all.amount, image.amount);
   return all;
@@ -233,6 +241,7 @@ RobustObservation thinned(const RobustObservation& observation, std::size_t poin
   if (stride <= 1) return observation;
   RobustObservation few;
   few.amount = observation.amount;
+  few.memory_pull = observation.memory_pull;
   for (std::size_t i = 0; i < observation.points.size(); i += stride) {
     few.remembered += i < observation.remembered ? 1 : 0;
     few.points.push_back(observation.points[i]);
@@ -400,8 +409,11 @@ RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& obse
   // One pass more than steps: the last one only takes the curvature at the result.
   for (int step = 0; step <= steps; ++step) {
     Rating* const rating = step == steps ? &result.rating : nullptr;
-    Curvature curve = curvature(remembered, at, share, blur_m, rating);
-    soften(curve);
+    Curvature curve;
+    if (observation.memory_pull > 0.0 || rating) {
+      curve = curvature(remembered, at, observation.memory_pull * share, blur_m, rating);
+      soften(curve);
+    }
     const Curvature seen = curvature(points.subspan(observation.remembered), at, share, blur_m, rating);
     curve.H += seen.H;
     curve.g += seen.g;

@@ -39,11 +39,12 @@ struct EvidenceSegment {
 struct RobustObservation {
   std::vector<EvidencePoint> points;      ///< those of the memory first
   std::size_t remembered = 0;             ///< how many they are
-  std::vector<EvidenceSegment> segments;  ///< of the memory; of the image where that is the only source
+  std::vector<EvidenceSegment> segments;  ///< of the memory and of the image
   /// Corners of remembered parallelograms in the robot's frame, counter-clockwise.
   std::vector<std::array<Eigen::Vector2d, 4>> parallelograms;
   double segment_weight = 0.0;  ///< sum over the segments
   double amount = 0.0;          ///< sum of the points' weights before the cap of `effective_points`
+  double memory_pull = 1.0;     ///< share of the remembered points' pull that moves a place
 };
 
 /// What the memory says, as weighted points (see RobustParams). Labels that the map does not have are left

@@ -9,6 +9,7 @@
 #include "localization/core/explorers.h"
 #include "localization/core/landmarks.h"
 #include "localization/core/negative_information.h"
+#include "localization/core/past_observations.h"
 #include "localization/core/race_strategy.h"
 #include "localization/core/robust_likelihood.h"
 
@@ -21,6 +22,9 @@ constexpr std::size_t kExplorerPoints = 64;
 /// Nobody knows a pose worse than this: keeps the covariance of an undetermined direction finite.
 constexpr double kLargestStd_m = 5.0;
 constexpr double kLargestStd_rad = 1.0;
+/// A race of so many iterations is hardly a newcomer any more, and needs this share of the lead.
+constexpr double kSettledAge = 20.0;
+constexpr double kOldLead = 0.33;
 constexpr double kLeastLean_rad = 1e-6;  // a lean that is taken as known
 /// Of a camera's lasting lean, per square root of an iteration: a quarter of a degree in ten minutes.
 constexpr double kLeanWalk_rad = 1e-4;
@@ -41,6 +45,7 @@ class RobustStrategy : public RaceStrategy {
         constructed_(map_),
         landmarks_(map_, {params.robust.corners, params.robust.doors, params.robust.parallelograms}),
         likelihood_(map_, params_.robust),
+        past_(likelihood_, params_.robust),
         negative_(map_, params_.robust, params_.opaque_labels),
         broad_prior_(broadPrior(params_.robust)) {}
 
@@ -54,7 +59,9 @@ class RobustStrategy : public RaceStrategy {
     observation_.points = std::move(all.points);
     observation_.remembered = all.remembered;
     few_ = thinned(observation_, kExplorerPoints);
-    return !observation_.points.empty();
+    if (observation_.points.empty()) return false;
+    past_.begin(observation_, update.snapshot->T_odom_robot);
+    return true;
   }
 
   void move(Race& race, const Pose2& T_before_now) const override {
@@ -75,8 +82,7 @@ class RobustStrategy : public RaceStrategy {
 
   void rate(Race& race) const override { rate(race, {race.T_world_robot, race.camera_lean}); }
 
-  std::vector<Race> search(int explorers, const RaceTable& table, double reliability,
-                           RandomEngine& engine) const override {
+  std::vector<Race> search(int explorers, const RaceTable& table, RandomEngine& engine) const override {
     std::vector<Individual> population = explore(explorers, engine);
     std::vector<Individual> best = bestPlaces(population, params_.robust.refined_explorers,
                                               params_.explorers.list_health, table.params());
@@ -86,7 +92,6 @@ class RobustStrategy : public RaceStrategy {
       one = {refined.placement.T_world_robot, refined.rating.explained};
     }
     std::vector<Race> races;
-    const Race* winner = table.winner();
     for (const Individual& place :
          bestPlaces(best, params_.explorers.candidates, params_.explorers.list_health, table.params())) {
       const Placement refined = likelihood_
@@ -94,11 +99,7 @@ class RobustStrategy : public RaceStrategy {
                                             params_.robust.refinement_steps, kRefinementBlur_m)
                                     .placement;
       races.push_back(foundAt(refined.T_world_robot, engine));
-      // A newcomer fits this moment by selection: it must show over time that it fits better than the winner.
-      if (winner) {
-        races.back().evidence =
-            std::min(races.back().evidence, winner->evidence - params_.robust.birth_penalty * reliability);
-      }
+      past_.earn(races.back(), table.races());
     }
     return races;
   }
@@ -140,18 +141,20 @@ class RobustStrategy : public RaceStrategy {
       rate(race, placement);
     }
     missWhatShouldBeSeen(race);
-    race.evidence = robust.forgetting * race.evidence + (1.0 - robust.forgetting) * race.log_likelihood;
+    race.evidence += past_.newest() * (race.log_likelihood - race.evidence);
+    past_.note(race);
   }
 
-  void choose(RaceTable& table, double reliability) const override {
+  void choose(RaceTable& table, double) const override {
     const Race* best = nullptr;
     for (const Race& race : table.races()) {
       if (!best || race.evidence > best->evidence) best = &race;
     }
     if (!best) return;
     const Race* winner = table.winner();
-    // Someone lost has little to defend.
-    const double lead = params_.robust.lead * (0.2 + 0.8 * reliability);
+    // Between races that have lived alike for long, less decides: a newcomer was chosen because it fits.
+    const double youth = std::exp(-best->age / kSettledAge);
+    const double lead = params_.robust.lead * (kOldLead + (1.0 - kOldLead) * youth);
     if (!winner || best->evidence > winner->evidence + lead) table.setWinner(best->id);
     table.noteBest(best->id);
     table.award(table.winner()->id);
@@ -193,7 +196,11 @@ class RobustStrategy : public RaceStrategy {
     return last + gain * (target - last);
   }
 
-  void forgetEvidence(RaceTable& table) const override {
+  void forgetPast(const RaceTable& table) override { past_.clear(!table.races().empty()); }
+
+  void forgetEvidence(RaceTable& table) override {
+    forgetPast(table);
+    for (Race& race : table.races()) race.past.clear();
     const double best = table.races().empty() ? 0.0 : bestEvidence(table);
     for (Race& race : table.races()) {
       race.evidence = best - std::min(1.0, best - race.evidence);
@@ -260,6 +267,7 @@ class RobustStrategy : public RaceStrategy {
   ConstructedExplorers constructed_;
   LandmarkExplorers landmarks_;
   RobustLikelihood likelihood_;
+  PastObservations past_;
   NegativeInformation negative_;
   Matrix5d broad_prior_;
   RobustObservation observation_;
