@@ -166,7 +166,7 @@ TEST_F(LocalizationProcessTest, FindsTheRobotAndTakesCommands) {
   estimate = localization.next(revision, 1000ms);
   ASSERT_TRUE(estimate && estimate->T_world_robot);
   EXPECT_EQ(*estimate->T_world_robot, elsewhere);
-  EXPECT_EQ(estimate->reliability, 1.0);
+  EXPECT_LT(estimate->reliability, 0.3) << "it sees that it is not there";
   EXPECT_TRUE(localization.relocalize().ok());
   estimate = localization.next(estimate->revision, 1000ms);
   ASSERT_TRUE(estimate);

@@ -269,6 +269,16 @@ TEST_P(InBothModes, SetPoseIsFollowedAndRelocalizeForgets) {
   EXPECT_EQ(localizer.latest().reliability, 0.0);
 }
 
+TEST(Localizer, APoseThatIsSetIsAsReliableAsWhatIsSeenLetsItBe) {
+  CorridorWorld world({}, 11);
+  Localizer localizer(paramsOf(LocalizationMode::kDefault), test::corridorMap(), 11);
+  for (int i = 0; i < 60; ++i) localizer.step(world.next());
+  localizer.setPose(world.truth());
+  EXPECT_GT(localizer.latest().reliability, 0.6);
+  localizer.setPose({3.0, 2.5, 1.0});  // inside the block
+  EXPECT_LT(localizer.latest().reliability, 0.3);
+}
+
 TEST(Localizer, AnUpdateIsNotUsedTwice) {
   CorridorWorld world({}, 12);
   Localizer localizer(paramsOf(LocalizationMode::kDefault), test::corridorMap(), 12);

@@ -141,7 +141,8 @@ void Localizer::setPose(const Pose2& T_world_robot) {
   strategy_->forgetPast(table_);
   table_.award(table_.winner()->id);
   table_.noteBest(table_.winner()->id);
-  reliability_ = 1.0;
+  // At the caller's word, unless what was seen last speaks against it.
+  reliability_ = strategy_->agreement(table_).value_or(1.0);
   report();
 }
 

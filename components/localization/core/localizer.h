@@ -32,8 +32,10 @@ class Localizer {
   /// happens otherwise: with RobustParams::rate_at_image_stamp off a late image counts as taken now.
   PoseEstimate step(const MemoryUpdate& update, const Pose2& T_odom_robot_now);
 
-  /// "The robot is here" (at the last update's stamp): this race alone, reliable. This and relocalize() make
-  /// a new estimate at the last stamp; before the first update latest() stays without a stamp.
+  /// "The robot is here" (at the last update's stamp): this race alone, as reliable as
+  /// what was seen last lets it be (default mode), at one's word where that is too little. This and
+  /// relocalize() make a new estimate at the last stamp; before the first update latest() stays without a
+  /// stamp.
   void setPose(const Pose2& T_world_robot);
   /// "Forget where you were": no race, explore everywhere.
   void relocalize();

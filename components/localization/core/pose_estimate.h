@@ -44,7 +44,7 @@ class LocalizationControl {
   /// The newest estimate with a revision above `after_revision`; waits at most `timeout`; empty if none came.
   virtual std::optional<PoseEstimate> next(std::uint64_t after_revision,
                                            std::chrono::milliseconds timeout) = 0;
-  /// "The robot is here": one race there, reliable.
+  /// "The robot is here": one race there, as reliable as what was seen last lets it be.
   virtual PortReply setPose(const Pose2& T_world_robot) = 0;
   /// "Forget where you were": no race, explore everywhere.
   virtual PortReply relocalize() = 0;

@@ -19,6 +19,9 @@ constexpr double kPiece_px = 6.0;
 constexpr int kMaximumPieces = 12;
 constexpr double kLongestPiece_m = 0.2;  // towards the horizon pixels stand for ever longer pieces of floor
 
+/// A remembered point lies so much worse than one that is seen now: odometry erred since.
+constexpr double kRememberedSigma = 4.0 / 3.0;
+
 constexpr double kMinimumLength_m = 0.05;  // a shorter remembered segment has no usable direction
 
 constexpr std::size_t kPreview = 4;  // every n-th point of an observation is a fair sample of all
@@ -108,14 +111,15 @@ RobustObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& 
     if (params.half_life_s > 0.0) weight *= std::exp2(-unseen_s / params.half_life_s);
     if (!segment.confirmed) weight *= params.unconfirmed_weight;
     const double drift = params.drift_sigma_mps * unseen_s;
-    const double base = params.sigma_m * params.sigma_m + drift * drift;
+    const double base = std::pow(kRememberedSigma * params.sigma_m, 2) + drift * drift;
     const Eigen::Vector2d along = (odom.b - odom.a).normalized();
     pieces.push_back({*robot, *label, weight, base + variancesAcross(segment.P_a, along),
                       base + variancesAcross(segment.P_b, along)});
     length += robot->length();
   }
   const double step = std::max(params.point_step_m, length / params.maximum_points);
-  const double largest_variance = params.maximum_sigma_m * params.maximum_sigma_m;
+  const double least_variance = std::pow(kRememberedSigma * params.sigma_m, 2);
+  const double largest_variance = std::max(least_variance, params.maximum_sigma_m * params.maximum_sigma_m);
   for (const Piece& piece : pieces) {
     const double piece_length = piece.robot.length();
     const int count = std::max(2, static_cast<int>(std::lround(piece_length / step)));
@@ -128,7 +132,7 @@ RobustObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& 
       point.direction_robot = direction;
       point.label = piece.label;
       const double variance = piece.variance_a + fraction * (piece.variance_b - piece.variance_a);
-      point.sigma_m = std::sqrt(std::clamp(variance, params.sigma_m * params.sigma_m, largest_variance));
+      point.sigma_m = std::sqrt(std::clamp(variance, least_variance, largest_variance));
       point.weight = weight / count;
       observation.points.push_back(point);
     }
