@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+#include <random>
+#include <vector>
+
+#include "active_visual_memory/core/drift_residuals.h"
 #include "active_visual_memory/core/floor_line.h"
 #include "active_visual_memory/core/floor_matching.h"
 #include "active_visual_memory/core/ground_projector.h"
@@ -119,6 +124,99 @@ TEST(CameraLean, WhatIsNotKnownOfTheLeanOpensTheGate) {
   first.D_a = again.D_a;
   first.D_b = again.D_b;
   EXPECT_GT(FloorLine(first, {}).disagreement(again, 0.0, P), 9.0);
+}
+
+/// What an image of a camera that leans shows of lines on the floor, with half a pixel of noise.
+std::vector<FloorSegment> seenLeaning(const std::vector<Segment3>& lines, const Pose3& T_robot_camera,
+                                      const Lean& lean, std::mt19937_64& random) {
+  const auto k = intrinsicsFromFieldOfView(320, 240, degToRad(60.0));
+  std::normal_distribution<double> noise(0.0, 0.5);
+  std::vector<ImageSegment> observed;
+  for (const Segment3& line : lines) {
+    auto px = projectSegment(k, leaned(T_robot_camera, lean), line);
+    if (!px) continue;
+    px->a += Eigen::Vector2d(noise(random), noise(random));
+    px->b += Eigen::Vector2d(noise(random), noise(random));
+    observed.push_back({*px, "edge", 40.0});
+  }
+  return GroundProjector({}).project(k, T_robot_camera, observed);
+}
+
+/// What a standing robot learns of its camera's pitch from 100 images in which its body sways.
+double pitchLearnt(const std::vector<Segment3>& lines, double true_pitch_rad) {
+  LeanParams params;
+  params.mount_rad = 0.0;
+  params.sway_rad = degToRad(1.0);
+  DriftAlignment alignment(params);
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> sway(0.0, degToRad(0.7));
+  const Pose3 T_robot_camera = cameraPose(mount(), 0.0, -0.3);
+  for (int i = 0; i < 100; ++i) {
+    const Lean really{sway(random), sway(random), true_pitch_rad, 0.0};
+    const Pose3 believed = leaned(T_robot_camera, alignment.lean());
+    auto floor = seenLeaning(lines, T_robot_camera, really, random);
+    // Placed again where the lean that is believed by now puts it.
+    const Eigen::Matrix3d R = believed.linear() * T_robot_camera.linear().transpose();
+    for (FloorSegment& s : floor) {
+      s.odom.a = turnedOnFloor(s.odom.a, believed.translation(), R);
+      s.odom.b = turnedOnFloor(s.odom.b, believed.translation(), R);
+    }
+    std::vector<DriftResidual> residuals;
+    addCourseResiduals(floor, LeaningView(believed, 0.0), Lean::Zero(), {}, residuals);
+    alignment.solve({0.0, 0.0}, residuals, {});
+  }
+  return alignment.lean()[2];
+}
+
+TEST(CameraLean, LinesThatConvergeTellOfIt) {
+  const double pitch = degToRad(0.5);
+  const std::vector<Segment3> corridor{{{1.0, 0.75, 0.0}, {3.5, 0.75, 0.0}},
+                                       {{3.0, -0.75, 0.0}, {1.2, -0.75, 0.0}}};
+  EXPECT_NEAR(pitchLearnt(corridor, pitch), pitch, degToRad(0.15));
+  EXPECT_NEAR(pitchLearnt(corridor, -pitch), -pitch, degToRad(0.15));
+  EXPECT_NEAR(pitchLearnt(corridor, 0.0), 0.0, degToRad(0.15));
+  // One line alone, or lines that were never meant to be parallel, tell nothing.
+  EXPECT_EQ(pitchLearnt({corridor[0]}, pitch), 0.0);
+  EXPECT_EQ(pitchLearnt({corridor[0], {{3.0, -0.7, 0.0}, {1.5, 0.3, 0.0}}}, pitch), 0.0);
+  // Nor do short ones, of which a circle is made.
+  EXPECT_EQ(pitchLearnt({{{1.0, 0.5, 0.0}, {1.3, 0.5, 0.0}}, {{1.0, -0.5, 0.0}, {1.3, -0.5, 0.0}}}, pitch),
+            0.0);
+}
+
+TEST(CameraLean, OnlyAPlaceOfRightAnglesHasACourse) {
+  const auto holds = [](const std::vector<double>& directions_deg) {
+    Rectilinearity place({});
+    for (const double d : directions_deg) place.add(degToRad(d), 1.0);
+    return place.holds();
+  };
+  EXPECT_TRUE(holds({30.0, 121.0, -61.0, 210.5, 29.0}));
+  EXPECT_TRUE(holds({44.0, -44.0, 45.5, -46.0})) << "across the seam";
+  EXPECT_TRUE(holds({0.0, 90.0, 1.0, 91.0, 40.0})) << "one that lies askew";
+  EXPECT_FALSE(holds({0.0, 90.0, 1.0})) << "too few";
+  EXPECT_FALSE(holds({0.0, 90.0, 1.0, 91.0, 40.0, 55.0}));
+  EXPECT_FALSE(holds({0.0, 15.0, 30.0, 45.0, 60.0, 75.0})) << "a round one";
+  Rectilinearity chords({});
+  for (int i = 0; i < 12; ++i) chords.add(0.0, 0.2);
+  EXPECT_FALSE(chords.holds());
+}
+
+TEST(CameraLean, AKnownSwayIsNoUncertaintyOfPlacesAnyMore) {
+  std::mt19937_64 random(1);
+  const auto floor = seenLeaning({{{2.5, 0.3, 0.0}, {2.7, -0.4, 0.0}}}, cameraPose(mount(), 0.2, -0.3),
+                                 Lean::Zero(), random);
+  ASSERT_EQ(floor.size(), 1u);
+  const FloorSegment& before = floor.front();
+  FloorSegment known = before;
+  knowSway(known, Eigen::Matrix2d::Zero(), 1.0);
+  EXPECT_EQ(known.pitch_sigma_rad, 0.0);
+  EXPECT_LT(known.P_a.trace(), 0.5 * before.P_a.trace());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(known.P_a).eigenvalues().minCoeff(), 0.0);
+  // A sway that nothing told of leaves about what there was.
+  FloorSegment unknown = before;
+  const double sway = 0.5 * before.pitch_sigma_rad;
+  knowSway(unknown, sway * sway * Eigen::Matrix2d::Identity(), sway);
+  EXPECT_NEAR(unknown.P_a.trace(), before.P_a.trace(), 0.1 * before.P_a.trace());
+  EXPECT_GT(unknown.pitch_sigma_rad, 0.0);
 }
 
 TEST(CameraLean, ExchangedEndsKeepTheirDerivatives) {

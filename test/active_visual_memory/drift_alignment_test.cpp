@@ -31,7 +31,7 @@ TEST(DriftAlignment, ARobotThatStandsDoesNotDrift) {
   std::mt19937_64 random(1);
   const SmallMotion drift{{0.0, 0.0}, {0.05, 0.02}, 0.03};
   EXPECT_FALSE(alignment.solve({0.0, 0.0}, wallsSeen(drift, 0.005, random), {}));
-  alignment.travel({0.0, 0.0, 0.0}, {});
+  alignment.travel({}, {}, {});
   EXPECT_FALSE(alignment.solve({0.0, 0.0}, wallsSeen(drift, 0.005, random), {}));
 }
 
@@ -39,7 +39,7 @@ TEST(DriftAlignment, FindsTheDriftOfARobotThatMoved) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
     DriftAlignment alignment;
-    alignment.travel({1.5, 0.3, 1.6}, {});
+    alignment.travel({}, {1.5, 0.3, 1.6}, {});
     const SmallMotion drift{{0.3, -0.2}, {0.03, -0.02}, -0.025};
     const auto found = alignment.solve({0.3, -0.2}, wallsSeen(drift, 0.005, random), {});
     ASSERT_TRUE(found);
@@ -53,7 +53,7 @@ TEST(DriftAlignment, IsNotLedAstrayByWhatMovedByItself) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
     DriftAlignment alignment;
-    alignment.travel({0.5, 0.0, 0.3}, {});
+    alignment.travel({}, {0.5, 0.0, 0.3}, {});
     const SmallMotion drift{{0.0, 0.0}, {0.008, 0.004}, 0.004};
     auto residuals = wallsSeen(drift, 0.005, random);
     // A third of what is seen stands elsewhere now.
@@ -68,12 +68,39 @@ TEST(DriftAlignment, IsNotLedAstrayByWhatMovedByItself) {
 TEST(DriftAlignment, BelievesNoMoreThanOdometryMayHaveDrifted) {
   // One wall tells nothing along itself, and a drift of half a metre after a centimetre is none.
   DriftAlignment alignment;
-  alignment.travel({0.01, 0.0, 0.0}, {});
+  alignment.travel({}, {0.01, 0.0, 0.0}, {});
   std::vector<DriftResidual> residuals{{{2.0, 0.0}, {1.0, 0.0}, 0.5, 1e-4}};
   const auto found = alignment.solve({0.0, 0.0}, residuals, {});
   ASSERT_TRUE(found);
   EXPECT_LT(found->motion.shift.norm(), 0.001);
   EXPECT_EQ(found->motion.shift.y(), 0.0);
+}
+
+TEST(DriftAlignment, LearnsADriftOfTheHeadingThatGoesOn) {
+  // A robot turns on itself and its odometry counts 3 % too little: its memory turns away, each image by as
+  // much.
+  for (const double share : {0.03, -0.02, 0.0}) {
+    std::mt19937_64 random(3);
+    std::normal_distribution<double> noise(0.0, 0.002);
+    DriftAlignment alignment;
+    Pose2 robot;
+    double behind = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      const Pose2 next = robot * Pose2{0.0, 0.0, 0.04};
+      const SmallMotion expected = alignment.travel(robot, next, {});
+      robot = next;
+      behind += share * 0.04 - expected.turn_rad;
+      const SmallMotion drift{{0.0, 0.0}, {0.0, 0.0}, behind + noise(random)};
+      const auto found = alignment.solve({0.0, 0.0}, wallsSeen(drift, 0.02, random), {});
+      ASSERT_TRUE(found);
+      behind -= found->motion.turn_rad;
+    }
+    EXPECT_NEAR(alignment.headingRates().x(), share, 0.006);
+    EXPECT_LT(std::abs(behind), 0.01);
+    alignment.reset();
+    EXPECT_NEAR(alignment.travel({}, {0.0, 0.0, 0.04}, {}).turn_rad, share * 0.04, 2.5e-4) << "it is kept";
+    EXPECT_NEAR(alignment.travel({}, {0.0, 0.0, -0.04}, {}).turn_rad, -share * 0.04, 2.5e-4);
+  }
 }
 
 TEST(ThinLines, TheFormulaIsThatOfABlurredBar) {

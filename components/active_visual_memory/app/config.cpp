@@ -90,6 +90,7 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   p.lean.mount_rad = r.angleDeg("Lean.Mount_deg", radToDeg(p.lean.mount_rad), 0.0, 10.0);
   p.lean.camera_rad = r.angleDeg("Lean.Camera_deg", radToDeg(p.lean.camera_rad), 0.0, 10.0);
   p.lean.sway_rad = r.angleDeg("Lean.Sway_deg", radToDeg(p.lean.sway_rad), 0.0, 10.0);
+  p.course.sigma_rad = r.angleDeg("Lean.Course_deg", radToDeg(p.course.sigma_rad), 0.0, 20.0);
   p.confirm_by_parallax = r.boolean("Confirm.ByParallax", p.confirm_by_parallax);
   p.parallax.least_height_m = r.real("Confirm.LeastHeight_m", p.parallax.least_height_m, 0.005, 2.0);
   p.parallax.min_baseline_m = r.real("Confirm.Baseline_m", p.parallax.min_baseline_m, 0.01, 10.0);

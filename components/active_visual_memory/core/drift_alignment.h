@@ -30,6 +30,7 @@ struct DriftResidual {
       LeanRow::Zero();  ///< how the lean moves the observed minus the remembered coordinate [m/rad]
   Eigen::RowVector2d d_sway =
       Eigen::RowVector2d::Zero();  ///< how a sway of this image moves the observed one
+  double d_course = 0.0;  ///< how it follows the course of this image's straight lines (addCourseResiduals)
 };
 
 /// What one image tells.
@@ -38,14 +39,16 @@ struct Correction {
   Lean lean = Lean::Zero();  ///< change of what is believed of the lean
   Eigen::Vector2d sway =
       Eigen::Vector2d::Zero();  ///< about the robot's x and y axes, in this image beside the lean
+  Eigen::Matrix2d P_sway = Eigen::Matrix2d::Zero();  ///< how well the sway is known [rad^2]
 };
 
 /// The drift of odometry relative to the memory as a small random motion about the robot: it grows while the
-/// robot moves and shrinks with what is seen. A robot that stands cannot drift. Beside it the lean of the
-/// camera, which stays, and its sway, which is another in each image; errors of drift and lean are known with
-/// their covariance. *Single-threaded value.* The memory follows the drift as one rigid whole, so that what
-/// was seen long ago stays right relative to the robot, and what comes into view again is met where it is
-/// expected.
+/// robot moves and shrinks with what is seen. A robot that stands cannot drift. What of the drift of the
+/// heading goes on in the same direction (wheels or legs that are not alike, a wrong base) is estimated and
+/// expected: else a robot that turns would always be behind. Beside it the lean of the camera, which stays,
+/// and its sway, which is another in each image; all errors are known with their covariance. *Single-threaded
+/// value.* The memory follows the drift as one rigid whole, so that what was seen long ago stays right
+/// relative to the robot, and what comes into view again is met where it is expected.
 class DriftAlignment {
  public:
   struct Params {
@@ -60,29 +63,40 @@ class DriftAlignment {
 
   DriftAlignment() = default;
   explicit DriftAlignment(const LeanParams& lean) : lean_params_(lean) {
-    P_.bottomRightCorner<4, 4>() = lean.prior();
+    P_.block<4, 4>(kLean, kLean) = lean.prior();
   }
 
-  /// The robot moved. @param moved T_before_now.
-  void travel(const Pose2& moved, const Params& params);
+  /// The robot moved. @param before, now T_odom_robot.
+  /// @return how the memory moves with it, as far as that was learnt.
+  SmallMotion travel(const Pose2& before, const Pose2& now, const Params& params);
 
   /// @return how memory and lean have to change to agree with the image; empty when nothing tells.
   std::optional<Correction> solve(const Eigen::Vector2d& robot, std::span<const DriftResidual> residuals,
                                   const Params& params);
 
   const Lean& lean() const { return lean_; }
-  LeanCovariance leanCovariance() const { return P_.bottomRightCorner<4, 4>(); }
+  LeanCovariance leanCovariance() const { return P_.block<4, 4>(kLean, kLean); }
+
+  /// Drift of the heading per radian turned and per metre driven that goes on [rad/rad, rad/m].
+  const Eigen::Vector2d& headingRates() const { return rates_; }
 
   /// Sigma of the drift across the view at a distance from the robot [m].
   double sigmaAt(double distance_m) const;
-  /// The memory begins anew. What is known of the lean stays.
+  /// The memory begins anew. What is known of the lean and of the odometry stays.
   void reset();
 
  private:
+  static constexpr int kTurn = 2;
+  static constexpr int kLean = 3;
+  static constexpr int kRates = 7;
+  static constexpr int kLasting = 9;  ///< what lasts from image to image; behind it the sway
+
   LeanParams lean_params_{0.0, 0.0, 0.0};
   Lean lean_ = Lean::Zero();
-  /// Of (shift x, shift y, turn) about the robot and the lean.
-  Eigen::Matrix<double, 7, 7> P_ = Eigen::Matrix<double, 7, 7>::Zero();
+  Eigen::Vector2d rates_ = Eigen::Vector2d::Zero();
+  bool moved_ = false;  ///< ever: the rates have their prior
+  /// Of (shift x, shift y, turn) about the robot, the lean and the rates.
+  Eigen::Matrix<double, kLasting, kLasting> P_ = Eigen::Matrix<double, kLasting, kLasting>::Zero();
 };
 
 }  // namespace vismem

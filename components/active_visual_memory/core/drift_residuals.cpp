@@ -2,10 +2,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "active_visual_memory/core/floor_matching.h"
+#include "common/geometry/angles.h"
 
 namespace vismem {
+namespace {
+
+/// Variance along a direction without the camera's pitch and roll: they are common to the whole image, and
+/// what is solved for is no noise.
+double ownVariance(const Eigen::Vector2d& direction, const Eigen::Matrix2d& P, const FloorLean& D,
+                   double pitch_sigma_rad) {
+  return std::max(
+      0.0, direction.dot(P * direction) -
+               pitch_sigma_rad * pitch_sigma_rad * (direction.transpose() * D.rightCols<2>()).squaredNorm());
+}
+
+/// Angle between two directions, modulo 90 degrees, in -45..45 degrees.
+double offCourse(double direction_rad, double course_rad) {
+  return 0.25 * wrapAngle(4.0 * (direction_rad - course_rad));
+}
+
+}  // namespace
 
 void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, const LeaningView& view,
                        double slack_m, double noise, double end_doubt, double max_end_shift_m,
@@ -16,11 +35,8 @@ void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, const L
   const FloorSegment observed = against ? reversed(piece) : piece;
   const double slack = slack_m * slack_m;
   const double end_noise = noise * end_doubt * end_doubt;
-  // The camera's pitch and roll are common to the whole image: what is solved for is no noise.
-  const double pitch = observed.pitch_sigma_rad * observed.pitch_sigma_rad;
   const auto variance = [&](const Eigen::Vector2d& direction, const Eigen::Matrix2d& P, const FloorLean& D) {
-    return std::max(
-        0.0, direction.dot(P * direction) - pitch * (direction.transpose() * D.rightCols<2>()).squaredNorm());
+    return ownVariance(direction, P, D, observed.pitch_sigma_rad);
   };
   const auto add = [&](const Eigen::Vector2d& at, const Eigen::Matrix2d& P, const FloorLean& D, bool open,
                        const ExtentEnd& known) {
@@ -37,6 +53,74 @@ void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, const L
   };
   add(observed.odom.a, observed.P_a, observed.D_a, observed.open_a, line.endA());
   add(observed.odom.b, observed.P_b, observed.D_b, observed.open_b, line.endB());
+}
+
+void Rectilinearity::add(double direction_rad, double length_m) {
+  if (length_m < params_.least_m) return;
+  const double course = offCourse(direction_rad, 0.0) / (0.5 * std::numbers::pi) + 0.5;  // 0..1
+  const int bin = std::clamp(static_cast<int>(course * kBins), 0, kBins - 1);
+  length_m_[bin] += length_m;
+  ++lines_[bin];
+  all_m_ += length_m;
+}
+
+bool Rectilinearity::holds() const {
+  const int reach = static_cast<int>(params_.together_rad / (0.5 * std::numbers::pi / kBins) + 0.5);
+  for (int middle = 0; middle < kBins; ++middle) {
+    double length_m = 0.0;
+    int lines = 0;
+    for (int i = middle - reach; i <= middle + reach; ++i) {
+      length_m += length_m_[(i + kBins) % kBins];
+      lines += lines_[(i + kBins) % kBins];
+    }
+    if (lines >= params_.least_lines && length_m >= params_.least_share * all_m_) return true;
+  }
+  return false;
+}
+
+void addCourseResiduals(const std::vector<FloorSegment>& floor, const LeaningView& view, const Lean& about,
+                        const CourseParams& params, std::vector<DriftResidual>& residuals) {
+  if (!(params.sigma_rad > 0.0)) return;
+  const auto tells = [&](const FloorSegment& s) {
+    const Eigen::Vector2d ray = (s.odom.middle() - view.camera.head<2>()).normalized();
+    const Eigen::Vector2d along = s.odom.b - s.odom.a;
+    const double length = along.norm();
+    return length >= params.least_m &&
+           std::abs(ray.x() * along.y() - ray.y() * along.x()) >= params.not_radial * length;
+  };
+  const auto leant = [&](const Eigen::Vector2d& p, const FloorLean& D) -> Eigen::Vector2d {
+    return p + view.derivativeAt(p + 0.5 * D * about) * about;
+  };
+  // The direction that most of them, by length, have in common.
+  const FloorSegment* course = nullptr;
+  double most = 0.0;
+  for (const FloorSegment& candidate : floor) {
+    if (!tells(candidate)) continue;
+    double votes = 0.0;
+    for (const FloorSegment& other : floor) {
+      if (&other == &candidate || !tells(other)) continue;
+      const double off = offCourse(other.odom.direction(), candidate.odom.direction());
+      if (std::abs(off) <= params.together_rad) votes += other.odom.length();
+    }
+    if (votes > most) most = votes, course = &candidate;
+  }
+  if (!course) return;
+  for (const FloorSegment& s : floor) {
+    if (!tells(s)) continue;
+    const double seen_off = offCourse(s.odom.direction(), course->odom.direction());
+    if (std::abs(seen_off) > params.together_rad) continue;
+    const Segment2 line{leant(s.odom.a, s.D_a), leant(s.odom.b, s.D_b)};
+    const double length = line.length();
+    const Eigen::Vector2d along = (line.b - line.a) / length;
+    const Eigen::Vector2d n{-along.y(), along.x()};
+    const double own =
+        (ownVariance(n, s.P_a, s.D_a, s.pitch_sigma_rad) + ownVariance(n, s.P_b, s.D_b, s.pitch_sigma_rad)) /
+        (length * length);
+    const LeanRow d = n.transpose() * (view.derivativeAt(line.b) - view.derivativeAt(line.a)) / length;
+    const double off = offCourse(line.direction(), course->odom.direction()) - d.dot(about);
+    residuals.push_back({s.odom.middle(), Eigen::Vector2d::Zero(), off,
+                         own + params.sigma_rad * params.sigma_rad, d, d.head<2>(), 1.0});
+  }
 }
 
 }  // namespace vismem

@@ -1,6 +1,7 @@
 /// @file In what an observed segment differs from the remembered line it belongs to. Pure. SPEC M6.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "active_visual_memory/core/drift_alignment.h"
@@ -16,5 +17,40 @@ namespace vismem {
 void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, const LeaningView& view,
                        double slack_m, double noise, double end_doubt, double max_end_shift_m,
                        std::vector<DriftResidual>& residuals);
+
+struct CourseParams {
+  /// Sigma of the angles between long straight lines that seem parallel or at right angles [rad]; 0: nothing
+  /// is taken to be.
+  double sigma_rad = 0.02;
+  double least_m = 0.5;       ///< shorter lines may be chords of a curve
+  double not_radial = 0.12;   ///< sine of the angle to the viewing ray, along which standing edges lie
+  double together_rad = 0.1;  ///< lines that vote for one course
+  int least_lines = 4;        ///< so many remembered ones ..
+  double least_share = 0.75;  ///< .. and of the length of all so much must have one course, for it to count
+};
+
+/// Do the long lines of a place have one course, modulo 90 degrees?
+class Rectilinearity {
+ public:
+  explicit Rectilinearity(const CourseParams& params) : params_(params) {}
+  void add(double direction_rad, double length_m);
+  bool holds() const;
+
+ private:
+  static constexpr int kBins = 30;  ///< of 3 degrees
+  CourseParams params_;
+  std::array<double, kBins> length_m_{};
+  std::array<int, kBins> lines_{};
+  double all_m_ = 0.0;
+};
+
+/// Adds what the directions of an image's long lines tell of lean and sway. What people build and paint is
+/// mostly parallel or at right angles (whether it is here is for the caller to know): lines that converge on
+/// the floor tell that the camera leans, also while the robot stands. Their course, modulo 90 degrees, is
+/// common to one image and solved for beside; where it is not held by two lines at least, nothing is added.
+/// @param about the lean, beside the one believed, that the derivatives are taken at: a line that is seen too
+/// far away turns too much with the lean, too, which would not average out.
+void addCourseResiduals(const std::vector<FloorSegment>& floor, const LeaningView& view, const Lean& about,
+                        const CourseParams& params, std::vector<DriftResidual>& residuals);
 
 }  // namespace vismem

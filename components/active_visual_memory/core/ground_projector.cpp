@@ -28,6 +28,17 @@ std::optional<std::pair<double, double>> clipToDisc(const Segment2& segment, con
 
 }  // namespace
 
+void knowSway(FloorSegment& segment, const Eigen::Matrix2d& P_sway, double sway_rad) {
+  const double known = std::min(sway_rad, segment.pitch_sigma_rad);
+  const auto replace = [&](Eigen::Matrix2d& P, const FloorLean& D) {
+    P += D.leftCols<2>() * P_sway * D.leftCols<2>().transpose() -
+         known * known * D.rightCols<2>() * D.rightCols<2>().transpose();
+  };
+  replace(segment.P_a, segment.D_a);
+  replace(segment.P_b, segment.D_b);
+  segment.pitch_sigma_rad = std::sqrt(segment.pitch_sigma_rad * segment.pitch_sigma_rad - known * known);
+}
+
 bool GroundProjector::nearBorder(const CameraIntrinsics& k, const Eigen::Vector2d& px_ideal) const {
   // The sensor's border is a rectangle in raw pixels, not in ideal ones.
   const Eigen::Vector2d raw = distortPixel(k, px_ideal);

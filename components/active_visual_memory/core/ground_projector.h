@@ -30,6 +30,10 @@ struct FloorSegment {
   int observed = -1;      ///< index of the image segment
 };
 
+/// The body's sway in this image was estimated: what its covariances contained of it, `sway_rad` and at most
+/// all of the camera's pitch, gives way to what is still unknown, `P_sway` (about the robot's x and y axes).
+void knowSway(FloorSegment& segment, const Eigen::Matrix2d& P_sway, double sway_rad);
+
 /// *Pure.* Invariant: every result lies within max_range_m of the point below the camera.
 class GroundProjector {
  public:

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "active_visual_memory/core/drift_residuals.h"
 #include "active_visual_memory/core/floor_matching.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
@@ -34,7 +33,7 @@ void SegmentMemory::travel(const Pose2& T_odom_robot) {
   if (last_pose_) {
     travel_m_ += (T_odom_robot.position() - last_pose_->position()).norm();
     turn_rad_ += std::abs(angleDifference(T_odom_robot.theta, last_pose_->theta));
-    if (params_.align) drift_.travel(inverse(*last_pose_) * T_odom_robot, params_.alignment);
+    if (params_.align) moveAll(drift_.travel(*last_pose_, T_odom_robot, params_.alignment));
   }
   last_pose_ = T_odom_robot;
 }
@@ -76,13 +75,26 @@ void SegmentMemory::alignTo(const std::vector<std::vector<const FloorSegment*>>&
                         params_.align_end_doubt, params_.max_end_shift_m, residuals);
     }
   }
-  const auto correction =
-      drift_.solve(view.observation.T_odom_robot.position(), residuals, params_.alignment);
+  const Eigen::Vector2d robot = view.observation.T_odom_robot.position();
+  const std::size_t matched = residuals.size();
+  if (params_.lean.enabled() && isRectilinear()) {
+    addCourseResiduals(floor, leaning, Lean::Zero(), params_.course, residuals);
+  }
+  if (residuals.size() > matched) {
+    // Once more, about where the first look at this image puts its lean.
+    DriftAlignment trial = drift_;
+    Lean about = Lean::Zero();
+    if (const auto first = trial.solve(robot, residuals, params_.alignment)) {
+      about = first->lean;
+      about.head<2>() += first->sway;
+    }
+    residuals.resize(matched);
+    addCourseResiduals(floor, leaning, about, params_.course, residuals);
+  }
+  const auto correction = drift_.solve(robot, residuals, params_.alignment);
   if (!correction) return;
+  moveAll(correction->motion);
   for (MemoryElement& element : elements_) {
-    element.line.move(correction->motion);
-    element.anchor_line.move(correction->motion);
-    element.anchor_camera = correction->motion.apply(element.anchor_camera);
     element.line.lean(correction->lean);
     element.anchor_line.lean(correction->lean);
     element.parallax.lean(correction->lean);
@@ -94,6 +106,7 @@ void SegmentMemory::alignTo(const std::vector<std::vector<const FloorSegment*>>&
       toPose3(view.observation.T_odom_robot) * leaned(view.observation.T_robot_camera, change);
   const Eigen::Matrix3d R = T_odom_camera.linear() * view.T_odom_camera.linear().transpose();
   for (FloorSegment& segment : floor) {
+    knowSway(segment, correction->P_sway, params_.lean.sway_rad);
     segment.odom.a = turnedOnFloor(segment.odom.a, T_odom_camera.translation(), R);
     segment.odom.b = turnedOnFloor(segment.odom.b, T_odom_camera.translation(), R);
   }

@@ -6,6 +6,7 @@
 
 #include "active_visual_memory/core/association.h"
 #include "active_visual_memory/core/drift_alignment.h"
+#include "active_visual_memory/core/drift_residuals.h"
 #include "active_visual_memory/core/floor_evidence.h"
 #include "active_visual_memory/core/floor_line.h"
 #include "active_visual_memory/core/ground_projector.h"
@@ -38,9 +39,9 @@ class SegmentMemory {
     double near_distance_m = 0.06;
     double far_distance_share = 0.02;  ///< added to near_distance_m per metre from the camera
     double max_gap_m = 0.06;           ///< between the extents of pieces of one line
-    double not_radial = 0.35;          ///< sine of the angle to the viewing ray that no vertical edge shows
-    double slack_m = 0.01;             ///< of a match on the floor, for what the covariances do not model
-    double slack_share = 0.008;        ///< added to slack_m per metre from the camera
+    double not_radial = 0.2;           ///< sine of the angle to the viewing ray that no vertical edge shows
+    double slack_m = 0.005;            ///< of a match on the floor, for what the covariances do not model
+    double slack_share = 0.003;        ///< added to slack_m per metre from the camera
     double gate_sigmas = 3.0;
     double drift_per_m = 0.01;     ///< odometry drift per metre travelled while an element was not seen
     double drift_per_rad = 0.003;  ///< heading drift per radian turned [rad]
@@ -51,6 +52,7 @@ class SegmentMemory {
     bool align = true;  ///< the whole memory follows the drift of odometry that the images show
     DriftAlignment::Params alignment;
     LeanParams lean;           ///< estimated with the drift
+    CourseParams course;       ///< of straight lines, which tell of the lean
     double align_doubt = 3.0;  ///< and times this for what is not known yet to rest on the floor
     /// Ends are found a pixel or so short, and always the same way: as independent errors they would make a
     /// camera that comes nearer seem to lean. Standard deviations times this.
@@ -109,6 +111,8 @@ class SegmentMemory {
   struct View;
   std::vector<int> cache(const Pose2& T_odom_robot) const;
   void travel(const Pose2& T_odom_robot);
+  void moveAll(const SmallMotion& motion);
+  bool isRectilinear() const;
   void alignTo(const std::vector<std::vector<const FloorSegment*>>& seen, const std::vector<int>& index_of,
                std::vector<FloorSegment>& floor, View& view);
   std::vector<Expectation> expect(const View& view, std::vector<int>& index_of) const;

@@ -1,4 +1,4 @@
-// What the memory does with its elements beside taking in images: joining, life, publishing.
+// What the memory does with its elements beside taking in images: moving, joining, life, publishing.
 #include <algorithm>
 #include <cmath>
 
@@ -6,6 +6,25 @@
 #include "active_visual_memory/core/segment_memory.h"
 
 namespace vismem {
+
+void SegmentMemory::moveAll(const SmallMotion& motion) {
+  if (motion.turn_rad == 0.0 && motion.shift.isZero()) return;
+  for (MemoryElement& element : elements_) {
+    element.line.move(motion);
+    element.anchor_line.move(motion);
+    element.anchor_camera = motion.apply(element.anchor_camera);
+  }
+}
+
+bool SegmentMemory::isRectilinear() const {
+  Rectilinearity place(params_.course);
+  for (const MemoryElement& element : elements_) {
+    if (!onTrial(element) && !element.stands && element.not_vertical) {
+      place.add(element.line.direction(), element.line.length());
+    }
+  }
+  return place.holds();
+}
 
 void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
   std::vector<std::uint64_t> absorbed;

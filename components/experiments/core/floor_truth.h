@@ -45,7 +45,8 @@ struct FloorTruthParams {
   double border_px = 2.0;        ///< nearer to the image's border nothing counts as shown
   double curve_piece_m = 0.10;   ///< longer pieces of the map are no part of a curve ..
   double curve_turn_rad = 0.35;  ///< .. nor are those that meet at a larger angle ..
-  double touching_m = 2e-3;      ///< .. nor those whose ends are further apart than this
+  double touching_m = 1e-2;      ///< .. nor those whose ends are further apart than this (a wide line's
+                                 ///< outer rim gapes between its chords)
   int curve_pieces = 8;          ///< of fewer pieces there is no curve
 };
 
