@@ -210,6 +210,36 @@ TEST(RobustLikelihood, PointsOfAnotherDirectionDoNotMatch) {
   EXPECT_LT(likelihood.rate(observation, {}).explained, 0.01);
 }
 
+/// 40 points along both walls, seen from (1, 1): a search's rating is the whole one at places that are worth
+/// it, and 0 at hopeless ones.
+TEST(RobustLikelihood, ASearchRatesGoodPlacesInFullAndDropsHopelessOnes) {
+  const MapIndex map = cornerMap();
+  const RobustParams params;
+  const RobustLikelihood likelihood(map, params);
+  RobustObservation observation;
+  for (int i = 0; i < 20; ++i) {
+    observation.points.push_back({{0.1 * i - 0.5, -1.0}, 0.0, 0, 0.06, 1.0});
+    observation.points.push_back({{-1.0, 0.1 * i - 0.5}, degToRad(90), 0, 0.06, 0.5});
+  }
+  constexpr double kBlur_m = 0.15;
+  constexpr double kLeast = 0.3;
+  int good = 0;
+  for (double x = 0.0; x <= 3.0; x += 0.25) {
+    for (double theta = -3.0; theta <= 3.0; theta += 0.2) {
+      const Pose2 pose{x, 1.0, theta};
+      const double whole = likelihood.rate(observation, {pose}, kBlur_m).explained;
+      const double quick = likelihood.explained(observation, pose, kBlur_m, kLeast);
+      if (quick > 0.0 || whole >= 2.0 * kLeast) {
+        EXPECT_NEAR(quick, whole, 1e-12) << x << " " << theta;
+      }
+      good += whole >= 2.0 * kLeast ? 1 : 0;
+    }
+  }
+  EXPECT_GT(good, 0);
+  EXPECT_EQ(likelihood.explained(observation, {500.0, 500.0, 0.0}, kBlur_m, kLeast), 0.0);
+  EXPECT_EQ(likelihood.explained({}, {1.0, 1.0, 0.0}, kBlur_m, kLeast), 0.0);
+}
+
 TEST(RobustLikelihood, RefinementFindsThePlaceInSpiteOfFalseSegments) {
   const MapIndex map = cornerMap();
   const RobustParams params;

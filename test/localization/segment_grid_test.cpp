@@ -59,6 +59,40 @@ TEST_P(SegmentGrids, FindWhatASearchOverAllFinds) {
   }
 }
 
+/// Large enough that fetching does something, and its points lie everywhere, on no block too.
+TEST(SegmentGrid, FetchingChangesNoAnswer) {
+  const auto items = randomItems(9, 5000, 120.0);
+  const SegmentGrid grid(items, 1.0, 0.5);
+  RandomEngine engine(19);
+  std::vector<Eigen::Vector2d> points{{std::nan(""), 0.0}, {1e9, -1e9}};
+  for (int i = 0; i < 100; ++i) points.emplace_back(uniform(engine, -40, 160), uniform(engine, -40, 160));
+  const auto answers = [&] {
+    std::vector<double> squares;
+    for (const Eigen::Vector2d& p : points) squares.push_back(grid.nearestSquare(1, 2, p));
+    return squares;
+  };
+  const auto before = answers();
+  grid.fetch(points);
+  EXPECT_EQ(answers(), before);
+  int found = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    double nearest = 1.0;
+    for (const auto& item : items) {
+      if (item.label != 1 || ((item.bins >> 2) & 1) == 0) continue;
+      const double distance = distanceToSegment(points[i], item.plan);
+      if (distance < nearest) nearest = distance;
+    }
+    EXPECT_NEAR(before[i], nearest * nearest, 1e-9);
+    found += nearest < 1.0 ? 1 : 0;
+  }
+  EXPECT_GT(found, 10);
+}
+
+TEST(SegmentGrid, RefusesMoreThanABlockCanNumber) {
+  const std::vector<SegmentGrid::Item> many(65537, {{{0, 0}, {1, 0}}, 0, 1, 0});
+  EXPECT_THROW(SegmentGrid(many, 1.0, 0.5), ConfigError);
+}
+
 TEST(SegmentGrid, IsEmptyWithoutItemsAndForNoNumber) {
   const SegmentGrid nothing({}, 1.0, 0.5);
   EXPECT_FALSE(nothing.nearest(0, 0, {0, 0}));
