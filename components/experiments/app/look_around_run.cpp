@@ -29,12 +29,26 @@ nlohmann::json leanOf(const AttentiveVisualMemory& memory) {
   return json;
 }
 
+/// The stretches of an edge that were visible, from its beginning [m]: "0.00-0.42 0.78-2.00".
+std::string seenOf(const TrueEdge& edge) {
+  std::string told;
+  const auto& samples = edge.samples;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!samples[i].seen) continue;
+    const bool begins = i == 0 || !samples[i - 1].seen;
+    const bool ends = i + 1 == samples.size() || !samples[i + 1].seen;
+    if (begins) told += text("%s%.2f-", told.empty() ? "" : " ", samples[i].along_m);
+    if (ends) told += text("%.2f", samples[i].along_m);
+  }
+  return told;
+}
+
 }  // namespace
 
 JudgementFiles::JudgementFiles(const std::filesystem::path& folder)
     : elements_(folder / "elements.csv", "variant,after,id,x1_m,y1_m,x2_m,y2_m,label,verdict,true_edge"),
       edges_(folder / "edges.csv",
-             "variant,after,edge,x1_m,y1_m,x2_m,y2_m,label,curve,longest_view_px,state") {}
+             "variant,after,edge,x1_m,y1_m,x2_m,y2_m,label,curve,longest_view_px,state,seen_m") {}
 
 void JudgementFiles::add(const std::string& variant, const std::string& after, const MemoryScore& score,
                          const std::vector<RememberedEdge>& memory, const std::vector<TrueEdge>& edges) {
@@ -55,11 +69,12 @@ void JudgementFiles::add(const std::string& variant, const std::string& after, c
     const bool missed = std::count(score.missed.begin(), score.missed.end(), static_cast<int>(i)) > 0;
     const Eigen::Vector2d a = edge.pieces.front().a;
     const Eigen::Vector2d b = edge.pieces.back().b;
-    edges_.row(text("%s,%s,%zu,%.3f,%.3f,%.3f,%.3f,%s,%d,%.1f,%s", variant.c_str(), after.c_str(), i, a.x(),
+    edges_.row(text("%s,%s,%zu,%.3f,%.3f,%.3f,%.3f,%s,%d,%.1f,%s,%s", variant.c_str(), after.c_str(), i, a.x(),
                     a.y(), b.x(), b.y(), edge.label.c_str(), edge.curve ? 1 : 0, edge.longest_view_px,
                     !edge.shown_in_full ? "not shown in full"
                     : missed            ? "missed"
-                                        : "found"));
+                                        : "found",
+                    seenOf(edge).c_str()));
   }
 }
 
