@@ -45,6 +45,25 @@ TEST(FloorEvidence, TellsBareFromCoveredFromStillThere) {
   EXPECT_EQ(FloorEvidence(edgeImage(), camera(), {}).look(kEdge, *sides), PlaceShows::kSomething);
 }
 
+TEST(FloorEvidence, TellsAHiddenEndFromACorner) {
+  // A robot stands where the edge ends: it covers both of its sides.
+  cv::Mat hidden = edgeImage();
+  hidden(cv::Rect(200, 60, 60, 150)).setTo(cv::Scalar(kRobot[0], kRobot[1], kRobot[2]));
+  const Segment2 up_to_robot{{60, 119.5}, {198, 119.5}};
+  EXPECT_TRUE(FloorEvidence(hidden, camera(), {}).isHiddenBeyond(up_to_robot, true));
+  EXPECT_FALSE(FloorEvidence(hidden, camera(), {}).isHiddenBeyond(up_to_robot, false));
+  // The paint ends: beyond its corner is grass, as on its other side.
+  cv::Mat corner = edgeImage();
+  corner(cv::Rect(200, 0, 120, 120)).setTo(cv::Scalar(kGrass[0], kGrass[1], kGrass[2]));
+  EXPECT_FALSE(FloorEvidence(corner, camera(), {}).isHiddenBeyond(up_to_robot, true));
+  // A thing that begins at the edge and stands on its far side hides nothing of it.
+  cv::Mat behind = edgeImage();
+  behind(cv::Rect(200, 0, 60, 120)).setTo(cv::Scalar(kRobot[0], kRobot[1], kRobot[2]));
+  EXPECT_FALSE(FloorEvidence(behind, camera(), {}).isHiddenBeyond(up_to_robot, true));
+  EXPECT_FALSE(FloorEvidence(edgeImage(), camera(), {}).isHiddenBeyond({{60, 119.5}, {318, 119.5}}, true))
+      << "nothing is seen beyond the image";
+}
+
 TEST(FloorEvidence, ABlackImageProvesNothingGone) {
   const auto sides = FloorEvidence(edgeImage(), camera(), {}).sides(kEdge);
   EXPECT_EQ(FloorEvidence(uniform({0, 0, 0}), camera(), {}).look(kEdge, *sides), PlaceShows::kSomething);

@@ -42,6 +42,25 @@ TEST(GroundProjector, EndsAtTheImageBorderAreOpen) {
   EXPECT_FALSE(floor[0].open_b);
 }
 
+TEST(GroundProjector, MovesEndsToWhereTheyAreButForThoseAtTheBorder) {
+  const Segment3 truth{{1.0, 0.3, 0.0}, {1.4, -0.2, 0.0}};
+  ImageSegment found = imageOf(truth, pose());
+  const Eigen::Vector2d along = (found.px.b - found.px.a).normalized();
+  found.px = {found.px.a + 0.8 * along, found.px.b - 0.8 * along};
+  GroundProjector::Params params;
+  params.end_short_px = 0.8;
+  const auto floor = GroundProjector(params).project(camera(), pose(), {found});
+  ASSERT_EQ(floor.size(), 1u);
+  EXPECT_NEAR((floor[0].odom.a - truth.a.head<2>()).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((floor[0].odom.b - truth.b.head<2>()).norm(), 0.0, 1e-9);
+  // What the border cut ends nowhere near.
+  const ImageSegment cut = imageOf({{1.0, 5.0, 0.0}, {1.0, -0.2, 0.0}}, pose());
+  const auto plain = GroundProjector({}).project(camera(), pose(), {cut});
+  const auto moved = GroundProjector(params).project(camera(), pose(), {cut});
+  ASSERT_EQ(moved.size(), 1u);
+  EXPECT_NEAR((moved[0].odom.a - plain[0].odom.a).norm(), 0.0, 1e-9);
+}
+
 TEST(GroundProjector, CutsAtTheMaximumRange) {
   const Segment3 away{{1.0, 0.0, 0.0}, {9.0, 0.0, 0.0}};
   GroundProjector::Params params;

@@ -85,6 +85,68 @@ TEST(ShapeEdges, CutASideThatRanIntoAnEdgeInItsLine) {
   }
 }
 
+TEST(ShapeEdges, CutASideThatTheEdgeInItsLineMadeWeak) {
+  const Published published = complete({seen(1, {{0.0, 0.0}, {1.3, 0.0}}, false, 45.0), seen(2, kUpper)});
+  EXPECT_NEAR(published.segments.front().odom.length(), 1.0, 0.005);
+}
+
+TEST(ShapeEdges, CutASideOfALineWhoseSidesAreOneFromAfar) {
+  const Published published = complete({seen(1, {{0.0, 0.04}, {1.3, 0.04}}), seen(2, kUpper)});
+  EXPECT_NEAR(published.segments.front().odom.length(), 1.0, 0.005);
+}
+
+TEST(ShapeEdges, TurnAnEndThatWasSeenSquareToItsLine) {
+  // 5 cm long, and 10 degrees askew; in its middle 1 cm behind the ends of the sides.
+  const Eigen::Vector2d middle{1.01, 0.025};
+  const Eigen::Vector2d half = 0.025 * Eigen::Vector2d(std::sin(degToRad(10.0)), std::cos(degToRad(10.0)));
+  const Published published =
+      complete({seen(1, kLower), seen(2, kUpper), seen(3, {middle - half, middle + half})});
+  ASSERT_EQ(published.segments.size(), 4U) << "only the left end is added";
+  const Segment2 end = published.segments[2].odom.floor();
+  EXPECT_EQ(published.segments[2].id, 3U);
+  EXPECT_NEAR((end.a - Eigen::Vector2d(1.01, 0.0)).norm(), 0.0, 0.003);
+  EXPECT_NEAR((end.b - Eigen::Vector2d(1.01, 0.05)).norm(), 0.0, 0.003);
+}
+
+TEST(ShapeEdges, LetEndsThatMeetBeWhereTheirLinesCross) {
+  // Two sides of a bright square whose corner is (1, 0): one stops 3 cm short of it, one goes on by 2 cm.
+  const Segment2 bottom{{0.0, 0.0}, {0.97, 0.0}};
+  const Segment2 right{{1.0, -0.02}, {1.0, 0.8}};
+  const auto corner = [](const MemorySegment& segment, bool at_b) {
+    return Eigen::Vector2d((at_b ? segment.odom.b : segment.odom.a).head<2>());
+  };
+  const Published met = complete({seen(1, bottom), seen(2, right)});
+  EXPECT_NEAR((corner(met.segments[0], true) - Eigen::Vector2d(1.0, 0.0)).norm(), 0.0, 1e-6);
+  EXPECT_NEAR((corner(met.segments[1], false) - Eigen::Vector2d(1.0, 0.0)).norm(), 0.0, 1e-6);
+  EXPECT_NEAR(corner(met.segments[0], false).norm(), 0.0, 1e-6) << "the other end stays";
+  // What is hidden or cut meets nothing, nor what is too far away, nor two edges of different surfaces.
+  EXPECT_NEAR(corner(complete({seen(1, bottom, true), seen(2, right)}).segments[0], true).x(), 0.97, 1e-6);
+  EXPECT_NEAR(corner(complete({seen(1, bottom), seen(2, {{1.2, 0.0}, {1.2, 0.8}})}).segments[0], true).x(),
+              0.97, 1e-6);
+  EXPECT_NEAR(corner(complete({seen(1, bottom), seen(2, {right.b, right.a})}).segments[0], true).x(), 0.97,
+              1e-6);
+}
+
+TEST(ShapeEdges, ConfirmNoFarSideOfTheShadowAlongABox) {
+  const Eigen::Vector3d floor(43, 50, 45);
+  const Eigen::Vector3d green(18, 91, 33);
+  // A strip 12 cm wide, darker than both: the foot's brighter side is the box.
+  MemoryElement foot = seen(1, {{0.0, 0.12}, {0.5, 0.12}}, false, 24.0);
+  MemoryElement far_side = seen(2, {{0.5, 0.0}, {0.0, 0.0}}, false, 10.0);
+  foot.colours = SideColours{green, floor};
+  far_side.colours = SideColours{floor, green};
+  const auto confirmed = [](const Published& p) {
+    return std::pair(p.segments[0].confirmed, p.segments[1].confirmed);
+  };
+  EXPECT_EQ(confirmed(complete({foot, far_side})), std::pair(true, false));
+  // A dark line of paint has one floor on both sides, and sides as strong.
+  foot.colours = SideColours{floor, green};
+  EXPECT_EQ(confirmed(complete({foot, far_side})), std::pair(true, true));
+  foot.colours = SideColours{green, floor};
+  far_side.strength = 24.0;
+  EXPECT_EQ(confirmed(complete({foot, far_side})), std::pair(true, true));
+}
+
 TEST(ShapeEdges, DoNotCutWhereTheOtherSideGoesOnOrALineBranchesOff) {
   const Segment2 over{{0.0, 0.0}, {1.5, 0.0}};
   const auto length = [](const Published& p) { return p.segments.front().odom.length(); };
@@ -130,6 +192,30 @@ TEST(ShapeEdges, TellACircleInRegularChords) {
   }
   EXPECT_GT(covered, 0.9 * 2.0 * std::numbers::pi * 0.5);
   EXPECT_EQ(published.primitives[0].segments.size(), published.segments.size());
+}
+
+TEST(ShapeEdges, TellARimWhereOnlyTheOtherOneWasSeen) {
+  // The outer rim all around, half of the inner one.
+  std::vector<MemoryElement> elements;
+  Primitive circle;
+  circle.id = 7;
+  circle.kind = PrimitiveKind::kCircle;
+  circle.radius_m = 0.5;
+  circle.width_m = 0.05;
+  const auto add = [&](int i, double radius, double direction) {
+    const double angle = 2.0 * std::numbers::pi * i / 10;
+    const Eigen::Vector2d middle = radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    const Eigen::Vector2d half = direction * 0.16 * Eigen::Vector2d(-std::sin(angle), std::cos(angle));
+    elements.push_back(seen(elements.size() + 1, {middle - half, middle + half}));
+    circle.segments.push_back(elements.back().value.id);
+  };
+  for (int i = 0; i < 10; ++i) add(i, 0.52, 1.0);
+  for (int i = 0; i < 5; ++i) add(i, 0.47, -1.0);
+  double inner = 0.0;
+  for (const MemorySegment& segment : complete(elements, {circle}).segments) {
+    if (segment.odom.floor().middle().norm() < 0.5) inner += segment.odom.length();
+  }
+  EXPECT_GT(inner, 0.9 * 2.0 * std::numbers::pi * 0.475);
 }
 
 TEST(ShapeEdges, KeepTheIdOfAnEdge) {

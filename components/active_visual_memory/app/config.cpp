@@ -39,6 +39,7 @@ void readGround(ConfigReader r, GroundProjector::Params& p) {
   p.max_range_m = r.real("MaximumRange_m", p.max_range_m, 0.2, 50.0);
   p.horizon_margin_px = r.real("HorizonMargin_px", p.horizon_margin_px, 0.1, 500.0);
   p.border_margin_px = r.real("BorderMargin_px", p.border_margin_px, 0.0, 100.0);
+  p.end_short_px = r.real("EndShort_px", p.end_short_px, 0.0, 5.0);
   p.min_length_m = r.real("MinimumLength_m", p.min_length_m, 0.001, 5.0);
   std::istringstream labels(r.text("OffFloorLabels", ""));
   for (Label label; labels >> label;) p.off_floor_labels.push_back(label);

@@ -1,5 +1,6 @@
 #include "active_visual_memory/core/floor_evidence.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace vismem {
@@ -64,6 +65,38 @@ std::optional<SideColours> FloorEvidence::sides(const Segment2& px) const {
   sides.left /= count;
   sides.right /= count;
   return sides;
+}
+
+std::optional<Eigen::Vector3d> FloorEvidence::patchAt(const Eigen::Vector2d& px,
+                                                      const Eigen::Vector2d& along) const {
+  const Eigen::Vector2d normal{-along.y(), along.x()};
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const double forward : {-2.0, 0.0, 2.0}) {
+    for (const double sideways : {-1.0, 0.0, 1.0}) {
+      const auto colour = colourAt(px + forward * along + sideways * normal);
+      if (!colour) return std::nullopt;
+      sum += *colour;
+    }
+  }
+  return Eigen::Vector3d(sum / 9.0);
+}
+
+bool FloorEvidence::isHiddenBeyond(const Segment2& px, bool at_b) const {
+  if (image_.empty()) return false;
+  const Eigen::Vector2d end = at_b ? px.b : px.a;
+  const Eigen::Vector2d outward = (at_b ? px.b - px.a : px.a - px.b).normalized();
+  const Eigen::Vector2d aside = params_.beside_px * Eigen::Vector2d(-outward.y(), outward.x());
+  const double inward = std::min(params_.beyond_px, 0.5 * px.length());
+  const auto here_left = patchAt(end - inward * outward + aside, outward);
+  const auto here_right = patchAt(end - inward * outward - aside, outward);
+  const auto there_left = patchAt(end + params_.beyond_px * outward + aside, outward);
+  const auto there_right = patchAt(end + params_.beyond_px * outward - aside, outward);
+  if (!here_left || !here_right || !there_left || !there_right) return false;
+  const auto isNew = [&](const Eigen::Vector3d& colour) {
+    return difference(colour, *here_left) > params_.max_difference &&
+           difference(colour, *here_right) > params_.max_difference;
+  };
+  return isNew(*there_left) && isNew(*there_right);
 }
 
 PlaceShows FloorEvidence::look(const Segment2& px, const SideColours& remembered) const {

@@ -33,12 +33,20 @@ class FloorEvidence {
     double max_contrast_share = 0.35;  ///< of the contrast the segment used to have
     double max_difference = 22.0;      ///< grey levels per channel to the remembered colour of a side
     double bare_share = 0.8;           ///< of the samples
+    // What hides the rest of an edge is another thing on both its sides.
+    double beyond_px = 6.0;  ///< how far behind an end is looked, +- 2 px; detectors stop short
+    double beside_px = 3.0;  ///< and how far beside it, +- 1 px
   };
 
   FloorEvidence(const cv::Mat& image, const CameraIntrinsics& intrinsics, const Params& params);
 
   /// @return empty without an image or with too few samples inside it.
   std::optional<SideColours> sides(const Segment2& px_ideal) const;
+  /// Does the edge end because something stands before it? Then what lies beyond its end looks like neither
+  /// of its sides, to the left and to the right of its line. Beyond a corner or the end of a painted line at
+  /// least one of its sides goes on.
+  /// @param at_b which end. @return false also when the image does not tell.
+  bool isHiddenBeyond(const Segment2& px_ideal, bool at_b) const;
   PlaceShows look(const Segment2& px_ideal, const SideColours& remembered) const;
 
  private:
@@ -48,6 +56,7 @@ class FloorEvidence {
     Eigen::Vector3d right;
   };
   std::optional<Eigen::Vector3d> colourAt(const Eigen::Vector2d& px_ideal) const;
+  std::optional<Eigen::Vector3d> patchAt(const Eigen::Vector2d& px_ideal, const Eigen::Vector2d& along) const;
   std::optional<Profile> profileAt(const Segment2& px_ideal, double fraction) const;
 
   cv::Mat image_;

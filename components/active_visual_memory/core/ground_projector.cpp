@@ -87,6 +87,9 @@ std::optional<FloorSegment> GroundProjector::place(const CameraIntrinsics& k, co
   FloorSegment floor;
   floor.open_a = nearBorder(k, px.a);
   floor.open_b = nearBorder(k, px.b);
+  const Eigen::Vector2d short_px = params_.end_short_px * (px.b - px.a).normalized();
+  if (!floor.open_a) px.a -= short_px;
+  if (!floor.open_b) px.b += short_px;
 
   // Keep the part that lies clearly below the horizon.
   const HorizonLine horizon = horizonLine(k, T_odom_camera);

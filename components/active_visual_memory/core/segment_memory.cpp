@@ -239,7 +239,9 @@ void SegmentMemory::take(MemoryElement& element, const FloorSegment& seen, const
   } else {
     element.line.fuse(observed, params_.line);
   }
-  element.strength += 0.2 * (observed.strength - element.strength);
+  // A short piece tells little of the whole: it may be another edge in its line.
+  const double part = std::min(1.0, observed.odom.length() / std::max(1e-6, element.line.length()));
+  element.strength += 0.2 * part * (observed.strength - element.strength);
   vote(element, observed.label, (observed.odom.middle() - view.camera).norm());
   // Several pieces in one image are one sighting.
   if (element.value.last_seen_us != view.observation.frame.stamp_us) ++element.sightings;
@@ -399,6 +401,12 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
             turn_rate_radps,
             {observation.frame.image, observation.frame.intrinsics, params_.evidence}};
 
+  // An end that something hides is no end.
+  for (FloorSegment& segment : floor) {
+    const Segment2& px = observed[static_cast<std::size_t>(segment.observed)].px;
+    segment.open_a = segment.open_a || view.evidence.isHiddenBeyond(px, false);
+    segment.open_b = segment.open_b || view.evidence.isHiddenBeyond(px, true);
+  }
   std::vector<const FloorSegment*> floor_of(observed.size(), nullptr);
   for (const FloorSegment& segment : floor) floor_of[segment.observed] = &segment;
 

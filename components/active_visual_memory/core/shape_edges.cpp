@@ -72,6 +72,7 @@ std::optional<LineEnd> endBetween(const Side& one, const Side& other, const Shap
 struct Surroundings {
   bool is_end = true;                   ///< no junction, no gap, not known better already
   std::vector<std::uint64_t> replaced;  ///< what is the end itself, badly seen
+  std::optional<std::uint64_t> itself;  ///< what is the end itself, well seen
 };
 
 Surroundings lookAround(const LineEnd& end, const Side& one, const Side& other,
@@ -90,8 +91,11 @@ Surroundings lookAround(const LineEnd& end, const Side& one, const Side& other,
       if (distance > params.neighbour_m) continue;
       if (floor.length() <= 1.8 * width + 0.04 && !segment.confirmed) {
         found.replaced.push_back(segment.id);
+      } else if (floor.length() <= 1.8 * width + 0.04 && !found.itself &&
+                 (floor.b - floor.a).dot(end.edge.b - end.edge.a) > 0.0) {
+        found.itself = segment.id;
       } else {
-        found.is_end = false;  // a line that crosses here, or the end itself, well seen
+        found.is_end = false;  // a line that crosses here
       }
       continue;
     }
@@ -135,7 +139,7 @@ bool cutOvershoot(Side& one, const Side& other, const std::vector<MemorySegment>
                   const ShapeEdges::Params& params) {
   if (one.along.dot(other.along) > -std::cos(params.max_angle_rad)) return false;
   const double width = distanceToLine(other.line.middle(), one.line);
-  if (width < params.min_width_m || width > params.max_width_m) return false;
+  if (width > params.max_width_m) return false;  // from afar both sides of a thin line are one
   if (other.a.open || other.a.views < params.min_views) return false;
   const double end = one.along.dot(other.line.a - one.line.a);
   const double begin = one.along.dot(other.line.b - one.line.a);
@@ -179,14 +183,14 @@ void ShapeEdges::addLineEnds(std::vector<MemorySegment>& segments, std::span<con
   std::vector<Side> lines;
   for (const MemoryElement* side : sides) lines.push_back(sideOf(*side));
   // Both sides of paint are as strong; the strip of shadow along a box has two different ones.
-  const auto areSidesOfPaint = [&](std::size_t i, std::size_t k) {
+  const auto areSidesOfPaint = [&](std::size_t i, std::size_t k, double strength_share) {
     const auto [weak, strong] = std::minmax(sides[i]->strength, sides[k]->strength);
-    return i != k && sides[i]->value.label == sides[k]->value.label &&
-           weak >= params_.min_strength_share * strong;
+    return i != k && sides[i]->value.label == sides[k]->value.label && weak >= strength_share * strong;
   };
   for (std::size_t i = 0; i < lines.size(); ++i) {
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      if (!areSidesOfPaint(i, k)) continue;
+      // The edge that a side ran into has made it weaker.
+      if (!areSidesOfPaint(i, k, params_.overshoot_strength_share)) continue;
       const bool b = cutOvershoot(lines[i], lines[k], segments, params_);
       Side against = turned(lines[i]);
       const bool a = cutOvershoot(against, turned(lines[k]), segments, params_);
@@ -204,7 +208,7 @@ void ShapeEdges::addLineEnds(std::vector<MemorySegment>& segments, std::span<con
     const MemoryElement* first = sides[i];
     const Side& one = lines[i];
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      if (!areSidesOfPaint(i, k)) continue;
+      if (!areSidesOfPaint(i, k, params_.min_strength_share)) continue;
       const MemoryElement* second = sides[k];
       const Side& other = lines[k];
       if ((one.line.b - other.line.a).norm() > params_.max_width_m + params_.most_skew_m) continue;
@@ -212,6 +216,17 @@ void ShapeEdges::addLineEnds(std::vector<MemorySegment>& segments, std::span<con
       if (!end) continue;
       const Surroundings around = lookAround(*end, one, other, segments, params_);
       if (!around.is_end) continue;
+      if (around.itself) {
+        // Its place is well known, its direction is not: a pixel's error on a few pixels.
+        const auto told = std::find_if(segments.begin(), segments.end(),
+                                       [&](const MemorySegment& s) { return s.id == *around.itself; });
+        const Eigen::Vector2d across = end->edge.b - end->edge.a;
+        const Eigen::Vector2d u = Eigen::Vector2d(across.y(), -across.x()).normalized();
+        const Eigen::Vector2d shift = u * u.dot(told->odom.floor().middle() - end->edge.middle());
+        told->odom.a.head<2>() = end->edge.a + shift;
+        told->odom.b.head<2>() = end->edge.b + shift;
+        continue;
+      }
       replaced.insert(replaced.end(), around.replaced.begin(), around.replaced.end());
       MemorySegment segment = first->value;
       segment.id = idOf({one.id, other.id, -1}, new_id);
@@ -288,17 +303,26 @@ void ShapeEdges::tellCircle(std::vector<MemorySegment>& segments, Primitive& cir
     for (const Chord& chord : chords) {
       if (chord.rim == rim) left += chord.counter_clockwise ? 1 : -1;
     }
-    for (int k = 0; k < count; ++k) {
-      const double from = k * turn;
+    const auto bestAt = [&](int of_rim, double angle) {
       const Chord* best = nullptr;
       for (const Chord& chord : chords) {
-        if (chord.rim != rim || !covers(chord, from + 0.5 * turn)) continue;
+        if (chord.rim != of_rim || !covers(chord, angle)) continue;
         const auto better = [](const MemorySegment& a, const MemorySegment& b) {
           return std::pair(a.confirmed, a.life) > std::pair(b.confirmed, b.life);
         };
         if (!best || better(chord.segment, best->segment)) best = &chord;
       }
+      return best;
+    };
+    int seen = 0;
+    for (int k = 0; k < count; ++k) seen += bestAt(rim, (k + 0.5) * turn) != nullptr;
+    // The line has both rims all around: where one was seen is the other one, too.
+    const bool with_other = half_width > 0.0 && seen >= params_.rim_share * count;
+    for (int k = 0; k < count; ++k) {
+      const double from = k * turn;
+      const Chord* best = bestAt(rim, from + 0.5 * turn);
       ++places;
+      if (!best && with_other) best = bestAt(rim == kInnerRim ? kOuterRim : kInnerRim, from + 0.5 * turn);
       if (!best) continue;
       sure += best->segment.confirmed ? 1 : 0;
       MemorySegment segment = best->segment;
@@ -330,7 +354,9 @@ void ShapeEdges::complete(std::vector<MemorySegment>& segments, std::span<const 
   for (Primitive& primitive : primitives) {
     if (primitive.kind == PrimitiveKind::kCircle) tellCircle(segments, primitive, new_id);
   }
+  withdrawShadows(segments, elements, params_.shadows);
   addLineEnds(segments, elements, new_id);
+  meetAtCorners(segments, elements, params_.corners);
   // What is gone and comes back is something new.
   ids_.swap(used_);
 }

@@ -9,7 +9,9 @@
 #include <tuple>
 #include <vector>
 
+#include "active_visual_memory/core/corners.h"
 #include "active_visual_memory/core/memory_element.h"
+#include "active_visual_memory/core/shadow_strips.h"
 #include "common/visual_memory/memory_snapshot.h"
 
 namespace vismem {
@@ -23,19 +25,23 @@ class ShapeEdges {
     // Ends of painted lines: the end edge of a line of 5 cm is a few pixels long at best.
     double min_width_m = 0.03;
     double max_width_m = 0.13;
-    double max_angle_rad = 0.10;      ///< between both sides of a line
-    double max_skew_m = 0.04;         ///< both sides end at one place along the line within this ..
-    double max_skew_sigmas = 2.0;     ///< .. and so much of what is not known of the ends
-    double most_skew_m = 0.10;        ///< but never more than this
-    double min_strength_share = 0.6;  ///< contrast of the weaker side over that of the stronger
-    int min_views = 3;                ///< of each of the two ends
-    double neighbour_m = 0.06;        ///< what begins so near to a corner makes it a junction, not an end
-    double continuation_m = 0.30;     ///< what goes on in line this far behind makes it a gap, not an end
+    double max_angle_rad = 0.10;             ///< between both sides of a line
+    double max_skew_m = 0.04;                ///< both sides end at one place along the line within this ..
+    double max_skew_sigmas = 2.0;            ///< .. and so much of what is not known of the ends
+    double most_skew_m = 0.10;               ///< but never more than this
+    double min_strength_share = 0.6;         ///< contrast of the weaker side over that of the stronger
+    double overshoot_strength_share = 0.35;  ///< the same for a side that may have run into another edge
+    int min_views = 3;                       ///< of each of the two ends
+    double neighbour_m = 0.06;     ///< what begins so near to a corner makes it a junction, not an end
+    double continuation_m = 0.30;  ///< what goes on in line this far behind makes it a gap, not an end
+    CornerParams corners;
+    ShadowParams shadows;
     // Circles: chords of views from afar are long and lie beside the rim.
     double rim_m = 0.06;  ///< distance of a chord from the rim that it belongs to
     double rim_angle_rad = 0.35;
     double sagitta_m = 0.01;       ///< of the chords that a circle is told in
     double confirmed_share = 0.3;  ///< of the circumference that confirmed chords must cover
+    double rim_share = 0.3;  ///< of a rim that must be seen to tell it also where only the other one was
   };
   using NewId = std::function<std::uint64_t()>;
 
