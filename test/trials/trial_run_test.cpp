@@ -67,7 +67,7 @@ TEST(TrialRun, LocalizationSteersTheGazeInClosedLoop) {
   TrialRun alone(options);
   const Trial by_salience = alone.record();
   EXPECT_EQ(by_salience.gaze_wishes, 0);
-  options.gaze.emplace();
+  options.asks_for_gaze = true;
   TrialRun run(options);
   std::vector<AttentionKind> targets;
   const Trial trial = run.record([&](const TrialRun::Step& step, GazeClient&) {

@@ -56,7 +56,7 @@ nlohmann::json compareGaze(const ExperimentOptions& options) {
     }
     if (options.gaze != kSalience) {
       names.emplace_back(kLocalization);
-      series.recordings.push_back({[](TrialOptions& trial) { trial.gaze.emplace(); }, kLocalization});
+      series.recordings.push_back({[](TrialOptions& trial) { trial.asks_for_gaze = true; }, kLocalization});
     }
     series.methods = [names](const LocalizerParams& ours) {
       std::vector<MethodMaker> methods;

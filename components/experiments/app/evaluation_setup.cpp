@@ -57,18 +57,24 @@ ActiveVisualMemoryConfig readMemory(const EvaluationOptions& options, bool has_p
   return component;
 }
 
-LocalizerParams readLocalizer(const EvaluationOptions& options) {
+struct LocalizationSettings {
+  LocalizerParams localizer;
+  GazePlannerParams gaze;
+};
+
+LocalizationSettings readLocalization(const EvaluationOptions& options) {
   Properties properties = Properties::load(configFile(options, "localization"));
   if (!options.mode.empty()) properties.set("Localization.Mode", options.mode);
   ConfigReader config(properties);
   config.known("ActiveVisualMemory.*");
   ConfigReader reader = config.group("Localization");
-  // Map, palette, seed and start are the evaluation's own; who decides about gaze is said by experiments.
+  // Map, palette, seed and start are the evaluation's own; whether localization asks for gaze is said by
+  // experiments.
   knowKeys(reader, {"Endpoints", "LogLevel", "EndWithParent", "VisualMemory.Proxy", "Map", "Palette", "Seed",
-                    "Start.*", "Pose3D.*", "Gaze.*"});
-  const LocalizerParams params = readLocalizerParams(reader);
+                    "Start.*", "Pose3D.*", "Gaze.Proxy"});
+  const LocalizationSettings settings{readLocalizerParams(reader), readGazePlannerParams(reader)};
   config.finish();
-  return params;
+  return settings;
 }
 
 /// The palette named, else the one that lies beside the map (DESIGN 14), else the configuration's.
@@ -109,7 +115,9 @@ EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt)
   params.pipeline = component.pipeline;
   params.pipeline.memory.attention.seed = options.seed;
   params.assembler = component.assembler;
-  params.localizer = readLocalizer(options);
+  const LocalizationSettings localization = readLocalization(options);
+  params.localizer = localization.localizer;
+  params.gaze = localization.gaze;
   params.palette_file = paletteFile(options, component.palette);
   if (params.palette_file.empty()) {
     throw ConfigError(

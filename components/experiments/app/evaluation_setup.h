@@ -31,6 +31,7 @@ struct EvaluationParams {
   MemoryPipelineParams pipeline;
   ObservationAssembler::Params assembler;
   LocalizerParams localizer;
+  GazePlannerParams gaze;  ///< how localization asks for gaze, where it does
   std::filesystem::path palette_file;
   std::shared_ptr<const Palette> palette;
   SegmentMap map;        ///< as it stands in its file

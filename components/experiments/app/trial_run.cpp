@@ -13,6 +13,7 @@
 #include "common/kinematics/random_stream.h"
 #include "common/routes/route_follower.h"
 #include "experiments/app/cpu_stages.h"
+#include "localization/core/gaze_planner.h"
 #include "localization/core/localizer.h"
 #include "simulator/core/renderer.h"
 
@@ -32,9 +33,9 @@ EvaluationOptions evaluationOptions(const TrialOptions& options) {
 
 /// The localization of the robot itself, which asks for gaze.
 struct Seeker {
-  Seeker(const GazePlannerParams& gaze, const EvaluationParams& params, std::uint64_t seed)
+  Seeker(const EvaluationParams& params, std::uint64_t seed)
       : localizer(params.localizer, params.map_edges, seed),
-        planner(gaze, params.localizer, params.map_edges) {}
+        planner(params.gaze, params.localizer, params.map_edges) {}
 
   void steer(const MemoryUpdate& update, const Pose2& T_odom_robot_now, GazeClient& client, Trial& trial) {
     const PoseEstimate estimate = localizer.step(update, T_odom_robot_now);
@@ -150,7 +151,7 @@ struct TrialRun::Impl {
     trial.events_us.push_back(0);
     append(trial.truth, {0, simulation->truth().T_world_robot});
     std::optional<Seeker> seeker;
-    if (options.gaze) seeker.emplace(*options.gaze, params, options.seed);
+    if (options.asks_for_gaze) seeker.emplace(params, options.seed);
     StampUs newest_pan_tilt_us = -1;
     StampUs newest_odometry_us = -1;
     Pose2 T_odom_robot_now;

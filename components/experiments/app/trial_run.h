@@ -13,7 +13,6 @@
 #include "experiments/trials/synthetic_vision.h"
 #include "experiments/trials/trial.h"
 #include "experiments/trials/vision_statistics.h"
-#include "localization/core/gaze_planner.h"
 
 namespace vismem {
 
@@ -29,9 +28,9 @@ struct TrialOptions {
   double blackout_from_s = 0.0;  ///< in each event: nothing is seen from then on ..
   double blackout_s = 0.0;       ///< .. for so long
   double camera_rate_hz = 10.0;
-  /// The robot's own localization (the default mode, with the trial's seed) asks for gaze; empty: salience
-  /// alone decides where it looks.
-  std::optional<GazePlannerParams> gaze;
+  /// The robot's own localization (the default mode, with the trial's seed) asks for gaze, as the setup's
+  /// Localization.Gaze keys say; false: salience alone decides where it looks.
+  bool asks_for_gaze = false;
   std::function<void(SimulationConfig&)> change_robot;  ///< may be empty
 };
 
