@@ -32,9 +32,8 @@ class PastObservations {
   double newest() const;
 
   /// Gives a newcomer the evidence of the best of two stories, over all races:
-  /// - the robot was where the race says until some moment, and jumped here: the race's evidence, plus how
-  /// much
-  ///   better the newcomer explains what was seen since then, less `birth_penalty`;
+  /// - the robot was where the race says until some moment, and jumped here: the race's evidence, less
+  ///   `birth_penalty`, plus how much better the newcomer explains what was seen since then;
   /// - it was here all the time: the race's evidence, less how much worse it explains all that is kept. It is
   ///   never more: a newcomer fits this moment by selection, and leads only by what it shows from now on.
   /// Without any race: the mean over what is kept. @param newcomer rated; its `past` is set too.

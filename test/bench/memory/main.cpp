@@ -36,6 +36,7 @@ struct Options {
   std::string mode = "default";
   double rate_hz = 30.0;
   double lap_s = 30.0;
+  double sweep_deg = 103.0;
   double minutes = 60.0;
   fs::path out = "out/bench-memory";
 };
@@ -60,7 +61,8 @@ Lap render(const Options& options, const CameraMount& mount) {
     o.T_odom_robot = {kRadius_m * std::cos(phase), kRadius_m * std::sin(phase),
                       wrapAngle(phase + 0.5 * std::numbers::pi)};
     // Five sweeps of the head a lap.
-    o.pan_tilt = PanTilt{1.8 * std::sin(5.0 * phase), degToRad(-20.0) + 0.1 * std::sin(3.0 * phase)};
+    o.pan_tilt = PanTilt{degToRad(options.sweep_deg) * std::sin(5.0 * phase),
+                         degToRad(-20.0) + 0.1 * std::sin(3.0 * phase)};
     o.T_robot_camera = cameraPose(mount, o.pan_tilt->pan_rad, o.pan_tilt->tilt_rad);
     o.frame.intrinsics = camera.intrinsics;
     o.frame.image = renderer.render(camera.intrinsics, toPose3(o.T_odom_robot) * o.T_robot_camera);
@@ -93,6 +95,10 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--lap", options.lap_s, "seconds a lap")
       ->check(CLI::Range(1.0, 120.0))
+      ->capture_default_str();
+  app.add_option("--sweep", options.sweep_deg,
+                 "degrees that the head turns to either side: the less, the fewer elements are remembered")
+      ->check(CLI::Range(0.0, 159.0))
       ->capture_default_str();
   app.add_option("--minutes", options.minutes, "of robot time")
       ->check(CLI::Range(0.5, 600.0))
