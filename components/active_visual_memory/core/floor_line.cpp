@@ -43,7 +43,7 @@ ExtentEnd fuseEnds(const ExtentEnd& known, const ExtentEnd& seen, double outward
 
 FloorLine::FloorLine(const FloorSegment& segment, const Params& params) {
   origin_ = segment.odom.middle();
-  direction_rad_ = segment.odom.direction();
+  turnTo(segment.odom.direction());
   const double half = 0.5 * segment.odom.length();
   const Eigen::Vector2d n = normal();
   const double floor_variance = params.measure_floor_m * params.measure_floor_m;
@@ -70,11 +70,9 @@ FloorLean FloorLine::leanOf(const ExtentEnd& end) const {
   return along() * end.d_lean + normal() * offsetLean(end.t_m);
 }
 
-Eigen::Vector2d FloorLine::along() const {
-  return {std::cos(direction_rad_), std::sin(direction_rad_)};
-}
-Eigen::Vector2d FloorLine::normal() const {
-  return {-std::sin(direction_rad_), std::cos(direction_rad_)};
+void FloorLine::turnTo(double direction_rad) {
+  direction_rad_ = direction_rad;
+  along_ = {std::cos(direction_rad), std::sin(direction_rad)};
 }
 
 Segment2 FloorLine::segment() const {
@@ -93,13 +91,13 @@ Eigen::Matrix2d FloorLine::covarianceAt(const ExtentEnd& end) const {
 
 void FloorLine::move(const SmallMotion& motion) {
   origin_ = motion.apply(origin_);
-  direction_rad_ = wrapAngle(direction_rad_ + motion.turn_rad);
+  turnTo(wrapAngle(direction_rad_ + motion.turn_rad));
 }
 
 void FloorLine::lean(const Lean& change) {
   const Eigen::Vector2d moved = J_ * change;
   origin_ += moved.x() * normal();
-  direction_rad_ = wrapAngle(direction_rad_ + moved.y());
+  turnTo(wrapAngle(direction_rad_ + moved.y()));
   a_.t_m += a_.d_lean.dot(change);
   b_.t_m += b_.d_lean.dot(change);
   if (a_.t_m > b_.t_m) std::swap(a_, b_);
@@ -140,7 +138,7 @@ void FloorLine::updateOffset(double t, double offset, double variance, const Lea
 
 void FloorLine::applyCorrection() {
   origin_ += correction_.x() * normal();
-  direction_rad_ = wrapAngle(direction_rad_ + correction_.y());
+  turnTo(wrapAngle(direction_rad_ + correction_.y()));
   correction_.setZero();
 }
 

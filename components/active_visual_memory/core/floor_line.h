@@ -50,8 +50,8 @@ class FloorLine {
 
   Segment2 segment() const;
   double direction() const { return direction_rad_; }
-  Eigen::Vector2d along() const;
-  Eigen::Vector2d normal() const;  ///< left of the direction
+  const Eigen::Vector2d& along() const { return along_; }
+  Eigen::Vector2d normal() const { return {-along_.y(), along_.x()}; }  ///< left of the direction
   Eigen::Matrix2d covarianceA() const { return covarianceAt(a_); }
   Eigen::Matrix2d covarianceB() const { return covarianceAt(b_); }
   /// How the lean moves the places of the ends [m/rad].
@@ -103,12 +103,14 @@ class FloorLine {
   FloorLean leanOf(const ExtentEnd& end) const;
   Eigen::Matrix2d covarianceAt(const ExtentEnd& end) const;
   void updateOffset(double t_m, double offset_m, double variance_m2, const LeanRow& d_lean);
+  void turnTo(double direction_rad);
   void applyCorrection();
   void applyFloor(const Params& params);
   void recentre();
 
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   double direction_rad_ = 0.0;
+  Eigen::Vector2d along_ = Eigen::Vector2d::UnitX();      ///< of the direction: asked for many times an image
   Eigen::Vector2d correction_ = Eigen::Vector2d::Zero();  ///< offset and angle gathered in one update
   Eigen::Matrix2d P_ = Eigen::Matrix2d::Identity();       ///< of (offset, angle) at the origin
   Eigen::Matrix<double, 2, 4> J_ = Eigen::Matrix<double, 2, 4>::Zero();  ///< d (offset, angle) / d lean
