@@ -44,8 +44,10 @@ class KidnapDetector {
     const double seen_s = std::min(dt, params_.max_image_gap_s);
     const double matched_share = static_cast<double>(scene.matched) / expected;
     const double absent_share = static_cast<double>(scene.absent) / expected;
+    // Behind something that drives along a place or two look bare now and then: what is covered must be the
+    // smaller part.
     if (absent_share >= params_.min_absent_share && matched_share <= params_.max_matched_share &&
-        scene.absent > 0 && scene.fresh >= params_.min_fresh) {
+        scene.absent > scene.covered && scene.fresh >= params_.min_fresh) {
       evidence_s_ += (scene.absent > 1 ? 1.0 : params_.single_weight) * seen_s;
     } else if (matched_share >= params_.agreeing_share) {
       evidence_s_ = std::max(0.0, evidence_s_ - seen_s);
