@@ -104,7 +104,7 @@ class RemoteLocalization : public LocalizationControl {
     std::optional<HealthMap> map;
     std::string why;  ///< there is none
   };
-  /// Waits for half a minute of work at most.
+  /// Waits for 120 s at most: for a map of the largest size and those asked for before it.
   HealthMapResult healthMap(const HealthMapRequest& request);
 
  private:
