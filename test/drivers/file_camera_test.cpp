@@ -205,7 +205,8 @@ TEST(FileCamera, WaitsForAFolderThatIsNotThereAndForOneThatGoes) {
   EXPECT_EQ(awaitReason(*camera, "holds"), folder.string() + ": the folder holds no image");
   writePicture((folder / "1.png").string(), 10);
   EXPECT_EQ(numberOf(*awaitFrame(*camera).frame), 10);
-  fs::remove_all(folder);
+  // At once: emptied first, it would be a folder that holds no image for a moment.
+  fs::rename(folder, parent.path() / "moved");
   EXPECT_THAT(awaitReason(*camera, "walk:"),
               testing::AnyOf(HasSubstr("it has gone"), HasSubstr("no such file or folder")));
   fs::create_directories(folder);
