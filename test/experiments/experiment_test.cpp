@@ -161,6 +161,17 @@ TEST_F(ExperimentProgram, PrimitivesFindsTheShapesOfTheRoom) {
   EXPECT_EQ(run("primitives --variant nobody --out " + out), 1);
 }
 
+TEST_F(ExperimentProgram, E6GivesTheRecordToTheMethodsThatWereAskedForAlone) {
+  const std::string out = (folder_ / "e6").string();
+  ASSERT_EQ(run("E6 --variant room --trials 1 --methods default --out " + out), 0) << content("stderr");
+  const auto room = lastLine()["room"];
+  EXPECT_EQ(room["default"]["events"], 4) << room;
+  EXPECT_FALSE(room.contains("mcl_stock")) << room;
+  EXPECT_EQ(run("E6 --variant room --trials 1 --methods default,mcl --out " + out), 1);
+  EXPECT_THAT(content("stderr"),
+              HasSubstr("no method \"mcl\" here (there are default, mcl_stock, mcl_tuned)"));
+}
+
 TEST_F(ExperimentProgram, NamesWhatIsWrongWithItsArguments) {
   EXPECT_NE(run("E99"), 0);
   EXPECT_THAT(content("stderr"), HasSubstr("E9"));

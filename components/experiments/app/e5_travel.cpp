@@ -36,6 +36,7 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
   series.trial.rendered = variant.rendered;
   series.seed = options.seed;
   series.trials = options.trials > 0 ? options.trials : variant.trials;
+  series.only = options.methods;
   series.methods = [](const LocalizerParams& ours) {
     return std::vector<MethodMaker>{
         localizerMethod("default", ours), localizerMethod("default_unknown_start", ours),

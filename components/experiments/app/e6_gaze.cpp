@@ -40,6 +40,7 @@ void addRatio(const Comparison& comparison, const SummaryParams& params, nlohman
 }  // namespace
 
 nlohmann::json compareGaze(const ExperimentOptions& options) {
+  if (!options.methods.empty()) throw std::invalid_argument("E6 --gaze compares gaze: it has no --methods");
   nlohmann::json json;
   for (const E6Place& place : {kIrregular, kIrregularHard, kAliased, kRendered, kRenderedAliased}) {
     if (!isWanted(place, options)) continue;

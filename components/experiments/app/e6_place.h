@@ -50,6 +50,7 @@ inline TrialSeries seriesAt(const E6Place& place, const std::string& kind, const
   series.trial.disturbance = place.disturbance;
   series.seed = options.seed;
   series.trials = options.trials > 0 ? options.trials : place.trials;
+  series.only = options.methods;
   series.twins = place.twins;
   return series;
 }

@@ -107,6 +107,11 @@ int main(int argc, char** argv) {
                  "runs of each variant of an experiment over many (E5, E6; default: as documented)")
       ->check(CLI::Range(1, 10'000));
   app.add_option(
+         "--methods", options.methods,
+         "of E5 and E6: only these, by name, with commas between them: \"default\" leaves out the peers, "
+         "which take most of the time (default: all)")
+      ->delimiter(',');
+  app.add_option(
          "--gaze", options.gaze,
          "of E6: who decides where the camera looks, salience alone or localization too; both: each in "
          "trials of its own with the same kidnappings, compared")

@@ -13,11 +13,12 @@ namespace vismem {
 struct ExperimentOptions {
   std::string mode = "default";  ///< "default" or "chapter"
   std::uint64_t seed = 1;
-  std::string variant;         ///< only the variant of this name; empty: all
-  std::string gaze;            ///< of E6: "salience", "localization", "both"; empty: no question of gaze
-  int trials = 0;              ///< of experiments over many runs: how many; 0: as many as it needs
-  std::filesystem::path out;   ///< exists; everything is written there
-  std::filesystem::path data;  ///< recordings and photographs; may be absent
+  std::string variant;  ///< only the variant of this name; empty: all
+  std::string gaze;     ///< of E6: "salience", "localization", "both"; empty: no question of gaze
+  std::vector<std::string> methods;  ///< of E5 and E6: only these; empty: all
+  int trials = 0;                    ///< of experiments over many runs: how many; 0: as many as it needs
+  std::filesystem::path out;         ///< exists; everything is written there
+  std::filesystem::path data;        ///< recordings and photographs; may be absent
 };
 
 struct Experiment {

@@ -1,10 +1,12 @@
 #include "experiments/app/trial_series.h"
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
+#include <stdexcept>
 
 #include "experiments/app/experiment_files.h"
 #include "experiments/trials/twin_evidence.h"
@@ -25,6 +27,22 @@ std::vector<std::optional<double>> evidenceOf(const Trial& trial, const SegmentM
     all.push_back(evidenceAfter(trial, event, half_turn, map));
   }
   return all;
+}
+
+std::vector<MethodMaker> chosen(std::vector<MethodMaker> methods, const std::vector<std::string>& only) {
+  if (only.empty()) return methods;
+  std::string known;
+  for (const MethodMaker& method : methods) known += (known.empty() ? "" : ", ") + method.name;
+  std::vector<MethodMaker> kept;
+  for (const std::string& name : only) {
+    const auto found = std::find_if(methods.begin(), methods.end(),
+                                    [&](const MethodMaker& method) { return method.name == name; });
+    if (found == methods.end()) {
+      throw std::invalid_argument("no method \"" + name + "\" here (there are " + known + ")");
+    }
+    kept.push_back(*found);
+  }
+  return kept;
 }
 
 }  // namespace
@@ -51,7 +69,7 @@ nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path&
             series.name,
             text("%s; seeds %llu..%llu", series.title.c_str(), static_cast<unsigned long long>(first),
                  static_cast<unsigned long long>(last)),
-            series.methods(run.params().localizer));
+            chosen(series.methods(run.params().localizer), series.only));
       }
       const Trial trial = run.record();
       plan_ms.insert(plan_ms.end(), trial.gaze_plan_ms.begin(), trial.gaze_plan_ms.end());

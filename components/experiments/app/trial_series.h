@@ -29,6 +29,7 @@ struct TrialSeries {
   int trials = 1;
   /// @param ours the default mode as the setup configures it.
   std::function<std::vector<MethodMaker>(const LocalizerParams& ours)> methods;
+  std::vector<std::string> only;  ///< of the methods, by name; empty: all
   std::vector<TrialRecording> recordings{{}};
   std::vector<std::string> known_start;  ///< methods that are told where the first event begins
   /// Of the first trial: the error of each of these methods over time, as NAME_METHOD.png.
@@ -44,6 +45,7 @@ inline constexpr std::uint64_t kSeedsApart = 1000;
 /// Runs them. After each trial NAME_events.csv and NAME.json hold all so far.
 /// @param add_figures adds to the JSON at the end what only this series has; may be empty.
 /// @return the figures, with "seeds" and "took_s".
+/// @throws std::invalid_argument where `only` names a method that the series does not have.
 nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path& out,
                          const std::function<void(const Comparison&, nlohmann::json&)>& add_figures = {});
 
