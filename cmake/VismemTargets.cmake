@@ -40,7 +40,8 @@ set(sanitizer_options
 
 # vismem_test(NAME LABEL unit|property|golden|contract|component|system|faults|hwkernel SOURCES file... LIBRARIES lib...
 #             [TIMEOUT seconds] [PROGRAMS target...] [EMULATED_DEVICES] [SHARDS n])
-# One CTest entry per test program. PROGRAMS are built first: tests that start real processes name them.
+# One CTest entry per test program. TIMEOUT (default 120) tells a hang, not a busy machine. PROGRAMS are built first: tests
+# that start real processes name them.
 # EMULATED_DEVICES: it runs under umockdev, which puts its own devices in the place of the machine's.
 # SHARDS: its tests run in so many processes at once, because they wait more than they work.
 # VISMEM_SOURCE_DIR and VISMEM_BIN_DIR are defined for tests that need test/data, cfg/ or the programs.
@@ -60,7 +61,7 @@ function(vismem_test name)
   endif()
   add_dependencies(tests_${A_LABEL} ${name})
   if(NOT A_TIMEOUT)
-    set(A_TIMEOUT 60)
+    set(A_TIMEOUT 120)
   endif()
   if(VISMEM_SANITIZE)
     math(EXPR A_TIMEOUT "5 * ${A_TIMEOUT}")

@@ -65,7 +65,7 @@ TEST_F(BaseServer, DrivesWithStampsOfTheHost) {
   ASSERT_TRUE(server->waitUntilReady());
   const auto base = connect(*server);
   ASSERT_EQ(base->start().kind, PortReply::Kind::kAccepted);
-  EXPECT_EQ(base->limits().watchdog_s, 0.3);
+  EXPECT_EQ(base->limits().watchdog_s, 0.25);
   EXPECT_EQ(base->setVelocity(0.2, 0.0).kind, PortReply::Kind::kAccepted);
   const PortReply fast = base->setVelocity(7.0, 0.0);
   EXPECT_EQ(fast.kind, PortReply::Kind::kAdjusted);

@@ -331,7 +331,7 @@ TEST(FileCamera, StopDoesNotWaitForAStreamThatIsSilent) {
   ASSERT_GT(silent.connections(), 0) << "it is being opened";
   const auto began = Clock::now();
   camera->stop();
-  EXPECT_LT(Clock::now() - began, 300ms);
+  EXPECT_LT(Clock::now() - began, 1s);
   // It may be started again meanwhile.
   EXPECT_TRUE(camera->start().ok());
   camera->stop();

@@ -15,10 +15,10 @@
 namespace vismem {
 
 struct BaseParams {
-  BaseLimits limits{0.6, degToRad(100.0), 0.3};
+  BaseLimits limits{0.6, degToRad(100.0), 0.25};
   double acceleration_mps2 = 0.8;
   double turn_acceleration_radps2 = degToRad(300.0);
-  /// With these it brakes when its watchdog fires: from full speed it stands 0.45 s after the last command.
+  /// With these it brakes when its watchdog fires: from full speed it stands 0.4 s after the last command.
   double emergency_deceleration_mps2 = 4.0;
   double emergency_turn_deceleration_radps2 = degToRad(1000.0);
   double radius_m = 0.22;      ///< of the round body, for collisions
