@@ -1,6 +1,9 @@
 #include "common/vision/label_split.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
 
 namespace vismem {
 namespace {
@@ -14,6 +17,111 @@ struct Run {
   double from_px;
   double to_px;
 };
+
+/// Where one thing ends and the next begins is no line across the segment: the side of a door stands upright
+/// in the image however its foot runs. So the border is located in rows beside the segment ..
+constexpr std::array<double, 5> kRows_px{1.5, 2.25, 3.0, 3.75, 4.5};
+constexpr double kReach_px = 8.0;    // .. so far to both sides of a cut ..
+constexpr double kPlateau_px = 3.0;  // .. of which the outer parts show what each of the two looks like ..
+constexpr double kPitch_px = 0.5;
+constexpr double kLeastContrast = 20.0;  // .. where they differ by this [grey levels] ..
+constexpr double kContrastShare = 0.5;   // .. and by this share of what the best row does.
+constexpr double kMostOff_px = 4.0;      // the border is not further from a cut than this
+constexpr double kMostSlope = 2.5;       // along the segment per pixel away from it
+constexpr double kMostScatter_px = 0.7;  // of the rows about a straight border
+
+/// Bilinear colour; empty outside the image.
+std::optional<Eigen::Vector3f> colourAt(const cv::Mat& image, const Eigen::Vector2d& px) {
+  const int x = static_cast<int>(std::floor(px.x()));
+  const int y = static_cast<int>(std::floor(px.y()));
+  if (x < 0 || y < 0 || x + 1 >= image.cols || y + 1 >= image.rows) return std::nullopt;
+  const auto fx = static_cast<float>(px.x() - x);
+  const auto fy = static_cast<float>(px.y() - y);
+  const auto at = [&](int row, int column) {
+    const std::uint8_t* rgb = image.ptr<std::uint8_t>(row) + 3 * static_cast<std::ptrdiff_t>(column);
+    return Eigen::Vector3f(rgb[0], rgb[1], rgb[2]);
+  };
+  return Eigen::Vector3f((1 - fy) * ((1 - fx) * at(y, x) + fx * at(y, x + 1)) +
+                         fy * ((1 - fx) * at(y + 1, x) + fx * at(y + 1, x + 1)));
+}
+
+struct Border {
+  double off_px = 0.0;  ///< along the row, from its middle
+  double contrast = 0.0;
+};
+
+/// Where the colour of a row changes. @param middle of the row. @return empty where it hardly does.
+std::optional<Border> borderInRow(const cv::Mat& image, const Eigen::Vector2d& middle,
+                                  const Eigen::Vector2d& along) {
+  constexpr auto kSamples = static_cast<int>(2.0 * kReach_px / kPitch_px);
+  constexpr auto kOuter = static_cast<int>(kPlateau_px / kPitch_px);
+  std::array<Eigen::Vector3f, kSamples> colours;
+  Eigen::Vector3f before = Eigen::Vector3f::Zero();
+  Eigen::Vector3f after = Eigen::Vector3f::Zero();
+  for (int i = 0; i < kSamples; ++i) {
+    const auto colour = colourAt(image, middle + ((i + 0.5) * kPitch_px - kReach_px) * along);
+    if (!colour) return std::nullopt;
+    colours[static_cast<std::size_t>(i)] = *colour;
+    if (i < kOuter) before += *colour / kOuter;
+    if (i >= kSamples - kOuter) after += *colour / kOuter;
+  }
+  const Eigen::Vector3f change = after - before;
+  const double contrast = change.norm();
+  if (contrast < kLeastContrast) return std::nullopt;
+  // What looks as before takes so much of the row: no threshold, so no step of whole pixels.
+  double length = 0.0;
+  for (const Eigen::Vector3f& colour : colours) {
+    const double share = (colour - before).dot(change) / (contrast * contrast);
+    length += kPitch_px * (1.0 - std::clamp(share, 0.0, 1.0));
+  }
+  return Border{length - kReach_px, contrast};
+}
+
+/// Where the border that the labels showed near `cut` meets the segment itself. @return empty where no
+/// straight border is to be seen.
+std::optional<double> borderAt(const cv::Mat& image, const Eigen::Vector2d& cut,
+                               const Eigen::Vector2d& along) {
+  const Eigen::Vector2d left(along.y(), -along.x());
+  std::optional<double> best;
+  double best_contrast = 0.0;
+  for (const double side : {1.0, -1.0}) {
+    std::array<std::optional<Border>, kRows_px.size()> rows;
+    double strongest = 0.0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      rows[i] = borderInRow(image, cut + side * kRows_px[i] * left, along);
+      if (rows[i]) strongest = std::max(strongest, rows[i]->contrast);
+    }
+    if (strongest <= best_contrast) continue;
+    double n = 0.0;
+    double x = 0.0;
+    double y = 0.0;
+    double xx = 0.0;
+    double xy = 0.0;
+    double yy = 0.0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (!rows[i] || rows[i]->contrast < kContrastShare * strongest) continue;
+      const double d = kRows_px[i];
+      const double off = rows[i]->off_px;
+      n += 1.0;
+      x += d;
+      y += off;
+      xx += d * d;
+      xy += d * off;
+      yy += off * off;
+    }
+    if (n < 3.0) continue;
+    const double slope = (n * xy - x * y) / (n * xx - x * x);
+    const double off = (y - slope * x) / n;
+    const double scatter2 = (yy - off * y - slope * xy) / n;
+    if (std::abs(slope) > kMostSlope || std::abs(off) > kMostOff_px ||
+        scatter2 > kMostScatter_px * kMostScatter_px) {
+      continue;
+    }
+    best = off;
+    best_contrast = strongest;
+  }
+  return best;
+}
 
 }  // namespace
 
@@ -56,7 +164,12 @@ std::vector<LabelledPiece> splitByLabel(const cv::Mat& image, const Segment2& px
   double begin = 0.0;
   for (std::size_t i = 0; i < joined.size(); ++i) {
     const bool last = i + 1 == joined.size();
-    const double end = last ? length : 0.5 * (joined[i].to_px + joined[i + 1].from_px);
+    double end = length;
+    if (!last) {
+      end = 0.5 * (joined[i].to_px + joined[i + 1].from_px);
+      end += borderAt(image, px.a + end * along, along).value_or(0.0);
+      end = std::clamp(end, begin, length);
+    }
     pieces.push_back({{px.a + begin * along, px.a + end * along}, *joined[i].label});
     begin = end;
   }
