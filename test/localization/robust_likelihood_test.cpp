@@ -91,6 +91,7 @@ TEST(ObserveImage, PointsOnAFloorLineLieOnIt) {
                        {{{140, 20}, {180, 20}}, kUnknownLabel, 30.0}};
   RobustParams params;
   params.camera_sigma_rad = 0.01;
+  params.end_metres = 0.0;
   const RobustObservation observation = observeImage(analysis, map, params);
   ASSERT_FALSE(observation.points.empty());
   for (const EvidencePoint& point : observation.points) {
@@ -102,12 +103,64 @@ TEST(ObserveImage, PointsOnAFloorLineLieOnIt) {
   EXPECT_NEAR(observation.amount, 5.0 * 40 / 277.13 * std::sqrt(2.0), 1e-3);
 }
 
+/// A camera 1 m up that looks 45 degrees down at a line across the middle of its image.
+ImageAnalysis lineAhead(double from_px, double to_px) {
+  CameraMount mount;
+  mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 1, 0, 0, 0);
+  ImageAnalysis analysis;
+  analysis.intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+  analysis.T_robot_camera = cameraPose(mount, 0.0, degToRad(-45));
+  analysis.observed = {{{{from_px, 119.5}, {to_px, 119.5}}, "skirting", 30.0}};
+  return analysis;
+}
+
+TEST(ObserveImage, AnEndInsideTheImageIsAPointOfItsOwn) {
+  SegmentMap one;
+  one.segments = {wall(1, -3, 1, 3)};
+  const MapIndex map(one, {});
+  RobustParams without;
+  without.end_metres = 0.0;
+  const auto more = [&](const ImageAnalysis& analysis) {
+    return observeImage(analysis, map, {}).points.size() - observeImage(analysis, map, without).points.size();
+  };
+  EXPECT_EQ(more(lineAhead(40, 280)), 2u);
+  EXPECT_EQ(more(lineAhead(0, 280)), 1u) << "the border cuts the line, it does not end there";
+  EXPECT_EQ(more(lineAhead(0, 319)), 0u);
+  const auto observation = observeImage(lineAhead(40, 280), map, {});
+  EXPECT_EQ(observation.amount, observeImage(lineAhead(40, 280), map, without).amount);
+  const double reach = 120 / 277.13 * std::sqrt(2.0);
+  EXPECT_NEAR(std::abs(observation.points.back().p_robot.y()), reach, 5e-3);
+}
+
+TEST(RobustLikelihood, OnlyTheEndsOfALineTellThePlaceAlongIt) {
+  // Of the wall x = 1 the map has two metres; the robot sees half a metre of it with one of its ends, and
+  // stands 3 cm beside where it believes to be.
+  SegmentMap one;
+  one.segments = {wall(1, -1, 1, 1)};
+  const MapIndex map(one, {});
+  const double half = 0.25;
+  const double px = half * 277.13 / std::sqrt(2.0);
+  const Pose2 truth{0.0, -0.75, 0.0};
+  const auto refined = [&](const RobustParams& params) {
+    const RobustLikelihood likelihood(map, params);
+    const RobustObservation observation = observeImage(lineAhead(159.5 - px, 159.5 + px), map, params);
+    Matrix5d prior = Matrix5d::Identity();
+    prior.diagonal() << 1.0, 1.0, 1e6, 1e8, 1e8;
+    return likelihood.refine(observation, {{0.0, truth.y - 0.03, 0.0}}, prior, 1.0, 5, 0.0).placement;
+  };
+  EXPECT_NEAR(refined({}).T_world_robot.y, truth.y, 5e-3);
+  RobustParams without;
+  without.end_metres = 0.0;
+  EXPECT_GT(std::abs(refined(without).T_world_robot.y - truth.y), 0.01);
+}
+
 TEST(Observe, MemoryAndImageShareTheEffectivePoints) {
   const MapIndex map = cornerMap();
   std::vector<MemorySegment> many;
   for (int i = 0; i < 30; ++i) many.push_back(remembered(0, 0.1 * i, 3, 0.1 * i));
   RobustParams params;
   params.image_share = 0.4;
+  params.end_metres = 0.0;
   const auto sumOf = [&](const MemoryUpdate& update) {
     double sum = 0.0;
     for (const EvidencePoint& point : observe(update, map, params).points) sum += point.weight;

@@ -53,6 +53,7 @@ std::vector<Ablation> ablations(const LocalizerParams& base) {
   without("no_bound", [](auto& p) { p.robust.bounded = false; });
   without("no_negative_information", [](auto& p) { p.robust.negative_information = false; });
   without("no_refinement", [](auto& p) { p.robust.refinement_steps = 0; });
+  without("no_ends", [](auto& p) { p.robust.end_metres = 0.0; });
   without("no_kalman", [](auto& p) { p.robust.kalman = false; });
   without("no_past_evidence", [](auto& p) { p.robust.forgetting = 0.0; });
   without("no_hysteresis", [](auto& p) { p.robust.lead = 0.0; });

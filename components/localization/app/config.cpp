@@ -82,6 +82,7 @@ void readRobust(ConfigReader r, RobustParams& p) {
   p.half_life_s = r.real("HalfLife_s", p.half_life_s, 0.0, 1e6);
   p.unconfirmed_weight = r.real("UnconfirmedWeight", p.unconfirmed_weight, 0.0, 1.0);
   p.effective_points = r.real("EffectivePoints", p.effective_points, 1.0, 1e6);
+  p.end_metres = r.real("EndMetres", p.end_metres, 0.0, 10.0);
   p.points_per_metre = r.real("PointsPerMetre", p.points_per_metre, 0.01, 1e4);
   p.sigma_m = r.real("Sigma_m", p.sigma_m, 0.001, 10.0);
   p.maximum_sigma_m = r.real("MaximumSigma_m", p.maximum_sigma_m, 0.001, 10.0);

@@ -79,7 +79,10 @@ struct RobustParams {
   double unconfirmed_weight = 0.4;  ///< of elements not yet seen from a second viewpoint (M1)
   double effective_points = 30.0;   ///< the points of one observation are worth at most this many
   double points_per_metre = 5.0;    ///< what a metre of fresh, confirmed segment is worth
-  double sigma_m = 0.03;            ///< least standard deviation of a point across its line
+  /// An end of a segment of the image that is no cut by the image's border counts as so many metres of it:
+  /// nothing else says how far along a wall the robot is. 0: ends are not looked at.
+  double end_metres = 0.2;
+  double sigma_m = 0.03;  ///< least standard deviation of a point across its line
   double maximum_sigma_m = 0.25;
   double drift_sigma_mps = 0.01;       ///< growth of it with time unseen (odometry drift)
   double outlier_share = 0.05;         ///< eps of the bounded likelihood

@@ -22,6 +22,11 @@ constexpr double kLongestPiece_m = 0.2;  // towards the horizon pixels stand for
 /// A remembered point lies so much worse than one that is seen now: odometry erred since.
 constexpr double kRememberedSigma = 4.0 / 3.0;
 
+/// A line that comes this near to the image's border goes on beyond it.
+constexpr double kBorder_px = 3.0;
+/// An end is worth at most this share of its segment: what is short may be anything.
+constexpr double kEndShare = 0.5;
+
 constexpr double kMinimumLength_m = 0.05;  // a shorter remembered segment has no usable direction
 
 constexpr std::size_t kPreview = 4;  // every n-th point of an observation is a fair sample of all
@@ -56,6 +61,11 @@ Eigen::Matrix2d movedByLean(const Eigen::Vector2d& ray, double height) {
   d << -height - x * x / height, x * y / height,  //
       -x * y / height, height + y * y / height;
   return d;
+}
+
+bool insideImage(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px) {
+  return px.x() > kBorder_px && px.y() > kBorder_px && px.x() < intrinsics.width - 1.0 - kBorder_px &&
+         px.y() < intrinsics.height - 1.0 - kBorder_px;
 }
 
 double weightOf(const RobustObservation& observation) {
@@ -156,7 +166,9 @@ RobustObservation observeImage(const ImageAnalysis& analysis, const MapIndex& ma
   const Eigen::Vector2d camera = analysis.T_robot_camera.translation().head<2>();
   const double height = analysis.T_robot_camera.translation().z();
   if (!(height > 0.0)) return observation;
+  std::vector<EvidencePoint> ends;
   for (const ImageSegment& segment : analysis.observed) {
+    ends.clear();
     const auto label = map.floorLabelId(segment.label);
     if (!label) continue;
     const int pieces = std::clamp(static_cast<int>(segment.px.length() / kPiece_px), 1, kMaximumPieces);
@@ -198,6 +210,21 @@ RobustObservation observeImage(const ImageAnalysis& analysis, const MapIndex& ma
       observation.amount += point.weight;
       weight += point.weight;
       observation.points.push_back(point);
+      if (params.end_metres <= 0.0) continue;
+      for (const bool first : {true, false}) {
+        if (i != (first ? 1 : pieces)) continue;
+        if (!insideImage(analysis.intrinsics, first ? segment.px.a : segment.px.b)) continue;
+        // Where a line ends tells the place along it; what the camera errs by goes in all directions alike.
+        EvidencePoint end = point;
+        end.p_robot = first ? piece.a : piece.b;
+        end.sigma_m = std::min(params.maximum_sigma_m, std::hypot(params.sigma_m, std_range));
+        end.d_lean = movedByLean(end.p_robot - camera, height);
+        ends.push_back(end);
+      }
+    }
+    for (EvidencePoint& end : ends) {
+      end.weight = std::min(params.points_per_metre * params.end_metres, kEndShare * weight);
+      observation.points.push_back(end);
     }
     if (weight == 0.0 || (last - begin).norm() < kMinimumLength_m) continue;
     observation.segments.push_back({{begin, last}, *label, weight});
