@@ -72,6 +72,31 @@ TEST(KidnapDetector, CountsNoTimeInWhichNothingIsExpected) {
   EXPECT_EQ(told(detector, now, {0, 4, 0, 3}, 0.5), 1);  // 0.4 + 0.4 s before
 }
 
+// Elements of the new place must not settle the doubt whether this is the old one.
+TEST(KidnapDetector, TellsSinceWhenItDoubts) {
+  KidnapDetector detector({});
+  StampUs now = 0;
+  told(detector, now, {5, 0, 0, 0}, 1.0);
+  EXPECT_EQ(detector.doubtSince(), std::nullopt);
+  const StampUs agreed = now - kFrame;
+  told(detector, now, {0, 4, 1, 3}, 0.5);
+  EXPECT_EQ(detector.doubtSince(), agreed);
+  told(detector, now, {0, 0, 0, 3}, 20.0);
+  EXPECT_EQ(detector.doubtSince(), agreed);
+  told(detector, now, {5, 0, 0, 0}, 1.0);
+  EXPECT_EQ(detector.doubtSince(), std::nullopt);
+}
+
+TEST(KidnapDetector, DropsDoubtsThatNothingSettles) {
+  KidnapDetector detector({});
+  StampUs now = 0;
+  told(detector, now, {5, 0, 0, 0}, 1.0);
+  told(detector, now, {0, 4, 1, 3}, 0.5);
+  told(detector, now, {0, 0, 0, 3}, 40.0);
+  EXPECT_EQ(detector.doubtSince(), std::nullopt);
+  EXPECT_EQ(detector.evidence_s(), 0.0);
+}
+
 TEST(KidnapDetector, CanBeOff) {
   KidnapDetector::Params off;
   off.enabled = false;

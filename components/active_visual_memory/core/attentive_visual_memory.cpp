@@ -79,6 +79,7 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::step(const RobotObserva
   const auto floor =
       projector_.project(believed.frame.intrinsics, T_odom_camera,
                          correctThinLines(observed, params_.thin_lines), rate, believed.T_odom_robot.theta);
+  memory_.doubtSince(kidnap_.doubtSince());
   ImageAnalysis analysis = memory_.update(believed, observed, floor, rate);
   // Consumers are told what the kinematics say; localization estimates the lean from its map, not from ours.
   analysis.T_robot_camera = observation.T_robot_camera;

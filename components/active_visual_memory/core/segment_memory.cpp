@@ -294,7 +294,7 @@ void SegmentMemory::look(MemoryElement& element, const View& view) const {
 }
 
 bool SegmentMemory::isWellKnown(const MemoryElement& element, StampUs stamp_us) const {
-  return !onTrial(element) && element.value.confirmed && !isNew(element, stamp_us) &&
+  return !onTrial(element) && element.value.confirmed && !isNewHere(element, stamp_us) &&
          toSeconds(stamp_us - element.value.last_seen_us) <= params_.well_known_s &&
          travel_m_ - element.seen_travel_m <= params_.well_known_travel_m;
 }
@@ -455,7 +455,7 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
       continue;
     }
     if (tells) ++agreement_.matched;
-    if (isNew(element, analysis.stamp_us)) ++agreement_.fresh;
+    if (isNewHere(element, analysis.stamp_us)) ++agreement_.fresh;
     for (const FloorSegment* piece : seen[p]) take(element, *piece, view);
     if (params_.fusion == Fusion::kCovariance) reviewEnds(element, seen[p], floor, view);
     publish(element);

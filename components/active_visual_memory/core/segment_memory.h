@@ -92,6 +92,9 @@ class SegmentMemory {
   /// How the last image met what was well remembered (M10).
   const SceneAgreement& agreement() const { return agreement_; }
 
+  /// M10: what was found after this may belong to another place, and is no old acquaintance.
+  void doubtSince(std::optional<StampUs> stamp_us) { doubt_since_us_ = stamp_us; }
+
   /// Only lets time pass: an image that was not analysed.
   void age(StampUs stamp_us);
 
@@ -128,6 +131,9 @@ class SegmentMemory {
   bool isNew(const MemoryElement& element, StampUs stamp_us) const {
     return toSeconds(stamp_us - element.value.first_seen_us) < params_.new_s;
   }
+  bool isNewHere(const MemoryElement& element, StampUs stamp_us) const {
+    return isNew(element, stamp_us) || (doubt_since_us_ && element.value.first_seen_us > *doubt_since_us_);
+  }
   bool isWellKnown(const MemoryElement& element, StampUs stamp_us) const;
   bool isBare(const Segment2& place, const MemoryElement& element, const View& view) const;
   bool isOfAnotherKind(const Segment2& place, const MemoryElement& element,
@@ -145,6 +151,7 @@ class SegmentMemory {
   double turn_rad_ = 0.0;
   DriftAlignment drift_;
   SceneAgreement agreement_;
+  std::optional<StampUs> doubt_since_us_;
 };
 
 }  // namespace vismem
