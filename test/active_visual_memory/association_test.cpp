@@ -27,7 +27,7 @@ TEST(Association, GivesTheThreeSetsOfFigure4) {
 }
 
 TEST(Association, IsOneToOneBestFirst) {
-  const std::vector<ImageSegment> observed{seen(10, 104, 110, 104), seen(10, 100.5, 110, 100.5)};
+  const std::vector<ImageSegment> observed{seen(10, 102, 110, 102), seen(10, 100.5, 110, 100.5)};
   const std::vector<Expectation> memory{expected(1, 10, 100, 110, 100)};
   const auto result = associate(observed, memory, {});
   ASSERT_EQ(result.matches.size(), 1u);
@@ -43,6 +43,27 @@ TEST(Association, FragmentsOfOneLineSupportIt) {
   const auto result = associate(observed, {expected(1, 10, 100, 110, 100)}, {});
   EXPECT_EQ(result.matches.size() + result.supports.size(), 2u);
   EXPECT_TRUE(result.unpredicted.empty());
+}
+
+TEST(Association, WhatIsNotInLineWithTheMatchIsNoFragmentOfIt) {
+  // The prediction lies 6 px off, as it does when the camera leans: the match shows where the line really is.
+  const Expectation line = expected(1, 10, 100, 110, 100);
+  const auto supports = [&](const ImageSegment& fragment) {
+    const auto result = associate({seen(10, 106, 80, 106), fragment}, {line}, {});
+    EXPECT_EQ(result.matches.size(), 1u);
+    EXPECT_EQ(result.supports.size() + result.unpredicted.size(), 1u);
+    return result.supports.size() == 1;
+  };
+  EXPECT_TRUE(supports(seen(90, 106.5, 110, 107)));
+  // The foot of a box beside the end of a marking: nearer to the prediction, but no piece of the same edge.
+  EXPECT_FALSE(supports(seen(90, 100, 110, 100)));
+  EXPECT_FALSE(supports(seen(20, 102.5, 70, 102.5))) << "an edge beside it";
+  // It may still be a fragment of another prediction.
+  const auto result = associate({seen(10, 100, 80, 100), seen(10, 95.5, 50, 95.5), seen(60, 96.1, 110, 96.1)},
+                                {line, expected(2, 10, 92, 110, 92)}, {});
+  ASSERT_EQ(result.matches.size(), 2u);
+  ASSERT_EQ(result.supports.size(), 1u);
+  EXPECT_EQ(result.supports[0].predicted, 1);
 }
 
 TEST(Association, GatesOnDistanceAngleOverlapLabelAndPolarity) {

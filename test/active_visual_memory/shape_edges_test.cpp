@@ -127,6 +127,37 @@ TEST(ShapeEdges, LetEndsThatMeetBeWhereTheirLinesCross) {
               1e-6);
 }
 
+TEST(Corners, ConfirmWhatLiesBetweenThem) {
+  // Three sides of a bright square, walked with the inside on the left; nothing has confirmed the middle one.
+  const Segment2 first{{1.0, 0.0}, {1.0, 0.99}}, middle{{0.98, 1.0}, {0.02, 1.0}},
+      last{{0.0, 0.98}, {0.0, 0.0}};
+  const auto confirms = [&](MemoryElement between, const Label& label = "line") {
+    std::vector<MemoryElement> elements{seen(1, first), std::move(between), seen(3, last)};
+    elements[2].value.label = label;
+    publish(elements[1], false, LeanCovariance::Zero());
+    confirmBetweenCorners(elements, {});
+    EXPECT_TRUE(elements[0].value.confirmed && elements[2].value.confirmed);
+    return elements[1].value.confirmed;
+  };
+  EXPECT_TRUE(confirms(seen(2, middle)));
+  EXPECT_FALSE(confirms(seen(2, middle, true))) << "an end is hidden";
+  EXPECT_FALSE(confirms(seen(2, middle), "another")) << "the other edge is of another thing";
+  EXPECT_FALSE(confirms(seen(2, {middle.b, middle.a}))) << "the edge of another surface";
+  EXPECT_FALSE(confirms(seen(2, {{0.98, 1.0}, {0.3, 1.0}}))) << "one end meets nothing";
+  EXPECT_FALSE(confirms(seen(2, {{0.98, 1.0}, {0.02, 1.3}}))) << "one end meets nothing";
+  MemoryElement standing = seen(2, middle);
+  standing.stands = true;
+  EXPECT_FALSE(confirms(standing));
+  MemoryElement unknown = seen(2, middle);
+  unknown.value.label = kUnknownLabel;
+  EXPECT_FALSE(confirms(unknown));
+  // The ends of a thin line meet its sides; what is as short has no direction.
+  std::vector<MemoryElement> thin{seen(1, kLower), seen(2, {{1.0, 0.0}, {1.0, 0.05}}), seen(3, kUpper)};
+  publish(thin[1], false, LeanCovariance::Zero());
+  confirmBetweenCorners(thin, {});
+  EXPECT_FALSE(thin[1].value.confirmed);
+}
+
 TEST(ShapeEdges, ConfirmNoFarSideOfTheShadowAlongABox) {
   const Eigen::Vector3d floor(43, 50, 45);
   const Eigen::Vector3d green(18, 91, 33);

@@ -41,6 +41,21 @@ std::optional<double> associationCost(const ImageSegment& observed, const Expect
   return normal / params.max_normal_px + angle / params.max_angle_rad + (1.0 - std::min(1.0, overlap));
 }
 
+namespace {
+
+/// Do both lie on one straight line, as fragments of an edge do?
+bool inLine(const Segment2& fragment, const Segment2& match, const AssociationParams& params) {
+  const double length = match.length();
+  const auto fits = [&](const Eigen::Vector2d& end) {
+    const double t = projectionFraction(end, match) * length;
+    const double beyond = std::max({0.0, -t, t - length});
+    return distanceToLine(end, match) <= params.fragment_px + params.fragment_rad * beyond;
+  };
+  return fits(fragment.a) && fits(fragment.b);
+}
+
+}  // namespace
+
 AssociationResult associate(const std::vector<ImageSegment>& observed,
                             const std::vector<Expectation>& expected, const AssociationParams& params) {
   std::vector<std::tuple<double, int, int>> candidates;
@@ -55,20 +70,22 @@ AssociationResult associate(const std::vector<ImageSegment>& observed,
 
   AssociationResult result;
   std::vector<bool> observed_taken(observed.size(), false);
-  std::vector<bool> expected_taken(expected.size(), false);
+  std::vector<int> match_of(expected.size(), -1);
   for (const auto& [cost, o, p] : candidates) {
-    if (observed_taken[o] || expected_taken[p]) continue;
-    observed_taken[o] = expected_taken[p] = true;
+    if (observed_taken[o] || match_of[p] >= 0) continue;
+    observed_taken[o] = true;
+    match_of[p] = o;
     result.matches.push_back({o, p});
   }
   // What is left over and still fits a prediction is a fragment of the same line.
   for (const auto& [cost, o, p] : candidates) {
-    if (observed_taken[o]) continue;
+    // Every prediction with a candidate left over has its match.
+    if (observed_taken[o] || !inLine(observed[o].px, observed[match_of[p]].px, params)) continue;
     observed_taken[o] = true;
     result.supports.push_back({o, p});
   }
   for (int p = 0; p < static_cast<int>(expected.size()); ++p) {
-    if (!expected_taken[p]) result.unobserved.push_back(p);
+    if (match_of[p] < 0) result.unobserved.push_back(p);
   }
   for (int o = 0; o < static_cast<int>(observed.size()); ++o) {
     if (!observed_taken[o]) result.unpredicted.push_back(o);

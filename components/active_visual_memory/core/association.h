@@ -16,6 +16,10 @@ struct AssociationParams {
   double min_overlap = 0.3;            ///< of the shorter of the two
   bool use_polarity = true;            ///< edges must agree in which side is brighter, where both know it
   double min_polarity_strength = 6.0;  ///< grey levels; weaker edges do not know their polarity
+  // Fragments of one line lie in line with each other in their image much better than with the prediction,
+  // whose errors they share.
+  double fragment_px = 2.0;    ///< a fragment's ends from the line of the matched one, at most ..
+  double fragment_rad = 0.05;  ///< .. and this much for each pixel beyond its ends
 };
 
 /// What the memory expects, with what association needs beside the port's value.
@@ -26,7 +30,8 @@ struct Expectation {
 
 struct AssociationResult {
   std::vector<ImageAnalysis::Match> matches;  ///< one-to-one, best first
-  /// Further observed segments that lie on an already matched prediction: fragments of one line.
+  /// Further observed segments on an already matched prediction and in line with its match: fragments of one
+  /// line.
   std::vector<ImageAnalysis::Match> supports;
   std::vector<int> unobserved;   ///< predicted but not observed, ascending
   std::vector<int> unpredicted;  ///< observed but neither matched nor supporting, ascending

@@ -24,12 +24,18 @@ struct Meeting {
   double distance_m = 0.0;  ///< of both ends from it, together
 };
 
+Edge edgeOf(MemorySegment& told, const MemoryElement& element) {
+  const Segment2 line = told.odom.floor();
+  return {&told, &element, line, (line.b - line.a).normalized()};
+}
+
 double reachOf(const ExtentEnd& end, const CornerParams& params) {
   return std::min(params.most_reach_m, params.reach_m + params.reach_sigmas * std::sqrt(end.best_m2));
 }
 
 bool meet(const Edge& one, const Edge& other, const CornerParams& params, Meeting& meeting) {
   if (one.element->line.endB().open || other.element->line.endA().open) return false;
+  if ((one.line.b - other.line.a).norm() > 2.0 * params.most_reach_m) return false;
   const double cross = one.along.x() * other.along.y() - one.along.y() * other.along.x();
   if (std::abs(cross) < std::sin(params.min_angle_rad)) return false;
   const Eigen::Vector2d between = other.line.a - one.line.b;
@@ -46,6 +52,30 @@ bool meet(const Edge& one, const Edge& other, const CornerParams& params, Meetin
 
 }  // namespace
 
+void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams& params) {
+  if (!params.enabled) return;
+  std::vector<Edge> confirmed;
+  for (MemoryElement& element : elements) {
+    if (element.value.confirmed) confirmed.push_back(edgeOf(element.value, element));
+  }
+  for (MemoryElement& element : elements) {
+    const FloorLine& line = element.line;
+    const bool known = !line.endA().open && !line.endB().open && line.endA().views >= params.min_views &&
+                       line.endB().views >= params.min_views && line.length() >= params.min_length_m;
+    if (element.value.confirmed || element.stands || !known || element.value.label == kUnknownLabel) continue;
+    const Edge edge = edgeOf(element.value, element);
+    Meeting meeting;
+    const Edge* before = nullptr;
+    const Edge* behind = nullptr;
+    for (const Edge& other : confirmed) {
+      if (other.told->label != element.value.label) continue;
+      if (!before && meet(other, edge, params, meeting)) before = &other;
+      if (!behind && meet(edge, other, params, meeting)) behind = &other;
+    }
+    element.value.confirmed = before && behind && before != behind;
+  }
+}
+
 void meetAtCorners(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
                    const CornerParams& params) {
   if (!params.enabled) return;
@@ -55,8 +85,7 @@ void meetAtCorners(std::vector<MemorySegment>& segments, std::span<const MemoryE
     const auto element = std::find_if(elements.begin(), elements.end(),
                                       [&](const MemoryElement& e) { return e.value.id == segment.id; });
     if (element == elements.end()) continue;
-    const Segment2 line = segment.odom.floor();
-    edges.push_back({&segment, &*element, line, (line.b - line.a).normalized()});
+    edges.push_back(edgeOf(segment, *element));
   }
   std::vector<Meeting> meetings;
   for (std::size_t i = 0; i < edges.size(); ++i) {

@@ -22,6 +22,7 @@ AttentiveVisualMemoryParams AttentiveVisualMemoryParams::chapter() {
   p.memory.life.absent_per_s = 5.0;
   p.memory.life.covered_per_s = 5.0;
   p.memory.association.use_polarity = false;
+  p.memory.association.fragment_px = p.memory.association.max_normal_px;
   p.kidnap.enabled = false;
   p.shape_edges.enabled = false;
   p.attention.visit_angle_rad = degToRad(5.0);

@@ -501,7 +501,7 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
     mergeDuplicates(cache(observation.T_odom_robot));
   }
   countLife(observation.frame.stamp_us);
-  for (MemoryElement& element : elements_) publish(element);
+  publishAll();
   return analysis;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "active_visual_memory/core/association.h"
+#include "active_visual_memory/core/corners.h"
 #include "active_visual_memory/core/drift_alignment.h"
 #include "active_visual_memory/core/drift_residuals.h"
 #include "active_visual_memory/core/floor_evidence.h"
@@ -64,6 +65,7 @@ class SegmentMemory {
     double label_share = 0.4;           ///< of the votes that a label needs
     bool confirm_unlabelled = true;     ///< false: what has no label (a shadow, a pattern) is never confirmed
     bool confirm_by_parallax = true;    ///< false: everything is confirmed at once, as in the chapter
+    CornerParams corners;               ///< of confirmed edges, which confirm what lies between them
     double max_anchor_turn_rad = 20.0;  ///< parallax is begun anew after the robot turned this far
     double max_anchor_travel_m = 4.0;
     double suspect_fading = 4.0;       ///< so much faster unseen things fade that may be standing edges
@@ -141,6 +143,7 @@ class SegmentMemory {
   void mergeDuplicates(const std::vector<int>& cached);
   void countLife(StampUs stamp_us);
   void publish(MemoryElement& element) const;
+  void publishAll();
 
   Params params_;
   LifeClock clock_;

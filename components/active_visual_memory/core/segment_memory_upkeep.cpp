@@ -114,12 +114,17 @@ void SegmentMemory::publish(MemoryElement& element) const {
                   leanCovariance());
 }
 
+void SegmentMemory::publishAll() {
+  for (MemoryElement& element : elements_) publish(element);
+  if (params_.confirm_by_parallax) confirmBetweenCorners(elements_, params_.corners);
+}
+
 void SegmentMemory::age(StampUs stamp_us) {
   // An image that is not analysed speaks neither for nor against anything.
   for (MemoryElement& element : elements_)
     element.sighting = std::max(element.sighting, Sighting::kOutOfView);
   countLife(stamp_us);
-  for (MemoryElement& element : elements_) publish(element);
+  publishAll();
 }
 
 }  // namespace vismem
