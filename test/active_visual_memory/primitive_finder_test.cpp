@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <map>
 
 #include "active_visual_memory/core/primitive_memory.h"
@@ -255,6 +256,41 @@ TEST(PrimitiveMemory, AsksForAHiddenCornerUntilItWasSeen) {
   // Hidden again: what was seen stays known.
   for (const StampUs end = t + 1'000'000; t <= end; t += 200'000) memory.update(t, partly.segments());
   EXPECT_TRUE(memory.hypotheses().empty());
+}
+
+TEST(PrimitiveMemory, TakesBackACornerThatItsSidesDoNotPointAt) {
+  SyntheticShapes floor(1, kExact);
+  floor.addParallelogram({0.0, 0.0}, {0.8, 0.0}, {0.2, 0.9});
+  const Eigen::Vector3d corner{1.0, 0.9, 0.0};
+  const auto withCorner = [&](const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& seen_from) {
+    std::vector<MemorySegment> segments = floor.segments();
+    int ends = 0;
+    for (MemorySegment& segment : segments) {
+      for (auto [end, other] :
+           {std::pair{&segment.odom.a, segment.odom.b}, {&segment.odom.b, segment.odom.a}}) {
+        if ((*end - corner).norm() > 1e-6) continue;
+        *end = seen_from(other);
+        ++ends;
+      }
+    }
+    EXPECT_EQ(ends, 2);
+    return segments;
+  };
+  // The foot of what hides the corner was taken for a piece of one side, whose line was turned by that: both
+  // sides met 10 cm beside the corner.
+  PrimitiveMemory memory(memoryParams());
+  const auto wrong = withCorner([](const Eigen::Vector3d&) { return Eigen::Vector3d(0.9, 0.9, 0.0); });
+  StampUs t = 0;
+  for (; t <= 2'000'000; t += 200'000) memory.update(t, wrong);
+  ASSERT_EQ(memory.published().size(), 1u);
+  ASSERT_EQ(memory.published()[0].hidden_vertex, -1);
+  // Now both sides end where they are hidden, and point at the corner.
+  const auto right = withCorner([&](const Eigen::Vector3d& other) {
+    return Eigen::Vector3d(corner + 0.25 * (other - corner).normalized());
+  });
+  for (const StampUs end = t + 3'000'000; t <= end; t += 200'000) memory.update(t, right);
+  ASSERT_EQ(memory.hypotheses().size(), 1u);
+  EXPECT_LT((memory.hypotheses()[0].p_odom - corner.head<2>()).norm(), 0.01);
 }
 
 TEST(PrimitiveMemory, NamesThePiecesOfABrokenSide) {

@@ -47,9 +47,14 @@ void PrimitiveMemory::take(Entry& entry, Primitive found, double dt_s) const {
   ++entry.findings;
   const double weight = std::max(params_.smoothing, 1.0 / entry.findings);
   alignVertices(known, found);
+  // A corner that is only inferred now does not move one that was seen. Where the sides do not even point at
+  // the place where it was thought to be seen, something else was taken for it.
+  const auto hidden = static_cast<std::size_t>(std::max(0, found.hidden_vertex));
+  const bool was_seen =
+      found.hidden_vertex >= 0 && known.hidden_vertex < 0 &&
+      (found.vertices[hidden] - known.vertices[hidden]).norm() <= params_.finder.polygons.corner_gap_m;
   for (std::size_t i = 0; i < known.vertices.size(); ++i) {
-    // A corner that is only inferred now does not move one that was seen.
-    if (static_cast<int>(i) == found.hidden_vertex && known.hidden_vertex < 0) continue;
+    if (was_seen && i == hidden) continue;
     known.vertices[i] += weight * (found.vertices[i] - known.vertices[i]);
   }
   known.centre += weight * (found.centre - known.centre);
@@ -62,10 +67,7 @@ void PrimitiveMemory::take(Entry& entry, Primitive found, double dt_s) const {
   known.heading_rad = wrapAngle(known.heading_rad + weight * turn);
   known.quality += weight * (found.quality - known.quality);
   // Once a corner was seen it stays known; until then the hypothesis follows the findings.
-  if (found.hidden_vertex < 0)
-    known.hidden_vertex = -1;
-  else if (known.hidden_vertex >= 0)
-    known.hidden_vertex = found.hidden_vertex;
+  known.hidden_vertex = was_seen ? -1 : found.hidden_vertex;
   known.segments = std::move(found.segments);
   known.life = std::min(params_.max_life, known.life + params_.gain_per_s * dt_s);
 }
