@@ -1,5 +1,6 @@
 // The process active_visual_memory (SPEC C2, C3) against a camera, a head and a base served by this program.
 #include <Ice/Ice.h>
+#include <avm/component.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -139,6 +140,13 @@ TEST(ActiveVisualMemoryProcess, RemembersWhatARemoteCameraShowsAndTurnsTheHead) 
       EXPECT_LT(std::abs(s.odom.middle().y()), 0.25);
     }
   }
+
+  const auto told =
+      client.proxy<avm::ComponentPrx>("active_visual_memory/component", component.port())->getStatus();
+  ASSERT_EQ(told.gauges.size(), 4u) << "how the camera leans";
+  EXPECT_EQ(told.gauges[1].name, "lean pitch");
+  EXPECT_EQ(told.gauges[1].unit, "deg");
+  EXPECT_GT(told.gauges[1].sigma, 0.0);
 
   RemoteGaze gaze(client.proxy<avm::GazePrx>("Gaze", component.port()));
   const auto status = gaze.status();

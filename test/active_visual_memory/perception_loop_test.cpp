@@ -7,6 +7,7 @@
 #include <atomic>
 #include <sstream>
 
+#include "common/geometry/angles.h"
 #include "common/process/log.h"
 
 namespace vismem {
@@ -181,6 +182,23 @@ TEST_F(PerceptionLoopTest, SaysWhatIsMissingAndGoesOnWithIt) {
   })) << reason();
   robot_.setOdometry(true);
   EXPECT_TRUE(eventually([&] { return reason().empty(); })) << reason();
+}
+
+TEST_F(PerceptionLoopTest, TellsTheLeanOfTheCamera) {
+  // Gray images tell nothing of it: what was assumed before anything was seen.
+  ASSERT_TRUE(eventually([&] { return last_us_ > 100 * kSecondUs; }));
+  ASSERT_TRUE(eventually([&] { return !status_.report().gauges.empty(); }));
+  const auto gauges = status_.report().gauges;
+  const LeanParams lean;
+  const double sigmas[] = {lean.mount_rad, lean.mount_rad, lean.camera_rad, lean.camera_rad};
+  const std::string names[] = {"lean roll", "lean pitch", "head pitch", "head roll"};
+  ASSERT_EQ(gauges.size(), 4u);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(gauges[i].name, names[i]);
+    EXPECT_EQ(gauges[i].unit, "deg");
+    EXPECT_NEAR(gauges[i].value, 0.0, 1e-6);
+    EXPECT_NEAR(gauges[i].sigma, radToDeg(sigmas[i]), 1e-3);
+  }
 }
 
 TEST_F(PerceptionLoopTest, AThreadThatThrowsIsToldAtOnce) {

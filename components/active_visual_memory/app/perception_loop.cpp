@@ -1,9 +1,12 @@
 #include "active_visual_memory/app/perception_loop.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <limits>
 #include <utility>
+
+#include "common/geometry/angles.h"
 
 namespace vismem {
 namespace {
@@ -252,6 +255,16 @@ void PerceptionLoop::checkClocks(const Inbox& inbox, Clocks& clocks) {
   }
 }
 
+void PerceptionLoop::tellLean(const AttentiveVisualMemory& memory) {
+  if (!params_.pipeline.memory.memory.align || !params_.pipeline.memory.memory.lean.enabled()) return;
+  constexpr const char* kNames[] = {"lean roll", "lean pitch", "head pitch", "head roll"};
+  const Lean lean = memory.lean();
+  const LeanCovariance P = memory.leanCovariance();
+  for (int i = 0; i < 4; ++i) {
+    status_.gauge({kNames[i], radToDeg(lean[i]), radToDeg(std::sqrt(P(i, i))), "deg"});
+  }
+}
+
 bool PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline& pipeline) {
   bool any = false;
   while (auto observation = assembler.take(params_.every_frame)) {
@@ -282,6 +295,7 @@ bool PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline&
                     std::to_string(toSeconds(observation->frame.stamp_us)) + " s");
     }
     status_.latency("iteration", spent.count());
+    tellLean(pipeline.memory());
     gaze_.publish(result.gaze);
     if (result.command && pan_tilt_) send(*result.command);
     consumer_(*observation, result);
@@ -299,8 +313,8 @@ void PerceptionLoop::send(const PanTiltCommand& command) {
 }
 
 void PerceptionLoop::giveCommands(const std::stop_token& stop) {
-  // A command that the unit did not take is given again until it does or a newer one comes: else a head that was away
-  // for a moment would stand wrong until the gaze has something new to say.
+  // A command that the unit did not take is given again until it does or a newer one comes: else a head that
+  // was away for a moment would stand wrong until the gaze has something new to say.
   std::optional<PanTiltCommand> failed;
   const auto given = [this] { return command_.has_value(); };
   while (true) {

@@ -96,6 +96,8 @@ class PerceptionLoop {
   Inbox takeInbox(const std::stop_token& stop);
   /// @return whether there was an observation.
   bool processAll(ObservationAssembler& assembler, MemoryPipeline& pipeline);
+  /// How the camera leans (decision 0008): about the robot's x and y axes, then about the camera's x and z.
+  void tellLean(const AttentiveVisualMemory& memory);
   /// Tells whom it concerns, once for each state and reason, that nothing can be seen.
   void tellBlind(const Inbox& inbox, bool frames_come, const ObservationAssembler& assembler);
   void checkClocks(const Inbox& inbox, Clocks& clocks);

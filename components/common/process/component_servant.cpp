@@ -58,6 +58,9 @@ avm::ComponentStatus toSlice(const StatusReport& report) {
                                 kMsPerSecond * figures.p95_s, kMsPerSecond * figures.p99_s,
                                 kMsPerSecond * figures.max_s});
   }
+  for (const auto& gauge : report.gauges) {
+    status.gauges.push_back({gauge.name, gauge.value, gauge.sigma, gauge.unit});
+  }
   for (const auto& error : report.errors) {
     status.errors.push_back({static_cast<long long>(error.stamp_us), error.text});
   }
@@ -80,6 +83,9 @@ StatusReport fromSlice(const avm::ComponentStatus& status) {
     report.latencies.push_back({latency.name,
                                 {latency.samples, latency.p50Ms / kMsPerSecond, latency.p95Ms / kMsPerSecond,
                                  latency.p99Ms / kMsPerSecond, latency.maxMs / kMsPerSecond}});
+  }
+  for (const auto& gauge : status.gauges) {
+    report.gauges.push_back({gauge.name, gauge.value, gauge.sigma, gauge.unit});
   }
   for (const auto& error : status.errors) report.errors.push_back({error.stampUs, error.text});
   return report;

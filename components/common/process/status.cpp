@@ -77,6 +77,17 @@ void StatusBoard::latency(const std::string& what, double duration_s) {
   latencies_[what].add(now, duration_s);
 }
 
+void StatusBoard::gauge(StatusReport::Gauge now) {
+  const std::scoped_lock lock(mutex_);
+  const auto known =
+      std::find_if(gauges_.begin(), gauges_.end(), [&](const auto& gauge) { return gauge.name == now.name; });
+  if (known == gauges_.end()) {
+    gauges_.push_back(std::move(now));
+  } else {
+    *known = std::move(now);
+  }
+}
+
 void StatusBoard::fault(const std::string& what, const std::string& why) {
   {
     const std::scoped_lock lock(mutex_);
@@ -203,6 +214,7 @@ StatusReport StatusBoard::report() const {
   report.peers = peers_;
   for (const auto& [name, rate] : rates_) report.rates.push_back({name, rate.hz(now), rate.total()});
   for (const auto& [name, latency] : latencies_) report.latencies.push_back({name, latency.figures(now)});
+  report.gauges = gauges_;
   report.errors.assign(errors_.begin(), errors_.end());
   decideState(report, now);
   return report;

@@ -1,4 +1,4 @@
-/// @file What a component tells about itself (DESIGN 10): state, peers, rates, latencies, last errors. No
+/// @file What a component tells about itself (DESIGN 10): state, peers, rates, latencies, estimates, last errors. No
 /// Ice.
 #pragma once
 
@@ -43,6 +43,14 @@ struct StatusReport {
     std::string name;
     LatencyHistogram::Figures figures;
   };
+  /// What the component has estimated of itself, with its standard deviation.
+  struct Gauge {
+    std::string name;
+    double value = 0;
+    double sigma = 0;
+    /// Of both.
+    std::string unit;
+  };
   struct Error {
     /// Host's real time [us].
     std::int64_t stamp_us = 0;
@@ -57,6 +65,7 @@ struct StatusReport {
   std::vector<PeerReport> peers;
   std::vector<Rate> rates;
   std::vector<Latency> latencies;
+  std::vector<Gauge> gauges;
   /// The last ones, oldest first.
   std::vector<Error> errors;
 };
@@ -80,6 +89,9 @@ class StatusBoard {
   void count(const std::string& what);
   /// One duration [s]: "detect", "frame age".
   void latency(const std::string& what, double duration_s);
+
+  /// What is believed now of something: replaces what was of that name.
+  void gauge(StatusReport::Gauge now);
 
   /// Something of the component's own does not work: "odometry", "no sample for 2.0 s". Logged when it begins
   /// and when its reason changes; it counts as an error then.
@@ -131,6 +143,7 @@ class StatusBoard {
   std::vector<PeerReport> peers_;
   std::map<std::string, RateCounter> rates_;
   std::map<std::string, LatencyHistogram> latencies_;
+  std::vector<StatusReport::Gauge> gauges_;
   std::map<std::string, std::string> faults_;
   std::map<std::string, Watched> watched_;
   std::deque<StatusReport::Error> errors_;

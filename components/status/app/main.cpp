@@ -191,7 +191,7 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Shows the components of a setup: state, peers, rates, latencies, last errors.", "status"};
+  CLI::App app{"Shows the components of a setup: state, peers, rates, latencies, estimates, last errors.", "status"};
   Options options;
   declare(app, options);
   if (const auto code = parseTool(app, argc, argv)) return *code;

@@ -83,6 +83,10 @@ Lines detailsOf(const StatusReport& report) {
                                      kMsPerSecond * figures.p50_s, kMsPerSecond * figures.p95_s,
                                      kMsPerSecond * figures.p99_s, kMsPerSecond * figures.max_s));
   }
+  for (const auto& gauge : report.gauges) {
+    lines.emplace_back("estimates", padded(gauge.name, 14) +
+                                        formatted(" %.2f +- %.2f ", gauge.value, gauge.sigma) + gauge.unit);
+  }
   const std::size_t skipped = report.errors.size() - std::min(report.errors.size(), kShownErrors);
   for (std::size_t i = skipped; i < report.errors.size(); ++i) {
     lines.emplace_back("last errors", clockTime(report.errors[i].stamp_us) + "  " + report.errors[i].text);
@@ -162,6 +166,11 @@ nlohmann::json statusJson(const std::vector<ComponentRow>& rows) {
                                           {"p95_ms", kMsPerSecond * figures.p95_s},
                                           {"p99_ms", kMsPerSecond * figures.p99_s},
                                           {"max_ms", kMsPerSecond * figures.max_s}});
+      }
+      component["gauges"] = nlohmann::json::array();
+      for (const auto& gauge : report.gauges) {
+        component["gauges"].push_back(
+            {{"name", gauge.name}, {"value", gauge.value}, {"sigma", gauge.sigma}, {"unit", gauge.unit}});
       }
       component["errors"] = nlohmann::json::array();
       for (const auto& error : report.errors) {

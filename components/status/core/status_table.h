@@ -31,7 +31,7 @@ std::string stateName(const ComponentRow& row);
 /// Whether there are components and every one of them is running.
 bool isWhole(const std::vector<ComponentRow>& rows);
 
-/// A heading, a line for each component, and below it what it knows: peers, rates, latencies, last errors.
+/// A heading, a line for each component, and below it what it knows: peers, rates, latencies, estimates, last errors.
 /// @param colour  with the escape sequences of terminals.
 std::string statusTable(const std::vector<ComponentRow>& rows, bool colour);
 
