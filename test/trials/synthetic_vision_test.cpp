@@ -74,8 +74,9 @@ TEST(SyntheticVision, WithoutErrorsIsTheTruth) {
   VisionErrors none;
   none.found = 1.0;
   none.half_px = -1e3;
-  none.along_mean_px = 0.0;
-  none.across_px = none.along_px = none.broken_every_px = none.unknown = none.false_per_image = 0.0;
+  none.across_floor = none.across_upright = none.along_floor = none.along_upright = {};
+  none.along_floor_mean_px = none.along_upright_mean_px = none.border_px = 0.0;
+  none.broken_every_px = none.unknown = none.false_per_image = 0.0;
   SyntheticVision vision(lines(), none, {}, 1);
   const auto image = vision.look(0.0, kIntrinsics, camera(), openFloor);
   const auto pieces = visiblePieces(lines(), kIntrinsics, camera(), openFloor);
@@ -93,9 +94,10 @@ TEST(SyntheticVision, ItsErrorsAreThoseItWasAskedFor) {
   errors.half_px = 0.0;
   errors.soft_px = 1.0;
   errors.persistence = 0.0;
-  errors.across_px = 0.5;
-  errors.along_px = 2.0;
-  errors.along_mean_px = -1.0;
+  errors.across_floor = {0.3, 0.4};
+  errors.along_floor = {1.2, 1.6};
+  errors.along_floor_mean_px = -1.0;
+  errors.lasting_s = 2.0;
   errors.broken_every_px = 0.0;
   errors.unknown = 0.0;
   errors.false_per_image = 0.4;
@@ -103,15 +105,20 @@ TEST(SyntheticVision, ItsErrorsAreThoseItWasAskedFor) {
   VisionStatistics statistics;
   constexpr int kImages = 3000;
   for (int i = 0; i < kImages; ++i) {
-    statistics.add(lines(), visiblePieces(lines(), kIntrinsics, camera(), openFloor),
+    statistics.add(0.1 * i, kIntrinsics, lines(), visiblePieces(lines(), kIntrinsics, camera(), openFloor),
                    vision.look(0.1 * i, kIntrinsics, camera(), openFloor));
   }
   // Two pieces an image, 6000 draws: three standard deviations of 0.8 are 0.016.
   EXPECT_NEAR(1.0 - statistics.missed(), 0.8, 0.016);
   EXPECT_NEAR(statistics.missedAgain(), statistics.missed(), 0.04);
-  EXPECT_NEAR(statistics.acrossRms_px(), 0.5, 0.05);
-  EXPECT_NEAR(statistics.alongMean_px(), -1.0, 0.1);
-  EXPECT_NEAR(statistics.alongRms_px(), std::hypot(2.0, 1.0), 0.15);
+  // The lasting part repeats over 2 s: 300 s hold some 150 independent values of each of it.
+  EXPECT_NEAR(statistics.across(true).standardDeviation(), 0.5, 0.05);
+  EXPECT_NEAR(statistics.along(true).mean(), -1.0, 0.3);
+  EXPECT_NEAR(statistics.along(true).standardDeviation(), 2.0, 0.2);
+  // 0.36 of the variance lasts, and e^-0.05 and e^-0.5 of that after 0.1 and 1 s.
+  EXPECT_NEAR(statistics.along(true).correlation(0), 0.34, 0.08);
+  EXPECT_NEAR(statistics.along(true).correlation(1), 0.22, 0.08);
+  EXPECT_NEAR(statistics.along(true).correlation(3), 0.0, 0.1);
   // Some false ones leave the image at once and become too short: a little less than asked.
   EXPECT_GT(statistics.falsePerImage(), 0.3);
   EXPECT_LT(statistics.falsePerImage(), 0.42);
@@ -128,7 +135,7 @@ TEST(SyntheticVision, MissesPersist) {
   SyntheticVision vision(lines(), errors, {}, 1);
   VisionStatistics statistics;
   for (int i = 0; i < 3000; ++i) {
-    statistics.add(lines(), visiblePieces(lines(), kIntrinsics, camera(), openFloor),
+    statistics.add(0.1 * i, kIntrinsics, lines(), visiblePieces(lines(), kIntrinsics, camera(), openFloor),
                    vision.look(0.1 * i, kIntrinsics, camera(), openFloor));
   }
   // Two normals with correlation 0.9 are on one side of 0 with probability 1/2 + asin(0.9) / pi = 0.856.
@@ -142,7 +149,7 @@ TEST(SyntheticVision, FalseSegmentsHaveTheShareAskedFor) {
     SyntheticVision vision(lines(), errors, {.false_share = share}, 1);
     VisionStatistics statistics;
     for (int i = 0; i < 3000; ++i) {
-      statistics.add(lines(), visiblePieces(lines(), kIntrinsics, camera(), openFloor),
+      statistics.add(0.1 * i, kIntrinsics, lines(), visiblePieces(lines(), kIntrinsics, camera(), openFloor),
                      vision.look(0.1 * i, kIntrinsics, camera(), openFloor));
     }
     EXPECT_NEAR(statistics.falseShare(), share, 0.03);

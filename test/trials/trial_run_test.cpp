@@ -144,7 +144,7 @@ TEST(TrialRun, RenderedImagesAndMadeUpSegmentsShowTheSame) {
   }
   // Of one short run: the fit itself is measured by `experiment E6 --variant vision`.
   EXPECT_NEAR(rendered.missed(), made_up.missed(), 0.05);
-  EXPECT_NEAR(rendered.acrossRms_px(), made_up.acrossRms_px(), 0.2);
+  EXPECT_NEAR(rendered.across(true).standardDeviation(), made_up.across(true).standardDeviation(), 0.1);
   EXPECT_LT(rendered.wrongSideShare(), 0.05);
   EXPECT_LT(made_up.wrongSideShare(), 0.05);
 }

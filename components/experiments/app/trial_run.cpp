@@ -119,7 +119,7 @@ struct TrialRun::Impl {
       }
     }
     if (statistics != nullptr) {
-      statistics->add(params.map_edges,
+      statistics->add(toSeconds(observation.frame.stamp_us), observation.frame.intrinsics, params.map_edges,
                       visiblePieces(params.map_edges, observation.frame.intrinsics, T_world_camera, cast),
                       observed);
     }
@@ -227,10 +227,19 @@ nlohmann::json toJson(const VisionStatistics& statistics) {
                           {"covered", b.covered / pieces},
                           {"fragments", b.fragments / static_cast<double>(std::max(1, b.found))}};
   };
+  const auto error = [](const LastingError& e) {
+    nlohmann::json one{{"mean", e.mean()}, {"std", e.standardDeviation()}};
+    for (std::size_t lag = 0; lag < LastingError::kLags_s.size(); ++lag) {
+      one["correlation"].push_back({{"after_s", LastingError::kLags_s[lag]}, {"is", e.correlation(lag)}});
+    }
+    return one;
+  };
   nlohmann::json json{{"images", statistics.images()},
-                      {"across_rms_px", statistics.acrossRms_px()},
-                      {"along_mean_px", statistics.alongMean_px()},
-                      {"along_rms_px", statistics.alongRms_px()},
+                      {"across_floor_px", error(statistics.across(true))},
+                      {"across_upright_px", error(statistics.across(false))},
+                      {"along_floor_px", error(statistics.along(true))},
+                      {"along_upright_px", error(statistics.along(false))},
+                      {"at_border_px", error(statistics.atBorder())},
                       {"false_per_image", statistics.falsePerImage()},
                       {"false_share", statistics.falseShare()},
                       {"false_length_px", statistics.falseLength_px()},

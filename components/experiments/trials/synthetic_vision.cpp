@@ -22,15 +22,17 @@ constexpr double kLongestClutter_m = 1.5;
 /// Edges of average contrast.
 constexpr double kStrength = 40.0;
 
+bool isOnFloor(const MapSegment& edge) {
+  return std::abs(edge.world.a.z()) <= kOnFloor_m && std::abs(edge.world.b.z()) <= kOnFloor_m;
+}
+
 }  // namespace
 
 SyntheticVision::SyntheticVision(const SegmentMap& edges, const VisionErrors& errors,
                                  const Disturbance& disturbance, std::uint64_t seed)
     : edges_(edges), errors_(errors), disturbance_(disturbance), engine_(seed) {
   for (const MapSegment& edge : edges_.segments) {
-    const bool on_floor =
-        std::abs(edge.world.a.z()) <= kOnFloor_m && std::abs(edge.world.b.z()) <= kOnFloor_m;
-    if (on_floor && edge.label != kAnyLabel) floor_labels_.push_back(edge.label);
+    if (isOnFloor(edge) && edge.label != kAnyLabel) floor_labels_.push_back(edge.label);
   }
 }
 
@@ -49,7 +51,7 @@ std::vector<ImageSegment> SyntheticVision::look(double time_s, const CameraIntri
                                                 const Pose3& T_world_camera, const CastRay& cast) {
   std::vector<ImageSegment> image;
   for (const VisiblePiece& piece : visiblePieces(edges_, intrinsics, T_world_camera, cast)) {
-    addPiece(time_s, piece, image);
+    addPiece(time_s, intrinsics, piece, image);
   }
   double expected = errors_.false_per_image;
   for (; uniform(engine_, 0.0, 1.0) < expected; expected -= 1.0) addFalse(intrinsics, image);
@@ -58,32 +60,46 @@ std::vector<ImageSegment> SyntheticVision::look(double time_s, const CameraIntri
   return image;
 }
 
-void SyntheticVision::addPiece(double time_s, const VisiblePiece& piece, std::vector<ImageSegment>& image) {
+void SyntheticVision::addPiece(double time_s, const CameraIntrinsics& intrinsics, const VisiblePiece& piece,
+                               std::vector<ImageSegment>& image) {
   EdgeState& state = states_[piece.edge];
   const double past_s = time_s - state.time_s;
-  const double kept = past_s > kForgotten_s ? 0.0 : std::pow(errors_.persistence, past_s / kImage_s);
-  const double fresh = std::sqrt(1.0 - kept * kept);
-  for (double* value : {&state.luck, &state.across_a, &state.across_b}) {
-    *value = kept * *value + fresh * standardNormal(engine_);
+  const auto goOn = [this](double& value, double kept) {
+    value = kept * value + std::sqrt(1.0 - kept * kept) * standardNormal(engine_);
+  };
+  goOn(state.luck, past_s > kForgotten_s ? 0.0 : std::pow(errors_.persistence, past_s / kImage_s));
+  for (double* value : {&state.across, &state.along_a, &state.along_b}) {
+    goOn(*value, std::exp(-past_s / errors_.lasting_s));
   }
   state.time_s = time_s;
+  const MapSegment& edge = edges_.segments[static_cast<std::size_t>(piece.edge)];
+  const bool on_floor = isOnFloor(edge);
   const double length = piece.px.length();
   const double p_found = errors_.found / (1.0 + std::exp((errors_.half_px - length) / errors_.soft_px));
   // Of a standard normal, the share below its value is uniform.
   const double luck = 0.5 * std::erfc(-state.luck / std::numbers::sqrt2);
   // Drawn in any case: one more or less must not change all that follows.
-  const double beyond_a = errors_.along_mean_px + errors_.along_px * standardNormal(engine_);
-  const double beyond_b = errors_.along_mean_px + errors_.along_px * standardNormal(engine_);
+  const auto error = [this](const VisionErrors::Spread& spread, double lasting) {
+    return spread.lasting_px * lasting + spread.fresh_px * standardNormal(engine_);
+  };
+  const auto& across_spread = on_floor ? errors_.across_floor : errors_.across_upright;
+  const double aside_a = error(across_spread, state.across);
+  const double aside_b = error(across_spread, state.across);
+  const auto& along_spread = on_floor ? errors_.along_floor : errors_.along_upright;
+  const double mean = on_floor ? errors_.along_floor_mean_px : errors_.along_upright_mean_px;
+  double beyond_a = mean + error(along_spread, state.along_a);
+  double beyond_b = mean + error(along_spread, state.along_b);
+  if (isAtBorder(intrinsics, piece.px.a)) beyond_a = -errors_.border_px;
+  if (isAtBorder(intrinsics, piece.px.b)) beyond_b = -errors_.border_px;
   const bool is_unknown = uniform(engine_, 0.0, 1.0) < errors_.unknown;
   if (luck > p_found) return;
 
   const Eigen::Vector2d along = (piece.px.b - piece.px.a) / length;
   const Eigen::Vector2d across(along.y(), -along.x());
-  const Segment2 found{piece.px.a - beyond_a * along + errors_.across_px * state.across_a * across,
-                       piece.px.b + beyond_b * along + errors_.across_px * state.across_b * across};
+  const Segment2 found{piece.px.a - beyond_a * along + aside_a * across,
+                       piece.px.b + beyond_b * along + aside_b * across};
   if ((found.b - found.a).dot(along) < errors_.least_px) return;
-  const Label& label =
-      is_unknown ? kUnknownLabel : edges_.segments[static_cast<std::size_t>(piece.edge)].label;
+  const Label& label = is_unknown ? kUnknownLabel : edge.label;
   double begin = 0.0;
   const double end = found.length();
   while (begin < end) {

@@ -20,11 +20,22 @@ struct VisionErrors {
   double found = 0.998;
   double half_px = 11.3;
   double soft_px = 2.2;
-  /// Correlation of the luck of one edge, and of its place, from one image to the next 0.1 s later.
+  /// Correlation of the luck of one edge from one image to the next 0.1 s later.
   double persistence = 0.7;
-  double across_px = 0.3;           ///< standard deviation of an end across its line
-  double along_mean_px = -0.95;     ///< an end lies beyond the true one by this ..
-  double along_px = 1.46;           ///< .. with this standard deviation
+  /// Standard deviations of an end's error [px]: the part that stays while the edge is seen, and changes
+  /// over about `lasting_s`, and the part that is new in each image.
+  struct Spread {
+    double lasting_px = 0.0;
+    double fresh_px = 0.0;
+  };
+  double lasting_s = 8.0;
+  Spread across_floor{0.08, 0.09};    ///< across the line; edges on the floor ..
+  Spread across_upright{0.19, 0.30};  ///< .. and others
+  Spread along_floor{0.82, 0.71};
+  Spread along_upright{0.84, 0.84};
+  double along_floor_mean_px = -0.16;  ///< an end lies beyond the true one by this
+  double along_upright_mean_px = -1.0;
+  double border_px = 2.2;           ///< where the image's border cuts a line, so much is not found
   double broken_every_px = 4000.0;  ///< mean length between breaks; 0: never broken
   double gap_px = 6.0;              ///< of a break
   double unknown = 0.004;           ///< share of found pieces without a label
@@ -57,8 +68,9 @@ class SyntheticVision {
   struct EdgeState {
     double time_s = -1e9;
     double luck = 0.0;
-    double across_a = 0.0;
-    double across_b = 0.0;
+    double across = 0.0;
+    double along_a = 0.0;
+    double along_b = 0.0;
   };
   struct Clutter {
     Segment3 world;
@@ -66,7 +78,8 @@ class SyntheticVision {
     double until_s = 0.0;
   };
 
-  void addPiece(double time_s, const VisiblePiece& piece, std::vector<ImageSegment>& image);
+  void addPiece(double time_s, const CameraIntrinsics& intrinsics, const VisiblePiece& piece,
+                std::vector<ImageSegment>& image);
   void addFalse(const CameraIntrinsics& intrinsics, std::vector<ImageSegment>& image);
   void addClutter(double time_s, const CameraIntrinsics& intrinsics, const Pose3& T_world_camera,
                   std::vector<ImageSegment>& image);

@@ -13,6 +13,8 @@ constexpr double kTolerance_m = 0.03;
 /// Brightness is compared this far from the edge.
 constexpr double kBeside_px = 3.0;
 constexpr int kMostRays = 120;
+/// The outermost pixels reach 0.5 px beyond their centres; rays come in steps.
+constexpr double kBorder_px = 0.5;
 
 /// The point of a segment of space that a pixel on its image shows. Both in camera coordinates.
 Eigen::Vector3d pointShown(const CameraIntrinsics& intrinsics, const Eigen::Vector3d& a,
@@ -42,6 +44,11 @@ bool brighterOnTheLeft(const CameraIntrinsics& intrinsics, const Pose3& T_world_
 }
 
 }  // namespace
+
+bool isAtBorder(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px) {
+  return px.x() < kBorder_px || px.y() < kBorder_px || px.x() > intrinsics.width - 1.0 - kBorder_px ||
+         px.y() > intrinsics.height - 1.0 - kBorder_px;
+}
 
 std::vector<VisiblePiece> visiblePieces(const SegmentMap& edges, const CameraIntrinsics& intrinsics,
                                         const Pose3& T_world_camera, const CastRay& cast,

@@ -35,6 +35,9 @@ struct VisiblePiecesParams {
   double farthest_m = 12.0;  ///< edges that are nowhere nearer are left out
 };
 
+/// True for an end of a piece where the image's border cuts it.
+bool isAtBorder(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px);
+
 /// @param edges stripes expanded. @param T_world_camera the true one.
 std::vector<VisiblePiece> visiblePieces(const SegmentMap& edges, const CameraIntrinsics& intrinsics,
                                         const Pose3& T_world_camera, const CastRay& cast,

@@ -27,13 +27,18 @@ std::size_t binOf(const std::array<double, N>& borders, double value) {
   return bin;
 }
 
+std::int64_t endOf(int edge, bool first) {
+  return 2 * static_cast<std::int64_t>(edge) + (first ? 0 : 1);
+}
+
 bool has(const std::vector<int>& sorted, int value) {
   return std::binary_search(sorted.begin(), sorted.end(), value);
 }
 
 }  // namespace
 
-void VisionStatistics::add(const SegmentMap& edges, const std::vector<VisiblePiece>& visible,
+void VisionStatistics::add(double time_s, const CameraIntrinsics& intrinsics, const SegmentMap& edges,
+                           const std::vector<VisiblePiece>& visible,
                            const std::vector<ImageSegment>& observed) {
   ++images_;
   std::vector<bool> explained(observed.size(), false);
@@ -43,6 +48,10 @@ void VisionStatistics::add(const SegmentMap& edges, const std::vector<VisiblePie
   for (const VisiblePiece& piece : visible) {
     const MapSegment& edge = edges.segments[static_cast<std::size_t>(piece.edge)];
     const double length = piece.px.length();
+    const bool on_floor =
+        std::abs(edge.world.a.z()) <= kOnFloor_m && std::abs(edge.world.b.z()) <= kOnFloor_m;
+    const Eigen::Vector2d along = (piece.px.b - piece.px.a) / length;
+    const Eigen::Vector2d left(along.y(), -along.x());
     std::vector<std::pair<double, double>> covered;
     int fragments = 0;
     for (std::size_t i = 0; i < observed.size(); ++i) {
@@ -54,10 +63,12 @@ void VisionStatistics::add(const SegmentMap& edges, const std::vector<VisiblePie
       if (!explained[i]) ++right_;
       explained[i] = true;
       ++fragments;
-      for (const Eigen::Vector2d& end : {segment.px.a, segment.px.b}) {
-        const double off = distanceToLine(end, piece.px);
-        across2_ += off * off;
-        ++ends_;
+      if (length >= kFarFrom_px) {
+        for (const bool first : {true, false}) {
+          const Eigen::Vector2d& end = first ? segment.px.a : segment.px.b;
+          (on_floor ? across_floor_ : across_upright_)
+              .add(endOf(piece.edge, first), time_s, left.dot(end - piece.px.a));
+        }
       }
       double from = projectionFraction(segment.px.a, piece.px);
       double to = projectionFraction(segment.px.b, piece.px);
@@ -72,14 +83,16 @@ void VisionStatistics::add(const SegmentMap& edges, const std::vector<VisiblePie
       reached = std::max(reached, std::min(1.0, to));
     }
     const bool found = sum >= kFoundShare;
-    if (found) {
+    for (const bool first : {true, false}) {
+      if (!found || length < kFarFrom_px) break;
       // An edge that goes on as another of the same label is found as one with it: not an error of the end.
-      for (const double beyond : {-covered.front().first * length, (covered.back().second - 1.0) * length}) {
-        if (std::abs(beyond) > kBeyondEnd_px) continue;
-        along_ += beyond;
-        along2_ += beyond * beyond;
-        ++ends_along_;
-      }
+      const double beyond = first ? -covered.front().first * length : (covered.back().second - 1.0) * length;
+      if (std::abs(beyond) > kBeyondEnd_px) continue;
+      const bool is_cut = isAtBorder(intrinsics, first ? piece.px.a : piece.px.b);
+      (is_cut     ? at_border_
+       : on_floor ? along_floor_
+                  : along_upright_)
+          .add(endOf(piece.edge, first), time_s, beyond);
     }
     const auto count = [&](Bin& bin) {
       ++bin.pieces;
@@ -90,7 +103,7 @@ void VisionStatistics::add(const SegmentMap& edges, const std::vector<VisiblePie
     };
     count(by_length_[binOf(kLengths_px, length)]);
     if (length < kFarFrom_px) continue;
-    if (std::abs(edge.world.a.z()) <= kOnFloor_m && std::abs(edge.world.b.z()) <= kOnFloor_m) {
+    if (on_floor) {
       count(by_range_[binOf(kRanges_m, piece.range_m)]);
     }
     now_shown.push_back(piece.edge);

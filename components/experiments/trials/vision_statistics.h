@@ -2,10 +2,10 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <vector>
 
 #include "common/vision/image_segment.h"
+#include "experiments/trials/lasting_error.h"
 #include "experiments/trials/visible_pieces.h"
 
 namespace vismem {
@@ -27,17 +27,18 @@ class VisionStatistics {
   };
 
   /// @param edges of the map. @param visible of this image. @param observed likewise.
-  void add(const SegmentMap& edges, const std::vector<VisiblePiece>& visible,
-           const std::vector<ImageSegment>& observed);
+  void add(double time_s, const CameraIntrinsics& intrinsics, const SegmentMap& edges,
+           const std::vector<VisiblePiece>& visible, const std::vector<ImageSegment>& observed);
 
   int images() const { return images_; }
   const std::array<Bin, kLengths_px.size()>& byLength() const { return by_length_; }
   const std::array<Bin, kRanges_m.size()>& byRange() const { return by_range_; }
-  /// Of the ends of segments that belong to a piece, across its line: root mean square [px].
-  double acrossRms_px() const { return ends_ > 0 ? std::sqrt(across2_ / ends_) : 0.0; }
-  /// Where a piece's ends were found beyond (positive) or short of the truth, along it [px].
-  double alongMean_px() const { return ends_along_ > 0 ? along_ / ends_along_ : 0.0; }
-  double alongRms_px() const { return ends_along_ > 0 ? std::sqrt(along2_ / ends_along_) : 0.0; }
+  /// Of segments on pieces of kFarFrom_px or longer, by whether the edge lies on the floor: how far an end
+  /// lies beside the line, and how much beyond (positive) or short of the piece's end [px]; the latter for
+  /// ends inside the image, and for those where its border cuts the piece.
+  const LastingError& across(bool on_floor) const { return on_floor ? across_floor_ : across_upright_; }
+  const LastingError& along(bool on_floor) const { return on_floor ? along_floor_ : along_upright_; }
+  const LastingError& atBorder() const { return at_border_; }
   /// Labelled segments of an image that belong to no piece of their label, and their share of the labelled.
   double falsePerImage() const { return images_ > 0 ? static_cast<double>(false_) / images_ : 0.0; }
   double falseShare() const { return labelled_ > 0 ? static_cast<double>(false_) / labelled_ : 0.0; }
@@ -57,11 +58,11 @@ class VisionStatistics {
   int images_ = 0;
   std::array<Bin, kLengths_px.size()> by_length_{};
   std::array<Bin, kRanges_m.size()> by_range_{};
-  double across2_ = 0.0;
-  int ends_ = 0;
-  double along_ = 0.0;
-  double along2_ = 0.0;
-  int ends_along_ = 0;
+  LastingError across_floor_;
+  LastingError across_upright_;
+  LastingError along_floor_;
+  LastingError along_upright_;
+  LastingError at_border_;
   int labelled_ = 0;
   int false_ = 0;
   double false_length_ = 0.0;
