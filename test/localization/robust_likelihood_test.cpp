@@ -233,6 +233,7 @@ TEST(RobustLikelihood, HandWorkedExample) {
   const MapIndex map = cornerMap();
   RobustParams params;
   params.use_field = false;
+  params.outlier_share = 0.05;
   const RobustLikelihood likelihood(map, params);
   RobustObservation observation;
   // 0.06 m from the wall at sigma 0.06 m: exp(-1/2) = 0.60653; log(0.95 * 0.60653 + 0.05) = log(0.62620) =

@@ -56,6 +56,7 @@ std::vector<Ablation> ablations(const LocalizerParams& base) {
   without("no_ends", [](auto& p) { p.robust.end_metres = 0.0; });
   without("no_kalman", [](auto& p) { p.robust.kalman = false; });
   without("no_past_evidence", [](auto& p) { p.robust.forgetting = 0.0; });
+  without("no_news", [](auto& p) { p.robust.repeats = 0.0; });
   without("no_hysteresis", [](auto& p) { p.robust.lead = 0.0; });
   without("no_validity", [](auto& p) { p.robust.validity = false; });
   without("no_constructed", [](auto& p) { p.robust.constructed_share = 0.0; });

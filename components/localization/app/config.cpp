@@ -106,6 +106,8 @@ void readRobust(ConfigReader r, RobustParams& p) {
   p.news_share = r.real("NewsShare", p.news_share, 0.0, 1.0);
   p.forgetting = r.real("Forgetting", p.forgetting, 0.0, 0.9999);
   p.lead = r.real("Lead", p.lead, 0.0, 1e6);
+  p.repeats = r.real("Repeats", p.repeats, 0.0, 1e6);
+  p.repeat_time_s = r.real("RepeatTime_s", p.repeat_time_s, 0.01, 1e6);
   p.birth_penalty = r.real("BirthPenalty", p.birth_penalty, 0.0, 1e6);
   p.delete_behind = r.real("DeleteBehind", p.delete_behind, 0.0, 1e6);
   p.constructed_share = r.real("ConstructedShare", p.constructed_share, 0.0, 1.0);

@@ -97,6 +97,7 @@ class ChapterStrategy : public RaceStrategy {
 
   /// The chapter's search follows its reliability alone.
   std::optional<double> agreement(const RaceTable&) const override { return std::nullopt; }
+  bool isUndisputed(const RaceTable&) const override { return false; }
 
   double nextReliability(double last, const RaceTable& table) const override {
     const Race* winner = table.winner();

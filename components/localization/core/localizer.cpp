@@ -25,6 +25,9 @@ constexpr double kGivenStd_rad = 0.1;
 
 /// An observation that lets the winner be believed less than this share of its reliability is a surprise.
 constexpr double kSurprise = 0.7;
+/// Where nothing spoke against the winner for so many iterations the search rests, although much that is seen
+/// is not in the map and reliability stays low.
+constexpr int kRestAfter = 15;
 
 std::unique_ptr<RaceStrategy> makeStrategy(const LocalizerParams& params, const SegmentMap& map_edges) {
   return params.mode == LocalizationMode::kChapter ? makeChapterStrategy(map_edges, params)
@@ -98,8 +101,10 @@ void Localizer::iterate(const MemoryUpdate& update) {
   // what it should.
   const auto agreement = strategy_->agreement(table_);
   const bool is_surprised = agreement && *agreement < kSurprise * reliability_;
-  const int explorers =
-      explorerCount(params_.explorers, is_surprised ? *agreement : reliability_, iteration_);
+  int explorers = explorerCount(params_.explorers, is_surprised ? *agreement : reliability_, iteration_);
+  const bool rests = undisputed_ >= kRestAfter && !is_surprised;
+  const auto period = static_cast<std::uint64_t>(std::max(1, params_.explorers.period_reliable));
+  if (rests && iteration_ % period != 0) explorers = 0;
   if (explorers > 0) {
     for (Race& candidate : strategy_->search(explorers, table_, engine_)) {
       table_.admit(std::move(candidate));
@@ -118,6 +123,8 @@ void Localizer::iterate(const MemoryUpdate& update) {
   strategy_->choose(table_, reliability_);
   reliability_ = strategy_->nextReliability(reliability_, table_);
   const Race* winner = table_.winner();
+  const bool is_same = winner && winner->id == winner_before;
+  undisputed_ = is_same && strategy_->isUndisputed(table_) ? undisputed_ + 1 : 0;
   if (winner && winner_before != 0 && winner->id != winner_before) {
     const double jump = (winner->T_world_robot.position() - pose_before.position()).norm();
     reliability_ *= std::max(0.0, 1.0 - jump / kFullJump_m);
@@ -125,6 +132,7 @@ void Localizer::iterate(const MemoryUpdate& update) {
 }
 
 void Localizer::beginEpoch() {
+  undisputed_ = 0;
   reliability_ = std::min(reliability_, kReliabilityAfterEpoch);
   strategy_->forgetEvidence(table_);
   last_tick_us_.reset();
@@ -138,6 +146,7 @@ void Localizer::setPose(const Pose2& T_world_robot) {
       Eigen::Vector3d(kGivenStd_m * kGivenStd_m, kGivenStd_m * kGivenStd_m, kGivenStd_rad * kGivenStd_rad)
           .asDiagonal();
   table_.replaceAll(std::move(race));
+  undisputed_ = 0;
   strategy_->forgetPast(table_);
   table_.award(table_.winner()->id);
   table_.noteBest(table_.winner()->id);
@@ -150,6 +159,7 @@ void Localizer::relocalize() {
   table_.clear();
   strategy_->forgetPast(table_);
   reliability_ = 0.0;
+  undisputed_ = 0;
   report();
 }
 

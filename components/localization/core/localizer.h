@@ -61,6 +61,7 @@ class Localizer {
   std::uint32_t epoch_ = 0;
   std::uint64_t iteration_ = 0;
   double reliability_ = 0.0;
+  int undisputed_ = 0;  ///< iterations for which nothing spoke against the winner
 };
 
 }  // namespace vismem

@@ -62,8 +62,8 @@ struct RobustParams {
       0.85;  ///< of the effective points where both have some: what is seen now is not yet bent
   /// The memory counts where the image is worth less than so many points, the more the less it is worth.
   double memory_below_points = 6.0;
-  double image_range_m = 4.0;        ///< floor points of the image further away than this are not used
-  double camera_sigma_rad = 0.0035;  ///< of the camera's direction, each floor point by itself
+  double image_range_m = 4.0;       ///< floor points of the image further away than this are not used
+  double camera_sigma_rad = 0.003;  ///< of the camera's direction, each floor point by itself
   /// How far the camera may lean from where the kinematics put it, about the robot's x and y axes: for good
   /// (calibration), and in one image (bumps, a walking body). Both are estimated with the pose; 0 takes one
   /// as known.
@@ -82,10 +82,10 @@ struct RobustParams {
   /// An end of a segment of the image that is no cut by the image's border counts as so many metres of it:
   /// nothing else says how far along a wall the robot is. 0: ends are not looked at.
   double end_metres = 0.2;
-  double sigma_m = 0.03;  ///< least standard deviation of a point across its line
+  double sigma_m = 0.025;  ///< least standard deviation of a point across its line
   double maximum_sigma_m = 0.25;
   double drift_sigma_mps = 0.01;       ///< growth of it with time unseen (odometry drift)
-  double outlier_share = 0.05;         ///< eps of the bounded likelihood
+  double outlier_share = 0.10;         ///< eps of the bounded likelihood
   bool bounded = true;                 ///< false: squared distances, every point pulls with full force
   bool negative_information = true;    ///< places that promise more than the image shows lose evidence
   double detection_probability = 0.7;  ///< of a map segment near the camera and fully in view
@@ -105,8 +105,12 @@ struct RobustParams {
   double news_share = 0.15;
   double forgetting = 0.95;  ///< of evidence per iteration; 0: the last observation alone
   /// Evidence [nats] by which a newcomer must lead to become the winner; one that lived long needs a third.
-  double lead = 3.0;
-  double birth_penalty = 3.0;      ///< evidence [nats] that a jump of the robot costs (PastObservations)
+  double lead = 1.5;
+  /// What was seen so often at one place counts half as evidence; 0: every time in full. Of what was seen
+  /// repeat_time_s ago, a third of the times still counts.
+  double repeats = 3.0;
+  double repeat_time_s = 10.0;
+  double birth_penalty = 2.5;      ///< evidence [nats] that a jump of the robot costs (PastObservations)
   double delete_behind = 12.0;     ///< evidence [nats] behind the best that ends a race
   double constructed_share = 0.5;  ///< of explorers placed by matching what is seen to the map
   double landmark_share = 0.7;     ///< of those: by landmarks, where any match; the rest by single segments

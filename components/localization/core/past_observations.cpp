@@ -22,26 +22,29 @@ void PastObservations::begin(const RobustObservation& observation, const Pose2& 
     current_.reset();
   }
   T_odom_robot_ = T_odom_robot;
-  if (iteration_++ % kEvery == 0) current_ = Kept{iteration_, T_odom_robot, thinned(observation, kPoints)};
+  const bool is_kept = iteration_++ % kEvery == 0;
+  news_ = observation.news;
+  for (Kept& one : kept_) one.weight *= 1.0 - newest();
+  if (is_kept) current_ = Kept{kEvery * newest(), T_odom_robot, thinned(observation, kPoints)};
 }
 
 void PastObservations::note(Race& race) const {
   if (!current_) return;
   if (race.past.size() >= kMost) race.past.pop_back();
   const Placement placement{race.T_world_robot, race.camera_lean};
-  race.past.insert(race.past.begin(),
-                   likelihood_.rate(current_->observation, placement, kBlur_m).log_likelihood);
+  race.past.insert(race.past.begin(), likelihood_.rate(current_->observation, placement, kBlur_m).news);
 }
 
 void PastObservations::clear(bool is_place_known) {
   kept_.clear();
   current_.reset();
   iteration_ = is_place_known ? kLong : 0;
+  news_ = 1.0;
 }
 
 double PastObservations::newest() const {
   const double forgetting = params_.forgetting;
-  return (1.0 - forgetting) / (1.0 - std::pow(forgetting, std::max(1, iteration_)));
+  return news_ * (1.0 - forgetting) / (1.0 - std::pow(forgetting, std::max(1, iteration_)));
 }
 
 std::vector<double> PastObservations::ask(const Pose2& T_world_robot) const {
@@ -49,7 +52,7 @@ std::vector<double> PastObservations::ask(const Pose2& T_world_robot) const {
   past.reserve(kMost);
   for (const Kept& one : kept_) {
     const Pose2 T_world_then = T_world_robot * (inverse(T_odom_robot_) * one.T_odom_robot);
-    past.push_back(likelihood_.rate(one.observation, {T_world_then}, kBlur_m).log_likelihood);
+    past.push_back(likelihood_.rate(one.observation, {T_world_then}, kBlur_m).news);
   }
   return past;
 }
@@ -60,7 +63,7 @@ void PastObservations::earn(Race& newcomer, std::span<const Race> races) const {
   double all_weights = 0.0;
   double mean = 0.0;
   for (std::size_t k = 0; k < own.size(); ++k) {
-    weights.push_back(kEvery * newest() * std::pow(params_.forgetting, iteration_ - kept_[k].iteration));
+    weights.push_back(kept_[k].weight);
     all_weights += weights.back();
     mean += weights.back() * own[k];
   }

@@ -28,7 +28,8 @@ class PastObservations {
   /// @param is_place_known the races' evidence stands for a long past; else the first observations make it.
   void clear(bool is_place_known);
 
-  /// Weight of this iteration's observation in the mean that evidence is: of the first ones all count alike.
+  /// Weight of this iteration's observation in the mean that evidence is: of the first ones all count alike,
+  /// and what was told before less.
   double newest() const;
 
   /// Gives a newcomer the evidence of the best of two stories, over all races:
@@ -41,7 +42,7 @@ class PastObservations {
 
  private:
   struct Kept {
-    int iteration = 0;
+    double weight = 0.0;  ///< in the mean that evidence is
     Pose2 T_odom_robot;
     RobustObservation observation;
   };
@@ -51,6 +52,7 @@ class PastObservations {
   const RobustLikelihood& likelihood_;
   const RobustParams& params_;
   int iteration_ = 0;
+  double news_ = 1.0;  ///< of this iteration's observation
   std::deque<Kept> kept_;
   std::optional<Kept> current_;  ///< of this iteration, if it is one to keep
   Pose2 T_odom_robot_;

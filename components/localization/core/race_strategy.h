@@ -39,6 +39,8 @@ class RaceStrategy {
   /// How far this observation alone lets the winner be believed, 0..1; empty where it says too little. All
   /// races are rated.
   virtual std::optional<double> agreement(const RaceTable& table) const = 0;
+  /// True if nothing speaks for another place than the winner's, however little the winner explains.
+  virtual bool isUndisputed(const RaceTable& table) const = 0;
   /// The reliability after this iteration, before any jump of the winner is accounted for.
   virtual double nextReliability(double last, const RaceTable& table) const = 0;
   /// The memory was set aside or the source jumped: what the races earned so far counts no more.

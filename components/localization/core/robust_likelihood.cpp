@@ -273,6 +273,7 @@ RobustObservation thinned(const RobustObservation& observation, std::size_t poin
   RobustObservation few;
   few.amount = observation.amount;
   few.memory_pull = observation.memory_pull;
+  few.news = observation.news;
   for (std::size_t i = 0; i < observation.points.size(); i += stride) {
     few.remembered += i < observation.remembered ? 1 : 0;
     few.points.push_back(observation.points[i]);
@@ -316,15 +317,17 @@ void RobustLikelihood::add(Rating& rating, const EvidencePoint& point,
                            const std::optional<FieldSample>& field, double blur_m) const {
   const double eps = params_.outlier_share;
   const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+  const auto addTerm = [&](double log_likelihood) {
+    rating.log_likelihood += point.weight * log_likelihood;
+    rating.news += point.weight * point.news * log_likelihood;
+  };
   if (!field) {
-    rating.log_likelihood +=
-        point.weight *
-        (params_.bounded ? log_outlier_share_ : -0.5 * kTruncation_m * kTruncation_m / variance);
+    addTerm(params_.bounded ? log_outlier_share_ : -0.5 * kTruncation_m * kTruncation_m / variance);
     return;
   }
   const double loss = -0.5 * field->distance_m * field->distance_m / variance;
   const double agreement = std::exp(loss);
-  rating.log_likelihood += point.weight * (params_.bounded ? std::log((1.0 - eps) * agreement + eps) : loss);
+  addTerm(params_.bounded ? std::log((1.0 - eps) * agreement + eps) : loss);
   rating.explained += point.weight * agreement;
 }
 
@@ -343,6 +346,7 @@ Rating RobustLikelihood::rate(const RobustObservation& observation, const Placem
     add(rating, point, sample(point, p, T_world_robot.theta), blur_m);
   }
   if (!observation.points.empty()) rating.explained /= weightOf(observation);
+  rating.news /= observation.news;
   return rating;
 }
 
@@ -442,7 +446,8 @@ RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& obse
     Rating* const rating = step == steps ? &result.rating : nullptr;
     Curvature curve;
     if (observation.memory_pull > 0.0 || rating) {
-      curve = curvature(remembered, at, observation.memory_pull * share, blur_m, rating);
+      // A memory that repeats itself makes no race surer of what odometry did meanwhile.
+      curve = curvature(remembered, at, observation.memory_pull * share * observation.news, blur_m, rating);
       soften(curve);
     }
     const Curvature seen = curvature(points.subspan(observation.remembered), at, share, blur_m, rating);
@@ -471,6 +476,7 @@ RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& obse
     if (move.head<2>().norm() < kSmallStep_m && std::abs(move[2]) < kSmallStep_rad) steps = step + 1;
   }
   if (!points.empty()) result.rating.explained /= weightOf(observation);
+  result.rating.news /= observation.news;
   return result;
 }
 

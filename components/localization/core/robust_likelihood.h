@@ -25,6 +25,7 @@ struct EvidencePoint {
   int label = 0;
   double sigma_m = 0.0;  ///< across the segment
   double weight = 0.0;   ///< independent points it stands for
+  double news = 1.0;     ///< share of it that was not told by images before (ObservationNews)
   /// How a lean of the camera moves the point [m/rad] (see Race::camera_lean); zero for remembered points.
   Eigen::Matrix2d d_lean = Eigen::Matrix2d::Zero();
 };
@@ -44,6 +45,7 @@ struct RobustObservation {
   std::vector<std::array<Eigen::Vector2d, 4>> parallelograms;
   double segment_weight = 0.0;  ///< sum over the segments
   double amount = 0.0;          ///< sum of the points' weights before the cap of `effective_points`
+  double news = 1.0;            ///< mean of the points', by weight
   double memory_pull = 1.0;     ///< share of the remembered points' pull that moves a place
 };
 
@@ -76,6 +78,7 @@ struct Rating {
   /// Sum of weight * log((1 - eps) exp(-d^2 / 2 sigma^2) + eps), <= 0; without bounds of weight * -d^2 / 2
   /// sigma^2, d at most the fields' reach.
   double log_likelihood = 0.0;
+  double news = 0.0;       ///< the same of the points by their share of news, scaled up to all
   double explained = 0.0;  ///< weighted share of points that agree with the map, 0..1
 };
 

@@ -9,6 +9,7 @@
 #include "localization/core/explorers.h"
 #include "localization/core/landmarks.h"
 #include "localization/core/negative_information.h"
+#include "localization/core/observation_news.h"
 #include "localization/core/past_observations.h"
 #include "localization/core/race_strategy.h"
 #include "localization/core/robust_likelihood.h"
@@ -25,6 +26,7 @@ constexpr double kLargestStd_rad = 1.0;
 /// A race of so many iterations is hardly a newcomer any more, and needs this share of the lead.
 constexpr double kSettledAge = 20.0;
 constexpr double kOldLead = 0.33;
+constexpr double kUndisputed = 0.8;      // share of belief
 constexpr double kLeastLean_rad = 1e-6;  // a lean that is taken as known
 /// Of a camera's lasting lean, per square root of an iteration: a quarter of a degree in ten minutes.
 constexpr double kLeanWalk_rad = 1e-4;
@@ -46,6 +48,7 @@ class RobustStrategy : public RaceStrategy {
         landmarks_(map_, {params.robust.corners, params.robust.doors, params.robust.parallelograms}),
         likelihood_(map_, params_.robust),
         past_(likelihood_, params_.robust),
+        news_(params_.robust),
         negative_(map_, params_.robust, params_.opaque_labels),
         broad_prior_(broadPrior(params_.robust)) {}
 
@@ -60,6 +63,7 @@ class RobustStrategy : public RaceStrategy {
     observation_.remembered = all.remembered;
     few_ = thinned(observation_, kExplorerPoints);
     if (observation_.points.empty()) return false;
+    news_.weigh(observation_, update.snapshot->T_odom_robot, update.snapshot->stamp_us);
     past_.begin(observation_, update.snapshot->T_odom_robot);
     return true;
   }
@@ -129,14 +133,21 @@ class RobustStrategy : public RaceStrategy {
     const double share = robust.kalman ? robust.information_share : 1.0;
     Placement placement{race.T_world_robot, race.camera_lean};
     if (robust.refinement_steps > 0) {
-      const auto refined =
-          likelihood_.refine(observation_, placement, prior, share, robust.refinement_steps, 0.0);
+      auto refined = likelihood_.refine(observation_, placement, prior, share, robust.refinement_steps, 0.0);
+      if (refined.rating.explained < robust.explained_low) {
+        // Perhaps odometry erred by more than the points reach, with nothing to see for a while.
+        const auto wide = likelihood_.refine(observation_, placement, prior, share, robust.refinement_steps,
+                                             kExplorerBlur_m);
+        const auto again =
+            likelihood_.refine(observation_, wide.placement, prior, share, robust.refinement_steps, 0.0);
+        if (again.rating.news > refined.rating.news) refined = again;
+      }
       placement = refined.placement;
       race.T_world_robot = placement.T_world_robot;
       race.camera_lean = placement.lean_bias;
       race.P = (prior + refined.information).inverse();
       race.health = refined.rating.explained;
-      race.log_likelihood = refined.rating.log_likelihood;
+      race.log_likelihood = refined.rating.news;
     } else {
       rate(race, placement);
     }
@@ -181,6 +192,12 @@ class RobustStrategy : public RaceStrategy {
     return fitOf(*winner);
   }
 
+  bool isUndisputed(const RaceTable& table) const override {
+    const Race* winner = table.winner();
+    if (!winner) return false;
+    return weights(table)[static_cast<std::size_t>(winner - table.races().data())] > kUndisputed;
+  }
+
   double nextReliability(double last, const RaceTable& table) const override {
     const RobustParams& robust = params_.robust;
     double target = 0.0;
@@ -196,7 +213,10 @@ class RobustStrategy : public RaceStrategy {
     return last + gain * (target - last);
   }
 
-  void forgetPast(const RaceTable& table) override { past_.clear(!table.races().empty()); }
+  void forgetPast(const RaceTable& table) override {
+    past_.clear(!table.races().empty());
+    news_.clear();
+  }
 
   void forgetEvidence(RaceTable& table) override {
     forgetPast(table);
@@ -253,7 +273,7 @@ class RobustStrategy : public RaceStrategy {
   void rate(Race& race, const Placement& placement) const {
     const Rating rating = likelihood_.rate(observation_, placement);
     race.health = rating.explained;
-    race.log_likelihood = rating.log_likelihood;
+    race.log_likelihood = rating.news;
   }
 
   double bestEvidence(const RaceTable& table) const {
@@ -268,6 +288,7 @@ class RobustStrategy : public RaceStrategy {
   LandmarkExplorers landmarks_;
   RobustLikelihood likelihood_;
   PastObservations past_;
+  ObservationNews news_;
   NegativeInformation negative_;
   Matrix5d broad_prior_;
   RobustObservation observation_;
