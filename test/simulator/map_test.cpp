@@ -178,6 +178,25 @@ TEST_P(WorldMap, LiesOnRenderedEdgesWithinOnePixel) {
   EXPECT_EQ(outside, 0) << "of " << compared << ", worst " << worst << " px" << where.str();
 }
 
+TEST(FieldEdges, ArePartedWhereLinesMeet) {
+  // The halfway line, 5 cm wide, joins the inner side of the side line, 6 m long, in its middle; the outer
+  // side goes on. As stripes both sides are as long as the line.
+  MapBuilderParams as_they_are;
+  as_they_are.join_stripes = false;
+  const SegmentMap edges = buildSegmentMap(loadWorld(kSource + "/cfg/worlds/field_6x4.world").world,
+                                           loadPalette(kSource + "/cfg/maps/field_6x4.palette"), as_they_are);
+  const auto between = [&](double x1, double x2, double y) {
+    return std::count_if(edges.segments.begin(), edges.segments.end(), [&](const MapSegment& s) {
+      const auto [low, high] = std::minmax(s.world.a.x(), s.world.b.x());
+      return s.label == "stripe_edge" && s.width_m == 0.0 && std::abs(s.world.a.y() - y) < 0.003 &&
+             std::abs(s.world.b.y() - y) < 0.003 && std::abs(low - x1) < 0.003 && std::abs(high - x2) < 0.003;
+    });
+  };
+  EXPECT_EQ(between(-2.975, -0.025, 1.975), 1);
+  EXPECT_EQ(between(0.025, 2.975, 1.975), 1);
+  EXPECT_EQ(between(-3.025, 3.025, 2.025), 1);
+}
+
 TEST(RoomPrimitives, HaveTheirSidesInTheMap) {
   const SegmentMap map = loadSegmentMap(kSource + "/cfg/maps/room.csv");
   std::ifstream stream(kSource + "/cfg/maps/room.primitives.csv");

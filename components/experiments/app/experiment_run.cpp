@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "common/geometry/angles.h"
+#include "simulator/core/map_builder.h"
 #include "simulator/core/renderer.h"
 
 namespace vismem {
@@ -20,11 +21,23 @@ EvaluationOptions evaluationOptions(const ExperimentRunOptions& options) {
   return evaluation;
 }
 
+/// The edges that the world really has. A map of stripes has both edges of each line as long as the line is;
+/// but the line that joins or crosses it parts them.
+SegmentMap trueEdges(const EvaluationParams& params, const World& world) {
+  if (params.palette->stripes().empty()) return params.map_edges;
+  MapBuilderParams as_they_are;
+  as_they_are.join_stripes = false;
+  return buildSegmentMap(world, *params.palette, as_they_are);
+}
+
 }  // namespace
 
 ExperimentRun::ExperimentRun(const ExperimentRunOptions& options)
-    : params_(loadParams(evaluationOptions(options), true)), truth_(params_.map_edges, options.truth) {
-  SimulationConfig robot = simulationConfig(evaluationOptions(options));
+    : ExperimentRun(options, simulationConfig(evaluationOptions(options))) {}
+
+ExperimentRun::ExperimentRun(const ExperimentRunOptions& options, SimulationConfig robot)
+    : params_(loadParams(evaluationOptions(options), true)),
+      truth_(trueEdges(params_, robot.world), options.truth) {
   robot.start = options.start;
   if (options.change_robot) options.change_robot(robot);
   if (options.change_memory) options.change_memory(params_.pipeline);

@@ -68,6 +68,7 @@ class ExperimentRun {
   int images() const { return images_; }
 
  private:
+  ExperimentRun(const ExperimentRunOptions& options, SimulationConfig robot);
   void frame(const LockstepFrame& frame);
 
   EvaluationParams params_;

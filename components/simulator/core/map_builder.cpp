@@ -152,7 +152,8 @@ SegmentMap buildSegmentMap(const World& world, const Palette& palette, const Map
   for (const Crease& crease : findCreases(world, params.crease_rad)) addRuns(looker, crease, params, runs);
 
   SegmentMap map{joinPieces(runs, params.same_place_m)};
-  return palette.stripes().empty() ? map : joinStripes(map, palette.stripes());
+  const bool join = params.join_stripes && !palette.stripes().empty();
+  return join ? joinStripes(map, palette.stripes()) : map;
 }
 
 }  // namespace vismem
