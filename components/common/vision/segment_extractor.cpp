@@ -23,6 +23,7 @@ std::vector<ImageSegment> SegmentExtractor::extract(const cv::Mat& image, const 
   std::erase_if(segments, [this](const ImageSegment& segment) {
     return segment.px.length() < params_.minimum_length_px;
   });
+  if (params_.gaps.enabled) segments = splitAtGaps(image, intrinsics, segments, params_.gaps);
   return segments;
 }
 

@@ -8,6 +8,7 @@
 
 #include "common/geometry/camera.h"
 #include "common/profiling/stage_probe.h"
+#include "common/vision/gap_split.h"
 #include "common/vision/image_segment.h"
 #include "common/vision/palette.h"
 #include "common/vision/segment_detector.h"
@@ -21,6 +22,7 @@ struct ExtractorParams {
   MergeParams merge;                ///< V4
   double minimum_length_px = 10.0;  ///< shorter segments are dropped after merging (V4)
   LabellerParams labeller;
+  GapSplitParams gaps;        ///< what merging bridged although there is no edge
   bool colour_edges = false;  ///< also edges between colours of equal brightness
 };
 
@@ -34,7 +36,7 @@ class SegmentExtractor {
   SegmentExtractor(SegmentExtractor&&) noexcept;
   SegmentExtractor& operator=(SegmentExtractor&&) noexcept;
 
-  /// Detects, labels, merges, drops short ones and undistorts the ends.
+  /// Detects, labels, merges, cuts at gaps, drops short ones and undistorts the ends.
   /// @param image      CV_8UC3 (R, G, B) or CV_8UC1, raw pixels.
   /// @param intrinsics of that image; its distortion is taken out of the ends.
   /// @throws std::invalid_argument when the image's size is not the intrinsics' or its type is another.
