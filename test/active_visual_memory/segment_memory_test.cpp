@@ -271,5 +271,39 @@ TEST(FrameGate, AGlanceKeepsTheRevision) {
   EXPECT_EQ(memory.step(at(66'666), {}).update.snapshot->revision, 2u);
 }
 
+TEST(SegmentMemory, MakesTwoOfALineInWhichImagesShowAGap) {
+  AttentiveVisualMemory memory(standard());
+  AttentiveVisualMemory::StepResult result;
+  StampUs t = 0;
+  const std::vector<Segment3> whole{{{1.0, -0.3, 0}, {1.0, 0.3, 0}}};
+  const std::vector<Segment3> parted{{{1.0, -0.3, 0}, {1.0, 0.05, 0}}, {{1.0, 0.10, 0}, {1.0, 0.3, 0}}};
+  cv::Mat image;
+  const auto show = [&](const std::vector<Segment3>& world, int times) {
+    for (int i = 0; i < times; ++i, t += 33'333) {
+      auto o = at(t);
+      o.frame.image = image;
+      result = memory.step(o, images(o, world));
+    }
+  };
+  show(whole, 5);
+  show(parted, 10);
+  ASSERT_EQ(memory.elements().size(), 1U) << "a break of the detector's is none";
+  image = cv::Mat(240, 320, CV_8UC1, cv::Scalar(200));  // nothing in it where it is looked at
+  show(parted, 10);
+  ASSERT_EQ(memory.elements().size(), 2U);
+  // A worse image that bridges the gap does not join them again.
+  show(whole, 5);
+  ASSERT_EQ(memory.elements().size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto near = [&](const Eigen::Vector2d& p, const Eigen::Vector3d& q) {
+      return (p - q.head<2>()).norm() < 0.01;
+    };
+    const Segment2 known = memory.elements()[i].value.odom.floor();
+    EXPECT_TRUE(std::any_of(parted.begin(), parted.end(),
+                            [&](const Segment3& s) { return near(known.a, s.a) && near(known.b, s.b); }))
+        << known.a.transpose() << " .. " << known.b.transpose();
+  }
+}
+
 }  // namespace
 }  // namespace vismem

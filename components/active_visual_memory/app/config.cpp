@@ -26,6 +26,7 @@ void readVision(ConfigReader r, ExtractorParams& p) {
   p.merge.angle_rad = r.angleDeg("Merge.Angle_deg", radToDeg(p.merge.angle_rad), 0.0, 45.0);
   p.merge.offset_px = r.real("Merge.Offset_px", p.merge.offset_px, 0.0, 50.0);
   p.merge.gap_px = r.real("Merge.Gap_px", p.merge.gap_px, 0.0, 200.0);
+  p.gaps.enabled = r.boolean("CutAtGaps", p.gaps.enabled);
 }
 
 void readGate(ConfigReader r, FrameGate::Params& p) {
@@ -132,6 +133,7 @@ void readShapeEdges(ConfigReader r, ShapeEdges::Params& p) {
   p.min_width_m = r.real("Line.MinimumWidth_m", p.min_width_m, 0.001, 5.0);
   p.max_width_m = r.real("Line.MaximumWidth_m", p.max_width_m, 0.001, 5.0);
   p.sagitta_m = r.real("Circle.Sagitta_m", p.sagitta_m, 0.0001, 1.0);
+  p.junctions.enabled = r.boolean("PartAtJunctions", p.junctions.enabled);
   if (p.min_width_m >= p.max_width_m) {
     r.problem("Line.MinimumWidth_m", "must be less than " + r.key("Line.MaximumWidth_m"));
   }

@@ -99,6 +99,20 @@ bool FloorEvidence::isHiddenBeyond(const Segment2& px, bool at_b) const {
   return isNew(*there_left) && isNew(*there_right);
 }
 
+bool FloorEvidence::isEdgeless(const Segment2& px, double most_contrast) const {
+  if (image_.empty()) return false;
+  const Eigen::Vector2d d = (px.b - px.a).normalized();
+  const Eigen::Vector2d aside = 2.0 * Eigen::Vector2d(d.y(), -d.x());
+  // Its ends are not known to the pixel.
+  for (const double fraction : {0.35, 0.5, 0.65}) {
+    const Eigen::Vector2d at = px.a + fraction * (px.b - px.a);
+    const auto left = colourAt(at + aside);
+    const auto right = colourAt(at - aside);
+    if (!left || !right || difference(*left, *right) > most_contrast) return false;
+  }
+  return true;
+}
+
 PlaceShows FloorEvidence::look(const Segment2& px, const SideColours& remembered) const {
   if (image_.empty()) return PlaceShows::kUnknown;
   const double contrast_before = difference(remembered.left, remembered.right);

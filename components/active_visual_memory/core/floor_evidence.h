@@ -47,6 +47,9 @@ class FloorEvidence {
   /// least one of its sides goes on.
   /// @param at_b which end. @return false also when the image does not tell.
   bool isHiddenBeyond(const Segment2& px_ideal, bool at_b) const;
+  /// Is there no edge along a short piece of a line? Where its middle has less than `most_contrast` [grey
+  /// levels] of brightness between both sides, 2 px from it. @return false also when the image does not tell.
+  bool isEdgeless(const Segment2& px_ideal, double most_contrast) const;
   PlaceShows look(const Segment2& px_ideal, const SideColours& remembered) const;
 
  private:

@@ -21,7 +21,8 @@ ExtentEnd fuseEnds(const ExtentEnd& known, const ExtentEnd& seen, double outward
   const double gate =
       std::max(params.end_gate_m, params.end_gate_sigmas * std::sqrt(known.variance_m2 + seen.variance_m2));
   const bool well_known = !known.open && known.views >= params.known_views;
-  const bool may_extend = !well_known || seen.variance_m2 <= params.worse_view * known.best_m2;
+  const bool may_extend =
+      !known.parted && (!well_known || seen.variance_m2 <= params.worse_view * known.best_m2);
   if (seen.open) {
     // An open end is only a bound: it moves the extent when it lies outside, beyond the noise of a true end.
     const bool outside = known.open ? further > 0.0 : further > gate && may_extend;
@@ -39,6 +40,19 @@ ExtentEnd fuseEnds(const ExtentEnd& known, const ExtentEnd& seen, double outward
   fused.best_m2 = std::min(known.best_m2, seen.best_m2);
   fused.views = known.views + seen.views;
   return fused;
+}
+
+bool arePartedFrom(const FloorLine& one, const FloorLine& other) {
+  const bool against = one.along().dot(other.along()) < 0.0;
+  const Segment2 line = other.segment();
+  const double low = one.tOf(against ? line.b : line.a);
+  const double high = one.tOf(against ? line.a : line.b);
+  const bool behind = low + high > one.endA().t_m + one.endB().t_m;
+  const ExtentEnd& ends = behind ? one.endB() : one.endA();
+  const ExtentEnd& begins = behind != against ? other.endA() : other.endB();
+  if (!ends.parted && !begins.parted) return false;
+  const double gap = behind ? low - ends.t_m : ends.t_m - high;
+  return gap > -0.5 * std::min(one.length(), other.length());
 }
 
 FloorLine::FloorLine(const FloorSegment& segment, const Params& params) {
@@ -63,7 +77,7 @@ FloorLine::FloorLine(const FloorSegment& segment, const Params& params) {
 
 ExtentEnd FloorLine::endAt(double t, const Eigen::Matrix2d& P, const FloorLean& D, bool open) const {
   const double variance = varianceAlong(P, along());
-  return {t, variance, open, variance, 1, along().transpose() * D};
+  return {t, variance, open, variance, 1, along().transpose() * D, false};
 }
 
 FloorLean FloorLine::leanOf(const ExtentEnd& end) const {

@@ -19,6 +19,7 @@ struct ExtentEnd {
   double best_m2 = 0.0;              ///< variance of the best single view of this end
   int views = 1;                     ///< that agreed on it
   LeanRow d_lean = LeanRow::Zero();  ///< how the lean of the camera moves t_m [m/rad]
+  bool parted = false;               ///< behind a gap the line goes on as another element: it ends here
 };
 
 /// A supporting line (offset and direction with a 2x2 covariance) and the extent on it. The direction a -> b
@@ -94,6 +95,8 @@ class FloorLine {
 
   /// Moves an end inwards to where the line was seen to stop.
   void shorten(bool at_b, const ExtentEnd& end);
+  /// What is seen across this end from now on is another element.
+  void part(bool at_b) { (at_b ? b_ : a_).parted = true; }
 
   /// The line as if it had been observed now.
   FloorSegment asObservation() const;
@@ -117,6 +120,9 @@ class FloorLine {
   ExtentEnd a_;
   ExtentEnd b_;
 };
+
+/// Was the line parted between these two? Then they stay two, unless one lies over most of the other.
+bool arePartedFrom(const FloorLine& one, const FloorLine& other);
 
 /// The union rule for one end: true ends that agree are averaged; what was seen further out moves the end
 /// there, unless a well-known true end would be moved by a worse view (which runs neighbouring edges

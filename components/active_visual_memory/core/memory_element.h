@@ -51,6 +51,13 @@ struct MemoryElement {
   };
   ShortVotes short_a;
   ShortVotes short_b;
+  /// Where images show two pieces of it with a gap between.
+  struct GapVotes {
+    int count = 0;
+    Eigen::Vector2d from = Eigen::Vector2d::Zero();  ///< in odom
+    Eigen::Vector2d to = Eigen::Vector2d::Zero();
+  };
+  GapVotes gap;
 };
 
 /// M2, M9: takes in another element that is a piece or a copy of the same edge; the id stays.

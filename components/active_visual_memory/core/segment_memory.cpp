@@ -2,20 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "active_visual_memory/core/floor_matching.h"
+#include "active_visual_memory/core/segment_memory_view.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
 
 namespace vismem {
-struct SegmentMemory::View {
-  const RobotObservation& observation;
-  Pose3 T_odom_camera;
-  Eigen::Vector2d camera;  ///< the floor point below it
-  double height;
-  double turn_rate;
-  FloorEvidence evidence;
-};
 
 SegmentMemory::SegmentMemory(const Params& params)
     : params_(params),
@@ -325,70 +319,6 @@ Sighting SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& 
   return sighting;
 }
 
-bool SegmentMemory::isBare(const Segment2& place, const MemoryElement& element, const View& view) const {
-  const Segment3 odom{{place.a.x(), place.a.y(), 0.0}, {place.b.x(), place.b.y(), 0.0}};
-  const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, odom);
-  return px && px->length() >= params_.min_visible_px && element.colours &&
-         view.evidence.look(*px, *element.colours) == PlaceShows::kBare;
-}
-
-bool SegmentMemory::isOfAnotherKind(const Segment2& place, const MemoryElement& element,
-                                    const std::vector<FloorSegment>& floor) const {
-  const double length = place.length();
-  return std::any_of(floor.begin(), floor.end(), [&](const FloorSegment& other) {
-    if (labelsCompatible(other.label, element.value.label)) return false;
-    const Neighbourhood near = neighbourhood(place, other.odom);
-    // Most of the place, or all of it up to where the image ends.
-    return near.angle_rad <= params_.near_angle_rad && near.distance_m <= params_.near_distance_m &&
-           -near.gap_m >= std::min(0.5 * length, 0.3);
-  });
-}
-
-void SegmentMemory::reviewEnds(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
-                               const std::vector<FloorSegment>& floor, const View& view) {
-  // The extent seen in this image, from all its pieces.
-  ExtentEnd low;
-  ExtentEnd high;
-  low.t_m = 1e9;
-  high.t_m = -1e9;
-  low.open = high.open = true;
-  const Eigen::Vector2d u = element.line.along();
-  for (const FloorSegment* piece : seen) {
-    const bool against = u.dot(piece->odom.b - piece->odom.a) < 0.0;
-    const FloorSegment s = against ? reversed(*piece) : *piece;
-    const double variance_a = u.dot(s.P_a * u);
-    const double variance_b = u.dot(s.P_b * u);
-    const ExtentEnd a{element.line.tOf(s.odom.a), variance_a, s.open_a, variance_a, 1, u.transpose() * s.D_a};
-    const ExtentEnd b{element.line.tOf(s.odom.b), variance_b, s.open_b, variance_b, 1, u.transpose() * s.D_b};
-    if (a.t_m < low.t_m) low = a;
-    if (b.t_m > high.t_m) high = b;
-  }
-  const auto review = [&](MemoryElement::ShortVotes& votes, const ExtentEnd& end, const ExtentEnd& at,
-                          bool at_b) {
-    const double inward = at_b ? end.t_m - at.t_m : at.t_m - end.t_m;
-    const double gate = std::max(params_.line.end_gate_m,
-                                 params_.line.end_gate_sigmas * std::sqrt(end.variance_m2 + at.variance_m2));
-    if (at.open || inward <= gate) {
-      votes = {};
-      return;
-    }
-    // Bare floor beyond, or an edge of another kind there, tells a line that is shorter from one that is
-    // partly hidden.
-    const Segment2 whole = element.line.segment();
-    const Eigen::Vector2d known = at_b ? whole.b : whole.a;
-    const Eigen::Vector2d stop = known + (at.t_m - end.t_m) * u;
-    const Segment2 beyond = at_b ? Segment2{stop, known} : Segment2{known, stop};
-    if (!isBare(beyond, element, view) && !isOfAnotherKind(beyond, element, floor)) return;
-    votes.t_m = (votes.t_m * votes.count + at.t_m) / (votes.count + 1);
-    votes.variance_m2 = at.variance_m2;
-    if (++votes.count < params_.short_votes) return;
-    element.line.shorten(at_b, {votes.t_m, votes.variance_m2, false, votes.variance_m2, 1, at.d_lean});
-    element.short_a = element.short_b = {};
-  };
-  review(element.short_a, element.line.endA(), low, false);
-  review(element.short_b, element.line.endB(), high, true);
-}
-
 ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
                                     const std::vector<ImageSegment>& observed,
                                     std::vector<FloorSegment> floor, double turn_rate_radps) {
@@ -457,7 +387,10 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
     if (tells) ++agreement_.matched;
     if (isNewHere(element, analysis.stamp_us)) ++agreement_.fresh;
     for (const FloorSegment* piece : seen[p]) take(element, *piece, view);
-    if (params_.fusion == Fusion::kCovariance) reviewEnds(element, seen[p], floor, view);
+    if (params_.fusion == Fusion::kCovariance) {
+      reviewEnds(element, seen[p], floor, view);
+      reviewGaps(element, seen[p], view);
+    }
     publish(element);
     look(element, view);
   }
@@ -466,6 +399,9 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     if (!expected_now[i]) elements_[i].sighting = std::max(elements_[i].sighting, Sighting::kOutOfView);
   }
+
+  std::move(parted_.begin(), parted_.end(), std::back_inserter(elements_));
+  parted_.clear();
 
   // Unpredicted: near something stored on the floor (M3), else new (M2 first).
   if (turn_rate_radps <= params_.max_mapping_turn_radps) {
@@ -488,6 +424,7 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
         const Neighbourhood near = neighbourhood(stored, segment.odom);
         if (near.angle_rad > params_.near_angle_rad || near.gap_m > params_.max_gap_m) continue;
         if (near.distance_m > best_distance || !fitsOnFloor(element, segment, distance)) continue;
+        if (arePartedFrom(element.line, FloorLine(segment, params_.line))) continue;
         best_distance = near.distance_m;
         best = &element;
       }

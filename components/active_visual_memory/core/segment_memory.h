@@ -73,6 +73,9 @@ class SegmentMemory {
     double well_known_s = 40.0;        ///< elements seen this lately ..
     double well_known_travel_m = 3.0;  ///< .. before this much was driven tell a new place from drift
     int short_votes = 6;               ///< images that must see a line end earlier, with bare floor beyond
+    int gap_votes = 3;  ///< images that must see a gap in a line, and nothing of it there, to make it two
+    double gap_contrast_share = 0.35;  ///< of the line's contrast: less of it in the gap is no edge
+    double gap_place_m = 0.05;         ///< their ends of it agree within this
     LifeParams life;
     AssociationParams association;
     FloorLine::Params line;
@@ -130,6 +133,7 @@ class SegmentMemory {
   Sighting judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view);
   void reviewEnds(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
                   const std::vector<FloorSegment>& floor, const View& view);
+  void reviewGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen, const View& view);
   bool isNew(const MemoryElement& element, StampUs stamp_us) const {
     return toSeconds(stamp_us - element.value.first_seen_us) < params_.new_s;
   }
@@ -148,6 +152,7 @@ class SegmentMemory {
   Params params_;
   LifeClock clock_;
   std::vector<MemoryElement> elements_;
+  std::vector<MemoryElement> parted_;  ///< further pieces of elements, until the image is done
   std::uint64_t next_id_ = 1;
   std::optional<Pose2> last_pose_;
   double travel_m_ = 0.0;

@@ -13,6 +13,8 @@ void SegmentMemory::moveAll(const SmallMotion& motion) {
     element.line.move(motion);
     element.anchor_line.move(motion);
     element.anchor_camera = motion.apply(element.anchor_camera);
+    element.gap.from = motion.apply(element.gap.from);
+    element.gap.to = motion.apply(element.gap.to);
   }
 }
 
@@ -68,6 +70,7 @@ void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
       if (near.angle_rad > params_.near_angle_rad || near.gap_m > params_.max_gap_m) continue;
       const double sigma = std::sqrt(a.line.offsetVariance(0.0) + b.line.offsetVariance(0.0));
       if (near.distance_m > std::min(params_.near_distance_m, 0.02 + 3.0 * sigma)) continue;
+      if (arePartedFrom(a.line, b.line)) continue;
       // Pieces that only meet end to end must continue each other well.
       if (near.gap_m > 0.0 && near.angle_rad > 0.5 * params_.near_angle_rad) continue;
       absorb(a, b, params_.line);

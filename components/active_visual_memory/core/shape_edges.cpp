@@ -356,6 +356,9 @@ void ShapeEdges::complete(std::vector<MemorySegment>& segments, std::span<const 
   }
   withdrawShadows(segments, elements, params_.shadows);
   addLineEnds(segments, elements, new_id);
+  partAtJunctions(segments, elements, primitives, params_.junctions, [&](std::uint64_t whole, int part) {
+    return idOf({whole, 0, -2 - part}, new_id);
+  });
   meetAtCorners(segments, elements, params_.corners);
   // What is gone and comes back is something new.
   ids_.swap(used_);

@@ -1,0 +1,204 @@
+#include "active_visual_memory/core/junctions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace vismem {
+namespace {
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// A stretch along an edge from its end a [m].
+struct Stretch {
+  double from = 0.0;
+  double to = 0.0;
+};
+
+struct Edge {
+  std::size_t segment = 0;                 ///< index of what it was taken from
+  const MemoryElement* element = nullptr;  ///< null for what was only told (rims of circles, ends of lines)
+  Eigen::Vector2d a;
+  Eigen::Vector2d along;
+  double length = 0.0;
+  Stretch told;  ///< its ends, as far as junctions tell them better
+  std::vector<Stretch> gaps;
+
+  double tOf(const Eigen::Vector2d& p) const { return along.dot(p - a); }
+  /// Where another edge's line crosses this one's.
+  double crossing(const Edge& other) const {
+    return cross(other.a - a, other.along) / cross(along, other.along);
+  }
+  double reach(bool at_b, const JunctionParams& params) const {
+    const double best = element ? (at_b ? element->line.endB() : element->line.endA()).best_m2 : 0.0;
+    return std::min(params.most_reach_m, params.reach_m + params.reach_sigmas * std::sqrt(best));
+  }
+};
+
+/// Two sides of a painted line. The paint lies to the left (+1) or to the right (-1) of each of them.
+struct Line {
+  std::size_t one = 0;
+  std::size_t other = 0;
+  double paint = 1.0;
+};
+
+std::optional<Line> lineOf(const std::vector<Edge>& edges, std::size_t i, std::size_t k,
+                           const std::vector<MemorySegment>& segments, const JunctionParams& params) {
+  const Edge& one = edges[i];
+  const Edge& other = edges[k];
+  if (one.along.dot(other.along) > -std::cos(params.max_angle_rad)) return std::nullopt;
+  if (segments[one.segment].label != segments[other.segment].label) return std::nullopt;
+  const double from = std::max(0.0, one.tOf(other.a + other.length * other.along));
+  const double to = std::min(one.length, one.tOf(other.a));
+  if (to - from < params.body_m) return std::nullopt;
+  // Beside the middle of what both have.
+  const Eigen::Vector2d at = one.a + 0.5 * (from + to) * one.along;
+  const double width = -cross(other.along, at - other.a);
+  if (std::abs(width) < params.min_width_m || std::abs(width) > params.max_width_m) return std::nullopt;
+  const auto [weak, strong] = std::minmax(one.element->strength, other.element->strength);
+  if (weak < params.min_strength_share * strong) return std::nullopt;
+  return Line{i, k, width > 0.0 ? -1.0 : 1.0};
+}
+
+/// How a side of a line meets an edge.
+struct Meeting {
+  double at = 0.0;    ///< along the edge
+  bool ends = false;  ///< the side ends here ..
+  bool at_b = false;  ///< .. with its end b; else it goes on across the edge
+  double side_t = 0.0;
+};
+
+/// @param outward the direction that leads away from the edge's paint.
+std::optional<Meeting> meet(const Edge& edge, const Edge& side, const Eigen::Vector2d& outward,
+                            const JunctionParams& params) {
+  if (std::abs(cross(edge.along, side.along)) < std::sin(params.min_crossing_rad)) return std::nullopt;
+  Meeting meeting;
+  meeting.at = edge.crossing(side);
+  meeting.side_t = side.crossing(edge);
+  const bool leads_outward = side.along.dot(outward) > 0.0;
+  const double outside = leads_outward ? side.length - meeting.side_t : meeting.side_t;
+  const double inside = leads_outward ? meeting.side_t : side.length - meeting.side_t;
+  meeting.at_b = !leads_outward;
+  const double reach = side.reach(meeting.at_b, params);
+  if (outside < params.body_m || inside < -reach) return std::nullopt;
+  meeting.ends = inside <= reach;
+  return meeting;
+}
+
+void partByLine(std::vector<Edge>& edges, std::size_t index, const Line& line, const JunctionParams& params) {
+  Edge& edge = edges[index];
+  const Eigen::Vector2d outward = -line.paint * Eigen::Vector2d(-edge.along.y(), edge.along.x());
+  const auto one = meet(edge, edges[line.one], outward, params);
+  if (!one) return;
+  const auto other = meet(edge, edges[line.other], outward, params);
+  if (!other) return;
+  const Stretch gap{std::min(one->at, other->at), std::max(one->at, other->at)};
+  if (gap.to - gap.from > 2.0 * params.max_width_m || gap.to <= 0.0 || gap.from >= edge.length) return;
+  edge.gaps.push_back(gap);
+  for (const auto& [side, meeting] : {std::pair(line.one, *one), std::pair(line.other, *other)}) {
+    if (!meeting.ends) continue;
+    (meeting.at_b ? edges[side].told.to : edges[side].told.from) = meeting.side_t;
+  }
+}
+
+void partByCircle(Edge& edge, const Primitive& circle, const JunctionParams& params) {
+  const double off = std::abs(cross(edge.along, circle.centre - edge.a));
+  if (off > params.max_off_centre_share * circle.radius_m) return;
+  const double middle = edge.tOf(circle.centre);
+  const double outer = circle.radius_m + 0.5 * circle.width_m;
+  const double inner = circle.radius_m - 0.5 * circle.width_m;
+  const double far = std::sqrt(outer * outer - off * off);
+  const double near = std::sqrt(std::max(0.0, inner * inner - off * off));
+  for (const Stretch& gap : {Stretch{middle - far, middle - near}, Stretch{middle + near, middle + far}}) {
+    if (gap.to > 0.0 && gap.from < edge.length) edge.gaps.push_back(gap);
+  }
+}
+
+/// What is left of an edge, the longest part first.
+std::vector<Stretch> partsOf(Edge& edge, const JunctionParams& params) {
+  std::sort(edge.gaps.begin(), edge.gaps.end(),
+            [](const Stretch& a, const Stretch& b) { return a.from < b.from; });
+  std::vector<Stretch> parts;
+  double from = edge.told.from;
+  // What goes on behind the last gap by less than an end is known goes on by mistake.
+  const auto add = [&](double to, double least) {
+    if (to - from >= least) parts.push_back({from, to});
+  };
+  for (std::size_t i = 0; i < edge.gaps.size(); ++i) {
+    add(edge.gaps[i].from, i == 0 ? edge.reach(false, params) : params.min_part_m);
+    from = std::max(from, edge.gaps[i].to);
+  }
+  add(edge.told.to, edge.gaps.empty() ? 0.0 : edge.reach(true, params));
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const Stretch& a, const Stretch& b) { return a.to - a.from > b.to - b.from; });
+  return parts;
+}
+
+}  // namespace
+
+void partAtJunctions(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                     const std::vector<Primitive>& primitives, const JunctionParams& params,
+                     const std::function<std::uint64_t(std::uint64_t, int)>& id_of) {
+  if (!params.enabled) return;
+  std::vector<Edge> edges;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if (!segments[i].confirmed || segments[i].label == kUnknownLabel) continue;
+    const auto element = std::find_if(elements.begin(), elements.end(),
+                                      [&](const MemoryElement& e) { return e.value.id == segments[i].id; });
+    const Segment2 floor = segments[i].odom.floor();
+    Edge edge;
+    edge.segment = i;
+    edge.element = element != elements.end() ? &*element : nullptr;
+    edge.a = floor.a;
+    edge.length = floor.length();
+    edge.along = (floor.b - floor.a) / edge.length;
+    edge.told = {0.0, edge.length};
+    edges.push_back(std::move(edge));
+  }
+  std::vector<Line> lines;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    for (std::size_t k = i + 1; k < edges.size(); ++k) {
+      if (!edges[i].element || !edges[k].element) continue;
+      if (const auto line = lineOf(edges, i, k, segments, params)) lines.push_back(*line);
+    }
+  }
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const MemorySegment& segment = segments[edges[i].segment];
+    for (const Line& line : lines) {
+      if (line.one == i || line.other == i) continue;
+      if (segments[edges[line.one].segment].label == segment.label) partByLine(edges, i, line, params);
+    }
+    for (const Primitive& circle : primitives) {
+      if (circle.kind != PrimitiveKind::kCircle || circle.width_m <= 0.0) continue;
+      if (std::binary_search(circle.segments.begin(), circle.segments.end(), segment.id)) continue;
+      partByCircle(edges[i], circle, params);
+    }
+  }
+  std::vector<std::uint64_t> gone;
+  for (Edge& edge : edges) {
+    const auto parts = partsOf(edge, params);
+    const MemorySegment whole = segments[edge.segment];
+    if (parts.empty()) gone.push_back(whole.id);
+    for (std::size_t n = 0; n < parts.size(); ++n) {
+      MemorySegment part = whole;
+      const Eigen::Vector2d a = edge.a + parts[n].from * edge.along;
+      const Eigen::Vector2d b = edge.a + parts[n].to * edge.along;
+      part.odom.a.head<2>() = a;
+      part.odom.b.head<2>() = b;
+      if (n > 0) part.id = id_of(whole.id, static_cast<int>(n) - 1);
+      if (n == 0) {
+        segments[edge.segment] = std::move(part);
+      } else {
+        segments.push_back(std::move(part));
+      }
+    }
+  }
+  std::erase_if(segments, [&](const MemorySegment& s) {
+    return std::find(gone.begin(), gone.end(), s.id) != gone.end();
+  });
+}
+
+}  // namespace vismem

@@ -1,0 +1,135 @@
+// Where remembered lines end, and where they are parted.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "active_visual_memory/core/association.h"
+#include "active_visual_memory/core/floor_matching.h"
+#include "active_visual_memory/core/segment_memory_view.h"
+#include "common/geometry/projection.h"
+
+namespace vismem {
+
+bool SegmentMemory::isBare(const Segment2& place, const MemoryElement& element, const View& view) const {
+  const Segment3 odom{{place.a.x(), place.a.y(), 0.0}, {place.b.x(), place.b.y(), 0.0}};
+  const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, odom);
+  return px && px->length() >= params_.min_visible_px && element.colours &&
+         view.evidence.look(*px, *element.colours) == PlaceShows::kBare;
+}
+
+bool SegmentMemory::isOfAnotherKind(const Segment2& place, const MemoryElement& element,
+                                    const std::vector<FloorSegment>& floor) const {
+  const double length = place.length();
+  return std::any_of(floor.begin(), floor.end(), [&](const FloorSegment& other) {
+    if (labelsCompatible(other.label, element.value.label)) return false;
+    const Neighbourhood near = neighbourhood(place, other.odom);
+    // Most of the place, or all of it up to where the image ends.
+    return near.angle_rad <= params_.near_angle_rad && near.distance_m <= params_.near_distance_m &&
+           -near.gap_m >= std::min(0.5 * length, 0.3);
+  });
+}
+
+void SegmentMemory::reviewEnds(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
+                               const std::vector<FloorSegment>& floor, const View& view) {
+  // The extent seen in this image, from all its pieces.
+  ExtentEnd low;
+  ExtentEnd high;
+  low.t_m = 1e9;
+  high.t_m = -1e9;
+  low.open = high.open = true;
+  const Eigen::Vector2d u = element.line.along();
+  for (const FloorSegment* piece : seen) {
+    const bool against = u.dot(piece->odom.b - piece->odom.a) < 0.0;
+    const FloorSegment s = against ? reversed(*piece) : *piece;
+    const double variance_a = u.dot(s.P_a * u);
+    const double variance_b = u.dot(s.P_b * u);
+    const ExtentEnd a{element.line.tOf(s.odom.a), variance_a, s.open_a, variance_a, 1, u.transpose() * s.D_a};
+    const ExtentEnd b{element.line.tOf(s.odom.b), variance_b, s.open_b, variance_b, 1, u.transpose() * s.D_b};
+    if (a.t_m < low.t_m) low = a;
+    if (b.t_m > high.t_m) high = b;
+  }
+  const auto review = [&](MemoryElement::ShortVotes& votes, const ExtentEnd& end, const ExtentEnd& at,
+                          bool at_b) {
+    const double inward = at_b ? end.t_m - at.t_m : at.t_m - end.t_m;
+    const double gate = std::max(params_.line.end_gate_m,
+                                 params_.line.end_gate_sigmas * std::sqrt(end.variance_m2 + at.variance_m2));
+    if (at.open || inward <= gate) {
+      votes = {};
+      return;
+    }
+    // Bare floor beyond, or an edge of another kind there, tells a line that is shorter from one that is
+    // partly hidden.
+    const Segment2 whole = element.line.segment();
+    const Eigen::Vector2d known = at_b ? whole.b : whole.a;
+    const Eigen::Vector2d stop = known + (at.t_m - end.t_m) * u;
+    const Segment2 beyond = at_b ? Segment2{stop, known} : Segment2{known, stop};
+    if (!isBare(beyond, element, view) && !isOfAnotherKind(beyond, element, floor)) return;
+    votes.t_m = (votes.t_m * votes.count + at.t_m) / (votes.count + 1);
+    votes.variance_m2 = at.variance_m2;
+    if (++votes.count < params_.short_votes) return;
+    element.line.shorten(at_b, {votes.t_m, votes.variance_m2, false, votes.variance_m2, 1, at.d_lean});
+    element.short_a = element.short_b = {};
+  };
+  review(element.short_a, element.line.endA(), low, false);
+  review(element.short_b, element.line.endB(), high, true);
+}
+
+void SegmentMemory::reviewGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
+                               const View& view) {
+  if (seen.size() < 2) return;
+  const Eigen::Vector2d u = element.line.along();
+  std::vector<FloorSegment> pieces;
+  for (const FloorSegment* piece : seen) {
+    pieces.push_back(u.dot(piece->odom.b - piece->odom.a) < 0.0 ? reversed(*piece) : *piece);
+  }
+  std::sort(pieces.begin(), pieces.end(),
+            [&](const FloorSegment& a, const FloorSegment& b) { return u.dot(a.odom.a) < u.dot(b.odom.a); });
+  for (std::size_t i = 0; i + 1 < pieces.size(); ++i) {
+    const FloorSegment& before = pieces[i];
+    const FloorSegment& behind = pieces[i + 1];
+    if (before.open_b || behind.open_a) continue;
+    const Eigen::Vector2d from = before.odom.b;
+    const Eigen::Vector2d to = behind.odom.a;
+    if (u.dot(to - from) < params_.line.end_gate_m) continue;
+    const double t_from = element.line.tOf(from);
+    const double t_to = element.line.tOf(to);
+    if (t_from <= element.line.endA().t_m || t_to >= element.line.endB().t_m) continue;
+    // Detection breaks lines, too: the image must have no edge there.
+    const Segment3 between{{from.x(), from.y(), 0.0}, {to.x(), to.y(), 0.0}};
+    const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, between);
+    if (!px || !view.evidence.isEdgeless(*px, params_.gap_contrast_share * element.strength)) continue;
+    MemoryElement::GapVotes& votes = element.gap;
+    const bool same = votes.count > 0 && (votes.from - from).norm() <= params_.gap_place_m &&
+                      (votes.to - to).norm() <= params_.gap_place_m;
+    if (!same) votes = {};
+    votes.from = (votes.from * votes.count + from) / (votes.count + 1);
+    votes.to = (votes.to * votes.count + to) / (votes.count + 1);
+    if (++votes.count < params_.gap_votes) continue;
+    const auto endAt = [&](const Eigen::Vector2d& p, const Eigen::Matrix2d& P, const FloorLean& D) {
+      const double variance = u.dot(P * u);
+      return ExtentEnd{element.line.tOf(p), variance,          false, variance,
+                       params_.gap_votes,   u.transpose() * D, true};
+    };
+    const ExtentEnd ends = endAt(votes.from, before.P_b, before.D_b);
+    const ExtentEnd begins = endAt(votes.to, behind.P_a, behind.D_a);
+    votes = {};
+    element.short_a = element.short_b = {};
+    MemoryElement other = element;
+    other.value.id = next_id_++;
+    other.line.shorten(false, begins);
+    other.parallax.forget(ParallaxEstimate::kEndA);
+    element.line.shorten(true, ends);
+    element.parallax.forget(ParallaxEstimate::kEndB);
+    // What was in its line by chance (a shadow behind a line's end) is called by its own name.
+    const bool other_is_less = other.line.length() < element.line.length();
+    MemoryElement& less = other_is_less ? other : element;
+    const FloorSegment& piece = other_is_less ? behind : before;
+    less.votes = {};
+    vote(less, piece.label, (piece.odom.middle() - view.camera).norm());
+    publish(other);
+    parted_.push_back(std::move(other));
+    return;
+  }
+}
+
+}  // namespace vismem
