@@ -272,7 +272,9 @@ TEST(FrameGate, AGlanceKeepsTheRevision) {
 }
 
 TEST(SegmentMemory, MakesTwoOfALineInWhichImagesShowAGap) {
-  AttentiveVisualMemory memory(standard());
+  AttentiveVisualMemoryParams params = standard();
+  params.memory.gap_votes = 3;
+  AttentiveVisualMemory memory(params);
   AttentiveVisualMemory::StepResult result;
   StampUs t = 0;
   const std::vector<Segment3> whole{{{1.0, -0.3, 0}, {1.0, 0.3, 0}}};

@@ -94,6 +94,8 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   p.lean.sway_rad = r.angleDeg("Lean.Sway_deg", radToDeg(p.lean.sway_rad), 0.0, 10.0);
   p.course.sigma_rad = r.angleDeg("Lean.Course_deg", radToDeg(p.course.sigma_rad), 0.0, 20.0);
   p.confirm_by_parallax = r.boolean("Confirm.ByParallax", p.confirm_by_parallax);
+  p.min_confirmed_m = r.real("Confirm.LeastLength_m", p.min_confirmed_m, 0.0, 2.0);
+  p.gap_votes = static_cast<int>(r.integer("GapVotes", p.gap_votes, 0, 1000));
   p.parallax.least_height_m = r.real("Confirm.LeastHeight_m", p.parallax.least_height_m, 0.005, 2.0);
   p.parallax.min_baseline_m = r.real("Confirm.Baseline_m", p.parallax.min_baseline_m, 0.01, 10.0);
   p.max_absence_turn_radps =

@@ -18,7 +18,6 @@ AttentiveVisualMemoryParams forPalette(AttentiveVisualMemoryParams params, bool 
 MemoryPipelineParams MemoryPipelineParams::standard() {
   MemoryPipelineParams params{ExtractorParams{}, AttentiveVisualMemoryParams::standard()};
   params.vision.colour_edges = true;
-  params.vision.gaps.enabled = true;
   params.memory.projector.end_short_px = 0.5;  // of the detector `solis`
   return params;
 }

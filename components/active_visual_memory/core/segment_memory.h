@@ -61,9 +61,12 @@ class SegmentMemory {
     double align_noise = 2.0;    ///< errors of neighbouring images are alike: standard deviations times this
     double aligned_m = 0.003;    ///< error of the alignment: of places ..
     double aligned_rad = 0.004;  ///< .. and of the heading
-    double max_end_shift_m = 0.15;      ///< ends further apart than this are not compared
-    double label_share = 0.4;           ///< of the votes that a label needs
-    bool confirm_unlabelled = true;     ///< false: what has no label (a shadow, a pattern) is never confirmed
+    double max_end_shift_m = 0.15;   ///< ends further apart than this are not compared
+    double label_share = 0.4;        ///< of the votes that a label needs
+    bool confirm_unlabelled = true;  ///< false: what has no label (a shadow, a pattern) is never confirmed
+    /// What is confirmed is at least this long: the outline of a smaller mark is not made of straight edges
+    /// that a camera tells (ends of painted lines are told by their sides).
+    double min_confirmed_m = 0.0;
     bool confirm_by_parallax = true;    ///< false: everything is confirmed at once, as in the chapter
     CornerParams corners;               ///< of confirmed edges, which confirm what lies between them
     double max_anchor_turn_rad = 20.0;  ///< parallax is begun anew after the robot turned this far
@@ -73,7 +76,8 @@ class SegmentMemory {
     double well_known_s = 40.0;        ///< elements seen this lately ..
     double well_known_travel_m = 3.0;  ///< .. before this much was driven tell a new place from drift
     int short_votes = 6;               ///< images that must see a line end earlier, with bare floor beyond
-    int gap_votes = 3;  ///< images that must see a gap in a line, and nothing of it there, to make it two
+    /// Images that must see a gap in a line, and nothing of it there, to make it two; 0: that never happens.
+    int gap_votes = 0;
     double gap_contrast_share = 0.35;  ///< of the line's contrast: less of it in the gap is no edge
     double gap_place_m = 0.05;         ///< their ends of it agree within this
     LifeParams life;

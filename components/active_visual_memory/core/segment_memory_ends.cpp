@@ -76,7 +76,7 @@ void SegmentMemory::reviewEnds(MemoryElement& element, const std::vector<const F
 
 void SegmentMemory::reviewGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
                                const View& view) {
-  if (seen.size() < 2) return;
+  if (params_.gap_votes <= 0 || seen.size() < 2) return;
   const Eigen::Vector2d u = element.line.along();
   std::vector<FloorSegment> pieces;
   for (const FloorSegment* piece : seen) {

@@ -112,9 +112,9 @@ void SegmentMemory::countLife(StampUs stamp_us) {
 }
 
 void SegmentMemory::publish(MemoryElement& element) const {
-  vismem::publish(element,
-                  element.on_floor && (params_.confirm_unlabelled || element.value.label != kUnknownLabel),
-                  leanCovariance());
+  const bool named = params_.confirm_unlabelled || element.value.label != kUnknownLabel;
+  const bool large = !params_.confirm_by_parallax || element.line.length() >= params_.min_confirmed_m;
+  vismem::publish(element, element.on_floor && named && large, leanCovariance());
 }
 
 void SegmentMemory::publishAll() {
