@@ -99,8 +99,7 @@ nlohmann::json simulated(const std::string& world, const ExperimentOptions& opti
   const MemoryScore score = lookAroundTwice(run, world, way, files, json);
   writeFigure(
       "The memory of a walking humanoid that turns its neck (figure 19): " + world,
-      text("E4, %s mode, seed %llu: it turned, walked one metre and turned again; its body sways beside "
-           "what its kinematics know",
+      text("E4, %s mode, seed %llu: it turned, walked a metre, turned again; its kinematics know no sway",
            options.mode.c_str(), static_cast<unsigned long long>(options.seed)),
       snapshots, scorePanel(run, score, "the memory over the true edges"),
       options.out / ("figure19_" + world + ".png"));
