@@ -75,7 +75,13 @@ class DeviceThread {
   void ready() { tell({}); }
   /// Commands are refused with this reason, until ready().
   void away(const std::string& why) {
-    if (tell(why)) work_.away(why);
+    {
+      const std::lock_guard lock(mutex_);
+      if (stopping_) return;
+    }
+    // Before start() hears of it: whoever it returns to must find the reason with the samples, too.
+    work_.away(why);
+    tell(why);
   }
 
   /// Why no command is taken; empty if they are.
@@ -85,16 +91,15 @@ class DeviceThread {
   }
 
  private:
-  bool tell(const std::string& why) {
+  void tell(const std::string& why) {
     {
       const std::lock_guard lock(mutex_);
-      if (stopping_) return false;
+      if (stopping_) return;
       unavailable_ = why;
       tried_ = true;
       if (why.empty()) worked_ = true;
     }
     changed_.notify_all();
-    return true;
   }
 
   void run(const std::stop_token& stop) {

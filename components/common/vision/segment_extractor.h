@@ -36,7 +36,8 @@ class SegmentExtractor {
   SegmentExtractor(SegmentExtractor&&) noexcept;
   SegmentExtractor& operator=(SegmentExtractor&&) noexcept;
 
-  /// Detects, labels, merges, cuts at gaps, drops short ones and undistorts the ends.
+  /// Detects, labels, undistorts the ends, merges, drops short ones and cuts the rest at gaps (those pieces
+  /// may be shorter).
   /// @param image      CV_8UC3 (R, G, B) or CV_8UC1, raw pixels.
   /// @param intrinsics of that image; its distortion is taken out of the ends.
   /// @throws std::invalid_argument when the image's size is not the intrinsics' or its type is another.
