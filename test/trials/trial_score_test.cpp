@@ -50,6 +50,24 @@ TEST(TrialScore, CountsEachKidnappingFromItsOwnMoment) {
   EXPECT_TRUE(events[1].right_at_end);
 }
 
+TEST(TrialScore, TellsHowOftenTheTruthIsWhereTheCovarianceSays) {
+  const Trial trial = standingTrial();
+  std::vector<PoseEstimate> estimates;
+  for (StampUs t = kSecondUs / 10; t <= 40 * kSecondUs; t += kSecondUs / 10) {
+    // 3 cm beside the truth; stated as 1 cm in every fourth image, as 2 cm else. After 20 s nothing is
+    // stated.
+    estimates.push_back(at(t, {t <= 20 * kSecondUs ? 1.03 : 9.03, 0.0, 0.0}));
+    const double std = t / (kSecondUs / 10) % 4 == 0 ? 0.01 : 0.02;
+    if (t <= 20 * kSecondUs) estimates.back().P = std * std * Eigen::Matrix3d::Identity();
+  }
+  const auto events = scoreEvents(trial, estimates);
+  ASSERT_EQ(events.size(), 2u);
+  // (3 / 1)^2 is more than 7.8, (3 / 2)^2 less.
+  EXPECT_NEAR(*events[0].inside_stated, 0.75, 0.01);
+  EXPECT_NEAR(*events[0].error_over_stated, 1.5 / 1.538, 0.01);
+  EXPECT_EQ(*events[1].inside_stated, 0.0);
+}
+
 TEST(TrialScore, APoseThatGoesWrongAfterSettlingCountsWithItsWholeError) {
   const Trial trial = standingTrial();
   std::vector<PoseEstimate> estimates;

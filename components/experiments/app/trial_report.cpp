@@ -125,6 +125,8 @@ nlohmann::json toJson(const TrialSummary& summary) {
                       {"position_error_m", toJson(summary.position_error_m)},
                       {"median_position_error_m", toJson(summary.median_position_error_m)},
                       {"heading_error_deg", toJson(summary.heading_error_rad, kDegrees)},
+                      {"inside_stated_95_share", toJson(summary.inside_stated)},
+                      {"error_over_stated", toJson(summary.error_over_stated)},
                       {"wrong_at_end_share", summary.wrong_at_end}};
   if (summary.true_alive) json["true_place_alive_share"] = *summary.true_alive;
   if (summary.right_after_evidence) json["right_10_s_after_evidence"] = toJson(summary.right_after_evidence);
@@ -214,18 +216,19 @@ void Comparison::noteEvidence(const std::vector<std::optional<double>>& evidence
 nlohmann::json Comparison::write(const std::filesystem::path& out, const SummaryParams& params) const {
   std::string csv =
       "method,seed,event,settled_after_s,position_error_m,heading_error_deg,right_at_end,true_alive,"
-      "evidence_after_s\n";
+      "evidence_after_s,inside_stated_95,error_over_stated\n";
   const auto number = [](const std::optional<double>& value, double scale = 1.0) {
     return value ? text("%.4f", scale * *value) : std::string();
   };
   nlohmann::json json;
   for (const MethodRecord& record : records_) {
     for (const EventScore& event : record.events) {
-      csv += text("%s,%llu,%d,%s,%s,%s,%d,%s,%s\n", record.name.c_str(),
+      csv += text("%s,%llu,%d,%s,%s,%s,%d,%s,%s,%s,%s\n", record.name.c_str(),
                   static_cast<unsigned long long>(event.seed), event.event,
                   number(event.settled_after_s).c_str(), number(event.position_error_m).c_str(),
                   number(event.heading_error_rad, kDegrees).c_str(), event.right_at_end ? 1 : 0,
-                  number(event.true_alive).c_str(), number(event.evidence_after_s).c_str());
+                  number(event.true_alive).c_str(), number(event.evidence_after_s).c_str(),
+                  number(event.inside_stated).c_str(), number(event.error_over_stated).c_str());
     }
     json[record.name] = toJson(summarize(record.events, params));
     json[record.name]["cpu_ms_mean"] = mean(record.cycle_ms).value_or(0.0);
@@ -239,7 +242,8 @@ nlohmann::json Comparison::write(const std::filesystem::path& out, const Summary
 nlohmann::json Comparison::report(const std::filesystem::path& out, const SummaryParams& params) const {
   nlohmann::json json = write(out, params);
   std::vector<std::vector<std::string>> rows{{"method", "recovered", "median s", "p90 s", "error cm",
-                                              "median cm", "deg", "wrong at end", "CPU ms, p99"}};
+                                              "median cm", "deg", "in stated 95 %", "error/stated",
+                                              "wrong at end", "CPU ms, p99"}};
   const bool twins = std::any_of(records_.begin(), records_.end(), [](const MethodRecord& record) {
     return std::any_of(record.events.begin(), record.events.end(),
                        [](const EventScore& event) { return event.evidence_after_s.has_value(); });
@@ -256,7 +260,8 @@ nlohmann::json Comparison::report(const std::filesystem::path& out, const Summar
          shown(summary.median_s, 1.0, "%.1f"), shown(summary.p90_s, 1.0, "%.1f"),
          shown(summary.position_error_m, 100.0, "%.1f"),
          shown(summary.median_position_error_m, 100.0, "%.1f"),
-         shown(summary.heading_error_rad, kDegrees, "%.2f"), text("%.1f %%", 100.0 * summary.wrong_at_end),
+         shown(summary.heading_error_rad, kDegrees, "%.2f"), shown(summary.inside_stated, 100.0, "%.1f"),
+         shown(summary.error_over_stated, 1.0, "%.2f"), text("%.1f %%", 100.0 * summary.wrong_at_end),
          text("%.2f, %.2f", json[record.name]["cpu_ms_mean"].get<double>(),
               json[record.name]["cpu_ms_p99"].get<double>())});
     if (twins) {

@@ -296,6 +296,14 @@ void MonteCarlo::estimate() {
   if (!(sum > 0.0)) return;
   estimate_.T_world_robot =
       Pose2{position.x() / sum, position.y() / sum, std::atan2(heading.y(), heading.x())};
+  estimate_.P.setZero();
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    if (cells[of_particle[i]].cluster != best) continue;
+    const Pose2& pose = particles_[i].T_world_robot;
+    const Eigen::Vector3d off(pose.x - estimate_.T_world_robot->x, pose.y - estimate_.T_world_robot->y,
+                              angleDifference(pose.theta, estimate_.T_world_robot->theta));
+    estimate_.P += particles_[i].weight / sum * off * off.transpose();
+  }
   estimate_.reliability = weights[static_cast<std::size_t>(best)];
 }
 

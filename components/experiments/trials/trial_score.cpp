@@ -1,5 +1,6 @@
 #include "experiments/trials/trial_score.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +12,8 @@ namespace vismem {
 namespace {
 
 constexpr double kEvidenceGrace_s = 10.0;
+constexpr double kChiSquare95 = 7.815;  // of three degrees of freedom: nineteen of twenty are less
+constexpr double kChiSquare50 = 2.366;  // .. and half of them
 
 bool isAt(const Pose2& pose, const Pose2& truth, const ScoreParams& params) {
   return (pose.position() - truth.position()).norm() <= params.right_within_m &&
@@ -33,6 +36,33 @@ std::optional<double> shareAlive(const std::vector<PoseEstimate>& estimates, con
   }
   if (since_first == 0) return std::nullopt;
   return static_cast<double>(alive) / since_first;
+}
+
+/// Square of the distance between truth and estimate in stated standard deviations.
+/// @return empty where no pose was stated; infinite where its covariance is none.
+std::optional<double> squareInStated(const PoseEstimate& estimate, const Trajectory& truth) {
+  const auto true_pose = poseAt(truth, estimate.stamp_us);
+  if (!true_pose || !estimate.T_world_robot) return std::nullopt;
+  const Pose2& stated = *estimate.T_world_robot;
+  const Eigen::Vector3d error(true_pose->x - stated.x, true_pose->y - stated.y,
+                              angleDifference(true_pose->theta, stated.theta));
+  const Eigen::LLT<Eigen::Matrix3d> root(estimate.P);
+  if (root.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return root.matrixL().solve(error).squaredNorm();
+}
+
+void scoreCovariance(const std::vector<PoseEstimate>& estimates, const Trajectory& truth, StampUs from_us,
+                     EventScore& score) {
+  std::vector<double> squares;
+  for (const PoseEstimate& estimate : estimates) {
+    if (estimate.stamp_us < from_us) continue;
+    if (const auto square = squareInStated(estimate, truth)) squares.push_back(*square);
+  }
+  if (squares.empty()) return;
+  const auto inside =
+      std::count_if(squares.begin(), squares.end(), [](double s) { return s <= kChiSquare95; });
+  score.inside_stated = static_cast<double>(inside) / static_cast<double>(squares.size());
+  score.error_over_stated = std::sqrt(*median(squares) / kChiSquare50);
 }
 
 /// An event that did not recover is infinitely late.
@@ -80,6 +110,9 @@ std::vector<EventScore> scoreEvents(const Trial& trial, const std::vector<PoseEs
     score.heading_error_rad = whole.heading_error_rad;
     score.right_at_end = whole.recovered;
     score.true_alive = shareAlive(here, truth, params);
+    if (score.settled_after_s) {
+      scoreCovariance(here, truth, truth.front().stamp_us + toStampUs(*score.settled_after_s), score);
+    }
     scores.push_back(score);
   }
   return scores;
@@ -125,6 +158,8 @@ TrialSummary summarize(const std::vector<EventScore>& events, const SummaryParam
   std::map<std::uint64_t, std::vector<double>> times;
   std::map<std::uint64_t, std::vector<double>> positions;
   std::map<std::uint64_t, std::vector<double>> headings;
+  std::map<std::uint64_t, std::vector<double>> inside;
+  std::map<std::uint64_t, std::vector<double>> over;
   int wrong = 0;
   int with_evidence = 0;
   int right_in_time = 0;
@@ -148,6 +183,8 @@ TrialSummary summarize(const std::vector<EventScore>& events, const SummaryParam
     if (!event.right_at_end) ++wrong;
     if (event.position_error_m) positions[event.seed].push_back(*event.position_error_m);
     if (event.heading_error_rad) headings[event.seed].push_back(*event.heading_error_rad);
+    if (event.inside_stated) inside[event.seed].push_back(*event.inside_stated);
+    if (event.error_over_stated) over[event.seed].push_back(*event.error_over_stated);
   }
   summary.seeds = static_cast<int>(times.size());
   if (summary.events == 0) return summary;
@@ -174,6 +211,8 @@ TrialSummary summarize(const std::vector<EventScore>& events, const SummaryParam
   summary.p90_s = figure(times, quantileOf(0.9));
   summary.position_error_m = figure(positions, mean);
   summary.heading_error_rad = figure(headings, mean);
+  summary.inside_stated = figure(inside, mean);
+  summary.error_over_stated = figure(over, mean);
   summary.median_position_error_m = figure(positions, quantileOf(0.5));
   if (summary.recovered > 0) summary.wrong_at_end = static_cast<double>(wrong) / summary.recovered;
   summary.true_alive = mean(alive);

@@ -26,6 +26,12 @@ struct EventScore {
   bool right_at_end = false;
   /// Of the images after some race first stood at the true place: share with a race there.
   std::optional<double> true_alive;
+  /// Of the images after settling: share whose true pose lies inside the region that the stated covariance
+  /// calls 95 %. A normal filter that knows itself has 0.95; less is overconfident, more is timid.
+  std::optional<double> inside_stated;
+  /// Of these images: median error, in stated standard deviations, over the median of a filter that knows
+  /// itself. 2: errors are twice as large as stated.
+  std::optional<double> error_over_stated;
   /// When enough was seen that tells the true place from its twin (TwinEvidence); empty: never, or no twin.
   std::optional<double> evidence_after_s;
 };
@@ -59,6 +65,9 @@ struct TrialSummary {
   std::optional<Figure> heading_error_rad;
   std::optional<Figure> median_position_error_m;  ///< median over events
   double wrong_at_end = 0.0;                      ///< share of the recovered events that ended wrong
+  /// Means over the events that recovered.
+  std::optional<Figure> inside_stated;
+  std::optional<Figure> error_over_stated;
   /// Twins: share of images with the true place among the races once it was, and share of events with
   /// evidence that had settled 10 s after it.
   std::optional<double> true_alive;
