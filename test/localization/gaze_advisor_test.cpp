@@ -53,11 +53,11 @@ RaceReport race(const Pose2& pose, double weight, bool winner, double health = 0
   return report;
 }
 
-/// All around was just seen, so that coverage says nothing.
-void lookAllAround(GazeAdvisor& advisor, StampUs stamp_us) {
-  for (int pan_deg = -180; pan_deg < 180; pan_deg += 30) {
-    ImageAnalysis view = test::emptyView(degToRad(pan_deg), degToRad(-15));
-    view.stamp_us = stamp_us;
+/// All around was seen alike, so that novelty says nothing.
+void lookAllAround(GazeAdvisor& advisor, StampUs end_us) {
+  for (int i = 0; i < 6; ++i) {
+    ImageAnalysis view = test::emptyView(degToRad(60 * i - 150), degToRad(-15));
+    view.stamp_us = end_us - kSecondUs * (5 - i) / 10;
     auto snapshot = std::make_shared<MemorySnapshot>();
     advisor.look({snapshot, std::make_shared<ImageAnalysis>(view)});
   }
@@ -76,20 +76,25 @@ class GazeAdvisorTest : public testing::Test {
   GazeAdvisor advisor_{GazeAdvisorParams{}, localizerPreset(LocalizationMode::kDefault), map_};
 };
 
+/// Of the direction nearest to a pan.
+const GazeAdvice& towards(const std::vector<GazeAdvice>& advice, double pan_rad) {
+  return *std::min_element(advice.begin(), advice.end(), [&](const GazeAdvice& a, const GazeAdvice& b) {
+    return std::abs(a.direction.pan_rad - pan_rad) < std::abs(b.direction.pan_rad - pan_rad);
+  });
+}
+
 TEST_F(GazeAdvisorTest, LooksAtWhatTellsTheRacesApart) {
   lookAllAround(advisor_, kSecondUs);
   const auto advice =
       advisor_.advise(estimateWith({race(kHere, 0.5, false), race(kThere, 0.5, true)}), update());
   ASSERT_FALSE(advice.empty());
   EXPECT_TRUE(shows(advice.front(), {1.5, -0.75})) << radToDeg(advice.front().direction.pan_rad);
-  EXPECT_GT(advice.front().disagreement, 0.4);
   // Backwards both places show two plain walls: only a place that is none of them could show something else
   // there.
   for (const GazeAdvice& one : advice) {
-    if (std::abs(one.direction.pan_rad) > degToRad(140)) {
-      EXPECT_LT(one.disagreement, advice.front().disagreement);
-      EXPECT_LT(one.score, advice.front().score);
-    }
+    if (std::abs(one.direction.pan_rad) < degToRad(140)) continue;
+    EXPECT_LT(one.telling_m, advice.front().telling_m);
+    EXPECT_LT(one.score, advice.front().score);
   }
 }
 
@@ -101,42 +106,86 @@ TEST_F(GazeAdvisorTest, LooksThereToo_WhenTheWinnerIsWrongAndStrong) {
   EXPECT_TRUE(shows(advice.front(), {1.5, -0.75})) << radToDeg(advice.front().direction.pan_rad);
 }
 
-TEST_F(GazeAdvisorTest, OneRaceLooksForWhatFixesItAlongTheCorridor) {
-  lookAllAround(advisor_, kSecondUs);
-  PoseEstimate estimate = estimateWith({race({7.5, 0, 0}, 1.0, true)});
-  // Between plain walls: y and heading are known, x is not. The doors' feet lie behind.
-  estimate.P = Eigen::Vector3d(0.25, 1e-4, 1e-4).asDiagonal();
-  const auto advice = advisor_.advise(estimate, update());
-  EXPECT_GE(advice.front().information, 0.0);
-  estimate.P = Eigen::Vector3d(1e-4, 0.25, 1e-4).asDiagonal();
-  const auto across = advisor_.advise(estimate, update());
-  // Walls fix the position across: worth a look only while it is not known.
-  EXPECT_GT(across.front().information, 0.5);
-  EXPECT_GT(across.front().information, advice.front().information + 0.3);
+// After a kidnapping the winner keeps nearly all of the belief for a second, while it explains nothing.
+TEST_F(GazeAdvisorTest, AWinnerThatExplainsNothingDoesNotSayWhereToLook) {
+  const Pose2 stale{10, 0, 0};
+  const PoseEstimate jumped = estimateWith(
+      {race(stale, 0.98, true, 0.0), race(kHere, 0.01, false, 0.95), race(kThere, 0.01, false, 0.95)});
+  const PoseEstimate known = estimateWith({race(kHere, 0.5, true, 0.95), race(kThere, 0.5, false, 0.95)});
+  const auto expected = advisor_.advise(known, update());
+  const auto advice = advisor_.advise(jumped, update());
+  EXPECT_NEAR(advice.front().direction.pan_rad, expected.front().direction.pan_rad, 1e-9);
+  EXPECT_NEAR(advice.front().telling_m, expected.front().telling_m, 0.2 * expected.front().telling_m);
+}
+
+TEST_F(GazeAdvisorTest, WhatIsSeenOnTheWayCountsAndWhatTakesLongCountsLess) {
+  const PoseEstimate estimate = estimateWith({race(kHere, 0.5, true), race(kThere, 0.5, false)});
+  // What tells them apart lies ahead to the right; the camera looks back on that side.
+  const MemoryUpdate back = test::viewFrom(map_, kHere, kSecondUs, degToRad(-159), degToRad(-15));
+  const auto advice = advisor_.advise(estimate, back);
+  const double there = towards(advice, degToRad(-30)).score;
+  // To go past it shows it too; to stay behind does not.
+  EXPECT_GT(towards(advice, degToRad(30)).score, 0.5 * there);
+  EXPECT_LT(towards(advice, degToRad(-159)).score, there);
+  GazeAdvisorParams slow;
+  slow.head_speed_radps = degToRad(30);
+  const GazeAdvisor sluggish(slow, localizerPreset(LocalizationMode::kDefault), map_);
+  EXPECT_LT(towards(sluggish.advise(estimate, back), degToRad(-30)).score, 0.9 * there);
+}
+
+TEST_F(GazeAdvisorTest, WhatWasSeenTellsLessAndIsNewAgainLater) {
+  const PoseEstimate estimate = estimateWith({race(kHere, 0.5, true), race(kThere, 0.5, false)});
+  const auto lookAhead = [&](StampUs stamp_us) {
+    ImageAnalysis view = test::emptyView(degToRad(-15), degToRad(-15));
+    view.stamp_us = stamp_us;
+    advisor_.look({std::make_shared<MemorySnapshot>(), std::make_shared<ImageAnalysis>(view)});
+  };
+  const double fresh = towards(advisor_.advise(estimate, update()), degToRad(-15)).score;
+  for (int i = 0; i < 10; ++i) lookAhead(kSecondUs * i / 10);
+  const GazeAdvice seen = towards(advisor_.advise(estimate, update()), degToRad(-15));
+  EXPECT_LT(seen.score, 0.5 * fresh);
+  EXPECT_LT(seen.novelty, 0.3);
+  // The same by thirty images a second: it is time that counts.
+  advisor_.forget();
+  EXPECT_NEAR(towards(advisor_.advise(estimate, update()), degToRad(-15)).score, fresh, 1e-9);
+  for (int i = 0; i < 30; ++i) lookAhead(kSecondUs * i / 30);
+  EXPECT_NEAR(towards(advisor_.advise(estimate, update()), degToRad(-15)).score, seen.score,
+              0.15 * seen.score);
+  // Long after, by a look elsewhere.
+  ImageAnalysis behind = test::emptyView(degToRad(150), degToRad(-15));
+  behind.stamp_us = 30 * kSecondUs;
+  advisor_.look({std::make_shared<MemorySnapshot>(), std::make_shared<ImageAnalysis>(behind)});
+  EXPECT_GT(towards(advisor_.advise(estimate, update()), degToRad(-15)).score, 0.75 * fresh);
+}
+
+TEST_F(GazeAdvisorTest, ADirectionThatIsGivenUpIsNotTheBestAnyMore) {
+  const PoseEstimate estimate = estimateWith({race(kHere, 0.5, true), race(kThere, 0.5, false)});
+  const GazeAdvice best = advisor_.advise(estimate, update()).front();
+  advisor_.giveUp(best.direction, update());
+  const GazeAdvice next = advisor_.advise(estimate, update()).front();
+  EXPECT_GT(std::abs(angleDifference(best.direction.pan_rad, next.direction.pan_rad)), degToRad(20));
 }
 
 TEST_F(GazeAdvisorTest, WithoutRacesItLooksWhereItDidNotLook) {
-  for (const int pan_deg : {-60, -30, 0, 30, 60}) {
-    ImageAnalysis view = test::emptyView(degToRad(pan_deg), degToRad(-15));
-    view.stamp_us = kSecondUs;
+  for (int i = 0; i < 20; ++i) {
+    ImageAnalysis view = test::emptyView(degToRad(-60 + 30 * (i % 5)), degToRad(-15));
+    view.stamp_us = kSecondUs * i / 10;
     advisor_.look({std::make_shared<MemorySnapshot>(), std::make_shared<ImageAnalysis>(view)});
   }
   const auto advice = advisor_.advise(PoseEstimate{}, update());
   // viewFrom stands at heading 0 in odom.
-  EXPECT_GT(std::abs(advice.front().direction.pan_rad), degToRad(100));
-  EXPECT_NEAR(advice.front().coverage, 1.0, 1e-6);
+  EXPECT_GT(std::abs(advice.front().direction.pan_rad), degToRad(90));
+  EXPECT_NEAR(advice.front().novelty, 1.0, 1e-6);
 }
 
-TEST_F(GazeAdvisorTest, ANoneOfThesePartRemainsAndGrowsWithPoorHealth) {
-  for (const int pan_deg : {-60, -30, 0, 30, 60}) {
-    ImageAnalysis view = test::emptyView(degToRad(pan_deg), degToRad(-15));
-    view.stamp_us = kSecondUs;
-    advisor_.look({std::make_shared<MemorySnapshot>(), std::make_shared<ImageAnalysis>(view)});
-  }
-  // The races explain little of what is seen: probably the robot is at neither place.
-  const auto advice =
-      advisor_.advise(estimateWith({race(kHere, 0.5, false, 0.2), race(kThere, 0.5, true, 0.2)}), update());
-  EXPECT_GT(advice.front().coverage, 0.9);
+// With poor health the robot is probably at neither place: then all lines count, also where the races agree.
+TEST_F(GazeAdvisorTest, ANoneOfThesePartGrowsWithPoorHealth) {
+  const auto behind = [&](double health) {
+    const auto advice = advisor_.advise(
+        estimateWith({race(kHere, 0.5, false, health), race(kThere, 0.5, true, health)}), update());
+    return towards(advice, degToRad(159)).telling_m;
+  };
+  EXPECT_GT(behind(0.2), 2.0 * behind(0.9));
 }
 
 TEST_F(GazeAdvisorTest, ThePlaceLiesOnTheAxis) {

@@ -67,7 +67,7 @@ TEST(TrialRun, LocalizationSteersTheGazeInClosedLoop) {
   TrialRun alone(options);
   const Trial by_salience = alone.record();
   EXPECT_EQ(by_salience.gaze_wishes, 0);
-  options.asks_for_gaze = true;
+  options.gaze = TrialGaze::kLocalization;
   TrialRun run(options);
   std::vector<AttentionKind> targets;
   const Trial trial = run.record([&](const TrialRun::Step& step, GazeClient&) {
@@ -93,6 +93,33 @@ TEST(TrialRun, LocalizationSteersTheGazeInClosedLoop) {
       trial, estimatesOf(trial, localizerMethod("default", run.params().localizer), run.params().map_edges));
   ASSERT_EQ(events.size(), 2u);
   EXPECT_TRUE(events[1].right_at_end);
+}
+
+// It asks while the winner is wrong and at no other time, which nobody can who is not told.
+TEST(TrialRun, TheOracleAsksWhileThePoseIsWrong) {
+  TrialOptions options = shortTrial();
+  options.gaze = TrialGaze::kOracle;
+  TrialRun run(options);
+  const auto method =
+      localizerMethod("default", run.params().localizer).make(run.params().map_edges, options.seed);
+  int wrong_since = 0;  // images
+  int right_since = 0;
+  int asked_while_wrong = 0;
+  int long_wrong = 0;
+  run.record([&](const TrialRun::Step& step, GazeClient&) {
+    const bool asks = std::any_of(step.gaze.points.begin(), step.gaze.points.end(),
+                                  [](const auto& point) { return point.kind == AttentionKind::kClient; });
+    const PoseEstimate estimate = method->step(step.update, step.update.snapshot->T_odom_robot);
+    const Pose2 truth = run.simulation().truth().T_world_robot;
+    const bool is_right = estimate.T_world_robot && isRight(*estimate.T_world_robot, truth);
+    wrong_since = is_right ? 0 : wrong_since + 1;
+    right_since = is_right ? right_since + 1 : 0;
+    if (wrong_since > 2) ++long_wrong;
+    if (wrong_since > 2 && asks) ++asked_while_wrong;
+    if (right_since > 15) EXPECT_FALSE(asks);
+  });
+  EXPECT_GT(long_wrong, 0);
+  EXPECT_EQ(asked_while_wrong, long_wrong);
 }
 
 TEST(TrialRun, TheSameSeedGivesTheSameRecord) {

@@ -1,5 +1,6 @@
 #include "experiments/app/e6_gaze.h"
 
+#include <array>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -19,22 +20,32 @@ const E6Place kIrregularHard{.name = "irregular_hard",
 /// Half of the time that E6 gives: what gaze can help with lies within seconds.
 constexpr double kEvent_s = 30.0;
 
-constexpr const char* kSalience = "salience";
-constexpr const char* kLocalization = "localization";
+struct Policy {
+  const char* name;
+  TrialGaze gaze;
+  bool in_both;  ///< of `--gaze both`
+};
+constexpr std::array<Policy, 3> kPolicies{{{"salience", TrialGaze::kSalience, true},
+                                           {"localization", TrialGaze::kLocalization, true},
+                                           {"oracle", TrialGaze::kOracle, false}}};
 
-void addRatio(const Comparison& comparison, const SummaryParams& params, nlohmann::json& json) {
+/// How a policy does against the first.
+nlohmann::json ratios(const Comparison& comparison, std::size_t policy, const SummaryParams& params) {
+  const auto& records = comparison.records();
+  nlohmann::json json;
   for (const double q : {0.5, 0.9}) {
-    const auto ratio =
-        ratioOfQuantiles(comparison.records()[1].events, comparison.records()[0].events, q, params);
+    const auto ratio = ratioOfQuantiles(records[policy].events, records[0].events, q, params);
     const char* name = q == 0.5 ? "median_ratio" : "p90_ratio";
     if (!ratio) {
       json[name] = nullptr;
       continue;
     }
     json[name] = {{"value", ratio->value}, {"low", ratio->interval.low}, {"high", ratio->interval.high}};
-    std::cerr << text("  %s of recovery, localization against salience: %.2f (%.2f..%.2f)\n",
-                      q == 0.5 ? "median" : "p90", ratio->value, ratio->interval.low, ratio->interval.high);
+    std::cerr << text("  %s of recovery, %s against %s: %.2f (%.2f..%.2f)\n", q == 0.5 ? "median" : "p90",
+                      records[policy].name.c_str(), records[0].name.c_str(), ratio->value,
+                      ratio->interval.low, ratio->interval.high);
   }
+  return json;
 }
 
 }  // namespace
@@ -51,13 +62,13 @@ nlohmann::json compareGaze(const ExperimentOptions& options) {
     // Each policy of gaze is a method: the same localization on the record that it brought about itself.
     std::vector<std::string> names;
     series.recordings.clear();
-    if (options.gaze != kLocalization) {
-      names.emplace_back(kSalience);
-      series.recordings.push_back({{}, kSalience});
-    }
-    if (options.gaze != kSalience) {
-      names.emplace_back(kLocalization);
-      series.recordings.push_back({[](TrialOptions& trial) { trial.asks_for_gaze = true; }, kLocalization});
+    for (const Policy& policy : kPolicies) {
+      const bool is_wanted =
+          options.gaze == "all" || options.gaze == policy.name || (options.gaze == "both" && policy.in_both);
+      if (!is_wanted) continue;
+      names.emplace_back(policy.name);
+      series.recordings.push_back(
+          {[gaze = policy.gaze](TrialOptions& trial) { trial.gaze = gaze; }, policy.name});
     }
     series.methods = [names](const LocalizerParams& ours) {
       std::vector<MethodMaker> methods;
@@ -67,7 +78,9 @@ nlohmann::json compareGaze(const ExperimentOptions& options) {
     series.drawn = names;
     json[place.name] =
         runSeries(series, options.out, [&](const Comparison& comparison, nlohmann::json& figures) {
-          if (names.size() == 2) addRatio(comparison, series.summary, figures);
+          for (std::size_t i = 1; i < names.size(); ++i) {
+            figures[names[i]]["against_" + names[0]] = ratios(comparison, i, series.summary);
+          }
         });
   }
   if (json.empty()) throw std::invalid_argument("E6 --gaze has no variant \"" + options.variant + "\"");

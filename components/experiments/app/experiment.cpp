@@ -111,11 +111,13 @@ int main(int argc, char** argv) {
          "of E5 and E6: only these, by name, with commas between them: \"default\" leaves out the peers, "
          "which take most of the time (default: all)")
       ->delimiter(',');
-  app.add_option(
-         "--gaze", options.gaze,
-         "of E6: who decides where the camera looks, salience alone or localization too; both: each in "
-         "trials of its own with the same kidnappings, compared")
-      ->check(CLI::IsMember({"salience", "localization", "both"}));
+  app.add_option("--gaze", options.gaze,
+                 "of E6: who decides where the camera looks: salience alone, localization too, or "
+                 "localization that is "
+                 "told the true place (oracle, a bound); both: the first two, all: all, each in trials of "
+                 "its own with "
+                 "the same kidnappings, compared")
+      ->check(CLI::IsMember({"salience", "localization", "oracle", "both", "all"}));
   app.add_option("--out", options.out, "folder for all that is written (default: out/EXPERIMENT)");
   app.add_option(
       "--data", options.data,

@@ -13,6 +13,7 @@
 #include "common/kinematics/random_stream.h"
 #include "common/routes/route_follower.h"
 #include "experiments/app/cpu_stages.h"
+#include "experiments/trials/trial_score.h"
 #include "localization/core/gaze_planner.h"
 #include "localization/core/localizer.h"
 #include "simulator/core/renderer.h"
@@ -31,14 +32,52 @@ EvaluationOptions evaluationOptions(const TrialOptions& options) {
 
 }  // namespace
 
+namespace {
+
+/// What a localization would say that knows the place but that another one leads: the planner then looks for
+/// what tells the true place from those that are believed, until the winner is right.
+PoseEstimate told(PoseEstimate estimate, const Pose2& truth) {
+  constexpr double kTrueShare = 0.9;
+  std::vector<RaceReport> races;
+  double rivals = 0.0;
+  for (const RaceReport& race : estimate.races) {
+    const bool is_true = isRight(race.T_world_robot, truth);
+    if (is_true && race.winner) {
+      // Sure of it at once.
+      estimate.races = {race};
+      estimate.races.front().weight = estimate.races.front().health = estimate.reliability = 1.0;
+      return estimate;
+    }
+    if (is_true) continue;
+    races.push_back(race);
+    // The one that leads has to be overcome, whatever it explains now.
+    if (race.winner) races.back().weight = std::max(0.5, race.weight);
+    if (race.winner) races.back().health = 1.0;
+    rivals += races.back().weight;
+  }
+  for (RaceReport& race : races) race.weight *= (1.0 - kTrueShare) / std::max(rivals, 1e-9);
+  RaceReport here;
+  here.T_world_robot = truth;
+  here.health = 1.0;
+  here.weight = kTrueShare;
+  races.push_back(here);
+  estimate.races = std::move(races);
+  return estimate;
+}
+
+}  // namespace
+
 /// The localization of the robot itself, which asks for gaze.
 struct Seeker {
   Seeker(const EvaluationParams& params, std::uint64_t seed)
       : localizer(params.localizer, params.map_edges, seed),
         planner(params.gaze, params.localizer, params.map_edges) {}
 
-  void steer(const MemoryUpdate& update, const Pose2& T_odom_robot_now, GazeClient& client, Trial& trial) {
-    const PoseEstimate estimate = localizer.step(update, T_odom_robot_now);
+  /// @param oracle the true pose at the update's stamp, if the planner is to be told; else empty.
+  void steer(const MemoryUpdate& update, const Pose2& T_odom_robot_now, const std::optional<Pose2>& oracle,
+             GazeClient& client, Trial& trial) {
+    PoseEstimate estimate = localizer.step(update, T_odom_robot_now);
+    if (oracle) estimate = told(std::move(estimate), *oracle);
     const double before_s = CpuStages::now_s();
     const GazePlan plan = planner.plan(estimate, update);
     trial.gaze_plan_ms.push_back(1e3 * (CpuStages::now_s() - before_s));
@@ -151,7 +190,7 @@ struct TrialRun::Impl {
     trial.events_us.push_back(0);
     append(trial.truth, {0, simulation->truth().T_world_robot});
     std::optional<Seeker> seeker;
-    if (options.asks_for_gaze) seeker.emplace(params, options.seed);
+    if (options.gaze != TrialGaze::kSalience) seeker.emplace(params, options.seed);
     StampUs newest_pan_tilt_us = -1;
     StampUs newest_odometry_us = -1;
     Pose2 T_odom_robot_now;
@@ -177,7 +216,12 @@ struct TrialRun::Impl {
         if (trial.updates.empty() || trial.updates.back().snapshot != step.update.snapshot) {
           trial.updates.push_back(step.update);
           trial.T_odom_robot_now.push_back(T_odom_robot_now);
-          if (seeker) seeker->steer(step.update, T_odom_robot_now, memory.memory().gazeClient(), trial);
+          if (seeker) {
+            const StampUs stamp_us = step.update.analysis->stamp_us;
+            const auto oracle =
+                options.gaze == TrialGaze::kOracle ? poseAt(trial.truth, stamp_us) : std::nullopt;
+            seeker->steer(step.update, T_odom_robot_now, oracle, memory.memory().gazeClient(), trial);
+          }
         }
         if (visit) visit(step, memory.memory().gazeClient());
       }

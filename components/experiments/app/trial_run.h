@@ -16,6 +16,14 @@
 
 namespace vismem {
 
+/// Who decides where the camera looks.
+enum class TrialGaze {
+  kSalience,      ///< salience alone
+  kLocalization,  ///< the robot's own localization (the default mode, with the trial's seed) asks while in
+                  ///< doubt, as the setup's Localization.Gaze keys say
+  kOracle,        ///< the same, but told the true place: a bound for what asking can bring
+};
+
 struct TrialOptions {
   std::string world = "corridor";  ///< cfg/worlds/NAME.world, NAME.route and cfg/maps/NAME.csv
   std::string setup = "sim";       ///< cfg/SETUP
@@ -28,9 +36,7 @@ struct TrialOptions {
   double blackout_from_s = 0.0;  ///< in each event: nothing is seen from then on ..
   double blackout_s = 0.0;       ///< .. for so long
   double camera_rate_hz = 10.0;
-  /// The robot's own localization (the default mode, with the trial's seed) asks for gaze, as the setup's
-  /// Localization.Gaze keys say; false: salience alone decides where it looks.
-  bool asks_for_gaze = false;
+  TrialGaze gaze = TrialGaze::kSalience;
   std::function<void(SimulationConfig&)> change_robot;  ///< may be empty
 };
 

@@ -15,11 +15,6 @@ constexpr double kEvidenceGrace_s = 10.0;
 constexpr double kChiSquare95 = 7.815;  // of three degrees of freedom: nineteen of twenty are less
 constexpr double kChiSquare50 = 2.366;  // .. and half of them
 
-bool isAt(const Pose2& pose, const Pose2& truth, const ScoreParams& params) {
-  return (pose.position() - truth.position()).norm() <= params.right_within_m &&
-         std::abs(angleDifference(pose.theta, truth.theta)) <= params.right_within_rad;
-}
-
 /// @return empty where no race ever stood there.
 std::optional<double> shareAlive(const std::vector<PoseEstimate>& estimates, const Trajectory& truth,
                                  const ScoreParams& params) {
@@ -29,7 +24,7 @@ std::optional<double> shareAlive(const std::vector<PoseEstimate>& estimates, con
     const auto true_pose = poseAt(truth, estimate.stamp_us);
     if (!true_pose) continue;
     const bool there = std::any_of(estimate.races.begin(), estimate.races.end(), [&](const RaceReport& race) {
-      return isAt(race.T_world_robot, *true_pose, params);
+      return isRight(race.T_world_robot, *true_pose, params);
     });
     if (there || since_first > 0) ++since_first;
     if (there) ++alive;
@@ -72,6 +67,11 @@ double recoveryTime(const EventScore& event, double within_s) {
 }
 
 }  // namespace
+
+bool isRight(const Pose2& pose, const Pose2& truth, const ScoreParams& params) {
+  return (pose.position() - truth.position()).norm() <= params.right_within_m &&
+         std::abs(angleDifference(pose.theta, truth.theta)) <= params.right_within_rad;
+}
 
 Trajectory truthOfEvent(const Trial& trial, std::size_t event) {
   const StampUs from = trial.events_us.at(event);

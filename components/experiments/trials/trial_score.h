@@ -14,6 +14,9 @@
 
 namespace vismem {
 
+/// As ScoreParams say.
+bool isRight(const Pose2& pose, const Pose2& truth, const ScoreParams& params = {});
+
 /// One start or kidnapping, and what came of it.
 struct EventScore {
   std::uint64_t seed = 0;

@@ -168,13 +168,10 @@ GazePlannerParams readGazePlannerParams(ConfigReader& reader) {
   if (p.most_priority < p.least_priority) {
     r.problem("MostPriority", "must not be less than " + r.key("LeastPriority"));
   }
-  p.confirming_looks = count(r, "ConfirmingLooks", p.confirming_looks, 1, 100);
+  p.confirm_s = r.real("Confirm_s", p.confirm_s, 0.0, 60.0);
   p.deadline_s = r.real("Deadline_s", p.deadline_s, 0.1, 60.0);
-  p.images = count(r, "Images", p.images, 1, 100);
-  p.look_s = r.real("Look_s", p.look_s, 0.0, 10.0);
   p.seen_rad = r.angleDeg("Seen_deg", radToDeg(p.seen_rad), 0.5, 90.0);
-  p.inhibition_s = r.real("Inhibition_s", p.inhibition_s, 0.01, 1e4);
-  p.inhibition_rad = r.angleDeg("Inhibition_deg", radToDeg(p.inhibition_rad), 0.0, 180.0);
+  p.move_rad = r.angleDeg("Move_deg", radToDeg(p.move_rad), 0.0, 90.0);
   GazeAdvisorParams& a = p.advisor;
   a.minimum_pan_rad = r.angleDeg("Pan.Minimum_deg", radToDeg(a.minimum_pan_rad), -180.0, 180.0);
   a.maximum_pan_rad = r.angleDeg("Pan.Maximum_deg", radToDeg(a.maximum_pan_rad), -180.0, 180.0);
@@ -188,13 +185,14 @@ GazePlannerParams readGazePlannerParams(ConfigReader& reader) {
   }
   a.step_rad = r.angleDeg("Step_deg", radToDeg(a.step_rad), 1.0, 90.0);
   a.range_m = r.real("Range_m", a.range_m, 0.1, kFar);
-  a.disagreement_weight = r.real("DisagreementWeight", a.disagreement_weight, 0.0, 1000.0);
-  a.information_weight = r.real("InformationWeight", a.information_weight, 0.0, 1000.0);
-  a.coverage_weight = r.real("CoverageWeight", a.coverage_weight, 0.0, 1000.0);
-  a.staleness_weight = r.real("StalenessWeight", a.staleness_weight, 0.0, 1000.0);
+  a.sigma_m = r.real("Sigma_m", a.sigma_m, 0.001, 10.0);
   a.none_share = r.real("NoneShare", a.none_share, 0.0, 1.0);
+  a.horizon_s = r.real("Horizon_s", a.horizon_s, 0.1, 10.0);
+  a.patience_s = r.real("Patience_s", a.patience_s, 0.01, 100.0);
+  a.repeat_s = r.real("Repeat_s", a.repeat_s, 0.001, 100.0);
+  a.forget_s = r.real("Forget_s", a.forget_s, 0.1, 1e4);
   a.head_speed_radps = r.angleDeg("HeadSpeed_degps", radToDeg(a.head_speed_radps), 1.0, 2000.0);
-  a.look_cost_s = r.real("LookCost_s", a.look_cost_s, 0.01, 10.0);
+  a.delay_s = r.real("Delay_s", a.delay_s, 0.0, 10.0);
   return p;
 }
 

@@ -1,39 +1,41 @@
 #include "localization/core/gaze_advisor.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "common/geometry/angles.h"
-#include "common/geometry/projection.h"
 #include "localization/core/robust_likelihood.h"
 
 namespace vismem {
 namespace {
 
-constexpr double kNegligibleWeight = 0.01;  // of a race
-/// A gaze in which this length of line tells the races apart scores half.
-constexpr double kTellingLength_m = 0.5;
-/// What one metre of line tells about the pose across it.
-constexpr double kPointsPerMetre = 5.0;
-constexpr double kPointSigma_m = 0.05;
-constexpr double kFullInformation_nats = 2.0;  // information gain that counts 63 %
-/// The health that a race at the right place has, when nothing is wrong.
-constexpr double kGoodHealth = 0.8;
-constexpr double kBadHealth = 0.4;
-/// What a second look right after the first one is worth of it.
-constexpr double kOldNews = 0.1;
-/// That another place has such a line at just that place.
-constexpr double kChanceOfLine = 0.2;
+constexpr double kNegligibleBelief = 0.01;  // in a race
+/// The health that a race at the right place has, when nothing is wrong, and one that explains nothing.
+constexpr double kGoodHealth = 0.75;
+constexpr double kBadHealth = 0.35;
+/// A race's share of belief counts by its root and with this added: it is slow on purpose, and after a jump
+/// of the robot the right place has little of it for a second.
+constexpr double kLeastBelief = 0.02;
+/// Of a race that explains nothing of what is seen.
+constexpr double kRefuted = 0.02;
+/// A robot stands on its way: ahead and behind there is room, and more to be seen than beside it. What a
+/// bearing tells by that alone [m].
+constexpr double kOpenness_m = 0.02;
+constexpr double kStep_s = 0.1;         // of the look ahead
+constexpr double kGivenUp_s = 2.0;      // a bearing that is not reached counts as seen for so long
+constexpr double kLongestLook_s = 0.2;  // between two images
 
-/// A robot stands on its way: ahead and behind there is room, and more to be seen than beside it.
-double openness(double pan_rad) {
-  return 0.5 + 0.5 * std::abs(std::cos(pan_rad));
+double bearingOf(int bin, int bearings) {
+  return 2.0 * std::numbers::pi * (bin + 0.5) / bearings;
 }
 
-double saturate(double value, double scale) {
-  return 1.0 - std::exp(-value / scale);
+/// Calls `f` with the number of each bearing whose middle lies in a view.
+template <typename F>
+void forBearings(int bearings, double at_rad, double half_width_rad, F f) {
+  const double width = 2.0 * std::numbers::pi / bearings;
+  const auto first = static_cast<int>(std::ceil((at_rad - half_width_rad) / width - 0.5));
+  const auto last = static_cast<int>(std::floor((at_rad + half_width_rad) / width - 0.5));
+  for (int i = first; i <= last; ++i) f(static_cast<std::size_t>((i % bearings + bearings) % bearings));
 }
 
 Pose3 cameraTowards(const Eigen::Vector3d& position, const PanTilt& direction) {
@@ -52,6 +54,10 @@ std::vector<double> spread(double low, double high, double step) {
   return values;
 }
 
+double halfWidth(const CameraIntrinsics& intrinsics) {
+  return std::atan(0.5 * intrinsics.width / intrinsics.fx);
+}
+
 }  // namespace
 
 PanTilt axisOf(const Pose3& T_robot_camera) {
@@ -59,130 +65,142 @@ PanTilt axisOf(const Pose3& T_robot_camera) {
   return {std::atan2(axis.y(), axis.x()), std::atan2(axis.z(), axis.head<2>().norm())};
 }
 
+double angleBetweenAxes(const PanTilt& a, const PanTilt& b) {
+  const double c = std::sin(a.tilt_rad) * std::sin(b.tilt_rad) +
+                   std::cos(a.tilt_rad) * std::cos(b.tilt_rad) * std::cos(a.pan_rad - b.pan_rad);
+  return std::acos(std::clamp(c, -1.0, 1.0));
+}
+
 GazeAdvisor::GazeAdvisor(const GazeAdvisorParams& params, const LocalizerParams& localizer,
                          const SegmentMap& map_edges)
     : params_(params), map_(map_edges, robustIndex(localizer)), visible_(map_, localizer.opaque_labels) {}
 
+void GazeAdvisor::forget() {
+  seen_s_.fill(0.0);
+  last_look_us_.reset();
+}
+
 void GazeAdvisor::look(const MemoryUpdate& update) {
   const ImageAnalysis& view = *update.analysis;
   if (view.intrinsics.width <= 0) return;
+  // A stamp that goes back is of a source that began anew.
+  const double since_s = last_look_us_ ? toSeconds(view.stamp_us - *last_look_us_) : kStep_s;
+  if (since_s < 0.0) forget();
+  last_look_us_ = view.stamp_us;
+  const double kept = std::exp(-std::max(0.0, since_s) / params_.forget_s);
+  const double look_s = std::clamp(since_s, 0.0, kLongestLook_s);
   const double bearing = axisOf(view.T_robot_camera).pan_rad + view.T_odom_robot.theta;
-  const double half_width = std::atan(0.5 * view.intrinsics.width / view.intrinsics.fx);
-  for (int i = 0; i < kBearings; ++i) {
-    const double middle = 2.0 * std::numbers::pi * (i + 0.5) / kBearings;
-    if (std::abs(angleDifference(middle, bearing)) < half_width) {
-      seen_us_[static_cast<std::size_t>(i)] = view.stamp_us;
-    }
-  }
+  for (double& seen_s : seen_s_) seen_s *= kept;
+  forBearings(kBearings, bearing, halfWidth(view.intrinsics), [&](std::size_t i) { seen_s_[i] += look_s; });
 }
 
-double GazeAdvisor::coverageOf(double bearing_odom, double half_width_rad, StampUs now_us) const {
+void GazeAdvisor::giveUp(const PanTilt& direction, const MemoryUpdate& update) {
+  const double bearing = direction.pan_rad + update.snapshot->T_odom_robot.theta;
+  forBearings(kBearings, bearing, halfWidth(update.analysis->intrinsics),
+              [&](std::size_t i) { seen_s_[i] += kGivenUp_s; });
+}
+
+std::vector<GazeAdvisor::Target> GazeAdvisor::targets(const PoseEstimate& estimate) const {
+  struct Place {
+    Pose2 T_world_robot;
+    double belief = 0.0;
+  };
+  std::vector<Place> places;
   double sum = 0.0;
-  int count = 0;
-  for (int i = 0; i < kBearings; ++i) {
-    const double middle = 2.0 * std::numbers::pi * (i + 0.5) / kBearings;
-    if (std::abs(angleDifference(middle, bearing_odom)) >= half_width_rad) continue;
-    const auto& seen_us = seen_us_[static_cast<std::size_t>(i)];
-    // A stamp ahead of now is from before a restart of the source.
-    const bool is_known = seen_us && *seen_us <= now_us;
-    sum += is_known ? saturate(toSeconds(now_us - *seen_us), params_.age_s) : 1.0;
-    ++count;
-  }
-  return count > 0 ? sum / count : 0.0;
-}
-
-std::vector<GazeAdvisor::Target> GazeAdvisor::targets(const PoseEstimate& estimate, double none) const {
-  std::vector<const RaceReport*> races;
+  double best_fit = 0.0;
   for (const RaceReport& race : estimate.races) {
-    if (race.weight >= kNegligibleWeight) races.push_back(&race);
+    const double fit = std::clamp((race.health - kBadHealth) / (kGoodHealth - kBadHealth), kRefuted, 1.0);
+    places.push_back({race.T_world_robot, (std::sqrt(race.weight) + kLeastBelief) * fit});
+    sum += places.back().belief;
+    best_fit = std::max(best_fit, fit);
   }
+  for (Place& place : places) place.belief /= sum;
+  std::erase_if(places, [](const Place& place) { return place.belief < kNegligibleBelief; });
+  const double none = std::clamp(1.0 - best_fit, std::min(params_.none_share, 1.0), 1.0);
   std::vector<Target> all;
   std::vector<VisiblePoint> points;
-  for (const RaceReport* race : races) {
-    visible_.around(race->T_world_robot, params_.range_m, {}, nullptr, points);
+  for (const Place& place : places) {
+    visible_.around(place.T_world_robot, params_.range_m, {}, nullptr, points);
     for (const VisiblePoint& point : points) {
-      Target target;
-      target.p_robot = point.p_robot;
-      target.length = point.length_m;
-      for (const RaceReport* other : races) {
-        if (other == race) continue;
-        const Pose2& T = other->T_world_robot;
+      // What another place would show there is not known: such a line hardly.
+      double differs = none;
+      for (const Place& other : places) {
+        if (&other == &place) continue;
+        const Pose2& T = other.T_world_robot;
         const auto field =
             map_.nearest(point.label, transform(T, point.p_robot), point.direction_robot + T.theta);
         const double d = field ? field->distance_m / params_.sigma_m : 1e9;
-        target.disagreement += race->weight * other->weight * (1.0 - std::exp(-0.5 * d * d));
+        differs += (1.0 - none) * other.belief * (1.0 - std::exp(-0.5 * d * d));
       }
-      // What another place would show there is not known: probably no such line.
-      target.disagreement = (1.0 - none) * target.disagreement + none * (1.0 - kChanceOfLine) * race->weight;
-      target.disagreement *= 4.0 * point.length_m;  // two equal races that disagree fully: its length
-      if (race->winner) {
-        // How a shift of the pose moves the line across itself, in world.
-        const double direction = point.direction_robot + race->T_world_robot.theta;
-        const Eigen::Vector2d n(-std::sin(direction), std::cos(direction));
-        const Eigen::Vector2d arm = transform(Pose2{0, 0, race->T_world_robot.theta}, point.p_robot);
-        const Eigen::Vector3d J(n.x(), n.y(), -n.x() * arm.y() + n.y() * arm.x());
-        target.information =
-            kPointsPerMetre * point.length_m / (kPointSigma_m * kPointSigma_m) * J * J.transpose();
-      }
-      all.push_back(target);
+      all.push_back({point.p_robot, place.belief * differs * point.length_m});
     }
   }
   return all;
 }
 
+GazeAdvisor::Bearings GazeAdvisor::tellingAt(double tilt_rad, const std::vector<Target>& targets,
+                                             const MemoryUpdate& update) const {
+  const ImageAnalysis& view = *update.analysis;
+  const double heading = update.snapshot->T_odom_robot.theta;
+  // Whether a point is too near or too far for the image is the same at every pan.
+  const CameraView ahead(view.intrinsics, cameraTowards(view.T_robot_camera.translation(), {0.0, tilt_rad}));
+  Bearings telling;
+  for (int i = 0; i < kBearings; ++i) {
+    telling[static_cast<std::size_t>(i)] =
+        kOpenness_m * std::abs(std::cos(bearingOf(i, kBearings) - heading));
+  }
+  for (const Target& target : targets) {
+    if (!ahead.shows({target.p_robot.norm(), 0.0})) continue;
+    const double bearing = std::atan2(target.p_robot.y(), target.p_robot.x()) + heading;
+    const auto bin = static_cast<int>(std::floor(bearing / (2.0 * std::numbers::pi) * kBearings));
+    telling[static_cast<std::size_t>((bin % kBearings + kBearings) % kBearings)] += target.telling_m;
+  }
+  return telling;
+}
+
+double GazeAdvisor::onTheWay(double from_rad, double to_rad, double half_width_rad,
+                             const Bearings& telling) const {
+  Bearings seen_s = seen_s_;
+  double sum = 0.0;
+  for (double t = kStep_s; t < params_.horizon_s + 0.5 * kStep_s; t += kStep_s) {
+    const double way = params_.head_speed_radps * std::max(0.0, t - params_.delay_s);
+    const double at = from_rad + std::clamp(to_rad - from_rad, -way, way);
+    double told = 0.0;
+    forBearings(kBearings, at, half_width_rad, [&](std::size_t i) {
+      told += telling[i] / (1.0 + seen_s[i] / params_.repeat_s);
+      seen_s[i] += kStep_s;
+    });
+    sum += told * std::exp(-t / params_.patience_s);
+  }
+  return sum;
+}
+
 std::vector<GazeAdvice> GazeAdvisor::advise(const PoseEstimate& estimate, const MemoryUpdate& update) const {
   const ImageAnalysis& view = *update.analysis;
-  const MemorySnapshot& snapshot = *update.snapshot;
   std::vector<GazeAdvice> advice;
   if (view.intrinsics.width <= 0) return advice;
-  double best_health = 0.0;
-  for (const RaceReport& race : estimate.races) best_health = std::max(best_health, race.health);
-  const double none = std::clamp(1.0 - (best_health - kBadHealth) / (kGoodHealth - kBadHealth),
-                                 std::min(params_.none_share, 1.0), 1.0);
-  const std::vector<Target> seen = targets(estimate, none);
-  const double half_width = std::atan(0.5 * view.intrinsics.width / view.intrinsics.fx);
-  const PanTilt now = axisOf(view.T_robot_camera);
-  const Eigen::Matrix3d P = estimate.P + 1e-8 * Eigen::Matrix3d::Identity();
-  const Pose2 T_robot_odom = inverse(snapshot.T_odom_robot);
+  const std::vector<Target> seen = targets(estimate);
+  const double half_width = halfWidth(view.intrinsics);
+  const double heading = update.snapshot->T_odom_robot.theta;
+  const double now = axisOf(view.T_robot_camera).pan_rad + heading;
   const Eigen::Vector3d camera = view.T_robot_camera.translation();
   for (const double tilt : spread(params_.minimum_tilt_rad, params_.maximum_tilt_rad, params_.step_rad)) {
+    const Bearings telling = tellingAt(tilt, seen, update);
     for (const double pan : spread(params_.minimum_pan_rad, params_.maximum_pan_rad, params_.step_rad)) {
       GazeAdvice one;
       one.direction = {pan, tilt};
-      const Pose3 T_robot_camera = cameraTowards(camera, one.direction);
-      const CameraView shown(view.intrinsics, T_robot_camera);
-      double telling = 0.0;
-      Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-      for (const Target& target : seen) {
-        if (!shown.shows(target.p_robot)) continue;
-        telling += target.disagreement;
-        information += target.information;
-      }
-      one.disagreement = telling / (telling + kTellingLength_m);
-      const double nats = 0.5 * std::log((Eigen::Matrix3d::Identity() + P * information).determinant());
-      one.information = saturate(std::max(0.0, nats), kFullInformation_nats);
-      one.coverage = coverageOf(pan + snapshot.T_odom_robot.theta, half_width, snapshot.stamp_us);
-      double age = 0.0;
-      double length = 0.0;
-      for (const MemorySegment& segment : snapshot.segments) {
-        if (!shown.shows(transform(T_robot_odom, segment.odom.floor().middle()))) continue;
-        const double unseen_s = std::max(0.0, toSeconds(snapshot.stamp_us - segment.last_seen_us));
-        age += segment.odom.length() * saturate(unseen_s, params_.age_s);
-        length += segment.odom.length();
-      }
-      if (length > 0.0) one.staleness = age / length;
-      // The races were rated by what was seen there just now: it has told what it can.
-      const double news = kOldNews + (1.0 - kOldNews) * one.coverage;
-      const double gain = news * (params_.disagreement_weight * one.disagreement +
-                                  (1.0 - none) * params_.information_weight * one.information) +
-                          (params_.coverage_weight + none) * one.coverage * openness(pan) +
-                          params_.staleness_weight * one.staleness;
       // Units stop at their limits, so no way leads behind the robot.
-      const double way = std::max(std::abs(pan - now.pan_rad), std::abs(tilt - now.tilt_rad));
-      one.score = gain / (params_.look_cost_s + way / params_.head_speed_radps);
-      const Eigen::Vector3d axis = T_robot_camera.linear().col(2);
+      one.score = onTheWay(now, pan + heading, half_width, telling);
+      int shown = 0;
+      forBearings(kBearings, pan + heading, half_width, [&](std::size_t i) {
+        ++shown;
+        one.telling_m += telling[i];
+        one.novelty += 1.0 / (1.0 + seen_s_[i] / params_.repeat_s);
+      });
+      if (shown > 0) one.novelty /= shown;
+      const Eigen::Vector3d axis = cameraTowards(camera, one.direction).linear().col(2);
       const double to_floor = axis.z() < 0.0 ? -camera.z() / axis.z() : params_.aim_m;
-      one.p_odom = transform(snapshot.T_odom_robot,
+      one.p_odom = transform(update.snapshot->T_odom_robot,
                              Eigen::Vector3d(camera + std::min(to_floor, params_.aim_m) * axis));
       advice.push_back(one);
     }

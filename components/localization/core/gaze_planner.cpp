@@ -10,15 +10,6 @@ namespace {
 
 /// The health that a race at the right place has, when nothing is wrong.
 constexpr double kGoodHealth = 0.7;
-/// Doubt below which a look counts as reassuring, as a share of the doubt that makes wishes.
-constexpr double kRelief = 0.7;
-constexpr std::size_t kMostVisits = 32;
-
-double angleBetweenDirections(const PanTilt& a, const PanTilt& b) {
-  const double c = std::sin(a.tilt_rad) * std::sin(b.tilt_rad) +
-                   std::cos(a.tilt_rad) * std::cos(b.tilt_rad) * std::cos(a.pan_rad - b.pan_rad);
-  return std::acos(std::clamp(c, -1.0, 1.0));
-}
 
 /// From the camera to a place, as pan and tilt of an axis on the robot.
 PanTilt directionTo(const Eigen::Vector3d& p_odom, const MemoryUpdate& update) {
@@ -59,46 +50,16 @@ std::optional<GazeAdvice> GazePlanner::wish() const {
   return wish_ ? std::optional<GazeAdvice>(wish_->advice) : std::nullopt;
 }
 
-bool GazePlanner::isServed(const MemoryUpdate& update) {
+void GazePlanner::noteAxis(const MemoryUpdate& update) {
   const StampUs now = update.analysis->stamp_us;
-  const PanTilt axis = axisOf(update.analysis->T_robot_camera);
-  if (angleBetweenDirections(axis, directionTo(wish_->advice.p_odom, update)) <= params_.seen_rad &&
-      now != wish_->last_seen_us) {
-    if (wish_->images++ == 0) wish_->arrived_us = now;
-    wish_->last_seen_us = now;
+  const PanTilt wanted = directionTo(wish_->advice.p_odom, update);
+  if (angleBetweenAxes(axisOf(update.analysis->T_robot_camera), wanted) <= params_.seen_rad) {
+    wish_->reached_us = now;
+  } else if (toSeconds(now - wish_->reached_us) >= params_.deadline_s) {
+    // A stuck unit, or other clients that are more urgent.
+    advisor_.giveUp(wanted, update);
+    wish_->reached_us = now;
   }
-  return (wish_->images >= params_.images && toSeconds(now - wish_->arrived_us) >= params_.look_s) ||
-         toSeconds(now - wish_->since_us) >= params_.deadline_s;
-}
-
-void GazePlanner::noteVisit(const MemoryUpdate& update) {
-  const PanTilt direction = directionTo(wish_->advice.p_odom, update);
-  if (visits_.size() >= kMostVisits) visits_.erase(visits_.begin());
-  visits_.push_back({direction.pan_rad + update.analysis->T_odom_robot.theta, direction.tilt_rad,
-                     update.analysis->stamp_us});
-}
-
-const GazeAdvice* GazePlanner::choose(const std::vector<GazeAdvice>& advice,
-                                      const MemoryUpdate& update) const {
-  const double heading = update.analysis->T_odom_robot.theta;
-  const StampUs now = update.analysis->stamp_us;
-  const GazeAdvice* best = nullptr;
-  double best_score = 0.0;
-  for (const GazeAdvice& one : advice) {
-    // What was just looked at for nothing is not looked at again at once, whatever it promises.
-    double inhibition = 0.0;
-    for (const Visit& visit : visits_) {
-      const PanTilt before{visit.bearing_odom - heading, visit.tilt};
-      if (angleBetweenDirections(one.direction, before) > params_.inhibition_rad) continue;
-      inhibition = std::max(inhibition, std::exp(-toSeconds(now - visit.stamp_us) / params_.inhibition_s));
-    }
-    const double score = one.score * (1.0 - inhibition);
-    if (!best || score > best_score) {
-      best = &one;
-      best_score = score;
-    }
-  }
-  return best;
 }
 
 GazePlan GazePlanner::plan(const PoseEstimate& estimate, const MemoryUpdate& update) {
@@ -108,35 +69,38 @@ GazePlan GazePlanner::plan(const PoseEstimate& estimate, const MemoryUpdate& upd
   if (update.snapshot->epoch != epoch_ || now < last_stamp_us_) {
     if (wish_ && now >= last_stamp_us_) plan.withdrawn.push_back(wish_->key);
     wish_.reset();
-    visits_.clear();
+    doubted_us_.reset();
     epoch_ = update.snapshot->epoch;
   }
   last_stamp_us_ = now;
-  advisor_.look(update);
   const double doubt = GazePlanner::doubt(estimate);
   if (doubt >= params_.doubt_above) {
-    if (looks_left_ == 0) {
-      // What was seen before doubt began tells nothing any more.
-      advisor_.forget();
-      advisor_.look(update);
-    }
-    looks_left_ = params_.confirming_looks;
+    // What was seen before doubt began tells nothing any more.
+    if (!doubted_us_) advisor_.forget();
+    doubted_us_ = now;
   }
-  if (wish_ && isServed(update)) {
-    if (doubt < kRelief * params_.doubt_above) looks_left_ = std::max(0, looks_left_ - 1);
-    noteVisit(update);
-    plan.withdrawn.push_back(wish_->key);
+  advisor_.look(update);
+  if (doubted_us_ && toSeconds(now - *doubted_us_) > params_.confirm_s) doubted_us_.reset();
+  if (!doubted_us_) {
+    if (wish_) plan.withdrawn.push_back(wish_->key);
     wish_.reset();
+    return plan;
   }
-  if (wish_ || looks_left_ == 0) return plan;
+  if (wish_) noteAxis(update);
   const std::vector<GazeAdvice> advice = advisor_.advise(estimate, update);
-  const GazeAdvice* chosen = choose(advice, update);
-  if (chosen == nullptr) return plan;
-  wish_ = Wish{"look " + std::to_string(++asked_), *chosen, now, 0, 0, 0};
+  if (advice.empty()) return plan;
+  const GazeAdvice& best = advice.front();
+  const bool is_elsewhere =
+      wish_ && angleBetweenAxes(best.direction, directionTo(wish_->advice.p_odom, update)) > params_.move_rad;
+  const bool is_old = wish_ && toSeconds(now - wish_->asked_us) >= 0.5 * params_.deadline_s;
+  if (wish_ && !is_elsewhere && !is_old) return plan;
+  // The same key: a wish that moves keeps its salience, and the head turns without a stop.
+  const std::string key = wish_ ? wish_->key : "look " + std::to_string(++asked_);
+  wish_ = Wish{key, best, now, wish_ && !is_elsewhere ? wish_->reached_us : now};
   GazeRequest request;
   request.client = kGazeClientName;
-  request.key = wish_->key;
-  request.p_odom = chosen->p_odom;
+  request.key = key;
+  request.p_odom = best.p_odom;
   request.priority = params_.least_priority + doubt * (params_.most_priority - params_.least_priority);
   request.deadline_us = now + toStampUs(params_.deadline_s);
   plan.requests.push_back(std::move(request));

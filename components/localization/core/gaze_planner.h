@@ -25,8 +25,8 @@ inline constexpr const char* kGazeClientName = "localization";
 /// Tells a client all of a plan. @return how many of its parts were rejected.
 int carryOut(const GazePlan& plan, GazeClient& client);
 
-/// Turns races into wishes, one at a time: the best direction, until enough images showed it, then the next
-/// best; nothing while the pose is sure, so that salience and other clients have the camera.
+/// Turns races into one wish, which it moves whenever another direction promises more, also on the way;
+/// nothing while the pose is sure, so that salience and other clients have the camera.
 /// Invariant: at most one wish stands; it has a deadline, so that it outlives nobody.
 /// *Single-threaded* (owner: the component's loop).
 class GazePlanner {
@@ -46,27 +46,17 @@ class GazePlanner {
   struct Wish {
     std::string key;
     GazeAdvice advice;
-    StampUs since_us = 0;
-    StampUs arrived_us = 0;
-    StampUs last_seen_us = 0;
-    int images = 0;  ///< that showed it
+    StampUs asked_us = 0;    ///< last
+    StampUs reached_us = 0;  ///< the camera was there last, or was asked there since
   };
-  struct Visit {
-    double bearing_odom = 0.0;
-    double tilt = 0.0;
-    StampUs stamp_us = 0;
-  };
-  bool isServed(const MemoryUpdate& update);
-  const GazeAdvice* choose(const std::vector<GazeAdvice>& advice, const MemoryUpdate& update) const;
-  void noteVisit(const MemoryUpdate& update);
+  void noteAxis(const MemoryUpdate& update);
 
   GazePlannerParams params_;
   GazeAdvisor advisor_;
   std::optional<Wish> wish_;
-  std::vector<Visit> visits_;
+  std::optional<StampUs> doubted_us_;  ///< last; empty: there is no doubt
   std::uint32_t epoch_ = 0;
   StampUs last_stamp_us_ = 0;
-  int looks_left_ = 0;  ///< until doubt is over; 0: there is none
   std::uint64_t asked_ = 0;
 };
 

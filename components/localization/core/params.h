@@ -140,36 +140,30 @@ struct GazeAdvisorParams {
   double minimum_tilt_rad = -20.0 * std::numbers::pi / 180.0;
   double maximum_tilt_rad = -10.0 * std::numbers::pi / 180.0;  ///< what localizes lies on the floor
   double step_rad = 15.0 * std::numbers::pi / 180.0;
-  double range_m = 4.0;   ///< floor further away than this is not expected to be seen well
-  double aim_m = 3.0;     ///< distance of the place that is looked at where the axis meets no floor before
-  double sigma_m = 0.15;  ///< races that differ by less than this about a line agree about it
-  double disagreement_weight = 1.0;
-  double information_weight = 0.3;
-  double coverage_weight = 0.3;
-  double staleness_weight = 0.1;
-  double age_s = 8.0;       ///< unseen for this long counts 63 %
-  double none_share = 0.2;  ///< least belief in "none of these races": it makes coverage count instead
-  /// What a look costs beside what it gains: the head's speed, and the time for starting, stopping and
-  /// looking.
+  double range_m = 4.0;  ///< floor further away than this is not expected to be seen well
+  double aim_m = 3.0;    ///< distance of the place that is looked at where the axis meets no floor before
+  double sigma_m = 0.1;  ///< races that differ by less than this about a line agree about it
+  /// Least belief in "none of these races": it makes all lines count, not only those that tell races apart.
+  double none_share = 0.2;
+  double horizon_s = 1.5;   ///< what is seen within this time counts, also on the way ..
+  double patience_s = 1.5;  ///< .. a third of it when it is seen so late
+  double repeat_s = 0.2;    ///< a place that was in view for so long tells half as much as a new one
+  double forget_s = 8.0;    ///< and is nearly new again after two or three times this
   double head_speed_radps = 150.0 * std::numbers::pi / 180.0;
-  double look_cost_s = 0.4;
+  double delay_s = 0.1;  ///< from the image until the head turns
 };
 
 /// B4: when localization asks for gaze.
 struct GazePlannerParams {
   GazeAdvisorParams advisor;
   double doubt_above = 0.3;  ///< asks while the pose is less sure than 1 - this
-  /// Of the wishes, from little doubt to full doubt (see GazeRequest::priority).
-  double least_priority = 10.0;
+  double confirm_s = 1.0;    ///< and for so long afterwards: a plain wall agrees with many places
+  /// Of the wishes, from little doubt to full doubt (see GazeRequest::priority; kUrgentPriority).
+  double least_priority = 50.0;
   double most_priority = 100.0;
-  /// Doubt that came ends after so many looks that took it away again: a plain wall agrees with many places.
-  int confirming_looks = 2;
-  double deadline_s = 2.0;  ///< a wish that is not served within this is given up
-  int images = 2;           ///< with the place this near to the camera's axis ..
-  double look_s = 0.1;      ///< .. over at least this long, and the wish is served
-  double seen_rad = 8.0 * std::numbers::pi / 180.0;
-  double inhibition_s = 3.0;  ///< what was looked at is less attractive for about this long ..
-  double inhibition_rad = 25.0 * std::numbers::pi / 180.0;  ///< .. within this angle
+  double deadline_s = 2.0;  ///< a place that the camera does not reach within this is given up for a while
+  double seen_rad = 20.0 * std::numbers::pi / 180.0;  ///< the camera has reached what lies this near its axis
+  double move_rad = 10.0 * std::numbers::pi / 180.0;  ///< a wish is moved when the best lies so far beside it
 };
 
 struct LocalizerParams {
