@@ -307,5 +307,103 @@ TEST(SegmentMemory, MakesTwoOfALineInWhichImagesShowAGap) {
   }
 }
 
+TEST(SegmentMemory, PartsALineAtEachOfItsGaps) {
+  AttentiveVisualMemoryParams params = standard();
+  params.memory.gap_votes = 3;
+  AttentiveVisualMemory memory(params);
+  StampUs t = 0;
+  const std::vector<Segment3> whole{{{1.3, -0.6, 0}, {1.3, 0.6, 0}}};
+  const std::vector<Segment3> parted{
+      {{1.3, -0.6, 0}, {1.3, -0.25, 0}}, {{1.3, -0.20, 0}, {1.3, 0.20, 0}}, {{1.3, 0.25, 0}, {1.3, 0.6, 0}}};
+  const auto show = [&](const std::vector<Segment3>& world, int times) {
+    for (int i = 0; i < times; ++i, t += 33'333) {
+      auto o = at(t);
+      o.frame.image = cv::Mat(240, 320, CV_8UC1, cv::Scalar(200));
+      memory.step(o, images(o, world));
+    }
+  };
+  show(whole, 5);
+  ASSERT_EQ(memory.elements().size(), 1U);
+  show(parted, 10);
+  ASSERT_EQ(memory.elements().size(), 3U);
+  for (const Segment3& truth : parted) {
+    EXPECT_TRUE(std::any_of(memory.elements().begin(), memory.elements().end(), [&](const MemoryElement& e) {
+      return (e.value.odom.a - truth.a).norm() < 0.01 && (e.value.odom.b - truth.b).norm() < 0.01;
+    })) << truth.a.transpose();
+  }
+}
+
+/// How many elements a line becomes of which something hides a piece from either of two places.
+std::size_t elementsWhenHidden(double from_left_m, double from_right_m) {
+  AttentiveVisualMemoryParams params = standard();
+  params.memory.gap_votes = 3;
+  AttentiveVisualMemory memory(params);
+  StampUs t = 0;
+  for (const auto& [y, hidden] : {std::pair(0.25, from_left_m), std::pair(-0.25, from_right_m)}) {
+    const std::vector<Segment3> seen{{{1.5, -0.5, 0}, {1.5, hidden - 0.05, 0}},
+                                     {{1.5, hidden + 0.05, 0}, {1.5, 0.5, 0}}};
+    for (int i = 0; i < 10; ++i, t += 33'333) {
+      auto o = at(t, {0.0, y, 0.0});
+      auto observed = images(o, seen);
+      if (t < 100'000) observed = images(o, {{{1.5, -0.5, 0}, {1.5, 0.5, 0}}});
+      cv::Mat image(240, 320, CV_8UC1, cv::Scalar(200));
+      const Pose3 T = toPose3(o.T_odom_robot) * o.T_robot_camera;
+      const auto px = projectSegment(o.frame.intrinsics, T, {seen[0].b, seen[1].a});
+      const auto [left, right] = std::minmax(px->a.x(), px->b.x());
+      image(cv::Rect(cv::Point(static_cast<int>(left), static_cast<int>(px->a.y()) - 20),
+                     cv::Point(static_cast<int>(right) + 1, static_cast<int>(px->a.y()) + 20))) = 60;
+      o.frame.image = image;
+      memory.step(o, observed);
+    }
+  }
+  return memory.elements().size();
+}
+
+TEST(SegmentMemory, WhatHidesAPlaceFromEverywhereStandsThere) {
+  EXPECT_EQ(elementsWhenHidden(0.1, 0.1), 2U);
+  EXPECT_EQ(elementsWhenHidden(0.0, 0.2), 1U) << "the line goes on behind what stands before it";
+}
+
+/// Two far lines, 6 px apart in the image, and near ones that tell them apart.
+const std::vector<Segment3> kLadder{{{2.20, -0.8, 0}, {2.20, 0.8, 0}}, {{2.50, -0.8, 0}, {2.50, 0.8, 0}},
+                                    {{0.90, -0.3, 0}, {0.90, 0.3, 0}}, {{1.10, -0.4, 0}, {1.10, 0.4, 0}},
+                                    {{1.35, -0.5, 0}, {1.35, 0.5, 0}}, {{1.0, 0.35, 0}, {1.8, 0.35, 0}},
+                                    {{1.0, -0.35, 0}, {1.8, -0.35, 0}}};
+
+/// @return matched segments per image of a body that nods by 0.8 degrees.
+double matchedWhileNodding(AttentiveVisualMemory& memory) {
+  int matches = 0;
+  constexpr int kImages = 40;
+  for (int i = 0; i < 20 + kImages; ++i) {
+    const auto o = at(i * 33'333);
+    RobotObservation really = o;
+    if (i >= 20) {
+      const double nod = degToRad(i % 2 == 0 ? 0.8 : -0.8);
+      really.T_robot_camera = leaned(o.T_robot_camera, Lean(0.0, nod, 0.0, 0.0));
+    }
+    const auto result = memory.step(o, images(really, kLadder));
+    if (i >= 20) matches += static_cast<int>(result.update.analysis->matches.size());
+  }
+  return static_cast<double>(matches) / kImages;
+}
+
+TEST(SegmentMemory, ABodyThatSwaysMeetsItsMemoryWhereTheSwayPutsIt) {
+  AttentiveVisualMemoryParams params = standard();
+  params.memory.lean.sway_rad = degToRad(1.0);
+  params.projector.pitch_sigma_rad = degToRad(1.0);
+  AttentiveVisualMemory memory(params);
+  EXPECT_GT(matchedWhileNodding(memory), 6.9);
+  EXPECT_EQ(memory.elements().size(), kLadder.size()) << "nothing is remembered twice";
+  for (const Segment3& truth : kLadder) {
+    EXPECT_TRUE(std::any_of(memory.elements().begin(), memory.elements().end(), [&](const MemoryElement& e) {
+      return (e.value.odom.a - truth.a).norm() < 0.05 && (e.value.odom.b - truth.b).norm() < 0.05;
+    })) << truth.a.transpose();
+  }
+
+  params.memory.sway_to_meet_twice_rad = 1.0;  // never
+  AttentiveVisualMemory once(params);
+  EXPECT_LT(matchedWhileNodding(once), 6.9) << "these images tell nothing of meeting twice";
+}
+
 }  // namespace
 }  // namespace vismem

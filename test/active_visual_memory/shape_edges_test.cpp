@@ -193,6 +193,21 @@ TEST(ShapeEdges, DoNotCutWhereTheOtherSideGoesOnOrALineBranchesOff) {
   EXPECT_NEAR(length(complete({seen(1, over), seen(2, {{0.3, 0.05}, {0.0, 0.05}})})), 1.5, 0.01);
 }
 
+TEST(ShapeEdges, EndTogetherAtTheLineThatOneSideReaches) {
+  // The upper side was seen 20 cm short; the lower one ends at another line.
+  const std::vector<MemoryElement> elements{seen(1, kLower), seen(2, {{0.8, 0.05}, {0.0, 0.05}}),
+                                            seen(3, {{1.0, -1.0}, {1.0, 1.0}})};
+  const Published published = complete(elements);
+  for (const MemorySegment& segment : published.segments) {
+    if (segment.id == 1) {
+      EXPECT_NEAR(segment.odom.b.x(), 1.0, 1e-3) << "not cut";
+    } else if (segment.id == 2) {
+      EXPECT_NEAR(segment.odom.a.x(), 1.0, 1e-3) << "goes on";
+      EXPECT_NEAR(segment.odom.b.x(), 0.0, 1e-3);
+    }
+  }
+}
+
 TEST(ShapeEdges, CloseNoStripOfShadow) {
   EXPECT_EQ(complete({seen(1, kLower), seen(2, kUpper, false, 30.0)}).segments.size(), 2U);
 }

@@ -136,6 +136,7 @@ void readShapeEdges(ConfigReader r, ShapeEdges::Params& p) {
   p.max_width_m = r.real("Line.MaximumWidth_m", p.max_width_m, 0.001, 5.0);
   p.sagitta_m = r.real("Circle.Sagitta_m", p.sagitta_m, 0.0001, 1.0);
   p.junctions.enabled = r.boolean("PartAtJunctions", p.junctions.enabled);
+  p.line_widths.enabled = r.boolean("EvenLineWidths", p.line_widths.enabled);
   if (p.min_width_m >= p.max_width_m) {
     r.problem("Line.MinimumWidth_m", "must be less than " + r.key("Line.MaximumWidth_m"));
   }

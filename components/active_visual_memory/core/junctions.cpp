@@ -5,12 +5,11 @@
 #include <optional>
 #include <utility>
 
+#include "active_visual_memory/core/floor_edge.h"
+#include "active_visual_memory/core/line_sides.h"
+
 namespace vismem {
 namespace {
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 /// A stretch along an edge from its end a [m].
 struct Stretch {
@@ -27,6 +26,7 @@ struct Edge {
   Stretch told;  ///< its ends, as far as junctions tell them better
   std::vector<Stretch> gaps;
 
+  Segment2 line() const { return {a, a + length * along}; }
   double tOf(const Eigen::Vector2d& p) const { return along.dot(p - a); }
   /// Where another edge's line crosses this one's.
   double crossing(const Edge& other) const {
@@ -51,16 +51,13 @@ std::optional<Line> lineOf(const std::vector<Edge>& edges, std::size_t i, std::s
   const Edge& other = edges[k];
   if (one.along.dot(other.along) > -std::cos(params.max_angle_rad)) return std::nullopt;
   if (segments[one.segment].label != segments[other.segment].label) return std::nullopt;
-  const double from = std::max(0.0, one.tOf(other.a + other.length * other.along));
-  const double to = std::min(one.length, one.tOf(other.a));
-  if (to - from < params.body_m) return std::nullopt;
-  // Beside the middle of what both have.
-  const Eigen::Vector2d at = one.a + 0.5 * (from + to) * one.along;
-  const double width = -cross(other.along, at - other.a);
-  if (std::abs(width) < params.min_width_m || std::abs(width) > params.max_width_m) return std::nullopt;
+  const auto beside = sideBySide(one.line(), other.line(), params.max_angle_rad);
+  if (!beside || beside->to_m - beside->from_m < params.body_m) return std::nullopt;
+  const double width = std::abs(beside->left_m);
+  if (width < params.min_width_m || width > params.max_width_m) return std::nullopt;
   const auto [weak, strong] = std::minmax(one.element->strength, other.element->strength);
   if (weak < params.min_strength_share * strong) return std::nullopt;
-  return Line{i, k, width > 0.0 ? -1.0 : 1.0};
+  return Line{i, k, beside->left_m < 0.0 ? -1.0 : 1.0};
 }
 
 /// How a side of a line meets an edge.

@@ -56,8 +56,10 @@ struct MemoryElement {
     int count = 0;
     Eigen::Vector2d from = Eigen::Vector2d::Zero();  ///< in odom
     Eigen::Vector2d to = Eigen::Vector2d::Zero();
+    Eigen::Vector2d camera = Eigen::Vector2d::Zero();  ///< that saw it first: the floor point below it
+    double bearing_spread_rad = 0.0;                   ///< in what directions it was seen, against the first
   };
-  GapVotes gap;
+  std::vector<GapVotes> gaps;  ///< one for each place
 };
 
 /// M2, M9: takes in another element that is a piece or a copy of the same edge; the id stays.

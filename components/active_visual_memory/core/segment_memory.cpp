@@ -32,81 +32,6 @@ void SegmentMemory::travel(const Pose2& T_odom_robot) {
   last_pose_ = T_odom_robot;
 }
 
-void SegmentMemory::alignTo(const std::vector<std::vector<const FloorSegment*>>& seen,
-                            const std::vector<int>& index_of, std::vector<FloorSegment>& floor, View& view) {
-  std::vector<DriftResidual> residuals;
-  const LeaningView leaning(view.T_odom_camera, view.observation.T_odom_robot.theta);
-  const bool anything_rests =
-      std::any_of(elements_.begin(), elements_.end(), [](const MemoryElement& e) { return e.on_floor; });
-  for (std::size_t p = 0; p < seen.size(); ++p) {
-    const MemoryElement& element = elements_[index_of[p]];
-    if (onTrial(element)) continue;
-    // What is seen not to rest on the floor while the camera moves stands up, or moves along; what does not
-    // prove to may do so, too.
-    if (element.stands) continue;
-    const double moved = (view.camera - element.anchor_camera).norm();
-    // What came lately, while the robot drives, may be another robot that drives ahead: it would drag all
-    // along. As long as nothing is sure to rest, there is nothing else to go by.
-    if (anything_rests && !element.on_floor && moved > params_.parallax.min_step_m &&
-        isNew(element, view.observation.frame.stamp_us)) {
-      continue;
-    }
-    const double doubt = element.on_floor || moved < params_.parallax.min_step_m ? 1.0 : params_.align_doubt;
-    const double noise = std::pow(params_.align_noise * doubt, 2);
-    for (const FloorSegment* piece : seen[p]) {
-      const double distance = (piece->odom.middle() - view.camera).norm();
-      const double slack = params_.slack_m + params_.slack_share * distance;
-      addDriftResiduals(element.line, *piece, leaning, slack, noise, params_.align_end_doubt,
-                        params_.max_end_shift_m, residuals);
-      // A line that is seen all the time follows what it is told. What the lean does on the way since it was
-      // first seen shows against its place then; once for each step of the camera, however many images show
-      // it.
-      const double step = travel_m_ - element.seen_travel_m;
-      if (step <= 0.0 || moved < params_.parallax.min_step_m || moved > params_.max_anchor_travel_m) continue;
-      const double aligned = params_.aligned_m + params_.aligned_rad * distance;
-      const double often = std::max(1.0, params_.parallax.min_step_m / step);
-      addDriftResiduals(element.anchor_line, *piece, leaning, std::hypot(slack, aligned), noise * often,
-                        params_.align_end_doubt, params_.max_end_shift_m, residuals);
-    }
-  }
-  const Eigen::Vector2d robot = view.observation.T_odom_robot.position();
-  const std::size_t matched = residuals.size();
-  if (params_.lean.enabled() && isRectilinear()) {
-    addCourseResiduals(floor, leaning, Lean::Zero(), params_.course, residuals);
-  }
-  if (residuals.size() > matched) {
-    // Once more, about where the first look at this image puts its lean.
-    DriftAlignment trial = drift_;
-    Lean about = Lean::Zero();
-    if (const auto first = trial.solve(robot, residuals, params_.alignment)) {
-      about = first->lean;
-      about.head<2>() += first->sway;
-    }
-    residuals.resize(matched);
-    addCourseResiduals(floor, leaning, about, params_.course, residuals);
-  }
-  const auto correction = drift_.solve(robot, residuals, params_.alignment);
-  if (!correction) return;
-  moveAll(correction->motion);
-  for (MemoryElement& element : elements_) {
-    element.line.lean(correction->lean);
-    element.anchor_line.lean(correction->lean);
-    element.parallax.lean(correction->lean);
-  }
-  // What this image shows lies elsewhere, too.
-  Lean change = correction->lean;
-  change.head<2>() += correction->sway;
-  const Pose3 T_odom_camera =
-      toPose3(view.observation.T_odom_robot) * leaned(view.observation.T_robot_camera, change);
-  const Eigen::Matrix3d R = T_odom_camera.linear() * view.T_odom_camera.linear().transpose();
-  for (FloorSegment& segment : floor) {
-    knowSway(segment, correction->P_sway, params_.lean.sway_rad);
-    segment.odom.a = turnedOnFloor(segment.odom.a, T_odom_camera.translation(), R);
-    segment.odom.b = turnedOnFloor(segment.odom.b, T_odom_camera.translation(), R);
-  }
-  view.T_odom_camera = T_odom_camera;
-}
-
 std::vector<int> SegmentMemory::cache(const Pose2& T_odom_robot) const {
   std::vector<int> near;
   for (int i = 0; i < static_cast<int>(elements_.size()); ++i) {
@@ -337,12 +262,13 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
     segment.open_a = segment.open_a || view.evidence.isHiddenBeyond(px, false);
     segment.open_b = segment.open_b || view.evidence.isHiddenBeyond(px, true);
   }
-  std::vector<const FloorSegment*> floor_of(observed.size(), nullptr);
-  for (const FloorSegment& segment : floor) floor_of[segment.observed] = &segment;
-
-  std::vector<int> index_of;
-  const std::vector<Expectation> expected = expect(view, index_of);
-  const AssociationResult association = associate(observed, expected, params_.association);
+  // A body that sways puts what it sees pixels beside where it is expected, and what then meets nothing would
+  // be remembered once more.
+  const bool sways = params_.align && params_.lean.sway_rad >= params_.sway_to_meet_twice_rad;
+  Meeting meeting = sways ? meetSwaying(view, observed, floor) : meet(view, observed, floor, floor);
+  const auto& expected = meeting.expected;
+  const auto& index_of = meeting.index_of;
+  const auto& seen = meeting.seen;
 
   ImageAnalysis analysis;
   analysis.stamp_us = observation.frame.stamp_us;
@@ -353,24 +279,9 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
   analysis.observed = observed;
   for (const Expectation& e : expected) analysis.predicted.push_back(e.predicted);
 
-  // Matched and supporting segments, per prediction, as far as they agree on the floor too.
-  std::vector<std::vector<const FloorSegment*>> seen(expected.size());
-  std::vector<bool> used(observed.size(), false);
-  const auto assign = [&](const ImageAnalysis::Match& match) {
-    const FloorSegment* on_floor = floor_of[match.observed];
-    if (!on_floor) return false;
-    const double distance = (on_floor->odom.middle() - view.camera).norm();
-    if (!fitsOnFloor(elements_[index_of[match.predicted]], *on_floor, distance)) return false;
-    seen[match.predicted].push_back(on_floor);
-    used[match.observed] = true;
-    return true;
-  };
-  for (const auto& match : association.matches) {
-    if (assign(match)) analysis.matches.push_back(match);
-  }
-  for (const auto& support : association.supports) assign(support);
+  analysis.matches = meeting.matches;
 
-  if (params_.align) alignTo(seen, index_of, floor, view);
+  if (params_.align) alignTo(meeting, floor, view);
 
   agreement_ = {};
   for (std::size_t p = 0; p < expected.size(); ++p) {
@@ -407,7 +318,7 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
   if (turn_rate_radps <= params_.max_mapping_turn_radps) {
     std::vector<FloorSegment> fresh;
     for (const FloorSegment& segment : floor) {
-      if (!used[segment.observed]) fresh.push_back(segment);
+      if (!meeting.used[segment.observed]) fresh.push_back(segment);
     }
     fresh = cleanDuplicates(fresh, 0.5 * params_.near_angle_rad, 0.5 * params_.near_distance_m,
                             0.5 * params_.max_gap_m);

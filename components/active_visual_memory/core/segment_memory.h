@@ -1,6 +1,7 @@
 /// @file The remembered segments: prediction, matching, fusion, confirmation, life. Pure. SPEC V5, M1-M6, M9.
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -58,6 +59,9 @@ class SegmentMemory {
     /// Ends are found a pixel or so short, and always the same way: as independent errors they would make a
     /// camera that comes nearer seem to lean. Standard deviations times this.
     double align_end_doubt = 4.0;
+    /// A body that sways by this much (`lean.sway_rad`) meets its memory once more, where what it has met
+    /// puts the camera: a degree moves a line 3 m away half way to another one 60 cm behind it.
+    double sway_to_meet_twice_rad = 0.25 * std::numbers::pi / 180.0;
     double align_noise = 2.0;    ///< errors of neighbouring images are alike: standard deviations times this
     double aligned_m = 0.003;    ///< error of the alignment: of places ..
     double aligned_rad = 0.004;  ///< .. and of the heading
@@ -121,12 +125,19 @@ class SegmentMemory {
 
  private:
   struct View;
+  struct Meeting;
   std::vector<int> cache(const Pose2& T_odom_robot) const;
   void travel(const Pose2& T_odom_robot);
   void moveAll(const SmallMotion& motion);
   bool isRectilinear() const;
-  void alignTo(const std::vector<std::vector<const FloorSegment*>>& seen, const std::vector<int>& index_of,
-               std::vector<FloorSegment>& floor, View& view);
+  Meeting meet(const View& view, const std::vector<ImageSegment>& observed,
+               const std::vector<FloorSegment>& floor, const std::vector<FloorSegment>& placed) const;
+  Meeting meetSwaying(const View& view, const std::vector<ImageSegment>& observed,
+                      const std::vector<FloorSegment>& floor) const;
+  std::optional<Correction> tellDrift(const Meeting& meeting, const std::vector<FloorSegment>& floor,
+                                      const View& view, DriftAlignment& drift) const;
+  static void placeAnew(const Correction& correction, std::vector<FloorSegment>& floor, View& view);
+  void alignTo(const Meeting& meeting, std::vector<FloorSegment>& floor, View& view);
   std::vector<Expectation> expect(const View& view, std::vector<int>& index_of) const;
   bool fitsOnFloor(const MemoryElement& element, const FloorSegment& observed, double distance_m) const;
   void take(MemoryElement& element, const FloorSegment& observed, const View& view);

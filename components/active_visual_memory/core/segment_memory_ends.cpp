@@ -6,9 +6,26 @@
 #include "active_visual_memory/core/association.h"
 #include "active_visual_memory/core/floor_matching.h"
 #include "active_visual_memory/core/segment_memory_view.h"
+#include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
 
 namespace vismem {
+namespace {
+
+constexpr std::size_t kMostGaps = 8;  // places of one line that are voted for
+// Pieces of a chord that lies over a curve turn with it; what is parted is straight.
+constexpr double kLeastParted_m = 0.5;
+constexpr double kStraight_rad = 0.1;
+// What hides the same place of a line from directions that differ by this stands there.
+constexpr double kStandsThere_rad = 0.2;
+
+double bearingDifference(const Eigen::Vector2d& at, const Eigen::Vector2d& one,
+                         const Eigen::Vector2d& other) {
+  return lineAngleDifference(std::atan2(at.y() - one.y(), at.x() - one.x()),
+                             std::atan2(at.y() - other.y(), at.x() - other.x()));
+}
+
+}  // namespace
 
 bool SegmentMemory::isBare(const Segment2& place, const MemoryElement& element, const View& view) const {
   const Segment3 odom{{place.a.x(), place.a.y(), 0.0}, {place.b.x(), place.b.y(), 0.0}};
@@ -76,7 +93,7 @@ void SegmentMemory::reviewEnds(MemoryElement& element, const std::vector<const F
 
 void SegmentMemory::reviewGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
                                const View& view) {
-  if (params_.gap_votes <= 0 || seen.size() < 2) return;
+  if (params_.gap_votes <= 0 || seen.size() < 2 || element.line.length() < kLeastParted_m) return;
   const Eigen::Vector2d u = element.line.along();
   std::vector<FloorSegment> pieces;
   for (const FloorSegment* piece : seen) {
@@ -87,32 +104,44 @@ void SegmentMemory::reviewGaps(MemoryElement& element, const std::vector<const F
   for (std::size_t i = 0; i + 1 < pieces.size(); ++i) {
     const FloorSegment& before = pieces[i];
     const FloorSegment& behind = pieces[i + 1];
-    if (before.open_b || behind.open_a) continue;
+    if (lineAngleDifference(before.odom.direction(), behind.odom.direction()) > kStraight_rad) continue;
+    const bool hidden = before.open_b || behind.open_a;
     const Eigen::Vector2d from = before.odom.b;
     const Eigen::Vector2d to = behind.odom.a;
     if (u.dot(to - from) < params_.line.end_gate_m) continue;
     const double t_from = element.line.tOf(from);
     const double t_to = element.line.tOf(to);
     if (t_from <= element.line.endA().t_m || t_to >= element.line.endB().t_m) continue;
-    // Detection breaks lines, too: the image must have no edge there.
+    // Detection breaks lines, too: the image must have no edge there, or something else.
     const Segment3 between{{from.x(), from.y(), 0.0}, {to.x(), to.y(), 0.0}};
     const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, between);
-    if (!px || !view.evidence.isEdgeless(*px, params_.gap_contrast_share * element.strength)) continue;
-    MemoryElement::GapVotes& votes = element.gap;
-    const bool same = votes.count > 0 && (votes.from - from).norm() <= params_.gap_place_m &&
-                      (votes.to - to).norm() <= params_.gap_place_m;
-    if (!same) votes = {};
-    votes.from = (votes.from * votes.count + from) / (votes.count + 1);
-    votes.to = (votes.to * votes.count + to) / (votes.count + 1);
-    if (++votes.count < params_.gap_votes) continue;
+    if (!px) continue;
+    if (!hidden && !view.evidence.isEdgeless(*px, params_.gap_contrast_share * element.strength)) continue;
+    // A line may have several: each is voted for by itself.
+    auto& gaps = element.gaps;
+    auto gap = std::find_if(gaps.begin(), gaps.end(), [&](const MemoryElement::GapVotes& known) {
+      return (known.from - from).norm() <= params_.gap_place_m &&
+             (known.to - to).norm() <= params_.gap_place_m;
+    });
+    if (gap == gaps.end()) {
+      if (gaps.size() >= kMostGaps) gaps.erase(gaps.begin());
+      gap = gaps.insert(gaps.end(), MemoryElement::GapVotes{});
+      gap->camera = view.camera;
+    }
+    gap->bearing_spread_rad =
+        std::max(gap->bearing_spread_rad, bearingDifference(0.5 * (from + to), gap->camera, view.camera));
+    gap->from = (gap->from * gap->count + from) / (gap->count + 1);
+    gap->to = (gap->to * gap->count + to) / (gap->count + 1);
+    if (++gap->count < params_.gap_votes) continue;
+    if (hidden && gap->bearing_spread_rad < kStandsThere_rad) continue;
     const auto endAt = [&](const Eigen::Vector2d& p, const Eigen::Matrix2d& P, const FloorLean& D) {
       const double variance = u.dot(P * u);
       return ExtentEnd{element.line.tOf(p), variance,          false, variance,
                        params_.gap_votes,   u.transpose() * D, true};
     };
-    const ExtentEnd ends = endAt(votes.from, before.P_b, before.D_b);
-    const ExtentEnd begins = endAt(votes.to, behind.P_a, behind.D_a);
-    votes = {};
+    const ExtentEnd ends = endAt(gap->from, before.P_b, before.D_b);
+    const ExtentEnd begins = endAt(gap->to, behind.P_a, behind.D_a);
+    gaps.erase(gap);
     element.short_a = element.short_b = {};
     MemoryElement other = element;
     other.value.id = next_id_++;

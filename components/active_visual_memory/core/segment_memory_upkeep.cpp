@@ -13,8 +13,11 @@ void SegmentMemory::moveAll(const SmallMotion& motion) {
     element.line.move(motion);
     element.anchor_line.move(motion);
     element.anchor_camera = motion.apply(element.anchor_camera);
-    element.gap.from = motion.apply(element.gap.from);
-    element.gap.to = motion.apply(element.gap.to);
+    for (MemoryElement::GapVotes& gap : element.gaps) {
+      gap.from = motion.apply(gap.from);
+      gap.to = motion.apply(gap.to);
+      gap.camera = motion.apply(gap.camera);
+    }
   }
 }
 

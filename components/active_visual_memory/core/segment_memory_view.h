@@ -1,6 +1,8 @@
 /// @file One image as the memory sees it. Internal to SegmentMemory.
 #pragma once
 
+#include <vector>
+
 #include "active_visual_memory/core/segment_memory.h"
 
 namespace vismem {
@@ -12,6 +14,15 @@ struct SegmentMemory::View {
   double height;
   double turn_rate;
   FloorEvidence evidence;
+};
+
+/// Which observed segments belong to which remembered ones.
+struct SegmentMemory::Meeting {
+  std::vector<Expectation> expected;
+  std::vector<int> index_of;                           ///< of the element, per expectation
+  std::vector<std::vector<const FloorSegment*>> seen;  ///< matched and supporting ones, per expectation
+  std::vector<bool> used;                              ///< per observed segment
+  std::vector<ImageAnalysis::Match> matches;           ///< one-to-one
 };
 
 }  // namespace vismem

@@ -132,22 +132,57 @@ bool endsAlone(const Side& side, double width, double ahead_m, const Side& partn
   });
 }
 
-/// Both sides of a painted line end at one place. One that goes on far behind the other's end has run into an
-/// edge in its line (that of a shadow): cuts it there.
-/// @return whether its end b was cut.
-bool cutOvershoot(Side& one, const Side& other, const std::vector<MemorySegment>& segments,
-                  const ShapeEdges::Params& params) {
-  if (one.along.dot(other.along) > -std::cos(params.max_angle_rad)) return false;
+/// Both sides of a painted line end at one place.
+/// @return how far a side's end b lies behind the other's end a [m]; empty when it does not, or when they are
+/// no such sides.
+std::optional<double> overshoot(const Side& one, const Side& other,
+                                const std::vector<MemorySegment>& segments,
+                                const ShapeEdges::Params& params) {
+  if (one.along.dot(other.along) > -std::cos(params.max_angle_rad)) return std::nullopt;
   const double width = distanceToLine(other.line.middle(), one.line);
-  if (width > params.max_width_m) return false;  // from afar both sides of a thin line are one
-  if (other.a.open || other.a.views < params.min_views) return false;
+  if (width > params.max_width_m) return std::nullopt;  // from afar both sides of a thin line are one
+  if (other.a.open || other.a.views < params.min_views) return std::nullopt;
   const double end = one.along.dot(other.line.a - one.line.a);
   const double begin = one.along.dot(other.line.b - one.line.a);
   const double over = one.line.length() - end;
   // Most of the shorter side lies beside the other one, and much more of it than goes on behind.
   const double beside = end - std::max(0.0, begin);
-  if (over <= params.most_skew_m || beside < 0.8 * other.line.length() || beside < 2.0 * over) return false;
-  if (!endsAlone(other, width, over, one, segments, params)) return false;
+  if (over <= params.most_skew_m || beside < 0.8 * other.line.length() || beside < 2.0 * over) {
+    return std::nullopt;
+  }
+  if (!endsAlone(other, width, over, one, segments, params)) return std::nullopt;
+  return over;
+}
+
+/// Does its end b lie on a confirmed edge of its kind that crosses it there?
+bool reachesALine(const Side& side, const Label& label, const std::vector<MemorySegment>& segments,
+                  const ShapeEdges::Params& params) {
+  return std::any_of(segments.begin(), segments.end(), [&](const MemorySegment& segment) {
+    const Segment2 floor = segment.odom.floor();
+    return segment.confirmed && segment.id != side.id && segment.label == label &&
+           floor.length() > 2.0 * params.max_width_m &&
+           lineAngleDifference(floor.direction(), side.line.direction()) > 0.6 &&
+           distanceToSegment(side.line.b, floor) <= params.most_skew_m;
+  });
+}
+
+/// Of two sides of a painted line that should end together: where the longer one meets another line, the
+/// shorter one was not seen to its end. Else the longer one has run into an edge in its line (that of a
+/// shadow), and is cut.
+/// @return whether the end b of `one`, or the end a of `other`, was moved.
+bool endTogether(Side& one, Side& other, const Label& label, const std::vector<MemorySegment>& segments,
+                 const ShapeEdges::Params& params) {
+  const auto over = overshoot(one, other, segments, params);
+  if (!over) return false;
+  if (reachesALine(one, label, segments, params)) {
+    other.line.a -= *over * other.along;
+    other.a.t_m -= std::copysign(*over, other.b.t_m - other.a.t_m);
+    other.a.variance_m2 = one.b.variance_m2;
+    other.a.open = one.b.open;
+    other.a.views = one.b.views;
+    return true;
+  }
+  const double end = one.line.length() - *over;
   one.line.b = one.line.a + end * one.along;
   one.b.t_m = one.a.t_m + std::copysign(end, one.b.t_m - one.a.t_m);
   one.b.variance_m2 = other.a.variance_m2;
@@ -191,15 +226,22 @@ void ShapeEdges::addLineEnds(std::vector<MemorySegment>& segments, std::span<con
     for (std::size_t k = 0; k < lines.size(); ++k) {
       // The edge that a side ran into has made it weaker.
       if (!areSidesOfPaint(i, k, params_.overshoot_strength_share)) continue;
-      const bool b = cutOvershoot(lines[i], lines[k], segments, params_);
-      Side against = turned(lines[i]);
-      const bool a = cutOvershoot(against, turned(lines[k]), segments, params_);
-      if (a) lines[i] = turned(against);
-      if (!a && !b) continue;
-      const auto told = std::find_if(segments.begin(), segments.end(),
-                                     [&](const MemorySegment& s) { return s.id == lines[i].id; });
-      const Segment2& line = lines[i].line;
-      told->odom = {{line.a.x(), line.a.y(), 0.0}, {line.b.x(), line.b.y(), 0.0}};
+      const Label& label = sides[i]->value.label;
+      bool moved = endTogether(lines[i], lines[k], label, segments, params_);
+      Side one = turned(lines[i]);
+      Side other = turned(lines[k]);
+      if (endTogether(one, other, label, segments, params_)) {
+        lines[i] = turned(one);
+        lines[k] = turned(other);
+        moved = true;
+      }
+      if (!moved) continue;
+      for (const Side& side : {lines[i], lines[k]}) {
+        const auto told = std::find_if(segments.begin(), segments.end(),
+                                       [&](const MemorySegment& s) { return s.id == side.id; });
+        told->odom.a.head<2>() = side.line.a;
+        told->odom.b.head<2>() = side.line.b;
+      }
     }
   }
   std::vector<MemorySegment> ends;
@@ -356,6 +398,7 @@ void ShapeEdges::complete(std::vector<MemorySegment>& segments, std::span<const 
   }
   withdrawShadows(segments, elements, params_.shadows);
   addLineEnds(segments, elements, new_id);
+  evenLineWidths(segments, elements, params_.line_widths);
   partAtJunctions(segments, elements, primitives, params_.junctions, [&](std::uint64_t whole, int part) {
     return idOf({whole, 0, -2 - part}, new_id);
   });

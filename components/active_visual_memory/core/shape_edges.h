@@ -11,6 +11,7 @@
 
 #include "active_visual_memory/core/corners.h"
 #include "active_visual_memory/core/junctions.h"
+#include "active_visual_memory/core/line_sides.h"
 #include "active_visual_memory/core/memory_element.h"
 #include "active_visual_memory/core/shadow_strips.h"
 #include "common/visual_memory/memory_snapshot.h"
@@ -36,6 +37,7 @@ class ShapeEdges {
     double neighbour_m = 0.06;     ///< what begins so near to a corner makes it a junction, not an end
     double continuation_m = 0.30;  ///< what goes on in line this far behind makes it a gap, not an end
     CornerParams corners;
+    LineWidthParams line_widths;
     JunctionParams junctions;
     ShadowParams shadows;
     // Circles: chords of views from afar are long and lie beside the rim.
