@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/geometry/angles.h"
+#include "localization/core/random_engine.h"
 #include "localization/map_views.h"
 
 namespace vismem {
@@ -236,6 +237,46 @@ TEST(VisibleMap, SeesOnlyWhatTheCameraShows) {
   for (const VisiblePoint& point : points) {
     EXPECT_LT(std::abs(point.p_robot.x()), std::tan(degToRad(31)) * std::hypot(1.0, 0.45));
   }
+}
+
+/// With a view only what can hide something in it is looked at: nothing else may come of that.
+TEST(VisibleMapProperty, AViewShowsWhatIsSeenAllAroundAndLiesInIt) {
+  RandomEngine engine(23);
+  SegmentMap map;
+  for (int i = 0; i < 300; ++i) {
+    const double x = uniform(engine, -10, 10);
+    const double y = uniform(engine, -10, 10);
+    const double length = uniform(engine, 0.1, 4.0);
+    const double direction = uniform(engine, -3, 3);
+    map.segments.push_back(wall(x, y, x + length * std::cos(direction), y + length * std::sin(direction),
+                                i % 3 == 0 ? "marking" : "skirting"));
+  }
+  const MapIndex index(map, {});
+  const VisibleMap visible(index, std::vector<std::string>{"skirting"});
+  std::size_t shown = 0;
+  std::size_t hidden = 0;
+  for (int i = 0; i < 300; ++i) {
+    const ImageAnalysis image = test::emptyView(uniform(engine, -3, 3), degToRad(uniform(engine, -90, 0)));
+    const CameraView camera(image.intrinsics, image.T_robot_camera);
+    const Pose2 pose{uniform(engine, -10, 10), uniform(engine, -10, 10), uniform(engine, -3, 3)};
+    const std::vector<Segment2> obstacle{{{1.0, -0.2}, {1.0, 0.2}}};
+    std::vector<VisiblePoint> around;
+    visible.around(pose, 4.0, obstacle, nullptr, around);
+    std::erase_if(around, [&](const VisiblePoint& point) { return !camera.shows(point.p_robot); });
+    std::vector<VisiblePoint> in_view;
+    visible.around(pose, 4.0, obstacle, &camera, in_view);
+    ASSERT_EQ(in_view.size(), around.size()) << i;
+    for (std::size_t k = 0; k < around.size(); ++k) {
+      EXPECT_EQ(in_view[k].p_robot, around[k].p_robot);
+      EXPECT_EQ(in_view[k].segment, around[k].segment);
+    }
+    shown += around.size();
+    std::vector<VisiblePoint> open;
+    VisibleMap(index, std::vector<std::string>{}).around(pose, 4.0, {}, &camera, open);
+    hidden += open.size() - around.size();
+  }
+  EXPECT_GT(shown, 500u);
+  EXPECT_GT(hidden, 500u);
 }
 
 TEST(VisibleMap, KnowsNamesAndEndingsOfLabels) {

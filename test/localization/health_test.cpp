@@ -216,6 +216,56 @@ TEST(HealthObservation, RatesByTheImageAndByBothAlike) {
   }
 }
 
+/// What stands and lies in 60 x 60 m, some of it behind and beside the camera, seen by a camera that looks
+/// down, ahead and up; on the floor of a small part of it, and where nothing is.
+TEST(HealthProperty, TreesGiveTheImageHealthOfASearchOverTheWholeMap) {
+  RandomEngine engine(31);
+  SegmentMap map;
+  const std::vector<Label> labels{"skirting", "door_foot", "door_jamb", "shelf"};
+  for (int i = 0; i < 3000; ++i) {
+    // The last label has so few that they are no tree.
+    const std::size_t label = i < 2980 ? pick(engine, 3) : 3;
+    const Eigen::Vector3d a(uniform(engine, 0, 60), uniform(engine, 0, 60),
+                            label < 2 ? 0.0 : uniform(engine, 0, 2));
+    const Eigen::Vector3d way = label == 2
+                                    ? Eigen::Vector3d(0, 0, 2)
+                                    : Eigen::Vector3d(uniform(engine, -4, 4), uniform(engine, -4, 4), 0);
+    map.segments.push_back({{a, i % 50 == 0 ? a : Eigen::Vector3d(a + way)}, labels[label], 0.0});
+  }
+  MapIndex::Params with_trees;
+  with_trees.build_trees = true;
+  const MapIndex trees(map, with_trees);
+  const MapIndex list(map, withFields(false));
+  HealthParams params;
+  params.source = HealthSource::kImage;
+  CameraMount mount;
+  mount.T_robot_pantilt = poseFromXyzRpy(0.1, 0, 0.8, 0, 0, 0);
+  int partial = 0;
+  int none = 0;
+  for (int image = 0; image < 100; ++image) {
+    auto analysis = std::make_shared<ImageAnalysis>();
+    analysis->intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+    analysis->T_robot_camera = cameraPose(mount, uniform(engine, -2, 2), degToRad(uniform(engine, -80, 20)));
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::Vector2d a(uniform(engine, 0, 319), uniform(engine, 0, 239));
+      const Eigen::Vector2d b(uniform(engine, 0, 319), uniform(engine, 0, 239));
+      analysis->observed.push_back({{a, b}, labels[pick(engine, labels.size())], 30.0});
+    }
+    HealthObservation by_trees(trees, params);
+    HealthObservation by_list(list, params);
+    by_trees.set({nullptr, analysis});
+    by_list.set({nullptr, analysis});
+    for (int i = 0; i < 40; ++i) {
+      const Pose2 pose{uniform(engine, -20, 80), uniform(engine, -20, 80), uniform(engine, -3, 3)};
+      const double health = by_list.health(pose);
+      ASSERT_EQ(by_trees.health(pose), health) << "image " << image << ", place " << i;
+      (health > 0.0 ? partial : none) += 1;
+    }
+  }
+  EXPECT_GT(partial, 300);
+  EXPECT_GT(none, 300);
+}
+
 TEST(HealthObservation, UnknownLabelsSayNothing) {
   const MapIndex index(test::corridorMap(), withFields(true));
   auto snapshot = std::make_shared<MemorySnapshot>();

@@ -277,21 +277,23 @@ TEST(RobustLikelihood, ASearchRatesGoodPlacesInFullAndDropsHopelessOnes) {
   }
   constexpr double kBlur_m = 0.15;
   constexpr double kLeast = 0.3;
-  int good = 0;
+  std::vector<Individual> places{{{500.0, 500.0, 0.0}, 1.0}};
   for (double x = 0.0; x <= 3.0; x += 0.25) {
-    for (double theta = -3.0; theta <= 3.0; theta += 0.2) {
-      const Pose2 pose{x, 1.0, theta};
-      const double whole = likelihood.rate(observation, {pose}, kBlur_m).explained;
-      const double quick = likelihood.explained(observation, pose, kBlur_m, kLeast);
-      if (quick > 0.0 || whole >= 2.0 * kLeast) {
-        EXPECT_NEAR(quick, whole, 1e-12) << x << " " << theta;
-      }
-      good += whole >= 2.0 * kLeast ? 1 : 0;
+    for (double theta = -3.0; theta <= 3.0; theta += 0.2) places.push_back({{x, 1.0, theta}, 0.0});
+  }
+  likelihood.explain(observation, places, kBlur_m, kLeast);
+  EXPECT_EQ(places[0].health, 0.0);
+  int good = 0;
+  for (const Individual& place : places) {
+    const double whole = likelihood.rate(observation, {place.T_world_robot}, kBlur_m).explained;
+    if (place.health > 0.0 || whole >= 2.0 * kLeast) {
+      EXPECT_NEAR(place.health, whole, 1e-12) << place.T_world_robot.x << " " << place.T_world_robot.theta;
     }
+    good += whole >= 2.0 * kLeast ? 1 : 0;
   }
   EXPECT_GT(good, 0);
-  EXPECT_EQ(likelihood.explained(observation, {500.0, 500.0, 0.0}, kBlur_m, kLeast), 0.0);
-  EXPECT_EQ(likelihood.explained({}, {1.0, 1.0, 0.0}, kBlur_m, kLeast), 0.0);
+  likelihood.explain({}, places, kBlur_m, kLeast);
+  for (const Individual& place : places) EXPECT_EQ(place.health, 0.0);
 }
 
 TEST(RobustLikelihood, RefinementFindsThePlaceInSpiteOfFalseSegments) {

@@ -45,7 +45,7 @@ TEST_P(SegmentGrids, FindWhatASearchOverAllFinds) {
         if (item.label != label || ((item.bins >> bin) & 1) == 0) continue;
         nearest = std::min(nearest, distanceToSegment(p, item.plan));
       }
-      const auto found = grid.nearest(label, bin, p);
+      const auto found = grid.nearest({p, label, bin});
       ASSERT_EQ(found.has_value(), nearest < kReach_m) << "seed " << seed << " point " << p.transpose();
       if (!found) continue;
       ASSERT_NEAR(found->distance_m, nearest, 1e-9);
@@ -64,11 +64,12 @@ TEST(SegmentGrid, FetchingChangesNoAnswer) {
   const auto items = randomItems(9, 5000, 120.0);
   const SegmentGrid grid(items, 1.0, 0.5);
   RandomEngine engine(19);
-  std::vector<Eigen::Vector2d> points{{std::nan(""), 0.0}, {1e9, -1e9}};
-  for (int i = 0; i < 100; ++i) points.emplace_back(uniform(engine, -40, 160), uniform(engine, -40, 160));
+  std::vector<SegmentGrid::Question> points{{{std::nan(""), 0.0}, 1, 2}, {{1e9, -1e9}, 1, 2}};
+  for (int i = 0; i < 100; ++i)
+    points.push_back({{uniform(engine, -40, 160), uniform(engine, -40, 160)}, 1, 2});
   const auto answers = [&] {
-    std::vector<double> squares;
-    for (const Eigen::Vector2d& p : points) squares.push_back(grid.nearestSquare(1, 2, p));
+    std::vector<double> squares(points.size());
+    grid.nearestSquares(points, squares);
     return squares;
   };
   const auto before = answers();
@@ -79,7 +80,7 @@ TEST(SegmentGrid, FetchingChangesNoAnswer) {
     double nearest = 1.0;
     for (const auto& item : items) {
       if (item.label != 1 || ((item.bins >> 2) & 1) == 0) continue;
-      const double distance = distanceToSegment(points[i], item.plan);
+      const double distance = distanceToSegment(points[i].p, item.plan);
       if (distance < nearest) nearest = distance;
     }
     EXPECT_NEAR(before[i], nearest * nearest, 1e-9);
@@ -95,12 +96,12 @@ TEST(SegmentGrid, RefusesMoreThanABlockCanNumber) {
 
 TEST(SegmentGrid, IsEmptyWithoutItemsAndForNoNumber) {
   const SegmentGrid nothing({}, 1.0, 0.5);
-  EXPECT_FALSE(nothing.nearest(0, 0, {0, 0}));
+  EXPECT_FALSE(nothing.nearest({{0, 0}, 0, 0}));
   const SegmentGrid one({{{{0, 0}, {1, 0}}, 0, 1, 7}}, 1.0, 0.5);
-  EXPECT_EQ(one.nearest(0, 0, {0.5, 0.2})->segment, 7u);
-  EXPECT_FALSE(one.nearest(0, 0, {std::nan(""), 0}));
-  EXPECT_FALSE(one.nearest(1, 0, {0.5, 0.2}));
-  EXPECT_FALSE(one.nearest(0, 1, {0.5, 0.2}));
+  EXPECT_EQ(one.nearest({{0.5, 0.2}, 0, 0})->segment, 7u);
+  EXPECT_FALSE(one.nearest({{std::nan(""), 0}, 0, 0}));
+  EXPECT_FALSE(one.nearest({{0.5, 0.2}, 1, 0}));
+  EXPECT_FALSE(one.nearest({{0.5, 0.2}, 0, 1}));
 }
 
 TEST(SegmentGrid, RefusesWhatSpreadsTooFar) {

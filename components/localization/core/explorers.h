@@ -8,7 +8,7 @@
 #include "localization/core/params.h"
 #include "localization/core/race.h"
 #include "localization/core/random_engine.h"
-#include "localization/core/robust_likelihood.h"
+#include "localization/core/robust_observation.h"
 
 namespace vismem {
 

@@ -14,6 +14,9 @@ constexpr double kReferenceHeight_px = 240.0;
 /// brute force outside, so the truncation changes speed alone.
 constexpr double kTruncation_m = 2.0;
 
+/// So many times the scale leave no health, however sums were rounded.
+constexpr double kCertainlyNone = 1.000001;
+
 }  // namespace
 
 MapIndex::Params chapterIndex(const LocalizerParams& params) {
@@ -21,6 +24,7 @@ MapIndex::Params chapterIndex(const LocalizerParams& params) {
   index.cell_m = params.cell_m;
   index.reach_m = kTruncation_m;
   index.build_fields = params.health.use_field;
+  index.build_trees = params.health.use_field;
   return index;
 }
 
@@ -78,22 +82,13 @@ void ProjectedLines::project(const std::vector<Segment3>& segments_world, const 
   for (const Segment3& segment : segments_world) {
     const auto px = projector.unbounded(segment);
     if (!px || !projector.inImage(*px)) continue;
-    const Eigen::Vector2d way = px->b - px->a;
-    const double square = way.squaredNorm();
-    lines_.push_back({px->a.x(), px->a.y(), way.x(), way.y(), square > 0.0 ? 1.0 / square : 0.0});
+    lines_.emplace_back(*px);
   }
 }
 
 double ProjectedLines::distance(const Eigen::Vector2d& px) const {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Line& line : lines_) {
-    const double rx = px.x() - line.ax;
-    const double ry = px.y() - line.ay;
-    const double fraction = std::min(std::max((rx * line.dx + ry * line.dy) * line.per_square, 0.0), 1.0);
-    const double x = rx - fraction * line.dx;
-    const double y = ry - fraction * line.dy;
-    nearest = std::min(nearest, x * x + y * y);
-  }
+  for (const ProjectedLine& line : lines_) nearest = std::min(nearest, line.square(px));
   return std::sqrt(nearest);
 }
 
@@ -137,6 +132,7 @@ double memoryHealth(const std::vector<RememberedLine>& lines, const Pose2& T_wor
 void HealthObservation::set(const MemoryUpdate& update) {
   lines_.clear();
   points_.clear();
+  pixels_.clear();
   if (params_.source != HealthSource::kImage && update.snapshot) {
     const Pose2 T_robot_odom = inverse(update.snapshot->T_odom_robot);
     for (const MemorySegment& segment : update.snapshot->segments) {
@@ -159,7 +155,28 @@ void HealthObservation::set(const MemoryUpdate& update) {
     }
     std::stable_sort(points_.begin(), points_.end(),
                      [](const ImagePoint& a, const ImagePoint& b) { return a.label < b.label; });
+    for (const ImagePoint& point : points_) pixels_.push_back(point.px);
+    squares_.resize(pixels_.size());
   }
+}
+
+/// What imageHealth gives.
+double HealthObservation::healthByTrees(const Pose3& T_world_camera, double scale_px) const {
+  const TreeCamera camera(intrinsics_, T_world_camera);
+  const double diagonal = std::hypot(intrinsics_.width, intrinsics_.height);
+  const auto size = static_cast<double>(points_.size());
+  double sum = 0.0;
+  for (std::size_t first = 0; first < points_.size();) {
+    const int label = points_[first].label;
+    std::size_t after = first;
+    while (after < points_.size() && points_[after].label == label) ++after;
+    const std::span px = std::span(pixels_).subspan(first, after - first);
+    const bool is_in_view = map_.tree(label)->nearestSquares(camera, px, squares_, tree_room_);
+    for (std::size_t i = 0; i < px.size(); ++i) sum += is_in_view ? std::sqrt(squares_[i]) : diagonal;
+    if (sum > kCertainlyNone * size * scale_px) return 0.0;
+    first = after;
+  }
+  return std::clamp(1.0 - sum / size / scale_px, 0.0, 1.0);
 }
 
 double HealthObservation::health(const Pose2& T_world_robot) const {
@@ -171,7 +188,10 @@ double HealthObservation::health(const Pose2& T_world_robot) const {
   }
   if (!points_.empty()) {
     const double scale_px = params_.image_scale_px * intrinsics_.width / kReferenceWidth_px;
-    sum += imageHealth(points_, intrinsics_, toPose3(T_world_robot) * T_robot_camera_, map_, scale_px, room_);
+    const Pose3 T_world_camera = toPose3(T_world_robot) * T_robot_camera_;
+    sum += map_.tree(points_.front().label)
+               ? healthByTrees(T_world_camera, scale_px)
+               : imageHealth(points_, intrinsics_, T_world_camera, map_, scale_px, room_);
     ++functions;
   }
   return functions == 0 ? 0.0 : sum / functions;

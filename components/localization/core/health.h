@@ -9,6 +9,7 @@
 #include "common/visual_memory/memory_snapshot.h"
 #include "localization/core/map_index.h"
 #include "localization/core/params.h"
+#include "localization/core/segment_tree.h"
 
 namespace vismem {
 
@@ -47,16 +48,13 @@ class ProjectedLines {
   double distance(const Eigen::Vector2d& px) const;
 
  private:
-  struct Line {
-    double ax, ay, dx, dy;  // begin and way [px]
-    double per_square;      // 1 / its length squared; 0 for a point
-  };
-  std::vector<Line> lines_;
+  std::vector<ProjectedLine> lines_;
 };
 
 /// L4: `H = 1 - mean(d_i) / M`, clamped to 0..1.
 /// d_i: distance in the image to the nearest map line of the label of which any part is in view; lines are
 /// clipped at the near plane, not at the border; a label without a line in view counts the image's diagonal.
+/// Over all segments of the map: the reference for HealthObservation, which asks trees if the map has them.
 /// @param scale_px M for this image. @param points must not be empty; quickest with those of a label
 /// together.
 double imageHealth(const std::vector<ImagePoint>& points, const CameraIntrinsics& intrinsics,
@@ -89,11 +87,16 @@ class HealthObservation {
   double health(const Pose2& T_world_robot) const;
 
  private:
+  double healthByTrees(const Pose3& T_world_camera, double scale_px) const;
+
   const MapIndex& map_;
   HealthParams params_;
   std::vector<RememberedLine> lines_;
-  std::vector<ImagePoint> points_;  ///< by label
+  std::vector<ImagePoint> points_;       ///< by label
+  std::vector<Eigen::Vector2d> pixels_;  ///< of points_
   mutable ProjectedLines room_;
+  mutable SegmentTree::Room tree_room_;
+  mutable std::vector<double> squares_;
   CameraIntrinsics intrinsics_;
   Pose3 T_robot_camera_ = Pose3::Identity();
 };

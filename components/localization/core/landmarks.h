@@ -13,7 +13,7 @@
 #include "common/geometry/segment.h"
 #include "localization/core/map_index.h"
 #include "localization/core/random_engine.h"
-#include "localization/core/robust_likelihood.h"
+#include "localization/core/robust_observation.h"
 
 namespace vismem {
 

@@ -78,6 +78,9 @@ MapIndex::MapIndex(const SegmentMap& map, const Params& params) {
       items.push_back(item);
     }
   }
+  if (params.build_trees) {
+    for (const auto& segments : by_label_) trees_.emplace_back(segments);
+  }
   if (params.build_fields) fields_.emplace(std::move(items), params.reach_m, params.cell_m);
 }
 
@@ -94,22 +97,10 @@ std::optional<int> MapIndex::floorLabelId(const Label& label) const {
   return id;
 }
 
-int MapIndex::binOf(double direction_rad) const {
-  if (bins_ == 1) return 0;
-  const double turns = direction_rad * std::numbers::inv_pi;
-  return std::min(bins_ - 1, static_cast<int>((turns - std::floor(turns)) * bins_));
-}
-
-std::optional<FieldSample> MapIndex::nearest(int label, const Eigen::Vector2d& p,
-                                             double direction_rad) const {
-  return fields_->nearest(label, binOf(direction_rad), p);
-}
-
-std::optional<FieldSample> MapIndex::nearestBruteForce(int label, const Eigen::Vector2d& p,
-                                                       double direction_rad) const {
+std::optional<FieldSample> MapIndex::nearestBruteForce(const SegmentGrid::Question& question) const {
   std::optional<FieldSample> best;
-  for (const Segment2& segment : binned_[static_cast<std::size_t>(label * bins_ + binOf(direction_rad))]) {
-    const FieldSample sample = sampleOf(p, segment);
+  for (const Segment2& segment : binned_[static_cast<std::size_t>(question.label * bins_ + question.bin)]) {
+    const FieldSample sample = sampleOf(question.p, segment);
     if (!best || sample.distance_m < best->distance_m) best = sample;
   }
   return best;

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cstdint>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,6 +14,7 @@
 #include "common/geometry/segment.h"
 #include "common/segment_map/segment_map.h"
 #include "localization/core/segment_grid.h"
+#include "localization/core/segment_tree.h"
 
 namespace vismem {
 
@@ -28,6 +32,7 @@ class MapIndex {
     /// there.
     double minimum_plan_length_m = 0.0;
     bool build_fields = true;
+    bool build_trees = false;  ///< to ask what is nearest in an image
   };
 
   /// @param map expanded to edges (no widths).
@@ -43,6 +48,10 @@ class MapIndex {
   const std::vector<Segment3>& segments(int label) const {
     return by_label_[static_cast<std::size_t>(label)];
   }
+  /// The same, to ask what is nearest in an image; null unless they were to be built.
+  const SegmentTree* tree(int label) const {
+    return trees_.empty() ? nullptr : &trees_[static_cast<std::size_t>(label)];
+  }
   /// What of them touches the floor: lines, and the feet of upright edges as segments without length.
   const std::vector<Segment2>& floor(int label) const { return floor_[static_cast<std::size_t>(label)]; }
   Eigen::Vector2d low() const { return low_; }
@@ -52,26 +61,43 @@ class MapIndex {
   std::optional<double> fieldReach() const {
     return fields_ ? std::optional<double>(fields_->reach()) : std::nullopt;
   }
-  /// Begins to read what `nearest` will need at these points (see SegmentGrid::fetch).
-  void fetch(std::span<const Eigen::Vector2d> points) const {
-    if (fields_) fields_->fetch(points);
+  /// What to ask the fields. @param direction_rad of the observed line; ignored without a direction gate.
+  SegmentGrid::Question question(int label, const Eigen::Vector2d& p, double direction_rad) const {
+    return {p, label, binOf(direction_rad)};
   }
-  /// Distance on the floor, by the field; empty beyond the truncation. @param direction_rad of the observed
-  /// line; ignored without a direction gate.
-  std::optional<FieldSample> nearest(int label, const Eigen::Vector2d& p, double direction_rad) const;
-  /// Its distance alone, squared [m^2]; the reach's beyond the truncation. Needs fields.
-  double nearestSquare(int label, const Eigen::Vector2d& p, double direction_rad) const {
-    return fields_->nearestSquare(label, binOf(direction_rad), p);
+  /// Begins to read what the answers will need (see SegmentGrid::fetch).
+  void fetch(std::span<const SegmentGrid::Question> questions) const {
+    if (fields_) fields_->fetch(questions);
+  }
+  /// Distance on the floor, by the field; empty beyond the truncation.
+  std::optional<FieldSample> nearest(const SegmentGrid::Question& question) const {
+    return fields_->nearest(question);
+  }
+  std::optional<FieldSample> nearest(int label, const Eigen::Vector2d& p, double direction_rad) const {
+    return nearest(question(label, p, direction_rad));
+  }
+  /// Distances alone, squared [m^2]; the reach's beyond the truncation. Needs fields.
+  void nearestSquares(std::span<const SegmentGrid::Question> questions, std::span<double> squares) const {
+    fields_->nearestSquares(questions, squares);
   }
   /// The reference: over all segments, whatever the distance. Same gate (by the same bins), same gradient.
+  std::optional<FieldSample> nearestBruteForce(const SegmentGrid::Question& question) const;
   std::optional<FieldSample> nearestBruteForce(int label, const Eigen::Vector2d& p,
-                                               double direction_rad) const;
+                                               double direction_rad) const {
+    return nearestBruteForce(question(label, p, direction_rad));
+  }
   /// Distance without truncation: by the field where it reaches, else over all segments.
   /// @param label one that floorLabelId gave.
   double distance(int label, const Eigen::Vector2d& p) const;
 
  private:
-  int binOf(double direction_rad) const;
+  int binOf(double direction_rad) const {
+    if (bins_ == 1) return 0;
+    const double half_turns = direction_rad * std::numbers::inv_pi;
+    double fraction = half_turns - static_cast<double>(static_cast<std::int64_t>(half_turns));
+    if (fraction < 0.0) fraction += 1.0;
+    return std::min(bins_ - 1, static_cast<int>(fraction * bins_));
+  }
 
   int bins_ = 1;
   std::map<Label, int> ids_;
@@ -81,6 +107,7 @@ class MapIndex {
   std::vector<std::vector<Segment2>> floor_;
   std::vector<std::vector<Segment2>> binned_;  // [label * bins_ + bin]
   std::optional<SegmentGrid> fields_;
+  std::vector<SegmentTree> trees_;  // by label, or none
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d high_ = Eigen::Vector2d::Zero();
 };

@@ -11,7 +11,7 @@
 #include "common/visual_memory/memory_snapshot.h"
 #include "localization/core/map_index.h"
 #include "localization/core/params.h"
-#include "localization/core/robust_likelihood.h"
+#include "localization/core/robust_observation.h"
 #include "localization/core/visible_map.h"
 
 namespace vismem {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/robot/samples.h"
-#include "localization/core/robust_likelihood.h"
+#include "localization/core/robust_observation.h"
 
 namespace vismem {
 

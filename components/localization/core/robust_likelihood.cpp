@@ -3,10 +3,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "common/geometry/angles.h"
-#include "common/geometry/projection.h"
 
 namespace vismem {
 namespace {
@@ -14,24 +15,12 @@ namespace {
 constexpr double kTruncation_m = 1.0;          // of the fields: several times the largest sigma with blur
 constexpr double kMinimumPlanLength_m = 0.03;  // shorter map segments are vertical edges
 
-/// Image segments are sampled this finely, but in no more pieces than that: a fixed cost per segment.
-constexpr double kPiece_px = 6.0;
-constexpr int kMaximumPieces = 12;
-constexpr double kLongestPiece_m = 0.2;  // towards the horizon pixels stand for ever longer pieces of floor
-
-/// A remembered point lies so much worse than one that is seen now: odometry erred since.
-constexpr double kRememberedSigma = 4.0 / 3.0;
-
-/// A line that comes this near to the image's border goes on beyond it.
-constexpr double kBorder_px = 3.0;
-/// An end is worth at most this share of its segment: what is short may be anything.
-constexpr double kEndShare = 0.5;
-
-constexpr double kMinimumLength_m = 0.05;  // a shorter remembered segment has no usable direction
-
 constexpr std::size_t kPreview = 4;  // every n-th point of an observation is a fair sample of all
 
-constexpr std::size_t kBatch = 32;  // points whose surroundings are fetched together
+/// A point agrees by e to the minus this, or less: nothing that a sum could show.
+constexpr double kNoAgreement = 40.0;
+
+constexpr std::size_t kBatch = 64;  // points whose surroundings are fetched together
 
 /// Damping where the observation says nothing about a direction: one metre, one radian.
 const Matrix5d kDamping = Matrix5d::Identity();
@@ -46,42 +35,6 @@ constexpr double kLongestTurn_rad = 0.4;
 constexpr double kSmallStep_m = 5e-4;
 constexpr double kSmallStep_rad = 5e-4;
 
-/// Variance across the segment at one of its ends.
-double variancesAcross(const Eigen::Matrix3d& P, const Eigen::Vector2d& along_odom) {
-  const Eigen::Vector2d across(-along_odom.y(), along_odom.x());
-  return across.dot(P.topLeftCorner<2, 2>() * across);
-}
-
-/// How the floor point at `ray` from the camera's foot moves when the camera, `height` above the floor, leans
-/// by a small angle about the y axis and about the x axis: the ray turns, and meets the floor elsewhere.
-Eigen::Matrix2d movedByLean(const Eigen::Vector2d& ray, double height) {
-  const double x = ray.x();
-  const double y = ray.y();
-  Eigen::Matrix2d d;
-  d << -height - x * x / height, x * y / height,  //
-      -x * y / height, height + y * y / height;
-  return d;
-}
-
-bool insideImage(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px) {
-  return px.x() > kBorder_px && px.y() > kBorder_px && px.x() < intrinsics.width - 1.0 - kBorder_px &&
-         px.y() < intrinsics.height - 1.0 - kBorder_px;
-}
-
-double weightOf(const RobustObservation& observation) {
-  double sum = 0.0;
-  for (const EvidencePoint& point : observation.points) sum += point.weight;
-  return sum;
-}
-
-/// Scales the points' weights so that they sum to at most `effective_points`; the amount stays as it was.
-void capPoints(RobustObservation& observation, double effective_points) {
-  double sum = 0.0;
-  for (const EvidencePoint& point : observation.points) sum += point.weight;
-  if (sum <= effective_points) return;
-  for (EvidencePoint& point : observation.points) point.weight *= effective_points / sum;
-}
-
 }  // namespace
 
 MapIndex::Params robustIndex(const LocalizerParams& params) {
@@ -94,195 +47,6 @@ MapIndex::Params robustIndex(const LocalizerParams& params) {
   return index;
 }
 
-RobustObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& map,
-                                const RobustParams& params) {
-  RobustObservation observation;
-  const Pose2 T_robot_odom = inverse(snapshot.T_odom_robot);
-  struct Piece {
-    Segment2 robot;
-    int label;
-    double weight_per_m;
-    double variance_a;
-    double variance_b;
-  };
-  std::vector<Piece> pieces;
-  double length = 0.0;
-  for (const MemorySegment& segment : snapshot.segments) {
-    const auto label = map.floorLabelId(segment.label);
-    if (!label) continue;
-    const Segment2 odom = segment.odom.floor();
-    if (odom.length() < kMinimumLength_m) continue;
-    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(params.range_m);
-    const auto robot = clipToBox(transform(T_robot_odom, odom), -reach, reach);
-    if (!robot || robot->length() < kMinimumLength_m) continue;
-    const double unseen_s =
-        std::max(0.0, static_cast<double>(snapshot.stamp_us - segment.last_seen_us) / kSecondUs);
-    double weight = params.points_per_metre;
-    if (params.half_life_s > 0.0) weight *= std::exp2(-unseen_s / params.half_life_s);
-    if (!segment.confirmed) weight *= params.unconfirmed_weight;
-    const double drift = params.drift_sigma_mps * unseen_s;
-    const double base = std::pow(kRememberedSigma * params.sigma_m, 2) + drift * drift;
-    const Eigen::Vector2d along = (odom.b - odom.a).normalized();
-    pieces.push_back({*robot, *label, weight, base + variancesAcross(segment.P_a, along),
-                      base + variancesAcross(segment.P_b, along)});
-    length += robot->length();
-  }
-  const double step = std::max(params.point_step_m, length / params.maximum_points);
-  const double least_variance = std::pow(kRememberedSigma * params.sigma_m, 2);
-  const double largest_variance = std::max(least_variance, params.maximum_sigma_m * params.maximum_sigma_m);
-  for (const Piece& piece : pieces) {
-    const double piece_length = piece.robot.length();
-    const int count = std::max(2, static_cast<int>(std::lround(piece_length / step)));
-    const double direction = piece.robot.direction();
-    const double weight = piece.weight_per_m * piece_length;
-    for (int i = 0; i < count; ++i) {
-      const double fraction = (i + 0.5) / count;
-      EvidencePoint point;
-      point.p_robot = piece.robot.a + fraction * (piece.robot.b - piece.robot.a);
-      point.direction_robot = direction;
-      point.label = piece.label;
-      const double variance = piece.variance_a + fraction * (piece.variance_b - piece.variance_a);
-      point.sigma_m = std::sqrt(std::clamp(variance, least_variance, largest_variance));
-      point.weight = weight / count;
-      observation.points.push_back(point);
-    }
-    observation.segments.push_back({piece.robot, piece.label, weight});
-    observation.amount += weight;
-  }
-  for (const Primitive& primitive : snapshot.primitives) {
-    if (primitive.kind != PrimitiveKind::kParallelogram || primitive.vertices.size() != 4) continue;
-    auto& corners = observation.parallelograms.emplace_back();
-    for (std::size_t i = 0; i < 4; ++i) corners[i] = transform(T_robot_odom, primitive.vertices[i]);
-  }
-  observation.segment_weight = observation.amount;
-  observation.remembered = observation.points.size();
-  capPoints(observation, params.effective_points);
-  return observation;
-}
-
-RobustObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map,
-                               const RobustParams& params) {
-  RobustObservation observation;
-  const Eigen::Vector2d camera = analysis.T_robot_camera.translation().head<2>();
-  const double height = analysis.T_robot_camera.translation().z();
-  if (!(height > 0.0)) return observation;
-  std::vector<EvidencePoint> ends;
-  for (const ImageSegment& segment : analysis.observed) {
-    ends.clear();
-    const auto label = map.floorLabelId(segment.label);
-    if (!label) continue;
-    const int pieces = std::clamp(static_cast<int>(segment.px.length() / kPiece_px), 1, kMaximumPieces);
-    Eigen::Vector2d begin = Eigen::Vector2d::Zero();
-    Eigen::Vector2d last = begin;
-    bool has_last = false;
-    double weight = 0.0;
-    for (int i = 0; i <= pieces; ++i) {
-      const double fraction = static_cast<double>(i) / pieces;
-      const Eigen::Vector2d px = segment.px.a + fraction * (segment.px.b - segment.px.a);
-      const auto floor =
-          backProjectToGround(analysis.intrinsics, analysis.T_robot_camera, px, params.image_range_m);
-      if (!floor) {
-        has_last = false;
-        continue;
-      }
-      const Segment2 piece{last, floor->head<2>()};
-      const bool is_piece = has_last && piece.length() >= 1e-3;
-      last = piece.b;
-      has_last = true;
-      if (!is_piece) continue;
-      if (weight == 0.0) begin = piece.a;
-      EvidencePoint point;
-      point.p_robot = piece.middle();
-      point.direction_robot = piece.direction();
-      point.label = *label;
-      // An error of the camera's pitch moves a floor point along the ray, one of its heading across it.
-      const Eigen::Vector2d ray = point.p_robot - camera;
-      const double range = std::max(ray.norm(), 1e-3);
-      const Eigen::Vector2d along = (piece.b - piece.a) / piece.length();
-      const double across_ray = std::abs(along.x() * ray.y() - along.y() * ray.x()) / range;
-      const double along_ray = std::abs(along.dot(ray)) / range;
-      const double std_range = (range * range + height * height) / height * params.camera_sigma_rad;
-      const double std_bearing = range * params.camera_sigma_rad;
-      point.sigma_m = std::min(params.maximum_sigma_m,
-                               std::hypot(params.sigma_m, across_ray * std_range, along_ray * std_bearing));
-      point.weight = params.points_per_metre * std::min(piece.length(), kLongestPiece_m);
-      point.d_lean = movedByLean(ray, height);
-      observation.amount += point.weight;
-      weight += point.weight;
-      observation.points.push_back(point);
-      if (params.end_metres <= 0.0) continue;
-      for (const bool first : {true, false}) {
-        if (i != (first ? 1 : pieces)) continue;
-        if (!insideImage(analysis.intrinsics, first ? segment.px.a : segment.px.b)) continue;
-        // Where a line ends tells the place along it; what the camera errs by goes in all directions alike.
-        EvidencePoint end = point;
-        end.p_robot = first ? piece.a : piece.b;
-        end.sigma_m = std::min(params.maximum_sigma_m, std::hypot(params.sigma_m, std_range));
-        end.d_lean = movedByLean(end.p_robot - camera, height);
-        ends.push_back(end);
-      }
-    }
-    for (EvidencePoint& end : ends) {
-      end.weight = std::min(params.points_per_metre * params.end_metres, kEndShare * weight);
-      observation.points.push_back(end);
-    }
-    if (weight == 0.0 || (last - begin).norm() < kMinimumLength_m) continue;
-    observation.segments.push_back({{begin, last}, *label, weight});
-    observation.segment_weight += weight;
-  }
-  capPoints(observation, params.effective_points);
-  return observation;
-}
-
-RobustObservation observe(const MemoryUpdate& update, const MapIndex& map, const RobustParams& params) {
-  RobustObservation memory;
-  RobustObservation image;
-  if (params.source != HealthSource::kImage && update.snapshot) {
-    memory = observeMemory(*update.snapshot, map, params);
-  }
-  if (params.source != HealthSource::kMemory && update.analysis) {
-    image = observeImage(*update.analysis, map, params);
-  }
-  // A covered camera leaves all to the memory, an empty memory all to the image.
-  if (!memory.points.empty() && !image.points.empty()) {
-    const double memory_share = (1.0 - params.image_share) * std::max(0.0, 1.0 - image.amount / (6.0));
-    if (memory_share > 0.0) {
-      capPoints(memory, memory_share * params.effective_points);
-      capPoints(image, (1.0 - memory_share) * params.effective_points);
-    } else {
-      memory.points.clear();
-      memory.remembered = 0;
-    }
-  }
-  RobustObservation all = std::move(memory);
-  all.segments.insert(all.segments.end(), image.segments.begin(), image.segments.end());
-  all.segment_weight += image.segment_weight;
-  all.points.insert(all.points.end(), image.points.begin(), image.points.end());
-  // A race has already been moved by what the memory holds; half as much of an image moves it better.
-  if (!image.points.empty()) {
-    all.memory_pull = std::max(0.0, 1.0 - 2.0 * image.amount / params.memory_below_points);
-  }
-  // What the memory has of this image is no second observation for "is there enough to see".
-  all.amount = std::max(all.amount, image.amount);
-  return all;
-}
-
-RobustObservation thinned(const RobustObservation& observation, std::size_t points) {
-  const std::size_t stride = (observation.points.size() + points - 1) / std::max<std::size_t>(points, 1);
-  if (stride <= 1) return observation;
-  RobustObservation few;
-  few.amount = observation.amount;
-  few.memory_pull = observation.memory_pull;
-  few.news = observation.news;
-  for (std::size_t i = 0; i < observation.points.size(); i += stride) {
-    few.remembered += i < observation.remembered ? 1 : 0;
-    few.points.push_back(observation.points[i]);
-  }
-  const double scale = weightOf(observation) / weightOf(few);
-  for (EvidencePoint& point : few.points) point.weight *= scale;
-  return few;
-}
-
 std::optional<FieldSample> RobustLikelihood::sample(const EvidencePoint& point,
                                                     const Eigen::Vector2d& p_world, double heading) const {
   const double direction = point.direction_robot + heading;
@@ -290,25 +54,28 @@ std::optional<FieldSample> RobustLikelihood::sample(const EvidencePoint& point,
                            : map_.nearestBruteForce(point.label, p_world, direction);
 }
 
-double RobustLikelihood::squareAt(const EvidencePoint& point, const Eigen::Vector2d& p_world,
-                                  double heading) const {
-  const double direction = point.direction_robot + heading;
-  if (params_.use_field) return map_.nearestSquare(point.label, p_world, direction);
-  const auto nearest = map_.nearestBruteForce(point.label, p_world, direction);
-  return nearest ? nearest->distance_m * nearest->distance_m : kTruncation_m * kTruncation_m;
+void RobustLikelihood::askSquares(std::span<const SegmentGrid::Question> questions,
+                                  std::span<double> squares) const {
+  if (params_.use_field) return map_.nearestSquares(questions, squares);
+  std::transform(questions.begin(), questions.end(), squares.begin(), [this](const auto& question) {
+    const auto nearest = map_.nearestBruteForce(question);
+    return nearest ? nearest->distance_m * nearest->distance_m : kTruncation_m * kTruncation_m;
+  });
 }
 
 void RobustLikelihood::fetch(const RobustObservation& observation, const Placement& placement) const {
   const Pose2& pose = placement.T_world_robot;
   const Eigen::Rotation2Dd R(pose.theta);
   const Eigen::Vector2d lean = placement.lean();
-  std::array<Eigen::Vector2d, kBatch> places;
+  std::array<SegmentGrid::Question, kBatch> questions;
   for (std::span points(observation.points); !points.empty();) {
     const std::size_t count = std::min(kBatch, points.size());
     for (std::size_t i = 0; i < count; ++i) {
-      places[i] = pose.position() + R * (points[i].p_robot + points[i].d_lean * lean);
+      const EvidencePoint& point = points[i];
+      questions[i] = map_.question(point.label, pose.position() + R * (point.p_robot + point.d_lean * lean),
+                                   point.direction_robot + pose.theta);
     }
-    map_.fetch(std::span(places).first(count));
+    map_.fetch(std::span(questions).first(count));
     points = points.subspan(count);
   }
 }
@@ -326,6 +93,7 @@ void RobustLikelihood::add(Rating& rating, const EvidencePoint& point,
     return;
   }
   const double loss = -0.5 * field->distance_m * field->distance_m / variance;
+  if (params_.bounded && -loss > kNoAgreement) return addTerm(log_outlier_share_);
   const double agreement = std::exp(loss);
   addTerm(params_.bounded ? std::log((1.0 - eps) * agreement + eps) : loss);
   rating.explained += point.weight * agreement;
@@ -350,35 +118,77 @@ Rating RobustLikelihood::rate(const RobustObservation& observation, const Placem
   return rating;
 }
 
-double RobustLikelihood::explained(const RobustObservation& observation, const Pose2& T_world_robot,
-                                   double blur_m, double least) const {
-  const double c = std::cos(T_world_robot.theta);
-  const double s = std::sin(T_world_robot.theta);
+void RobustLikelihood::explain(const RobustObservation& observation, std::span<Individual> places,
+                               double blur_m, double least) const {
+  struct Sample {
+    Eigen::Vector2d p_robot;
+    double direction_robot;
+    int label;
+    double weight;
+    double per_square;  // of the distance: what the logarithm falls by
+  };
+  std::vector<Sample> samples;
+  samples.reserve(observation.points.size());
+  std::size_t previewed = 0;
+  double preview_weight = 0.0;
   double weight = 0.0;
-  double explained = 0.0;
-  std::array<Eigen::Vector2d, kBatch> places;
-  const std::size_t size = observation.points.size();
   for (std::size_t begin = 0; begin < kPreview; ++begin) {
-    for (std::size_t first = begin; first < size; first += kBatch * kPreview) {
-      std::size_t count = 0;
-      for (std::size_t i = first; i < size && count < kBatch; i += kPreview) {
-        const Eigen::Vector2d& p_robot = observation.points[i].p_robot;
-        places[count++] = {T_world_robot.x + c * p_robot.x() - s * p_robot.y(),
-                           T_world_robot.y + s * p_robot.x() + c * p_robot.y()};
-      }
-      map_.fetch(std::span(places).first(count));
-      for (std::size_t i = 0; i < count; ++i) {
-        const EvidencePoint& point = observation.points[first + i * kPreview];
-        weight += point.weight;
-        const double square = squareAt(point, places[i], T_world_robot.theta);
-        if (square >= kTruncation_m * kTruncation_m) continue;
-        const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
-        explained += point.weight * std::exp(-0.5 * square / variance);
+    for (std::size_t i = begin; i < observation.points.size(); i += kPreview) {
+      const EvidencePoint& point = observation.points[i];
+      const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+      samples.push_back({point.p_robot, point.direction_robot, point.label, point.weight, 0.5 / variance});
+      weight += point.weight;
+    }
+    if (begin > 0) continue;
+    previewed = samples.size();
+    preview_weight = weight;
+  }
+  // Some places at a time: their questions wait for memory together.
+  constexpr std::size_t kPlaces = 4;
+  std::vector<SegmentGrid::Question> questions(kPlaces * samples.size());
+  std::vector<double> squares(questions.size());
+  std::array<Individual*, kPlaces> asked;
+  const auto ask = [&](std::size_t count, std::span<const Sample> some) {
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const Pose2& pose = asked[k]->T_world_robot;
+      const double c = std::cos(pose.theta);
+      const double s = std::sin(pose.theta);
+      for (const Sample& sample : some) {
+        const Eigen::Vector2d& p = sample.p_robot;
+        const Eigen::Vector2d at(pose.x + c * p.x() - s * p.y(), pose.y + s * p.x() + c * p.y());
+        questions[n++] = map_.question(sample.label, at, sample.direction_robot + pose.theta);
       }
     }
-    if (begin == 0 && explained < 0.5 * least * weight) return 0.0;
+    askSquares(std::span(questions).first(n), squares);
+    for (std::size_t k = 0; k < count; ++k) {
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        const double square = squares[k * some.size() + i];
+        const double loss = square * some[i].per_square;
+        if (square >= kTruncation_m * kTruncation_m || loss > kNoAgreement) continue;
+        asked[k]->health += some[i].weight * std::exp(-loss);
+      }
+    }
+  };
+  const std::span all(samples);
+  for (; !places.empty(); places = places.subspan(std::min(kPlaces, places.size()))) {
+    const std::size_t count = std::min(kPlaces, places.size());
+    for (std::size_t k = 0; k < count; ++k) {
+      asked[k] = &places[k];
+      places[k].health = 0.0;
+    }
+    ask(count, all.first(previewed));
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (weight > 0.0 && places[k].health >= 0.5 * least * preview_weight) {
+        asked[kept++] = &places[k];
+      } else {
+        places[k].health = 0.0;
+      }
+    }
+    ask(kept, all.subspan(previewed));
+    for (std::size_t k = 0; k < kept; ++k) asked[k]->health /= weight;
   }
-  return weight > 0.0 ? explained / weight : 0.0;
 }
 
 /// Quadratic form of -share * log L around a placement, in (x, y, theta, lean).

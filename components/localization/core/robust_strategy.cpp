@@ -248,26 +248,35 @@ class RobustStrategy : public RaceStrategy {
     std::vector<Individual> population;
     population.reserve(static_cast<std::size_t>(most));
     std::set<std::array<int, 3>> places;
-    for (int i = 0; i < most; ++i) {
-      std::optional<Pose2> pose;
-      if (uniform(engine, 0.0, 1.0) < robust.constructed_share) {
-        const bool by_landmark = uniform(engine, 0.0, 1.0) < robust.landmark_share;
-        pose = by_landmark && !proposals.isEmpty() ? proposals.pick(engine)
-                                                   : constructed_.propose(observation_, engine);
+    int wanted = robust.kld_error > 0.0 ? std::min(most, robust.kld_least) : most;
+    while (static_cast<int>(population.size()) < wanted) {
+      const std::size_t rated = population.size();
+      while (static_cast<int>(population.size()) < wanted) {
+        population.push_back({propose(proposals, engine), 0.0});
       }
-      if (!pose) pose = uniformExplorer(map_, params_.explorers.margin_m, engine);
-      const double health =
-          likelihood_.explained(few_, *pose, kExplorerBlur_m, params_.explorers.list_health);
-      population.push_back({*pose, health});
-      if (robust.kld_error <= 0.0 || health < params_.explorers.list_health) continue;
-      places.insert({static_cast<int>(std::floor(pose->x / robust.kld_place_m)),
-                     static_cast<int>(std::floor(pose->y / robust.kld_place_m)),
-                     static_cast<int>(std::floor(pose->theta / robust.kld_place_rad))});
-      if (i + 1 >= std::max(robust.kld_least, kldBound(static_cast<int>(places.size()), robust.kld_error))) {
-        break;
+      const auto newest = std::span(population).subspan(rated);
+      likelihood_.explain(few_, newest, kExplorerBlur_m, params_.explorers.list_health);
+      if (robust.kld_error <= 0.0) continue;
+      for (const Individual& one : newest) {
+        if (one.health < params_.explorers.list_health) continue;
+        const Pose2& pose = one.T_world_robot;
+        places.insert({static_cast<int>(std::floor(pose.x / robust.kld_place_m)),
+                       static_cast<int>(std::floor(pose.y / robust.kld_place_m)),
+                       static_cast<int>(std::floor(pose.theta / robust.kld_place_rad))});
       }
+      wanted = std::min(most, kldBound(static_cast<int>(places.size()), robust.kld_error));
     }
     return population;
+  }
+
+  Pose2 propose(const LandmarkExplorers::Proposals& proposals, RandomEngine& engine) const {
+    std::optional<Pose2> pose;
+    if (uniform(engine, 0.0, 1.0) < params_.robust.constructed_share) {
+      const bool by_landmark = uniform(engine, 0.0, 1.0) < params_.robust.landmark_share;
+      pose = by_landmark && !proposals.isEmpty() ? proposals.pick(engine)
+                                                 : constructed_.propose(observation_, engine);
+    }
+    return pose ? *pose : uniformExplorer(map_, params_.explorers.margin_m, engine);
   }
 
   void rate(Race& race, const Placement& placement) const {

@@ -13,19 +13,29 @@ namespace {
 constexpr double kMostBlocks = 1 << 24;
 constexpr std::size_t kMostLines = std::size_t{std::numeric_limits<std::uint16_t>::max()} + 1;
 
-constexpr std::size_t kFetch = 32;  // points at a time: more lines of a cache than are on their way at once
+constexpr std::size_t kMostKinds = 1 << 15;
 
 /// A set of this size stays in the caches near the processor.
 constexpr std::size_t kNearBytes = 512 << 10;
 
 /// A segment that is near a cell: how near its points are at least and at most to the cell's points.
-struct Member {
+struct NearCell {
   std::uint16_t line;
+  std::uint16_t kind;
   double least_m;
   double most_m;
 };
 
 }  // namespace
+
+/// From its nearest point to `p`.
+inline Eigen::Vector2d SegmentGrid::Line::to(const Eigen::Vector2d& p) const {
+  const double rx = p.x() - ax;
+  const double ry = p.y() - ay;
+  // The order of the arguments makes 0 of a point's 0 / 0.
+  const double fraction = std::min(1.0, std::max(0.0, (rx * wx + ry * wy) / (wx * wx + wy * wy)));
+  return {rx - fraction * wx, ry - fraction * wy};
+}
 
 SegmentGrid::SegmentGrid(std::vector<Item> items, double reach_m, double cell_m)
     : reach_m_(reach_m), per_m_(1.0 / cell_m) {
@@ -47,18 +57,19 @@ SegmentGrid::SegmentGrid(std::vector<Item> items, double reach_m, double cell_m)
   }
   blocks_x_ = static_cast<int>(blocks.x()) + 1;
   blocks_y_ = static_cast<int>(blocks.y()) + 1;
-  block_of_.assign(static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>(blocks_y_), -1);
+  block_of_.assign(static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>(blocks_y_), {});
   const auto near = itemsByBlock(items, cell_m);
   for (std::size_t i = 0; i < block_of_.size(); ++i) {
-    if (block_of_[i] < 0) continue;
+    if (block_of_[i].block < 0) continue;
     const Eigen::Vector2d at(static_cast<double>(i % static_cast<std::size_t>(blocks_x_)),
                              static_cast<double>(i / static_cast<std::size_t>(blocks_x_)));
-    const auto& of_block = near[static_cast<std::size_t>(block_of_[i])];
-    block_of_[i] = static_cast<std::int32_t>(blocks_.size());  // neighbours side by side
+    const auto& of_block = near[static_cast<std::size_t>(block_of_[i].block)];
+    // Neighbours side by side.
+    block_of_[i] = {static_cast<std::int32_t>(blocks_.size()), static_cast<std::uint32_t>(lines_.size())};
     appendBlock(items, of_block, origin_ + block_m * at, cell_m);
   }
   const std::size_t bytes =
-      blocks_.size() * sizeof(Block) + members_.size() * sizeof(std::uint16_t) + lines_.size() * sizeof(Line);
+      blocks_.size() * sizeof(Block) + members_.size() * sizeof(Member) + lines_.size() * sizeof(Line);
   is_large_ = bytes > kNearBytes;
 }
 
@@ -80,7 +91,8 @@ std::vector<std::vector<std::uint32_t>> SegmentGrid::itemsByBlock(std::span<cons
         const Eigen::Vector2d middle = origin_ + block_m * Eigen::Vector2d(x + 0.5, y + 0.5);
         if (distanceToSegment(middle, plan) > within) continue;
         auto& place = block_of_[static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_x_) +
-                                static_cast<std::size_t>(x)];
+                                static_cast<std::size_t>(x)]
+                          .block;
         if (place < 0) {
           place = static_cast<std::int32_t>(near.size());
           near.emplace_back();
@@ -102,16 +114,15 @@ void SegmentGrid::appendBlock(std::span<const Item> items, std::span<const std::
     throw ConfigError({out.str()});
   }
   Block block;
-  block.lines = lines_.size();
-  std::array<std::vector<Member>, kCells> cells;
+  block.first.fill(kNone);
+  std::array<std::vector<NearCell>, kCells> cells;
   const double half_diagonal = std::sqrt(0.5) * cell_m;
   for (std::size_t i = 0; i < near.size(); ++i) {
     const Item& item = items[near[i]];
     const Segment2& plan = item.plan;
-    const Eigen::Vector2d along = plan.b - plan.a;
-    const double length = along.norm();
-    const Eigen::Vector2d unit = length > 0.0 ? Eigen::Vector2d(along / length) : Eigen::Vector2d::UnitX();
-    lines_.push_back({plan.a.x(), plan.a.y(), unit.x(), unit.y(), length, item.label, item.bins});
+    const Eigen::Vector2d way = plan.b - plan.a;
+    const std::uint16_t kind = kindOf(item);
+    lines_.push_back({plan.a.x(), plan.a.y(), way.x(), way.y()});
     numbers_.push_back(item.number);
     const Eigen::Vector2d from = (plan.a.cwiseMin(plan.b) - corner).array() - reach_m_;
     const Eigen::Vector2d to = (plan.a.cwiseMax(plan.b) - corner).array() + reach_m_;
@@ -121,26 +132,45 @@ void SegmentGrid::appendBlock(std::span<const Item> items, std::span<const std::
         const Eigen::Vector2d middle = corner + cell_m * Eigen::Vector2d(x + 0.5, y + 0.5);
         const double distance = distanceToSegment(middle, plan);
         if (distance > reach_m_ + half_diagonal) continue;
-        cells[static_cast<std::size_t>(y * kBlock + x)].push_back(
-            {static_cast<std::uint16_t>(i), distance - half_diagonal, distance + half_diagonal});
+        cells[cellNumber(static_cast<unsigned>(x), static_cast<unsigned>(y))].push_back(
+            {static_cast<std::uint16_t>(i), kind, distance - half_diagonal, distance + half_diagonal});
       }
     }
   }
-  block.end[0] = static_cast<std::uint32_t>(members_.size());
   for (std::size_t c = 0; c < kCells; ++c) {
-    for (const Member& one : cells[c]) {
+    const std::size_t first = members_.size();
+    for (const NearCell& one : cells[c]) {
       // One that is further than another of its kind everywhere in the cell is never the nearest.
-      const Line& line = lines_[block.lines + one.line];
-      const bool is_beaten = std::any_of(cells[c].begin(), cells[c].end(), [&](const Member& other) {
-        const Line& rival = lines_[block.lines + other.line];
-        return other.most_m < one.least_m && rival.label == line.label &&
-               (rival.bins & line.bins) == line.bins;
+      const Kind& kind = kinds_[one.kind];
+      const bool is_beaten = std::any_of(cells[c].begin(), cells[c].end(), [&](const NearCell& other) {
+        const Kind& rival = kinds_[other.kind];
+        return other.most_m < one.least_m && rival.label == kind.label &&
+               (rival.bins & kind.bins) == kind.bins;
       });
-      if (!is_beaten) members_.push_back(one.line);
+      if (!is_beaten) members_.push_back({one.line, one.kind, 0});
     }
-    block.end[c + 1] = static_cast<std::uint32_t>(members_.size());
+    if (members_.size() == first) continue;
+    members_.back().is_last = 1;
+    block.first[c] = static_cast<std::uint32_t>(first);
   }
   blocks_.push_back(block);
+}
+
+/// @return the number of the item's kind, a new one if need be.
+std::uint16_t SegmentGrid::kindOf(const Item& item) {
+  std::size_t kind = 0;
+  while (kind < kinds_.size() && (kinds_[kind].label != item.label || kinds_[kind].bins != item.bins)) ++kind;
+  if (kind == kinds_.size()) kinds_.push_back({item.label, item.bins});
+  if (kind < kMostKinds) return static_cast<std::uint16_t>(kind);
+  std::ostringstream out;
+  out << "map: segments of more than " << kMostKinds << " kinds (labels and directions)";
+  throw ConfigError({out.str()});
+}
+
+/// Cells that lie together come together: tile by tile.
+std::size_t SegmentGrid::cellNumber(unsigned x, unsigned y) {
+  constexpr unsigned kTiles = kBlock / kTile;
+  return (y / kTile * kTiles + x / kTile) * (kTile * kTile) + y % kTile * kTile + x % kTile;
 }
 
 SegmentGrid::Place SegmentGrid::placeOf(const Eigen::Vector2d& p) const {
@@ -150,69 +180,103 @@ SegmentGrid::Place SegmentGrid::placeOf(const Eigen::Vector2d& p) const {
   if (!(x >= 0.0 && y >= 0.0 && x < blocks_x_ * double{kBlock} && y < blocks_y_ * double{kBlock})) return {};
   const auto cell_x = static_cast<unsigned>(x);
   const auto cell_y = static_cast<unsigned>(y);
-  const std::int32_t block =
-      block_of_[cell_y / kBlock * static_cast<std::size_t>(blocks_x_) + cell_x / kBlock];
-  if (block < 0) return {};
-  return {&blocks_[static_cast<std::size_t>(block)], cell_y % kBlock * kBlock + cell_x % kBlock};
+  const BlockOf& of = block_of_[cell_y / kBlock * static_cast<std::size_t>(blocks_x_) + cell_x / kBlock];
+  if (of.block < 0) return {};
+  const Block& block = blocks_[static_cast<std::size_t>(of.block)];
+  return {&block.first[cellNumber(cell_x % kBlock, cell_y % kBlock)], of.lines};
 }
 
 SegmentGrid::Cell SegmentGrid::cellAt(const Place& place) const {
-  if (!place.block) return {};
-  return {lines_.data() + place.block->lines, members_.data() + place.block->end[place.cell],
-          members_.data() + place.block->end[place.cell + 1]};
+  if (!place.first || *place.first == kNone) return {};
+  return {lines_.data() + place.lines, members_.data() + *place.first};
 }
 
-void SegmentGrid::fetch(std::span<const Eigen::Vector2d> points) const {
+/// Calls with every line that may answer one of the questions and the question's number. Each pass needs what
+/// the one before asked for: in the meantime it arrives.
+/// @param questions at most kAtOnce.
+template <typename Visit>
+void SegmentGrid::visitTogether(std::span<const Question> questions, Visit visit) const {
+  std::array<Place, kAtOnce> places;
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    places[i] = placeOf(questions[i].p);
+    if (is_large_) __builtin_prefetch(places[i].first);
+  }
+  std::array<Cell, kAtOnce> cells;
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    cells[i] = cellAt(places[i]);
+    if (is_large_) __builtin_prefetch(cells[i].members);
+  }
+  struct Candidate {
+    const Line* line;
+    std::size_t question;
+  };
+  std::array<Candidate, 4 * kAtOnce> candidates;
+  std::size_t count = 0;
+  const auto visitAll = [&] {
+    if (is_large_) {
+      for (const Candidate& one : std::span(candidates).first(count)) __builtin_prefetch(one.line);
+    }
+    for (const Candidate& one : std::span(candidates).first(count)) visit(*one.line, one.question);
+    count = 0;
+  };
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    const Member* member = cells[i].members;
+    for (bool more = member; more; ++member) {
+      // Without a branch: nobody can foresee which of a cell's lines count.
+      candidates[count] = {cells[i].lines + member->line, i};
+      count += kinds_[member->kind].counts(questions[i]) ? 1 : 0;
+      if (count == candidates.size()) visitAll();
+      more = !member->is_last;
+    }
+  }
+  visitAll();
+}
+
+void SegmentGrid::fetch(std::span<const Question> questions) const {
   if (!is_large_) return;
-  std::array<Cell, kFetch> cells;
-  for (; !points.empty(); points = points.subspan(std::min(kFetch, points.size()))) {
-    const auto some = points.first(std::min(kFetch, points.size()));
-    // Each pass needs what the one before asked for: in the meantime it arrives.
-    for (const Eigen::Vector2d& p : some) {
-      const Place place = placeOf(p);
-      if (place.block) __builtin_prefetch(&place.block->end[place.cell]);
-    }
-    for (std::size_t i = 0; i < some.size(); ++i) {
-      cells[i] = cellAt(placeOf(some[i]));
-      __builtin_prefetch(cells[i].begin);
-    }
-    for (const Cell& cell : std::span(cells).first(some.size())) {
-      for (const std::uint16_t* member = cell.begin; member != cell.end; ++member) {
-        __builtin_prefetch(&cell.lines[*member]);
-      }
-    }
+  for (; !questions.empty(); questions = questions.subspan(std::min(kAtOnce, questions.size()))) {
+    visitTogether(questions.first(std::min(kAtOnce, questions.size())), [](const Line&, std::size_t) {});
   }
 }
 
-SegmentGrid::Found SegmentGrid::find(int label, int bin, const Eigen::Vector2d& p) const {
-  const Cell cell = cellAt(placeOf(p));
-  Found best;
-  best.square = reach_m_ * reach_m_;
-  for (const std::uint16_t* member = cell.begin; member != cell.end; ++member) {
-    const Line& line = cell.lines[*member];
-    if (line.label != label || ((line.bins >> bin) & 1) == 0) continue;
-    const double rx = p.x() - line.ax;
-    const double ry = p.y() - line.ay;
-    const double along = std::min(std::max(rx * line.dx + ry * line.dy, 0.0), line.length);
-    const double x = rx - along * line.dx;
-    const double y = ry - along * line.dy;
-    const double square = x * x + y * y;
-    if (square < best.square) best = {&line, square, x, y};
+void SegmentGrid::nearestSquares(std::span<const Question> questions, std::span<double> squares) const {
+  std::fill_n(squares.begin(), questions.size(), reach_m_ * reach_m_);
+  while (!questions.empty()) {
+    const std::size_t count = std::min(kAtOnce, questions.size());
+    visitTogether(questions.first(count), [&](const Line& line, std::size_t i) {
+      squares[i] = std::min(squares[i], line.to(questions[i].p).squaredNorm());
+    });
+    questions = questions.subspan(count);
+    squares = squares.subspan(count);
   }
-  return best;
 }
 
-std::optional<FieldSample> SegmentGrid::nearest(int label, int bin, const Eigen::Vector2d& p) const {
-  const Found found = find(label, bin, p);
-  if (!found.line) return std::nullopt;
+std::optional<FieldSample> SegmentGrid::nearest(const Question& question) const {
+  const Cell cell = cellAt(placeOf(question.p));
+  const Line* nearest = nullptr;
+  Eigen::Vector2d away;
+  double square = reach_m_ * reach_m_;
+  const Member* member = cell.members;
+  for (bool more = member; more; ++member) {
+    more = !member->is_last;
+    if (!kinds_[member->kind].counts(question)) continue;
+    const Line& line = cell.lines[member->line];
+    const Eigen::Vector2d to = line.to(question.p);
+    if (to.squaredNorm() >= square) continue;
+    square = to.squaredNorm();
+    away = to;
+    nearest = &line;
+  }
+  if (!nearest) return std::nullopt;
   FieldSample sample;
-  sample.distance_m = std::sqrt(found.square);
+  sample.distance_m = std::sqrt(square);
+  const Eigen::Vector2d way(nearest->wx, nearest->wy);
   if (sample.distance_m > 1e-9) {
-    sample.gradient = Eigen::Vector2d(found.x, found.y) / sample.distance_m;
-  } else if (found.line->length > 0.0) {
-    sample.gradient = {-found.line->dy, found.line->dx};
+    sample.gradient = away / sample.distance_m;
+  } else if (way.squaredNorm() > 0.0) {
+    sample.gradient = Eigen::Vector2d(-way.y(), way.x()).normalized();
   }
-  sample.segment = numbers_[static_cast<std::size_t>(found.line - lines_.data())];
+  sample.segment = numbers_[static_cast<std::size_t>(nearest - lines_.data())];
   return sample;
 }
 

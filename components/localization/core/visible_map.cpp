@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+
+#include "common/geometry/projection.h"
 
 namespace vismem {
 namespace {
@@ -11,10 +14,13 @@ constexpr double kSpacing_m = 0.2;  // between points
 constexpr double kCell_m = 2.0;     // of the index
 /// Nearer than this to what hides it a point counts as seen: walls do not hide their own foot.
 constexpr double kMargin_m = 0.3;
-constexpr int kBearings = 256;  // of the depth buffer
+constexpr int kBearings = 256;      // of the depth buffer
+constexpr double kRounding = 1e-9;  // of pieces
 
+/// Orders cells row by row, and those of a row by x.
 std::uint64_t cellKey(std::int32_t x, std::int32_t y) {
-  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32) | static_cast<std::uint32_t>(y);
+  const auto ordered = [](std::int32_t value) { return static_cast<std::uint32_t>(value) ^ 0x8000'0000u; };
+  return (std::uint64_t{ordered(y)} << 32) | ordered(x);
 }
 
 std::int32_t cellOf(double value) {
@@ -35,11 +41,22 @@ class DepthBuffer {
  public:
   DepthBuffer() { depth_.fill(1e9f); }
 
-  /// A thing from `a` to `b`, short against its distance.
-  void add(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    const auto distance = static_cast<float>(0.5 * (a + b).norm());
-    const int from = bin(a);
-    int steps = bin(b) - from;
+  /// Things side by side from `start` on, each as long as `step` and short against its distance.
+  void add(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count) {
+    int from = bin(start);
+    for (int i = 0; i < count; ++i) {
+      const int to = bin(start + (i + 1.0) * step);
+      add(from, to, static_cast<float>((start + (i + 0.5) * step).norm()));
+      from = to;
+    }
+  }
+  bool hides(const Eigen::Vector2d& p) const {
+    return p.norm() > static_cast<double>(depth_[static_cast<std::size_t>(bin(p))]) + kMargin_m;
+  }
+
+ private:
+  void add(int from, int to, float distance) {
+    int steps = to - from;
     if (steps > kBearings / 2) steps -= kBearings;
     if (steps < -kBearings / 2) steps += kBearings;
     const int step = steps < 0 ? -1 : 1;
@@ -48,15 +65,57 @@ class DepthBuffer {
       depth = std::min(depth, distance);
     }
   }
-  bool hides(const Eigen::Vector2d& p) const {
-    return p.norm() > static_cast<double>(depth_[static_cast<std::size_t>(bin(p))]) + kMargin_m;
-  }
-
- private:
   static int bin(const Eigen::Vector2d& p) {
     return std::min(kBearings - 1, static_cast<int>(diamondAngle(p) * (kBearings / 4.0)));
   }
   std::array<float, kBearings> depth_;
+};
+
+/// The part of a line on the positive side of a border (see CameraView::clip).
+bool clipBy(const HalfPlane& border, const Eigen::Vector2d& start, const Eigen::Vector2d& way, double& from,
+            double& to) {
+  const double at_start = border.at(start);
+  const double slope = border.normal.dot(way);
+  const double begin = at_start + from * slope;
+  const double end = at_start + to * slope;
+  if (begin < 0.0 && end < 0.0) return false;
+  if (begin < 0.0) from -= begin / slope;
+  if (end < 0.0) to -= end / slope;
+  return from <= to;
+}
+
+/// Where what hides any of some points must lie: most of a map does not.
+class Sector {
+ public:
+  explicit Sector(std::span<const VisiblePoint> points) {
+    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+    for (const VisiblePoint& point : points) middle += point.p_robot;
+    middle.normalize();
+    double least = 1.0;
+    for (const VisiblePoint& point : points) {
+      const double distance = point.p_robot.norm();
+      range_ = std::max(range_, distance);
+      least = std::min(least, distance > 0.0 ? middle.dot(point.p_robot) / distance : -1.0);
+    }
+    const double half = std::acos(std::max(least, -1.0)) + kWidestBin_rad;
+    is_narrow_ = half < 0.5 * std::numbers::pi;
+    const Eigen::Vector2d left(-middle.y(), middle.x());
+    sides_[0].normal = std::sin(half) * middle + std::cos(half) * left;
+    sides_[1].normal = std::sin(half) * middle - std::cos(half) * left;
+  }
+  /// Nothing further away than this hides any of the points.
+  double range() const { return range_; }
+  /// The part of a line that may (see CameraView::clip).
+  bool clip(const Eigen::Vector2d& start, const Eigen::Vector2d& way, double& from, double& to) const {
+    return !is_narrow_ ||
+           (clipBy(sides_[0], start, way, from, to) && clipBy(sides_[1], start, way, from, to));
+  }
+
+ private:
+  static constexpr double kWidestBin_rad = 0.04;  // of the depth buffer
+  double range_ = 0.0;
+  bool is_narrow_ = false;
+  std::array<HalfPlane, 2> sides_;
 };
 
 }  // namespace
@@ -67,28 +126,33 @@ bool isListed(const Label& label, std::span<const std::string> names) {
   });
 }
 
-CameraView::CameraView(const CameraIntrinsics& intrinsics, const Pose3& T_robot_camera)
-    : fx_(intrinsics.fx),
-      fy_(intrinsics.fy),
-      cx_(intrinsics.cx),
-      cy_(intrinsics.cy),
-      width_(intrinsics.width),
-      height_(intrinsics.height) {
+CameraView::CameraView(const CameraIntrinsics& intrinsics, const Pose3& T_robot_camera) {
   const Pose3 T_camera_robot = T_robot_camera.inverse();
-  columns_ = T_camera_robot.linear().leftCols<2>();
-  offset_ = T_camera_robot.translation();
+  // Rows of the camera's axes over the floor; an image's border is a plane through the camera.
+  const auto border = [&](double x, double y, double z, double offset) {
+    const Eigen::RowVector3d normal(x, y, z);
+    return HalfPlane{(normal * T_camera_robot.linear().leftCols<2>()).transpose(),
+                     normal * T_camera_robot.translation() + offset};
+  };
+  borders_ = {border(0.0, 0.0, 1.0, -kNearPlane_m), border(intrinsics.fx, 0.0, intrinsics.cx, 0.0),
+              border(0.0, intrinsics.fy, intrinsics.cy, 0.0),
+              border(-intrinsics.fx, 0.0, intrinsics.width - 1.0 - intrinsics.cx, 0.0),
+              border(0.0, -intrinsics.fy, intrinsics.height - 1.0 - intrinsics.cy, 0.0)};
 }
 
 bool CameraView::shows(const Eigen::Vector2d& p_robot) const {
-  const Eigen::Vector3d p = columns_ * p_robot + offset_;
-  if (p.z() < 0.05) return false;
-  const double u = fx_ * p.x() + cx_ * p.z();
-  const double v = fy_ * p.y() + cy_ * p.z();
-  return u >= 0.0 && v >= 0.0 && u <= (width_ - 1.0) * p.z() && v <= (height_ - 1.0) * p.z();
+  return std::all_of(borders_.begin(), borders_.end(),
+                     [&](const HalfPlane& border) { return border.at(p_robot) >= 0.0; });
+}
+
+bool CameraView::clip(const Eigen::Vector2d& start, const Eigen::Vector2d& way, double& from,
+                      double& to) const {
+  return std::all_of(borders_.begin(), borders_.end(),
+                     [&](const HalfPlane& border) { return clipBy(border, start, way, from, to); });
 }
 
 VisibleMap::VisibleMap(const MapIndex& map, std::span<const std::string> opaque) {
-  std::vector<std::pair<std::uint64_t, Point>> points;
+  std::vector<std::pair<std::uint64_t, Run>> runs;
   std::uint32_t number = 0;
   for (int label = 0; label < map.labelCount(); ++label) {
     const bool is_opaque = isListed(map.labelName(label), opaque);
@@ -96,58 +160,98 @@ VisibleMap::VisibleMap(const MapIndex& map, std::span<const std::string> opaque)
       ++number;
       const double length = segment.length();
       if (length <= 0.0) continue;
-      const int count = std::max(1, static_cast<int>(std::lround(length / kSpacing_m)));
-      for (int i = 0; i < count; ++i) {
-        const Eigen::Vector2d p = segment.a + (i + 0.5) / count * (segment.b - segment.a);
-        points.push_back(
-            {cellKey(cellOf(p.x()), cellOf(p.y())),
-             {p, 0.5 / count * (segment.b - segment.a), segment.direction(), label, number, is_opaque}});
+      const int pieces = std::max(1, static_cast<int>(std::lround(length / kSpacing_m)));
+      const Line line{segment.a, segment.b - segment.a, segment.direction(), pieces, label, number,
+                      is_opaque};
+      const auto index = static_cast<std::uint32_t>(lines_.size());
+      lines_.push_back(line);
+      for (int i = 0; i < pieces; ++i) {
+        const Eigen::Vector2d p = segment.a + (i + 0.5) / pieces * line.way;
+        const std::uint64_t cell = cellKey(cellOf(p.x()), cellOf(p.y()));
+        if (i > 0 && runs.back().first == cell) {
+          ++runs.back().second.count;
+        } else {
+          runs.push_back({cell, {index, static_cast<std::uint32_t>(i), 1}});
+        }
       }
     }
   }
-  std::stable_sort(points.begin(), points.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  points_.reserve(points.size());
-  for (const auto& [key, point] : points) {
-    Range& range =
-        cells_.try_emplace(key, Range{static_cast<std::uint32_t>(points_.size()), 0}).first->second;
-    ++range.count;
-    points_.push_back(point);
+  std::stable_sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  runs_.reserve(runs.size());
+  for (const auto& [cell, run] : runs) {
+    if (cells_.empty() || cells_.back() != cell) {
+      cells_.push_back(cell);
+      first_of_.push_back(static_cast<std::uint32_t>(runs_.size()));
+    }
+    runs_.push_back(run);
+  }
+  first_of_.push_back(static_cast<std::uint32_t>(runs_.size()));
+}
+
+/// Calls with every line and run of it near a place, cell by cell.
+template <typename Visit>
+void VisibleMap::visitRuns(const Eigen::Vector2d& position, double range_m, Visit visit) const {
+  const std::int32_t x_from = cellOf(position.x() - range_m);
+  const std::int32_t x_to = cellOf(position.x() + range_m);
+  auto cell = cells_.begin();
+  for (std::int32_t y = cellOf(position.y() - range_m); y <= cellOf(position.y() + range_m); ++y) {
+    cell = std::lower_bound(cell, cells_.end(), cellKey(x_from, y));
+    const std::uint64_t last = cellKey(x_to, y);
+    auto end = cell;
+    while (end != cells_.end() && *end <= last) ++end;
+    const std::uint32_t first = first_of_[static_cast<std::size_t>(cell - cells_.begin())];
+    const std::uint32_t after = first_of_[static_cast<std::size_t>(end - cells_.begin())];
+    cell = end;
+    const auto row = std::span(runs_).subspan(first, after - first);
+    // A large map is far from the processor: all that the row needs is on its way before the first is used.
+    for (const Run& run : row) __builtin_prefetch(&lines_[run.line]);
+    for (const Run& run : row) visit(lines_[run.line], run);
   }
 }
 
 void VisibleMap::around(const Pose2& T_world_robot, double range_m, std::span<const Segment2> obstacles,
                         const CameraView* view, std::vector<VisiblePoint>& out) const {
   out.clear();
-  DepthBuffer depth;
   const double c = std::cos(T_world_robot.theta);
   const double s = std::sin(T_world_robot.theta);
   const auto turn = [&](const Eigen::Vector2d& v) {
     return Eigen::Vector2d(c * v.x() + s * v.y(), -s * v.x() + c * v.y());
   };
   const Eigen::Vector2d position = T_world_robot.position();
-  for (std::int32_t y = cellOf(position.y() - range_m); y <= cellOf(position.y() + range_m); ++y) {
-    for (std::int32_t x = cellOf(position.x() - range_m); x <= cellOf(position.x() + range_m); ++x) {
-      const auto found = cells_.find(cellKey(x, y));
-      if (found == cells_.end()) continue;
-      for (std::uint32_t i = 0; i < found->second.count; ++i) {
-        const Point& point = points_[found->second.first + i];
-        const Eigen::Vector2d p_robot = turn(point.p_world - position);
-        if (p_robot.squaredNorm() > range_m * range_m) continue;
-        if (point.opaque) {
-          const Eigen::Vector2d half = turn(point.half);
-          depth.add(p_robot - half, p_robot + half);
-        }
-        if (view && !view->shows(p_robot)) continue;
-        out.push_back({p_robot, point.direction - T_world_robot.theta, 2.0 * point.half.norm(), point.label,
-                       point.segment});
-      }
+  visitRuns(position, range_m, [&](const Line& line, const Run& run) {
+    const Eigen::Vector2d start = turn(line.a - position);
+    const Eigen::Vector2d way = turn(line.way);
+    const double piece = 1.0 / line.pieces;
+    double from = (run.first + 0.5) * piece;
+    double to = (run.first + run.count - 0.5) * piece;
+    if (view && !view->clip(start, way, from, to)) return;
+    const double length = piece * way.norm();
+    const auto last = static_cast<int>(std::floor(to * line.pieces - 0.5 + kRounding));
+    for (auto i = static_cast<int>(std::ceil(from * line.pieces - 0.5 - kRounding)); i <= last; ++i) {
+      const Eigen::Vector2d p_robot = start + (i + 0.5) * piece * way;
+      if (p_robot.squaredNorm() > range_m * range_m) continue;
+      out.push_back({p_robot, line.direction - T_world_robot.theta, length, line.label, line.number});
     }
-  }
+  });
+  if (out.empty()) return;
+  DepthBuffer depth;
+  const Sector sector(out);
+  visitRuns(position, sector.range(), [&](const Line& line, const Run& run) {
+    if (!line.opaque) return;
+    const Eigen::Vector2d start = turn(line.a - position);
+    const Eigen::Vector2d way = turn(line.way);
+    const double piece = 1.0 / line.pieces;
+    double from = run.first * piece;
+    double to = (run.first + run.count) * piece;
+    if (!sector.clip(start, way, from, to)) return;
+    const auto first = static_cast<int>(std::floor(from * line.pieces + kRounding));
+    const auto after = static_cast<int>(std::ceil(to * line.pieces - kRounding));
+    depth.add(start + first * piece * way, piece * way, after - first);
+  });
   for (const Segment2& obstacle : obstacles) {
     const int pieces = std::max(1, static_cast<int>(obstacle.length() / kSpacing_m));
     const Eigen::Vector2d step = (obstacle.b - obstacle.a) / pieces;
-    for (int i = 0; i < pieces; ++i) depth.add(obstacle.a + i * step, obstacle.a + (i + 1) * step);
+    depth.add(obstacle.a, step, pieces);
   }
   std::erase_if(out, [&](const VisiblePoint& point) { return depth.hides(point.p_robot); });
 }

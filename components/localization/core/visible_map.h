@@ -3,10 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "common/geometry/camera.h"
@@ -28,19 +28,29 @@ struct VisiblePoint {
 /// it.
 bool isListed(const Label& label, std::span<const std::string> names);
 
+/// The points of a plane with normal . p + offset >= 0.
+struct HalfPlane {
+  Eigen::Vector2d normal = Eigen::Vector2d::Zero();
+  double offset = 0.0;
+
+  double at(const Eigen::Vector2d& p) const { return normal.dot(p) + offset; }
+};
+
 /// Which points of the floor a camera shows, for quick repeated questions. *Pure* after construction.
 class CameraView {
  public:
   CameraView(const CameraIntrinsics& intrinsics, const Pose3& T_robot_camera);
   bool shows(const Eigen::Vector2d& p_robot) const;
+  /// The part of a line that is in view. @param start,way the line's points are start + fraction * way.
+  /// @param from,to fractions, brought together as far as needed. @return false if nothing is left.
+  bool clip(const Eigen::Vector2d& start, const Eigen::Vector2d& way, double& from, double& to) const;
 
  private:
-  Eigen::Matrix<double, 3, 2> columns_;  // of the rotation robot -> camera that floor points use
-  Eigen::Vector3d offset_;
-  double fx_, fy_, cx_, cy_, width_, height_;
+  std::array<HalfPlane, 5> borders_;  // the image's four and the near plane
 };
 
-/// *Pure* after construction; memory grows with the length of the map's segments.
+/// *Pure* after construction; memory grows with the number and the length of the map's segments. What a
+/// question needs fits into few lines of a cache: points are made when they are asked for.
 class VisibleMap {
  public:
   /// @param opaque labels of what stands up and hides the floor behind it (see isListed).
@@ -53,21 +63,27 @@ class VisibleMap {
               const CameraView* view, std::vector<VisiblePoint>& out) const;
 
  private:
-  struct Point {
-    Eigen::Vector2d p_world;
-    Eigen::Vector2d half;  // from the middle to an end
+  struct alignas(64) Line {  // a segment, cut into pieces of one length
+    Eigen::Vector2d a;
+    Eigen::Vector2d way;  // to its end
     double direction = 0.0;
+    int pieces = 1;
     int label = 0;
-    std::uint32_t segment = 0;
+    std::uint32_t number = 0;
     bool opaque = false;
   };
-  struct Range {
+  struct Run {  // pieces of one segment with their middles in one cell
+    std::uint32_t line = 0;
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
+  template <typename Visit>
+  void visitRuns(const Eigen::Vector2d& position, double range_m, Visit visit) const;
 
-  std::vector<Point> points_;  // by cell
-  std::unordered_map<std::uint64_t, Range> cells_;
+  std::vector<Line> lines_;
+  std::vector<Run> runs_;                // by cell
+  std::vector<std::uint64_t> cells_;     // those with runs, row by row
+  std::vector<std::uint32_t> first_of_;  // of a cell's runs; one more at the end
 };
 
 }  // namespace vismem

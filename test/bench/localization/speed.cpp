@@ -141,6 +141,8 @@ int main(int argc, char** argv) {
   add("chapter_memory/fields/kidnapped/50000_segments", chapter(HealthSource::kMemory, true), 50'000, true);
   add("chapter_image/fields/settled", chapter(HealthSource::kImage, true), 1, false);
   add("chapter_image/fields/kidnapped", chapter(HealthSource::kImage, true), 1, true);
+  add("chapter_image/fields/settled/50000_segments", chapter(HealthSource::kImage, true), 50'000, false);
+  add("chapter_image/fields/kidnapped/50000_segments", chapter(HealthSource::kImage, true), 50'000, true);
   add("chapter_image/brute_force/settled", chapter(HealthSource::kImage, false), 1, false);
   benchmark::RegisterBenchmark("index_map", indexMap)->Unit(benchmark::kMillisecond)->Arg(50)->Arg(50'000);
   benchmark::Initialize(&argc, argv);

@@ -1,0 +1,150 @@
+#include "localization/core/segment_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+namespace vismem {
+namespace {
+
+constexpr std::size_t kLeaf = 6;    // segments
+constexpr std::size_t kList = 40;   // so few are looked at one by one in less time
+constexpr double kRounding = 1e-3;  // of a box's place against the view's borders [px at 1 m]
+
+}  // namespace
+
+ProjectedLine::ProjectedLine(const Segment2& px)
+    : ax_(px.a.x()), ay_(px.a.y()), dx_(px.b.x() - px.a.x()), dy_(px.b.y() - px.a.y()) {
+  const double square = dx_ * dx_ + dy_ * dy_;
+  per_square_ = square > 0.0 ? 1.0 / square : 0.0;
+}
+
+double ProjectedLine::square(const Eigen::Vector2d& px) const {
+  const double rx = px.x() - ax_;
+  const double ry = px.y() - ay_;
+  const double fraction = std::min(std::max((rx * dx_ + ry * dy_) * per_square_, 0.0), 1.0);
+  const double x = rx - fraction * dx_;
+  const double y = ry - fraction * dy_;
+  return x * x + y * y;
+}
+
+TreeCamera::TreeCamera(const CameraIntrinsics& intrinsics, const Pose3& T_world_camera)
+    : intrinsics_(intrinsics),
+      T_camera_world_(T_world_camera.inverse(Eigen::Isometry)),
+      reach_(T_camera_world_.linear().cwiseAbs()),
+      projector_(intrinsics, T_world_camera) {}
+
+SegmentTree::SegmentTree(std::span<const Segment3> segments_world)
+    : segments_(segments_world.begin(), segments_world.end()) {
+  if (!segments_.empty()) append(segments_, 0);
+}
+
+/// Puts segments into a box and this into the tree. @param first the place of theirs in segments_.
+void SegmentTree::append(std::span<Segment3> segments, std::size_t first) {
+  Eigen::Vector3d low = segments.front().a;
+  Eigen::Vector3d high = low;
+  for (const Segment3& segment : segments) {
+    low = low.cwiseMin(segment.a).cwiseMin(segment.b);
+    high = high.cwiseMax(segment.a).cwiseMax(segment.b);
+  }
+  const std::size_t number = nodes_.size();
+  nodes_.push_back({0.5 * (low + high), 0.5 * (high - low), static_cast<std::uint32_t>(first),
+                    static_cast<std::uint32_t>(segments.size())});
+  if (segments.size() <= kLeaf || segments_.size() <= kList) return;
+  Eigen::Index axis = 0;
+  (high - low).maxCoeff(&axis);
+  const std::size_t half = segments.size() / 2;
+  std::nth_element(
+      segments.begin(), segments.begin() + static_cast<std::ptrdiff_t>(half), segments.end(),
+      [axis](const Segment3& s, const Segment3& t) { return s.a[axis] + s.b[axis] < t.a[axis] + t.b[axis]; });
+  nodes_[number].count = 0;
+  append(segments.first(half), first);
+  nodes_[number].second = static_cast<std::uint32_t>(nodes_.size());
+  append(segments.subspan(half), first + half);
+}
+
+struct SegmentTree::Search {
+  const TreeCamera& camera;
+  std::span<const Eigen::Vector2d> px;
+  std::span<double> squares;
+  Room& room;
+};
+
+bool SegmentTree::nearestSquares(const TreeCamera& camera, std::span<const Eigen::Vector2d> px,
+                                 std::span<double> squares, Room& room) const {
+  if (nodes_.empty()) return false;
+  std::fill_n(squares.begin(), px.size(), std::numeric_limits<double>::infinity());
+  constexpr std::size_t kDeepest = 34;  // halved so often nothing is left
+  room.resize(std::max(room.size(), px.size() * kDeepest));
+  std::iota(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(px.size()), 0u);
+  Search search{camera, px, squares, room};
+  return visit(search, 0, std::span(room).first(px.size()));
+}
+
+bool SegmentTree::visit(Search& search, std::uint32_t number, std::span<const std::uint32_t> asked) const {
+  const Node& node = nodes_[number];
+  const TreeCamera& camera = search.camera;
+  const CameraIntrinsics& image = camera.intrinsics_;
+  const Eigen::Vector3d middle = camera.T_camera_world_ * node.middle;
+  const Eigen::Vector3d half = camera.reach_ * node.half;
+  const double near = middle.z() - half.z();
+  const double far = middle.z() + half.z();
+  if (far < kNearPlane_m - kRounding) return false;
+  // Is it beyond one border of the view with all of its corners that the near plane leaves?
+  const auto most = [nearest = std::max(near, kNearPlane_m), far](double per_depth) {
+    return std::max(per_depth * nearest, per_depth * far);
+  };
+  if (image.fx * (middle.x() + half.x()) + most(image.cx + 0.5) < -kRounding ||
+      image.fx * (half.x() - middle.x()) + most(image.width - 0.5 - image.cx) < -kRounding ||
+      image.fy * (middle.y() + half.y()) + most(image.cy + 0.5) < -kRounding ||
+      image.fy * (half.y() - middle.y()) + most(image.height - 0.5 - image.cy) < -kRounding) {
+    return false;
+  }
+  std::span<const std::uint32_t> left = asked;
+  if (near > kNearPlane_m) {
+    const Eigen::Vector2d focal(image.fx, image.fy);
+    const Eigen::Vector2d centre(image.cx, image.cy);
+    const Eigen::Vector2d low = middle.head<2>() - half.head<2>();
+    const Eigen::Vector2d high = middle.head<2>() + half.head<2>();
+    const Eigen::Vector2d from =
+        centre + focal.cwiseProduct((low / near).cwiseMin(low / far)) - Eigen::Vector2d::Constant(kRounding);
+    const Eigen::Vector2d to = centre + focal.cwiseProduct((high / near).cwiseMax(high / far)) +
+                               Eigen::Vector2d::Constant(kRounding);
+    const std::span room(search.room.data() + (asked.data() - search.room.data()) + asked.size(),
+                         asked.size());
+    std::size_t count = 0;
+    for (const std::uint32_t i : asked) {
+      const Eigen::Vector2d& px = search.px[i];
+      const Eigen::Vector2d off = (from - px).cwiseMax(px - to).cwiseMax(Eigen::Vector2d::Zero());
+      room[count] = i;
+      count += off.squaredNorm() < search.squares[i] ? 1 : 0;
+    }
+    if (count == 0) return false;
+    left = room.first(count);
+  }
+  bool is_in_view = false;
+  if (node.count > 0) {
+    for (const Segment3& segment : std::span(segments_).subspan(node.second, node.count)) {
+      const auto px = camera.projector_.unbounded(segment);
+      if (!px || !camera.projector_.inImage(*px)) continue;
+      is_in_view = true;
+      const ProjectedLine line(*px);
+      for (const std::uint32_t i : left) {
+        search.squares[i] = std::min(search.squares[i], line.square(search.px[i]));
+      }
+    }
+    return is_in_view;
+  }
+  // The nearer child first: what lies before the camera fills the image, and the rest need not be looked at.
+  const auto distance = [&](std::uint32_t child) {
+    return (camera.T_camera_world_ * nodes_[child].middle).squaredNorm();
+  };
+  std::array<std::uint32_t, 2> children{number + 1, node.second};
+  if (distance(children[1]) < distance(children[0])) std::swap(children[0], children[1]);
+  for (const std::uint32_t child : children) is_in_view = visit(search, child, left) || is_in_view;
+  return is_in_view;
+}
+
+}  // namespace vismem

@@ -1,0 +1,73 @@
+/// @file Which of many segments of space is nearest in an image: a tree of boxes. Pure. SPEC L4.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/geometry/camera.h"
+#include "common/geometry/pose.h"
+#include "common/geometry/projection.h"
+#include "common/geometry/segment.h"
+
+namespace vismem {
+
+/// A line in the image, quick to measure.
+class ProjectedLine {
+ public:
+  explicit ProjectedLine(const Segment2& px);
+  /// To a pixel, squared [px^2].
+  double square(const Eigen::Vector2d& px) const;
+
+ private:
+  double ax_, ay_, dx_, dy_;  // begin and way [px]
+  double per_square_;         // 1 / its length squared; 0 for a point
+};
+
+/// A camera at a place, as SegmentTree asks it.
+class TreeCamera {
+ public:
+  TreeCamera(const CameraIntrinsics& intrinsics, const Pose3& T_world_camera);
+
+ private:
+  friend class SegmentTree;
+  CameraIntrinsics intrinsics_;
+  Pose3 T_camera_world_;
+  Eigen::Matrix3d reach_;  // of a box along the camera's axes, by its half sides
+  SegmentProjector projector_;
+};
+
+/// Segments in boxes within boxes: what is out of view, or further in the image from every pixel that is
+/// asked about than what was found already, is not looked at. Answers are those of a search over all, bit for
+/// bit. Immutable: *thread-safe*.
+class SegmentTree {
+ public:
+  /// Room for a search, kept between calls.
+  using Room = std::vector<std::uint32_t>;
+
+  explicit SegmentTree(std::span<const Segment3> segments_world);
+
+  /// Squared distances [px^2] to the nearest line of which any part is in view, clipped at the near plane
+  /// only.
+  /// @param squares as many as pixels; set here. @return false if no line is in view.
+  bool nearestSquares(const TreeCamera& camera, std::span<const Eigen::Vector2d> px,
+                      std::span<double> squares, Room& room) const;
+
+ private:
+  struct alignas(64) Node {  // a box; its first child is the next node
+    Eigen::Vector3d middle;
+    Eigen::Vector3d half;
+    std::uint32_t second = 0;  // child; of a leaf: its first segment
+    std::uint32_t count = 0;   // of a leaf's segments; 0: has children
+  };
+  struct Search;
+  void append(std::span<Segment3> segments, std::size_t first);
+  /// @param asked pixels that may be nearer to what is in the node than to what was found.
+  bool visit(Search& search, std::uint32_t number, std::span<const std::uint32_t> asked) const;
+
+  std::vector<Node> nodes_;
+  std::vector<Segment3> segments_;
+};
+
+}  // namespace vismem
