@@ -24,6 +24,7 @@ constexpr double kSameVertex_m = 0.15;
 /// Of the memory: pairs of more segments than this cost more than they find.
 constexpr std::size_t kSegments = 24;
 constexpr std::size_t kSample = 128;  // of the map's landmarks of one kind, about
+constexpr std::size_t kAhead = 8;     // so many of the sample are on their way from memory
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -201,10 +202,14 @@ LandmarkExplorers::Proposals LandmarkExplorers::match(const RobustObservation& o
   Proposals proposals;
   // A large map repeats itself: a sample of its landmarks, another one each time, does as well as all of
   // them.
-  const auto sample = [&engine](std::size_t count, const auto& use) {
-    const std::size_t step = std::max<std::size_t>(1, count / kSample);
+  const auto sample = [&engine](const auto all, const auto& use) {
+    const std::size_t step = std::max<std::size_t>(1, all.size() / kSample);
     const std::size_t begin = step > 1 ? vismem::pick(engine, step) : 0;
-    for (std::size_t i = begin; i < count; i += step) use(i);
+    for (std::size_t i = begin; i < all.size(); i += step) {
+      // They lie too far apart for the processor to guess which is next.
+      if (step > 1 && i + kAhead * step < all.size()) __builtin_prefetch(&all[i + kAhead * step]);
+      use(all[i]);
+    }
   };
   std::vector<EvidenceSegment> segments = observation.segments;
   std::stable_sort(segments.begin(), segments.end(),
@@ -232,8 +237,7 @@ LandmarkExplorers::Proposals LandmarkExplorers::match(const RobustObservation& o
     for (const int bin : bins) {
       const auto found = junctions_.find(key(seen.label_a, seen.label_b, bin));
       if (found == junctions_.end()) continue;
-      sample(found->second.size(), [&](std::size_t i) {
-        const Junction& world = found->second[i];
+      sample(std::span(found->second), [&](const Junction& world) {
         const double difference = angleDifference(world.turn, seen.turn);
         if (std::abs(difference) > kAngleTolerance_rad) return;
         // Both arms tell the heading: the bisector.
@@ -252,8 +256,7 @@ LandmarkExplorers::Proposals LandmarkExplorers::match(const RobustObservation& o
                            [](const Line& line, double least) { return line.length < least; });
       const auto last = std::lower_bound(first, lines.end(), length * 2.0,
                                          [](const Line& line, double most) { return line.length < most; });
-      sample(static_cast<std::size_t>(last - first), [&](std::size_t i) {
-        const Line& line = *(first + static_cast<std::ptrdiff_t>(i));
+      sample(std::span(first, last), [&](const Line& line) {
         if (!similarLength(line.length, length)) return;
         const double direction = line.plan.direction();
         one.world.push_back({line.plan.middle(), direction});
@@ -270,8 +273,7 @@ LandmarkExplorers::Proposals LandmarkExplorers::match(const RobustObservation& o
         const double direction_a = std::atan2(a.y(), a.x());
         const double turn = angleDifference(std::atan2(b.y(), b.x()), direction_a);
         Proposals::Seen one{{corners[k], direction_a + 0.5 * turn}, {}};
-        sample(parallelogram_corners_.size(), [&](std::size_t i) {
-          const Junction& world = parallelogram_corners_[i];
+        sample(std::span(parallelogram_corners_), [&](const Junction& world) {
           if (similarLength(world.length_a, a.norm()) && similarLength(world.length_b, b.norm()) &&
               std::abs(world.turn - turn) <= kAngleTolerance_rad) {
             one.world.push_back({world.vertex, world.direction_a + 0.5 * world.turn});

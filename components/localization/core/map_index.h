@@ -65,6 +65,8 @@ class MapIndex {
   SegmentGrid::Question question(int label, const Eigen::Vector2d& p, double direction_rad) const {
     return {p, label, binOf(direction_rad)};
   }
+  /// True if it pays to fetch what questions will need.
+  bool isLarge() const { return fields_ && fields_->isLarge(); }
   /// Begins to read what the answers will need (see SegmentGrid::fetch).
   void fetch(std::span<const SegmentGrid::Question> questions) const {
     if (fields_) fields_->fetch(questions);

@@ -64,6 +64,7 @@ void RobustLikelihood::askSquares(std::span<const SegmentGrid::Question> questio
 }
 
 void RobustLikelihood::fetch(const RobustObservation& observation, const Placement& placement) const {
+  if (!map_.isLarge()) return;
   const Pose2& pose = placement.T_world_robot;
   const Eigen::Rotation2Dd R(pose.theta);
   const Eigen::Vector2d lean = placement.lean();
@@ -250,7 +251,6 @@ RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& obse
   const Eigen::Matrix2d sway_information = Eigen::Matrix2d::Identity() / (sway * sway);
   const std::span points(observation.points);
   const std::span remembered = points.first(observation.remembered);
-  fetch(observation, start);
   // One pass more than steps: the last one only takes the curvature at the result.
   for (int step = 0; step <= steps; ++step) {
     Rating* const rating = step == steps ? &result.rating : nullptr;

@@ -177,17 +177,19 @@ SegmentGrid::Place SegmentGrid::placeOf(const Eigen::Vector2d& p) const {
   const double x = (p.x() - origin_.x()) * per_m_;
   const double y = (p.y() - origin_.y()) * per_m_;
   // Written so that a NaN falls out as well.
-  if (!(x >= 0.0 && y >= 0.0 && x < blocks_x_ * double{kBlock} && y < blocks_y_ * double{kBlock})) return {};
+  if (!(x >= 0.0 && y >= 0.0 && x < blocks_x_ * double{kBlock} && y < blocks_y_ * double{kBlock})) {
+    return {nullptr, 0};
+  }
   const auto cell_x = static_cast<unsigned>(x);
   const auto cell_y = static_cast<unsigned>(y);
   const BlockOf& of = block_of_[cell_y / kBlock * static_cast<std::size_t>(blocks_x_) + cell_x / kBlock];
-  if (of.block < 0) return {};
+  if (of.block < 0) return {nullptr, 0};
   const Block& block = blocks_[static_cast<std::size_t>(of.block)];
   return {&block.first[cellNumber(cell_x % kBlock, cell_y % kBlock)], of.lines};
 }
 
 SegmentGrid::Cell SegmentGrid::cellAt(const Place& place) const {
-  if (!place.first || *place.first == kNone) return {};
+  if (!place.first || *place.first == kNone) return {nullptr, nullptr};
   return {lines_.data() + place.lines, members_.data() + *place.first};
 }
 

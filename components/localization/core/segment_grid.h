@@ -50,6 +50,8 @@ class SegmentGrid {
 
   double reach() const { return reach_m_; }
 
+  /// True if it pays to fetch: a small set stays in the caches near the processor.
+  bool isLarge() const { return is_large_; }
   /// Begins to read what the questions will need, all at once and not one after another. Changes speed alone.
   void fetch(std::span<const Question> questions) const;
 
@@ -72,7 +74,7 @@ class SegmentGrid {
     int label = 0;
     std::uint16_t bins = 1;
     bool counts(const Question& question) const {
-      return label == question.label && ((bins >> question.bin) & 1) != 0;
+      return ((label == question.label) & (bins >> question.bin)) != 0;
     }
   };
   struct Member {               // of a cell
@@ -88,12 +90,12 @@ class SegmentGrid {
     std::uint32_t lines = 0;  // its first of lines_
   };
   struct Cell {
-    const Line* lines = nullptr;      // of its block
-    const Member* members = nullptr;  // null: none
+    const Line* lines;      // of its block
+    const Member* members;  // null: none
   };
   struct Place {
-    const std::uint32_t* first = nullptr;  // of its cell's members; null: outside of all blocks
-    std::uint32_t lines = 0;
+    const std::uint32_t* first;  // of its cell's members; null: outside of all blocks
+    std::uint32_t lines;
   };
   static constexpr std::uint32_t kNone = 0xFFFF'FFFF;
 

@@ -15,21 +15,6 @@ constexpr double kRounding = 1e-3;  // of a box's place against the view's borde
 
 }  // namespace
 
-ProjectedLine::ProjectedLine(const Segment2& px)
-    : ax_(px.a.x()), ay_(px.a.y()), dx_(px.b.x() - px.a.x()), dy_(px.b.y() - px.a.y()) {
-  const double square = dx_ * dx_ + dy_ * dy_;
-  per_square_ = square > 0.0 ? 1.0 / square : 0.0;
-}
-
-double ProjectedLine::square(const Eigen::Vector2d& px) const {
-  const double rx = px.x() - ax_;
-  const double ry = px.y() - ay_;
-  const double fraction = std::min(std::max((rx * dx_ + ry * dy_) * per_square_, 0.0), 1.0);
-  const double x = rx - fraction * dx_;
-  const double y = ry - fraction * dy_;
-  return x * x + y * y;
-}
-
 TreeCamera::TreeCamera(const CameraIntrinsics& intrinsics, const Pose3& T_world_camera)
     : intrinsics_(intrinsics),
       T_camera_world_(T_world_camera.inverse(Eigen::Isometry)),

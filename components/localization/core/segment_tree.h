@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,9 +17,20 @@ namespace vismem {
 /// A line in the image, quick to measure.
 class ProjectedLine {
  public:
-  explicit ProjectedLine(const Segment2& px);
+  explicit ProjectedLine(const Segment2& px)
+      : ax_(px.a.x()), ay_(px.a.y()), dx_(px.b.x() - px.a.x()), dy_(px.b.y() - px.a.y()) {
+    const double square = dx_ * dx_ + dy_ * dy_;
+    per_square_ = square > 0.0 ? 1.0 / square : 0.0;
+  }
   /// To a pixel, squared [px^2].
-  double square(const Eigen::Vector2d& px) const;
+  double square(const Eigen::Vector2d& px) const {
+    const double rx = px.x() - ax_;
+    const double ry = px.y() - ay_;
+    const double fraction = std::min(std::max((rx * dx_ + ry * dy_) * per_square_, 0.0), 1.0);
+    const double x = rx - fraction * dx_;
+    const double y = ry - fraction * dy_;
+    return x * x + y * y;
+  }
 
  private:
   double ax_, ay_, dx_, dy_;  // begin and way [px]
