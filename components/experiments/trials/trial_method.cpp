@@ -55,6 +55,7 @@ std::vector<Ablation> ablations(const LocalizerParams& base) {
   without("no_refinement", [](auto& p) { p.robust.refinement_steps = 0; });
   without("no_ends", [](auto& p) { p.robust.end_metres = 0.0; });
   without("no_kalman", [](auto& p) { p.robust.kalman = false; });
+  without("no_learnt_odometry", [](auto& p) { p.odometry.enabled = false; });
   without("no_past_evidence", [](auto& p) { p.robust.forgetting = 0.0; });
   without("no_news", [](auto& p) { p.robust.repeats = 0.0; });
   without("no_hysteresis", [](auto& p) { p.robust.lead = 0.0; });

@@ -1,9 +1,11 @@
 #include "localization/app/component.h"
 
+#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "active_visual_memory/ice/visual_memory_ice.h"
+#include "common/geometry/angles.h"
 #include "localization/app/gaze_sender.h"
 #include "localization/app/health_map_worker.h"
 #include "localization/app/localization_loop.h"
@@ -11,6 +13,15 @@
 
 namespace vismem {
 namespace {
+
+void tellOdometry(const OdometryBelief& belief, StatusBoard& status) {
+  const auto tell = [&](const char* name, int i, double scale, const char* unit) {
+    status.gauge({name, scale * belief.errors[i], scale * std::sqrt(belief.P(i, i)), unit});
+  };
+  tell("odometry turns too little", 0, radToDeg(1.0), "deg/m");
+  tell("odometry turns too narrow", 1, 100.0, "%");
+  tell("odometry goes too short", 2, 100.0, "%");
+}
 
 class LocalizationComponent final : public Component, public LocalizationControl {
  public:
@@ -52,6 +63,7 @@ class LocalizationComponent final : public Component, public LocalizationControl
         [this, &host](const PoseEstimate& estimate, double step_s) {
           host.status().count("estimates");
           host.status().latency("step", step_s);
+          if (estimate.odometry) tellOdometry(*estimate.odometry, host.status());
           estimates_.publish(estimate);
         },
         [this, &host](SourceState state, const std::string& why) {

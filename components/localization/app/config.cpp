@@ -131,6 +131,23 @@ void readRobust(ConfigReader r, RobustParams& p) {
   }
 }
 
+void readOdometry(ConfigReader r, LearntOdometryParams& p) {
+  p.enabled = r.boolean("Learn", p.enabled);
+  p.turn_per_m = r.angleDeg("Turn_degpm", radToDeg(p.turn_per_m), 0.0, 180.0);
+  p.turn_share = r.real("TurnShare", p.turn_share, 0.0, 1.0);
+  p.travel_share = r.real("TravelShare", p.travel_share, 0.0, 1.0);
+  p.walk_share = r.real("WalkShare", p.walk_share, 0.0, 1.0);
+  p.piece_m = r.real("Piece_m", p.piece_m, 0.05, 100.0);
+  p.piece_rad = r.angleDeg("Piece_deg", radToDeg(p.piece_rad), 5.0, 3600.0);
+  p.pose_std_m = r.real("Pose_m", p.pose_std_m, 1e-4, 1.0);
+  p.pose_std_rad = r.angleDeg("Pose_deg", radToDeg(p.pose_std_rad), 0.01, 45.0);
+  p.noise_rad_per_root_m = r.angleDeg("Noise_deg", radToDeg(p.noise_rad_per_root_m), 0.0, 90.0);
+  p.noise_rad_per_root_rad = r.real("TurnNoise", p.noise_rad_per_root_rad, 0.0, 1.0);
+  p.noise_m_per_root_m = r.real("Noise_m", p.noise_m_per_root_m, 0.0, 1.0);
+  p.gate_sigmas = r.real("GateSigmas", p.gate_sigmas, 0.1, 100.0);
+  p.trust = r.real("Trust", p.trust, 0.0, 1.0);
+}
+
 std::vector<std::string> readWords(ConfigReader& r, const char* name,
                                    const std::vector<std::string>& fallback) {
   std::string joined;
@@ -156,6 +173,7 @@ LocalizerParams readLocalizerParams(ConfigReader& reader) {
   readEvolution(reader.group("Evolution"), params.evolution);
   readHealth(reader.group("Health"), params.health);
   readRobust(reader.group("Robust"), params.robust);
+  readOdometry(reader.group("Odometry"), params.odometry);
   return params;
 }
 

@@ -37,7 +37,10 @@ std::unique_ptr<RaceStrategy> makeStrategy(const LocalizerParams& params, const 
 }  // namespace
 
 Localizer::Localizer(const LocalizerParams& params, const SegmentMap& map_edges, std::uint64_t seed)
-    : params_(params), strategy_(makeStrategy(params, map_edges)), table_(params.races), engine_(seed) {}
+    : params_(params), strategy_(makeStrategy(params, map_edges)), table_(params.races), engine_(seed) {
+  if (params.mode == LocalizationMode::kDefault && params.odometry.enabled)
+    odometry_.emplace(params.odometry);
+}
 
 Localizer::~Localizer() = default;
 Localizer::Localizer(Localizer&&) noexcept = default;
@@ -62,7 +65,7 @@ PoseEstimate Localizer::step(const MemoryUpdate& update) {
       beginEpoch();
     } else {
       // A memory that was set aside keeps its odometry: the races move on with the robot.
-      for (Race& race : table_.races()) strategy_->move(race, T_before_now);
+      move(T_before_now);
       if (snapshot.epoch != epoch_ || memory_restarted) beginEpoch();
     }
   }
@@ -87,6 +90,12 @@ PoseEstimate Localizer::step(const MemoryUpdate& update, const Pose2& T_odom_rob
   auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
   snapshot->T_odom_robot = T_odom_robot_now;
   return step(MemoryUpdate{std::move(snapshot), update.analysis});
+}
+
+void Localizer::move(const Pose2& T_before_now) {
+  if (odometry_) odometry_->travel(T_before_now);
+  const Pose2 T_moved = odometry_ ? odometry_->corrected(T_before_now) : T_before_now;
+  for (Race& race : table_.races()) strategy_->move(race, T_moved);
 }
 
 void Localizer::iterate(const MemoryUpdate& update) {
@@ -129,9 +138,16 @@ void Localizer::iterate(const MemoryUpdate& update) {
     const double jump = (winner->T_world_robot.position() - pose_before.position()).norm();
     reliability_ *= std::max(0.0, 1.0 - jump / kFullJump_m);
   }
+  if (!odometry_) return;
+  if (is_same && reliability_ >= params_.odometry.trust && undisputed_ > 0) {
+    odometry_->standsAt(winner->T_world_robot, winner->id);
+  } else {
+    odometry_->lost();
+  }
 }
 
 void Localizer::beginEpoch() {
+  if (odometry_) odometry_->lost();
   undisputed_ = 0;
   reliability_ = std::min(reliability_, kReliabilityAfterEpoch);
   strategy_->forgetEvidence(table_);
@@ -146,6 +162,7 @@ void Localizer::setPose(const Pose2& T_world_robot) {
       Eigen::Vector3d(kGivenStd_m * kGivenStd_m, kGivenStd_m * kGivenStd_m, kGivenStd_rad * kGivenStd_rad)
           .asDiagonal();
   table_.replaceAll(std::move(race));
+  if (odometry_) odometry_->lost();
   undisputed_ = 0;
   strategy_->forgetPast(table_);
   table_.award(table_.winner()->id);
@@ -156,6 +173,7 @@ void Localizer::setPose(const Pose2& T_world_robot) {
 }
 
 void Localizer::relocalize() {
+  if (odometry_) odometry_->lost();
   table_.clear();
   strategy_->forgetPast(table_);
   reliability_ = 0.0;
@@ -178,6 +196,7 @@ void Localizer::report() {
   }
   estimate_.T_world_robot = winner ? std::optional<Pose2>(winner->T_world_robot) : std::nullopt;
   estimate_.P = Eigen::Matrix3d::Zero();
+  if (odometry_) estimate_.odometry = odometry_->belief();
   if (winner) estimate_.P = winner->P.topLeftCorner<3, 3>();
 }
 

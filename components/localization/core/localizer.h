@@ -7,6 +7,7 @@
 
 #include "common/segment_map/segment_map.h"
 #include "common/visual_memory/memory_snapshot.h"
+#include "localization/core/learnt_odometry.h"
 #include "localization/core/params.h"
 #include "localization/core/pose_estimate.h"
 #include "localization/core/race_strategy.h"
@@ -45,6 +46,7 @@ class Localizer {
 
  private:
   void iterate(const MemoryUpdate& update);
+  void move(const Pose2& T_before_now);
   void beginEpoch();
   void report();
 
@@ -52,6 +54,7 @@ class Localizer {
   std::unique_ptr<RaceStrategy> strategy_;
   RaceTable table_;
   RandomEngine engine_;
+  std::optional<LearntOdometry> odometry_;
   PoseEstimate estimate_;
   bool has_last_ = false;
   StampUs last_stamp_us_ = 0;

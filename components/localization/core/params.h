@@ -94,12 +94,12 @@ struct RobustParams {
   bool use_field = true;              ///< false: brute force, the reference
   int refinement_steps = 3;           ///< Gauss-Newton steps per race and iteration; 0: none
   bool kalman = true;                 ///< false: refinement without the motion prior
-  double odometry_share = 0.10;       ///< standard deviation per metre travelled
+  double odometry_share = 0.04;       ///< standard deviation per metre travelled
   double odometry_turn_share = 0.10;  ///< per radian turned
   double odometry_turn_per_m = 0.10;  ///< heading, per metre travelled
-  double walk_m = 0.01;  ///< of the pose per square root of an iteration: what odometry does not know
+  double walk_m = 0.004;  ///< of the pose per square root of an iteration: what odometry does not know
   double walk_rad = 0.01;
-  double information_share = 0.3;  ///< of one observation that is new since the last iteration
+  double information_share = 1.0;  ///< of one observation that is new since the last iteration
   /// Evidence is the mean of some 1 / (1 - forgetting) observations, of which this share is news: so many
   /// times it counts when shares of belief are made of it (but at least once).
   double news_share = 0.15;
@@ -129,6 +129,25 @@ struct RobustParams {
   double explained_high = 0.75;     ///< and that counts fully
   /// False: an image counts as taken when it arrives (Localizer::step with the odometry of that moment).
   bool rate_at_image_stamp = true;
+};
+
+/// What odometry may do wrong all the time, and how surely a piece of the way tells (LearntOdometry).
+struct LearntOdometryParams {
+  bool enabled = true;
+  /// Standard deviations before anything was learnt: per metre [rad/m], per radian turned, and of the way.
+  double turn_per_m = 0.05;
+  double turn_share = 0.03;
+  double travel_share = 0.03;
+  double walk_share = 0.02;  ///< of these, by which they change per root of a metre
+  double piece_m = 0.5;      ///< a piece of the way is so long, or turns so far
+  double piece_rad = 0.8;
+  double pose_std_m = 0.01;  ///< of the pose at its ends
+  double pose_std_rad = 0.5 * std::numbers::pi / 180.0;
+  double noise_rad_per_root_m = 0.03;  ///< of odometry, by chance
+  double noise_rad_per_root_rad = 0.02;
+  double noise_m_per_root_m = 0.01;
+  double gate_sigmas = 3.0;
+  double trust = 0.7;  ///< reliability of a pose that tells
 };
 
 enum class LocalizationMode { kDefault, kChapter };
@@ -177,6 +196,7 @@ struct LocalizerParams {
   EvolutionParams evolution;
   HealthParams health;
   RobustParams robust;
+  LearntOdometryParams odometry;  ///< of the default mode
 };
 
 /// The presets: `chapter` as published (with DESIGN 9 where it is silent), `default` ours.

@@ -23,6 +23,13 @@ struct RaceReport {
   bool winner = false;
 };
 
+/// What odometry was found to do wrong all the time.
+struct OdometryBelief {
+  /// It turned too little per metre forward [rad/m], turned too little per radian, went too short per metre.
+  Eigen::Vector3d errors = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
+};
+
 struct PoseEstimate {
   StampUs stamp_us = 0;        ///< of the image used
   std::uint64_t revision = 0;  ///< counts up by one per update that was used
@@ -33,6 +40,7 @@ struct PoseEstimate {
   Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
   double reliability = 0.0;  ///< 0 lost .. 1 sure
   std::vector<RaceReport> races;
+  std::optional<OdometryBelief> odometry;  ///< empty: nothing is learnt of it
 };
 
 /// Belief about the world frame that callers may force on the component.
