@@ -38,6 +38,12 @@ LocalizerParams paramsOf(LocalizationMode mode) {
   return params;
 }
 
+/// Odometry is taken as it comes: where a test compares with it.
+LocalizerParams withOdometryAsTold(LocalizerParams params) {
+  params.odometry.enabled = false;
+  return params;
+}
+
 struct Outcome {
   bool settled_in_time = false;  ///< near the truth for 2 s, within the limit
   double mean_error_m = 0.0;     ///< from then to the end, losses included
@@ -160,7 +166,7 @@ TEST_P(InBothModes, WeakEvidenceDoesNotMakeItConfident) {
 
 TEST_P(InBothModes, BetweenTicksThePoseFollowsOdometry) {
   CorridorWorld world({}, 9);
-  Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 9);
+  Localizer localizer(withOdometryAsTold(paramsOf(GetParam())), test::corridorMap(), 9);
   drive(localizer, world, 20.0, 20.0);
   const PoseEstimate before = localizer.latest();
   auto snapshot = std::make_shared<MemorySnapshot>();
@@ -173,6 +179,15 @@ TEST_P(InBothModes, BetweenTicksThePoseFollowsOdometry) {
   EXPECT_NEAR(after.T_world_robot->x, expected.x, 1e-9);
   EXPECT_NEAR(after.T_world_robot->y, expected.y, 1e-9);
   EXPECT_NEAR(angleDifference(after.T_world_robot->theta, expected.theta), 0.0, 1e-9);
+}
+
+TEST_P(InBothModes, OnlyTheDefaultModeLearnsOfOdometry) {
+  CorridorWorld world({}, 9);
+  Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 9);
+  drive(localizer, world, 20.0, 20.0);
+  const auto& learnt = localizer.latest().odometry;
+  ASSERT_EQ(learnt.has_value(), GetParam() == LocalizationMode::kDefault);
+  if (learnt) EXPECT_LT(std::sqrt(learnt->P(0, 0)), 0.7 * LearntOdometryParams{}.turn_per_m);
 }
 
 TEST_P(InBothModes, ANewEpochKeepsTheRacesButNotTheReliability) {
@@ -201,7 +216,7 @@ TEST_P(InBothModes, SurvivesRestartsOfBaseMemoryAndTime) {
     bool moves;  ///< the races move on by odometry
   };
   CorridorWorld world({}, 10);
-  Localizer settled(paramsOf(GetParam()), test::corridorMap(), 10);
+  Localizer settled(withOdometryAsTold(paramsOf(GetParam())), test::corridorMap(), 10);
   for (int i = 0; i < 600; ++i) settled.step(world.next());
   const PoseEstimate before = settled.latest();
   ASSERT_GT(before.reliability, 0.6);
@@ -215,7 +230,7 @@ TEST_P(InBothModes, SurvivesRestartsOfBaseMemoryAndTime) {
   };
   for (const Case& fault : cases) {
     CorridorWorld same_world({}, 10);
-    Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 10);
+    Localizer localizer(withOdometryAsTold(paramsOf(GetParam())), test::corridorMap(), 10);
     for (int i = 0; i < 600; ++i) localizer.step(same_world.next());
     auto snapshot = std::make_shared<MemorySnapshot>();
     snapshot->stamp_us = before.stamp_us + fault.after_us;

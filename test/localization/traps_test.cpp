@@ -52,7 +52,10 @@ class PerfectMemory {
 TEST(Traps, AlongTheOnlyLineInViewTheUncertaintyGrowsWithTheWay) {
   SegmentMap map;
   map.segments = {edge(-60, 0, 60, 0, "skirting")};
-  Localizer localizer(localizerPreset(LocalizationMode::kDefault), map, 1);
+  LocalizerParams params = localizerPreset(LocalizationMode::kDefault);
+  params.robust.odometry_share = 0.1;
+  params.robust.walk_m = 0.01;
+  Localizer localizer(params, map, 1);
   PerfectMemory memory;
   const Pose2 start{-20.0, -1.0, 0.0};
   const auto drive = [&](double x_m) {
