@@ -241,7 +241,11 @@ TEST_F(LocalizationProcessTest, AsksForGazeUntilThePoseIsSure) {
   ASSERT_GT(child->port(), 0) << child->error();
   RemoteLocalization localization(
       Ice::uncheckedCast<avm::LocalizationPrx>(object("Localization", child->port())));
-  test::CorridorWorld world({}, 1);
+  // A memory that odometry bends hardly: once sure, the pose stays so.
+  test::CorridorParams calm;
+  calm.odometry_scale_error = 0.01;
+  calm.odometry_turn_noise = 0.005;
+  test::CorridorWorld world(calm, 1);
   drive(world, server, localization, 1.0);
   // Nothing is known: it asks, with its name, for a place, and only for so long.
   EXPECT_TRUE(eventually([&] { return !gaze.requests().empty(); })) << child->error();
