@@ -72,6 +72,22 @@ TEST(GroundProjector, CutsAtTheMaximumRange) {
   EXPECT_FALSE(floor[0].open_a);
 }
 
+TEST(GroundProjector, CutsWhatIsFoundToLieBeyondTheRange) {
+  // From (1, 0): 3 m ahead is x = 4; the derivatives of an end go with its place.
+  FloorSegment segment;
+  segment.odom = {{2.0, 0.0}, {6.0, 0.0}};
+  segment.D_b = FloorLean::Constant(8.0);
+  ASSERT_TRUE(cutToRange(segment, {1.0, 0.0}, 3.0));
+  EXPECT_NEAR((segment.odom.b - Eigen::Vector2d(4.0, 0.0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(segment.D_b(0, 0), 4.0, 1e-12);
+  EXPECT_TRUE(segment.open_b);
+  EXPECT_FALSE(segment.open_a);
+  EXPECT_EQ(segment.odom.a.x(), 2.0);
+  segment.odom = {{5.0, 0.0}, {6.0, 0.0}};
+  EXPECT_FALSE(cutToRange(segment, {1.0, 0.0}, 3.0));
+  EXPECT_EQ(segment.odom.b.x(), 6.0) << "left as it is";
+}
+
 TEST(GroundProjector, DropsWhatIsAboveTheHorizonAndClipsWhatCrossesIt) {
   // Level camera: the horizon is the image's middle row, 119.5.
   const ImageSegment above{{{50, 20}, {150, 60}}, "edge", 40.0};

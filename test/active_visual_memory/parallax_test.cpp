@@ -46,6 +46,26 @@ TEST(Parallax, OneRestingEndIsNotEnoughForWhatMayBeVertical) {
   EXPECT_EQ(foot.verdict(kCamera_m, true, kUpright, {}), Verdict::kOnFloor);
 }
 
+TEST(Parallax, WhatEachTellsTooLittleOfAllMayTellTogether) {
+  // 11 samples over 0.5 m: the squares about their mean are 0.275 m^2, so a slope's sigma is 0.09 for a
+  // sample's variance of 0.0022; the limit is 0.06 / 0.39 = 0.154. Three together have 0.052.
+  const auto seen = [](double at_a) {
+    ParallaxEstimate estimate;
+    for (int i = 0; i <= 10; ++i) {
+      const double b = 0.05 * i;
+      estimate.add(ParallaxEstimate::kOffset, b, 0.0, LeanRow::Zero(), 0.0022, {});
+      estimate.add(ParallaxEstimate::kEndA, b, -at_a * b, LeanRow::Zero(), 0.0022, {});
+      estimate.add(ParallaxEstimate::kEndB, b, 0.0, LeanRow::Zero(), 0.0022, {});
+    }
+    return estimate;
+  };
+  EXPECT_EQ(seen(0.0).verdict(kCamera_m, true, kUpright, {}), Verdict::kOnFloor);
+  EXPECT_NEAR(seen(0.09).common(kUpright, {})->value, 0.03, 1e-9);
+  EXPECT_EQ(seen(0.0).verdict(kCamera_m, false, kUpright, {}), Verdict::kUnknown)
+      << "what may be vertical is not as high everywhere";
+  EXPECT_EQ(seen(0.3).verdict(kCamera_m, true, kUpright, {}), Verdict::kUnknown) << "they do not agree";
+}
+
 TEST(Parallax, StandingStillAddsNothing) {
   ParallaxEstimate estimate;
   for (int i = 0; i < 1000; ++i)

@@ -5,11 +5,22 @@
 
 namespace vismem {
 
+namespace {
+
+SegmentMemory::Params memoryParams(const AttentiveVisualMemoryParams& params) {
+  SegmentMemory::Params memory = params.memory;
+  memory.max_range_m = params.projector.max_range_m;
+  memory.corners.least_height_m = memory.parallax.least_height_m;
+  return memory;
+}
+
+}  // namespace
+
 AttentiveVisualMemory::AttentiveVisualMemory(const Params& params)
     : params_(params),
       gate_(params.gate),
       projector_(params.projector),
-      memory_(params.memory),
+      memory_(memoryParams(params)),
       primitives_(params.primitives),
       shape_edges_(params.shape_edges),
       kidnap_(params.kidnap),

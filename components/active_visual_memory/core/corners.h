@@ -20,7 +20,22 @@ struct CornerParams {
   // What is confirmed by its corners:
   int min_views = 3;           ///< of either end
   double min_length_m = 0.12;  ///< the direction of less is that of its ends' errors
+  // What is confirmed by a confirmed edge that it begins or ends at:
+  double least_height_m = 0.06;  ///< lower edges count as lying on the floor
+  double sigmas = 2.0;           ///< of what is not known of both lines
+  double slack_m = 0.01;         ///< added to that
+  double max_line_rad = 0.06;    ///< between an edge and what goes on in its line
+  double least_length_m = 0.25;  ///< of what is confirmed so
 };
+
+/// Publishes as confirmed what goes on in the line of a confirmed edge where that ends, or meets it there at
+/// a corner as an edge of the same thing. An edge that is higher, seen from one place, lies elsewhere:
+/// further from the camera by h / (H - h) of its distance, and would be in line with the other one, or end
+/// where that ends, by chance only. What is confirmed so confirms the next. Only what has a label and was
+/// seen to both its ends and across the viewing ray; nothing that was seen to stand.
+/// @param camera_height_m H.
+void confirmContinuations(std::span<MemoryElement> elements, double camera_height_m,
+                          const CornerParams& params);
 
 /// Publishes as confirmed what runs from the end of one confirmed edge of the same thing to the beginning of
 /// another one: both its ends lie on the floor, so all of it does. An image from one place is enough for

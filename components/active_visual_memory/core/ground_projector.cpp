@@ -39,6 +39,27 @@ void knowSway(FloorSegment& segment, const Eigen::Matrix2d& P_sway, double sway_
   segment.pitch_sigma_rad = std::sqrt(segment.pitch_sigma_rad * segment.pitch_sigma_rad - known * known);
 }
 
+bool cutToRange(FloorSegment& segment, const Eigen::Vector2d& below_camera, double range_m) {
+  const auto inside = clipToDisc(segment.odom, below_camera, range_m);
+  if (!inside) return false;
+  const auto [from, to] = *inside;
+  const Segment2 whole = segment.odom;
+  const Eigen::Vector2d along = whole.b - whole.a;
+  const FloorLean D_a = segment.D_a;
+  const FloorLean D_along = segment.D_b - segment.D_a;
+  if (from > 0.0) {
+    segment.odom.a = whole.a + from * along;
+    segment.D_a = D_a + from * D_along;
+    segment.open_a = true;
+  }
+  if (to < 1.0) {
+    segment.odom.b = whole.a + to * along;
+    segment.D_b = D_a + to * D_along;
+    segment.open_b = true;
+  }
+  return true;
+}
+
 bool GroundProjector::nearBorder(const CameraIntrinsics& k, const Eigen::Vector2d& px_ideal) const {
   // The sensor's border is a rectangle in raw pixels, not in ideal ones.
   const Eigen::Vector2d raw = distortPixel(k, px_ideal);

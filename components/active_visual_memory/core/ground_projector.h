@@ -34,6 +34,10 @@ struct FloorSegment {
 /// all of the camera's pitch, gives way to what is still unknown, `P_sway` (about the robot's x and y axes).
 void knowSway(FloorSegment& segment, const Eigen::Matrix2d& P_sway, double sway_rad);
 
+/// Keeps what lies within a range of the point below the camera; an end that is cut is open.
+/// @return false when nothing of it does.
+bool cutToRange(FloorSegment& segment, const Eigen::Vector2d& below_camera, double range_m);
+
 /// *Pure.* Invariant: every result lies within max_range_m of the point below the camera.
 class GroundProjector {
  public:

@@ -49,14 +49,45 @@ void ParallaxEstimate::lean(const Lean& change) {
   }
 }
 
-std::optional<ParallaxEstimate::Slope> ParallaxEstimate::slope(Channel channel, const LeanCovariance& P_lean,
-                                                               const Params& params) const {
+ParallaxEstimate::Slope ParallaxEstimate::Fit::slope(const LeanCovariance& P_lean) const {
+  return {value, 1.0 / information + d_lean * P_lean * d_lean.transpose()};
+}
+
+std::optional<ParallaxEstimate::Fit> ParallaxEstimate::fit(Channel channel, const Params& params) const {
   const Sums& s = sums_[channel];
   if (s.count < 2 || s.high - s.low < params.min_baseline_m) return std::nullopt;
   const double spread = s.wbb - s.wb * s.wb / s.w;
   if (!(spread > 0.0)) return std::nullopt;
-  const LeanRow d = (s.dbs - s.wb / s.w * s.ds) / spread;
-  return Slope{-(s.wbs - s.wb * s.ws / s.w) / spread, 1.0 / spread + d * P_lean * d.transpose()};
+  return Fit{-(s.wbs - s.wb * s.ws / s.w) / spread, spread, (s.dbs - s.wb / s.w * s.ds) / spread};
+}
+
+std::optional<ParallaxEstimate::Slope> ParallaxEstimate::slope(Channel channel, const LeanCovariance& P_lean,
+                                                               const Params& params) const {
+  const auto found = fit(channel, params);
+  if (!found) return std::nullopt;
+  return found->slope(P_lean);
+}
+
+std::optional<ParallaxEstimate::Slope> ParallaxEstimate::common(const LeanCovariance& P_lean,
+                                                                const Params& params) const {
+  Fit all;
+  for (const Channel channel : {kOffset, kEndA, kEndB}) {
+    const auto one = fit(channel, params);
+    if (!one) continue;
+    all.value += one->information * one->value;
+    all.d_lean += one->information * one->d_lean;
+    all.information += one->information;
+  }
+  if (!(all.information > 0.0)) return std::nullopt;
+  all.value /= all.information;
+  all.d_lean /= all.information;
+  for (const Channel channel : {kOffset, kEndA, kEndB}) {
+    const auto one = slope(channel, P_lean, params);
+    if (one && std::abs(one->value - all.value) > params.sigmas * std::sqrt(one->variance)) {
+      return std::nullopt;
+    }
+  }
+  return all.slope(P_lean);
 }
 
 ParallaxEstimate::Verdict ParallaxEstimate::verdict(double camera_height_m, bool not_vertical,
@@ -64,14 +95,14 @@ ParallaxEstimate::Verdict ParallaxEstimate::verdict(double camera_height_m, bool
                                                     const Params& params) const {
   if (camera_height_m <= params.least_height_m) return Verdict::kUnknown;
   const double limit = params.least_height_m / (camera_height_m - params.least_height_m);
-  const auto judge = [&](Channel channel) {
-    const auto k = slope(channel, P_lean, params);
+  const auto judgeSlope = [&](const std::optional<Slope>& k) {
     if (!k) return Verdict::kUnknown;
     const double margin = params.sigmas * std::sqrt(k->variance);
     if (std::abs(k->value) + margin < limit) return Verdict::kOnFloor;
     if (std::abs(k->value) - margin > limit) return Verdict::kOffFloor;
     return Verdict::kUnknown;
   };
+  const auto judge = [&](Channel channel) { return judgeSlope(slope(channel, P_lean, params)); };
   const Verdict offset = judge(kOffset);
   if (offset != Verdict::kUnknown) return offset;
   const Verdict a = judge(kEndA);
@@ -79,7 +110,7 @@ ParallaxEstimate::Verdict ParallaxEstimate::verdict(double camera_height_m, bool
   const int resting = (a == Verdict::kOnFloor) + (b == Verdict::kOnFloor);
   if (resting == 2 || (resting == 1 && not_vertical)) return Verdict::kOnFloor;
   if (a == Verdict::kOffFloor || b == Verdict::kOffFloor) return Verdict::kOffFloor;
-  return Verdict::kUnknown;
+  return not_vertical ? judgeSlope(common(P_lean, params)) : Verdict::kUnknown;
 }
 
 }  // namespace vismem

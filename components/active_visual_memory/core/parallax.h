@@ -36,7 +36,7 @@ class ParallaxEstimate {
 
   /// The line's offset decides. Where it tells nothing (the camera moved along the line) the ends do: off the
   /// floor both would move, so one that rests is enough, except for what may be a vertical edge, whose foot
-  /// rests too: there both must.
+  /// rests too: there both must. Where each by itself tells too little they may do so together.
   Verdict verdict(double camera_height_m, bool not_vertical, const LeanCovariance& P_lean,
                   const Params& params) const;
 
@@ -50,10 +50,23 @@ class ParallaxEstimate {
     double value = 0.0;
     double variance = 0.0;
   };
+  /// All channels together, for an edge that is as high everywhere.
+  /// @return empty when they do not agree, or while none has a slope.
+  std::optional<Slope> common(const LeanCovariance& P_lean, const Params& params) const;
   /// @return empty while the baseline is too short.
   std::optional<Slope> slope(Channel channel, const LeanCovariance& P_lean, const Params& params) const;
 
  private:
+  /// A channel's slope as far as it is known for a given lean.
+  struct Fit {
+    double value = 0.0;
+    double information = 0.0;
+    LeanRow d_lean = LeanRow::Zero();
+
+    Slope slope(const LeanCovariance& P_lean) const;
+  };
+  std::optional<Fit> fit(Channel channel, const Params& params) const;
+
   struct Sums {
     double w = 0, wb = 0, wbb = 0, ws = 0, wbs = 0;
     double low = 0, high = 0;

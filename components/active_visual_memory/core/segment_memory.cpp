@@ -256,6 +256,8 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
             turn_rate_radps,
             {observation.frame.image, observation.frame.intrinsics, params_.evidence}};
 
+  camera_height_m_ = view.height;
+
   // An end that something hides is no end.
   for (FloorSegment& segment : floor) {
     const Segment2& px = observed[static_cast<std::size_t>(segment.observed)].px;
@@ -281,7 +283,17 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
 
   analysis.matches = meeting.matches;
 
-  if (params_.align) alignTo(meeting, floor, view);
+  if (params_.align) {
+    alignTo(meeting, floor, view);
+    // What the camera's sway seemed to bring nearer lies beyond the range after all.
+    for (FloorSegment& segment : floor) {
+      const double far =
+          std::max((segment.odom.a - view.camera).norm(), (segment.odom.b - view.camera).norm());
+      if (far > params_.range_slack * params_.max_range_m) {
+        cutToRange(segment, view.camera, params_.max_range_m);
+      }
+    }
+  }
 
   agreement_ = {};
   for (std::size_t p = 0; p < expected.size(); ++p) {

@@ -33,6 +33,8 @@ class SegmentMemory {
   struct Params {
     Fusion fusion = Fusion::kCovariance;
     double cache_radius_m = 4.0;          ///< M5
+    double max_range_m = 4.0;             ///< as of the projector: for what an image's sway brings beyond ..
+    double range_slack = 1.03;            ///< .. this share of it
     double min_visible_px = 10.0;         ///< shorter visible parts are not expected to be observed
     double view_margin_px = 4.0;          ///< an expectation nearer to the border than this says nothing
     double max_absence_turn_radps = 0.6;  ///< a camera that turns faster proves no absence
@@ -170,6 +172,7 @@ class SegmentMemory {
   std::vector<MemoryElement> parted_;  ///< further pieces of elements, until the image is done
   std::uint64_t next_id_ = 1;
   std::optional<Pose2> last_pose_;
+  double camera_height_m_ = 0.0;  ///< of the last image
   double travel_m_ = 0.0;
   double turn_rad_ = 0.0;
   DriftAlignment drift_;

@@ -122,7 +122,9 @@ void SegmentMemory::publish(MemoryElement& element) const {
 
 void SegmentMemory::publishAll() {
   for (MemoryElement& element : elements_) publish(element);
-  if (params_.confirm_by_parallax) confirmBetweenCorners(elements_, params_.corners);
+  if (!params_.confirm_by_parallax) return;
+  confirmBetweenCorners(elements_, params_.corners);
+  confirmContinuations(elements_, camera_height_m_, params_.corners);
 }
 
 void SegmentMemory::age(StampUs stamp_us) {
