@@ -187,7 +187,9 @@ TEST_P(InBothModes, OnlyTheDefaultModeLearnsOfOdometry) {
   drive(localizer, world, 20.0, 20.0);
   const auto& learnt = localizer.latest().odometry;
   ASSERT_EQ(learnt.has_value(), GetParam() == LocalizationMode::kDefault);
-  if (learnt) EXPECT_LT(std::sqrt(learnt->P(0, 0)), 0.7 * LearntOdometryParams{}.turn_per_m);
+  if (learnt) {
+    EXPECT_LT(std::sqrt(learnt->P(0, 0)), 0.7 * LearntOdometryParams{}.turn_per_m);
+  }
 }
 
 TEST_P(InBothModes, ANewEpochKeepsTheRacesButNotTheReliability) {
