@@ -116,7 +116,9 @@ TEST(TrialRun, TheOracleAsksWhileThePoseIsWrong) {
     right_since = is_right ? right_since + 1 : 0;
     if (wrong_since > 2) ++long_wrong;
     if (wrong_since > 2 && asks) ++asked_while_wrong;
-    if (right_since > 15) EXPECT_FALSE(asks);
+    if (right_since > 15) {
+      EXPECT_FALSE(asks);
+    }
   });
   EXPECT_GT(long_wrong, 0);
   EXPECT_EQ(asked_while_wrong, long_wrong);
