@@ -113,10 +113,8 @@ int main(int argc, char** argv) {
       ->delimiter(',');
   app.add_option("--gaze", options.gaze,
                  "of E6: who decides where the camera looks: salience alone, localization too, or "
-                 "localization that is "
-                 "told the true place (oracle, a bound); both: the first two, all: all, each in trials of "
-                 "its own with "
-                 "the same kidnappings, compared")
+                 "localization that is told the true place (oracle, a bound); both: the first two, "
+                 "all: all, each in trials of its own with the same kidnappings, compared")
       ->check(CLI::IsMember({"salience", "localization", "oracle", "both", "all"}));
   app.add_option("--out", options.out, "folder for all that is written (default: out/EXPERIMENT)");
   app.add_option(

@@ -14,8 +14,8 @@ struct ExperimentOptions {
   std::string mode = "default";  ///< "default" or "chapter"
   std::uint64_t seed = 1;
   std::string variant;  ///< only the variant of this name; empty: all
-  std::string
-      gaze;  ///< of E6: "salience", "localization", "oracle", "both", "all"; empty: no question of gaze
+  /// Of E6: "salience", "localization", "oracle", "both", "all"; empty: no question of gaze.
+  std::string gaze;
   std::vector<std::string> methods;  ///< of E5 and E6: only these; empty: all
   int trials = 0;                    ///< of experiments over many runs: how many; 0: as many as it needs
   std::filesystem::path out;         ///< exists; everything is written there

@@ -30,10 +30,6 @@ EvaluationOptions evaluationOptions(const TrialOptions& options) {
   return inProjectWorld(options.world, options.setup, options.seed, options.camera_rate_hz);
 }
 
-}  // namespace
-
-namespace {
-
 /// What a localization would say that knows the place but that another one leads: the planner then looks for
 /// what tells the true place from those that are believed, until the winner is right.
 PoseEstimate told(PoseEstimate estimate, const Pose2& truth) {
