@@ -78,7 +78,7 @@ TEST(ObserveMemory, LeavesOutLabelsThatTheMapDoesNotHave) {
 
 TEST(ObserveImage, PointsOnAFloorLineLieOnIt) {
   // Camera at 1 m, 45 degrees down: its middle row shows the floor 1 m ahead; range noise there is
-  // (1^2 + 1^2) / 1 * 0.01 = 0.02 m across this line, beside the 0.04 m of every point.
+  // (1^2 + 1^2) / 1 * 0.01 = 0.02 m across this line, beside the least sigma of every point.
   SegmentMap one;
   one.segments = {wall(1, -3, 1, 3)};
   const MapIndex map(one, {});
@@ -241,6 +241,43 @@ TEST(RobustLikelihood, HandWorkedExample) {
   observation.points = {{{1.0, 0.06}, 0.0, 0, 0.06, 1.0}};
   EXPECT_NEAR(likelihood.rate(observation, {}).log_likelihood, -0.46808, 1e-4);
   EXPECT_NEAR(likelihood.rate(observation, {}).explained, 0.60653, 1e-4);
+}
+
+TEST(RobustLikelihood, APreciseMismatchMayBeExplainedByAMapThatErrs) {
+  const MapIndex map = cornerMap();
+  RobustParams params;
+  params.use_field = false;
+  params.outlier_share = 0.05;
+  params.explained_sigma_m = 0.06;
+  const RobustLikelihood likelihood(map, params);
+  RobustObservation observation;
+  // 0.06 m from the wall at sigma 0.02 m: exp(-4.5) = 0.011109; log(0.95 * 0.011109 + 0.05) = log(0.060554) =
+  // -2.80421. It is explained as by 0.06 m: exp(-1/2).
+  observation.points = {{{1.0, 0.06}, 0.0, 0, 0.02, 1.0}};
+  EXPECT_NEAR(likelihood.rate(observation, {}).log_likelihood, -2.80421, 1e-4);
+  EXPECT_NEAR(likelihood.rate(observation, {}).explained, 0.60653, 1e-4);
+  std::vector<Individual> place{{{}, 0.0}};
+  likelihood.explain(observation, place, 0.0, 0.1);
+  EXPECT_NEAR(place[0].health, 0.60653, 1e-4);
+  // A point that is itself no better known than that: as in the example above.
+  observation.points = {{{1.0, 0.06}, 0.0, 0, 0.06, 1.0}};
+  EXPECT_NEAR(likelihood.rate(observation, {}).explained, 0.60653, 1e-4);
+  EXPECT_NEAR(likelihood.rate(observation, {}).log_likelihood, -0.46808, 1e-4);
+}
+
+TEST(ObserveMemory, WhatIsSeenNowLiesMoreSurelyThanWhatIsRemembered) {
+  const MapIndex map = cornerMap();
+  const RobustParams params;
+  const auto remembering = observeMemory(snapshotOf({remembered(0, 1, 1, 1)}), map, params);
+  for (const EvidencePoint& point : remembering.points) {
+    EXPECT_NEAR(point.sigma_m, params.remembered_sigma_m, 1e-12);
+  }
+  RobustParams exact = params;
+  exact.camera_sigma_rad = 0.0;
+  const auto seeing = observeImage(lineAhead(40, 280), map, exact);
+  ASSERT_FALSE(seeing.points.empty());
+  for (const EvidencePoint& point : seeing.points) EXPECT_NEAR(point.sigma_m, params.sigma_m, 1e-12);
+  EXPECT_LT(params.sigma_m, params.remembered_sigma_m);
 }
 
 TEST(RobustLikelihood, AnyOutlierCostsAtMostLogEpsilon) {

@@ -87,6 +87,11 @@ void readRobust(ConfigReader r, RobustParams& p) {
   p.sigma_m = r.real("Sigma_m", p.sigma_m, 0.001, 10.0);
   p.maximum_sigma_m = r.real("MaximumSigma_m", p.maximum_sigma_m, 0.001, 10.0);
   if (p.maximum_sigma_m < p.sigma_m) r.problem("MaximumSigma_m", "must not be less than " + r.key("Sigma_m"));
+  p.remembered_sigma_m = r.real("RememberedSigma_m", p.remembered_sigma_m, 0.001, 10.0);
+  if (p.maximum_sigma_m < p.remembered_sigma_m) {
+    r.problem("MaximumSigma_m", "must not be less than " + r.key("RememberedSigma_m"));
+  }
+  p.explained_sigma_m = r.real("ExplainedSigma_m", p.explained_sigma_m, 0.0, 10.0);
   p.drift_sigma_mps = r.real("DriftSigma_mps", p.drift_sigma_mps, 0.0, 10.0);
   p.outlier_share = r.real("OutlierShare", p.outlier_share, 1e-6, 0.9);
   p.bounded = r.boolean("Bounded", p.bounded);

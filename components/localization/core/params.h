@@ -82,7 +82,10 @@ struct RobustParams {
   /// An end of a segment of the image that is no cut by the image's border counts as so many metres of it:
   /// nothing else says how far along a wall the robot is. 0: ends are not looked at.
   double end_metres = 0.2;
-  double sigma_m = 0.025;  ///< least standard deviation of a point across its line
+  /// Least standard deviations of a point across its line: of one that is seen now (what the camera errs by
+  /// comes on top), and of a remembered one, as odometry erred since.
+  double sigma_m = 0.012;
+  double remembered_sigma_m = 0.033;
   double maximum_sigma_m = 0.25;
   double drift_sigma_mps = 0.01;       ///< growth of it with time unseen (odometry drift)
   double outlier_share = 0.10;         ///< eps of the bounded likelihood
@@ -125,8 +128,11 @@ struct RobustParams {
   bool validity = true;             ///< false: reliability is the winner's share of belief alone
   double reliability_time_s = 2.0;  ///< filter of the explained fraction
   double enough_points = 12.0;      ///< observations worth less cannot make the pose reliable
-  double explained_low = 0.35;      ///< explained fraction that counts nothing
-  double explained_high = 0.75;     ///< and that counts fully
+  /// What lies within this of its map segment is explained all the same: a map and a calibration may err by
+  /// more than the points of one image do, which makes the place no less true.
+  double explained_sigma_m = 0.025;
+  double explained_low = 0.35;   ///< explained fraction that counts nothing
+  double explained_high = 0.75;  ///< and that counts fully
   /// False: an image counts as taken when it arrives (Localizer::step with the odometry of that moment).
   bool rate_at_image_stamp = true;
 };

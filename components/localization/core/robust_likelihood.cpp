@@ -19,6 +19,9 @@ constexpr std::size_t kPreview = 4;  // every n-th point of an observation is a 
 
 /// A point agrees by e to the minus this, or less: nothing that a sum could show.
 constexpr double kNoAgreement = 40.0;
+double agreement(double loss) {
+  return loss > kNoAgreement ? 0.0 : std::exp(-loss);
+}
 
 constexpr std::size_t kBatch = 64;  // points whose surroundings are fetched together
 
@@ -81,6 +84,11 @@ void RobustLikelihood::fetch(const RobustObservation& observation, const Placeme
   }
 }
 
+double RobustLikelihood::explainedVariance(const EvidencePoint& point, double blur_m) const {
+  const double sigma_m = std::max(point.sigma_m, params_.explained_sigma_m);
+  return sigma_m * sigma_m + blur_m * blur_m;
+}
+
 void RobustLikelihood::add(Rating& rating, const EvidencePoint& point,
                            const std::optional<FieldSample>& field, double blur_m) const {
   const double eps = params_.outlier_share;
@@ -93,11 +101,11 @@ void RobustLikelihood::add(Rating& rating, const EvidencePoint& point,
     addTerm(params_.bounded ? log_outlier_share_ : -0.5 * kTruncation_m * kTruncation_m / variance);
     return;
   }
-  const double loss = -0.5 * field->distance_m * field->distance_m / variance;
-  if (params_.bounded && -loss > kNoAgreement) return addTerm(log_outlier_share_);
-  const double agreement = std::exp(loss);
-  addTerm(params_.bounded ? std::log((1.0 - eps) * agreement + eps) : loss);
-  rating.explained += point.weight * agreement;
+  const double half_square = 0.5 * field->distance_m * field->distance_m;
+  rating.explained += point.weight * agreement(half_square / explainedVariance(point, blur_m));
+  const double loss = half_square / variance;
+  if (!params_.bounded) return addTerm(-loss);
+  addTerm(loss > kNoAgreement ? log_outlier_share_ : std::log((1.0 - eps) * std::exp(-loss) + eps));
 }
 
 Rating RobustLikelihood::rate(const RobustObservation& observation, const Placement& placement,
@@ -136,8 +144,8 @@ void RobustLikelihood::explain(const RobustObservation& observation, std::span<I
   for (std::size_t begin = 0; begin < kPreview; ++begin) {
     for (std::size_t i = begin; i < observation.points.size(); i += kPreview) {
       const EvidencePoint& point = observation.points[i];
-      const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
-      samples.push_back({point.p_robot, point.direction_robot, point.label, point.weight, 0.5 / variance});
+      const double per_square = 0.5 / explainedVariance(point, blur_m);
+      samples.push_back({point.p_robot, point.direction_robot, point.label, point.weight, per_square});
       weight += point.weight;
     }
     if (begin > 0) continue;
@@ -166,8 +174,7 @@ void RobustLikelihood::explain(const RobustObservation& observation, std::span<I
       for (std::size_t i = 0; i < some.size(); ++i) {
         const double square = squares[k * some.size() + i];
         const double loss = square * some[i].per_square;
-        if (square >= kTruncation_m * kTruncation_m || loss > kNoAgreement) continue;
-        asked[k]->health += some[i].weight * std::exp(-loss);
+        if (square < kTruncation_m * kTruncation_m) asked[k]->health += some[i].weight * agreement(loss);
       }
     }
   };

@@ -31,8 +31,10 @@ struct Rating {
   /// Sum of weight * log((1 - eps) exp(-d^2 / 2 sigma^2) + eps), <= 0; without bounds of weight * -d^2 / 2
   /// sigma^2, d at most the fields' reach.
   double log_likelihood = 0.0;
-  double news = 0.0;       ///< the same of the points by their share of news, scaled up to all
-  double explained = 0.0;  ///< weighted share of points that agree with the map, 0..1
+  double news = 0.0;  ///< the same of the points by their share of news, scaled up to all
+  /// Weighted share of points that agree with the map, 0..1: each by exp(-d^2 / 2 sigma^2), with a sigma of
+  /// at least `explained_sigma_m`.
+  double explained = 0.0;
 };
 
 /// Rates places by one observation. *Pure*; keeps references to its arguments.
@@ -68,6 +70,7 @@ class RobustLikelihood {
   Curvature curvature(std::span<const EvidencePoint> points, const Placement& placement, double share,
                       double blur_m, Rating* rating) const;
   void soften(Curvature& memory) const;
+  double explainedVariance(const EvidencePoint& point, double blur_m) const;
   void add(Rating& rating, const EvidencePoint& point, const std::optional<FieldSample>& field,
            double blur_m) const;
   /// Squared distances to the map; the truncation's or more where it is too far to explain anything.

@@ -14,9 +14,6 @@ constexpr double kPiece_px = 6.0;
 constexpr int kMaximumPieces = 12;
 constexpr double kLongestPiece_m = 0.2;  // towards the horizon pixels stand for ever longer pieces of floor
 
-/// A remembered point lies so much worse than one that is seen now: odometry erred since.
-constexpr double kRememberedSigma = 4.0 / 3.0;
-
 /// A line that comes this near to the image's border goes on beyond it.
 constexpr double kBorder_px = 3.0;
 /// An end is worth at most this share of its segment: what is short may be anything.
@@ -89,14 +86,14 @@ RobustObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& 
     if (params.half_life_s > 0.0) weight *= std::exp2(-unseen_s / params.half_life_s);
     if (!segment.confirmed) weight *= params.unconfirmed_weight;
     const double drift = params.drift_sigma_mps * unseen_s;
-    const double base = std::pow(kRememberedSigma * params.sigma_m, 2) + drift * drift;
+    const double base = params.remembered_sigma_m * params.remembered_sigma_m + drift * drift;
     const Eigen::Vector2d along = (odom.b - odom.a).normalized();
     pieces.push_back({*robot, *label, weight, base + variancesAcross(segment.P_a, along),
                       base + variancesAcross(segment.P_b, along)});
     length += robot->length();
   }
   const double step = std::max(params.point_step_m, length / params.maximum_points);
-  const double least_variance = std::pow(kRememberedSigma * params.sigma_m, 2);
+  const double least_variance = params.remembered_sigma_m * params.remembered_sigma_m;
   const double largest_variance = std::max(least_variance, params.maximum_sigma_m * params.maximum_sigma_m);
   for (const Piece& piece : pieces) {
     const double piece_length = piece.robot.length();
