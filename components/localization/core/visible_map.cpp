@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "common/geometry/projection.h"
 
@@ -17,10 +18,22 @@ constexpr double kMargin_m = 0.3;
 constexpr int kBearings = 256;      // of the depth buffer
 constexpr double kRounding = 1e-9;  // of pieces
 
+constexpr double kCellRadius_m = 0.7072 * kCell_m;  // no point of a cell is further from its middle
+constexpr double kPieceReach_m = 0.2;               // nor one of a piece from the piece's
+constexpr std::size_t kAtOnce = 64;                 // cells
+
 /// Orders cells row by row, and those of a row by x.
 std::uint64_t cellKey(std::int32_t x, std::int32_t y) {
   const auto ordered = [](std::int32_t value) { return static_cast<std::uint32_t>(value) ^ 0x8000'0000u; };
   return (std::uint64_t{ordered(y)} << 32) | ordered(x);
+}
+
+std::int32_t rowOf(std::uint64_t key) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(key >> 32) ^ 0x8000'0000u);
+}
+
+std::int32_t columnOf(std::uint64_t key) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(key) ^ 0x8000'0000u);
 }
 
 std::int32_t cellOf(double value) {
@@ -105,6 +118,10 @@ class Sector {
   }
   /// Nothing further away than this hides any of the points.
   double range() const { return range_; }
+  /// False if nothing within `radius_m` of the point does.
+  bool mayHide(const Eigen::Vector2d& p_robot, double radius_m) const {
+    return !is_narrow_ || (sides_[0].at(p_robot) > -radius_m && sides_[1].at(p_robot) > -radius_m);
+  }
   /// The part of a line that may (see CameraView::clip).
   bool clip(const Eigen::Vector2d& start, const Eigen::Vector2d& way, double& from, double& to) const {
     return !is_narrow_ ||
@@ -138,11 +155,20 @@ CameraView::CameraView(const CameraIntrinsics& intrinsics, const Pose3& T_robot_
               border(0.0, intrinsics.fy, intrinsics.cy, 0.0),
               border(-intrinsics.fx, 0.0, intrinsics.width - 1.0 - intrinsics.cx, 0.0),
               border(0.0, -intrinsics.fy, intrinsics.height - 1.0 - intrinsics.cy, 0.0)};
+  std::transform(borders_.begin(), borders_.end(), slopes_.begin(),
+                 [](const HalfPlane& one) { return one.normal.norm(); });
 }
 
 bool CameraView::shows(const Eigen::Vector2d& p_robot) const {
   return std::all_of(borders_.begin(), borders_.end(),
                      [&](const HalfPlane& border) { return border.at(p_robot) >= 0.0; });
+}
+
+bool CameraView::mayShow(const Eigen::Vector2d& p_robot, double radius_m) const {
+  for (std::size_t i = 0; i < borders_.size(); ++i) {
+    if (borders_[i].at(p_robot) < -radius_m * slopes_[i]) return false;
+  }
+  return true;
 }
 
 bool CameraView::clip(const Eigen::Vector2d& start, const Eigen::Vector2d& way, double& from,
@@ -178,35 +204,57 @@ VisibleMap::VisibleMap(const MapIndex& map, std::span<const std::string> opaque)
   }
   std::stable_sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   runs_.reserve(runs.size());
+  std::optional<std::uint64_t> last;
   for (const auto& [cell, run] : runs) {
-    if (cells_.empty() || cells_.back() != cell) {
-      cells_.push_back(cell);
+    if (cell != last) {
+      if (!last || rowOf(*last) != rowOf(cell)) {
+        rows_.push_back({rowOf(cell), static_cast<std::uint32_t>(cells_.size())});
+      }
+      cells_.push_back(columnOf(cell));
       first_of_.push_back(static_cast<std::uint32_t>(runs_.size()));
+      last = cell;
     }
     runs_.push_back(run);
   }
+  rows_.push_back({0, static_cast<std::uint32_t>(cells_.size())});
   first_of_.push_back(static_cast<std::uint32_t>(runs_.size()));
 }
 
 /// Calls with every line and run of it near a place, cell by cell.
-template <typename Visit>
-void VisibleMap::visitRuns(const Eigen::Vector2d& position, double range_m, Visit visit) const {
+/// @param may_count tells of a point whether anything within kCellRadius_m of it counts.
+template <typename MayCount, typename Visit>
+void VisibleMap::visitRuns(const Eigen::Vector2d& position, double range_m, MayCount may_count,
+                           Visit visit) const {
+  std::array<std::size_t, kAtOnce> cells;
+  std::size_t count = 0;
+  // A large map is far from the processor: all that the cells need is on its way before the first is used.
+  const auto visitAll = [&] {
+    for (const std::size_t cell : std::span(cells).first(count)) {
+      for (const Run& run : runsOf(cell)) __builtin_prefetch(&lines_[run.line]);
+    }
+    for (const std::size_t cell : std::span(cells).first(count)) {
+      for (const Run& run : runsOf(cell)) visit(lines_[run.line], run);
+    }
+    count = 0;
+  };
   const std::int32_t x_from = cellOf(position.x() - range_m);
   const std::int32_t x_to = cellOf(position.x() + range_m);
-  auto cell = cells_.begin();
-  for (std::int32_t y = cellOf(position.y() - range_m); y <= cellOf(position.y() + range_m); ++y) {
-    cell = std::lower_bound(cell, cells_.end(), cellKey(x_from, y));
-    const std::uint64_t last = cellKey(x_to, y);
-    auto end = cell;
-    while (end != cells_.end() && *end <= last) ++end;
-    const std::uint32_t first = first_of_[static_cast<std::size_t>(cell - cells_.begin())];
-    const std::uint32_t after = first_of_[static_cast<std::size_t>(end - cells_.begin())];
-    cell = end;
-    const auto row = std::span(runs_).subspan(first, after - first);
-    // A large map is far from the processor: all that the row needs is on its way before the first is used.
-    for (const Run& run : row) __builtin_prefetch(&lines_[run.line]);
-    for (const Run& run : row) visit(lines_[run.line], run);
+  const std::int32_t y_to = cellOf(position.y() + range_m);
+  const auto rows_end = rows_.end() - 1;
+  auto row = std::lower_bound(rows_.begin(), rows_end, cellOf(position.y() - range_m),
+                              [](const Row& one, std::int32_t y) { return one.y < y; });
+  for (; row != rows_end && row->y <= y_to; ++row) {
+    const auto end = cells_.begin() + (row + 1)->first;
+    for (auto x = std::lower_bound(cells_.begin() + row->first, end, x_from); x != end && *x <= x_to; ++x) {
+      const Eigen::Vector2d middle(kCell_m * (*x + 0.5), kCell_m * (row->y + 0.5));
+      const Eigen::Vector2d off = ((middle - position).array().abs() - 0.5 * kCell_m).max(0.0);
+      if (off.norm() > range_m + kRounding || !may_count(middle)) continue;
+      if (count == cells.size()) visitAll();
+      cells[count] = static_cast<std::size_t>(x - cells_.begin());
+      __builtin_prefetch(&runs_[first_of_[cells[count++]]]);
+    }
   }
+  visitAll();
 }
 
 void VisibleMap::around(const Pose2& T_world_robot, double range_m, std::span<const Segment2> obstacles,
@@ -218,7 +266,10 @@ void VisibleMap::around(const Pose2& T_world_robot, double range_m, std::span<co
     return Eigen::Vector2d(c * v.x() + s * v.y(), -s * v.x() + c * v.y());
   };
   const Eigen::Vector2d position = T_world_robot.position();
-  visitRuns(position, range_m, [&](const Line& line, const Run& run) {
+  const auto isInView = [&](const Eigen::Vector2d& p_world) {
+    return !view || view->mayShow(turn(p_world - position), kCellRadius_m);
+  };
+  visitRuns(position, range_m, isInView, [&](const Line& line, const Run& run) {
     const Eigen::Vector2d start = turn(line.a - position);
     const Eigen::Vector2d way = turn(line.way);
     const double piece = 1.0 / line.pieces;
@@ -236,7 +287,10 @@ void VisibleMap::around(const Pose2& T_world_robot, double range_m, std::span<co
   if (out.empty()) return;
   DepthBuffer depth;
   const Sector sector(out);
-  visitRuns(position, sector.range(), [&](const Line& line, const Run& run) {
+  const auto mayHide = [&](const Eigen::Vector2d& p_world) {
+    return sector.mayHide(turn(p_world - position), kCellRadius_m + kPieceReach_m);
+  };
+  visitRuns(position, sector.range(), mayHide, [&](const Line& line, const Run& run) {
     if (!line.opaque) return;
     const Eigen::Vector2d start = turn(line.a - position);
     const Eigen::Vector2d way = turn(line.way);

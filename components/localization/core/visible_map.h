@@ -41,12 +41,15 @@ class CameraView {
  public:
   CameraView(const CameraIntrinsics& intrinsics, const Pose3& T_robot_camera);
   bool shows(const Eigen::Vector2d& p_robot) const;
+  /// False if nothing within `radius_m` of the point is in view.
+  bool mayShow(const Eigen::Vector2d& p_robot, double radius_m) const;
   /// The part of a line that is in view. @param start,way the line's points are start + fraction * way.
   /// @param from,to fractions, brought together as far as needed. @return false if nothing is left.
   bool clip(const Eigen::Vector2d& start, const Eigen::Vector2d& way, double& from, double& to) const;
 
  private:
   std::array<HalfPlane, 5> borders_;  // the image's four and the near plane
+  std::array<double, 5> slopes_{};    // of them: change per metre
 };
 
 /// *Pure* after construction; memory grows with the number and the length of the map's segments. What a
@@ -77,12 +80,20 @@ class VisibleMap {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
-  template <typename Visit>
-  void visitRuns(const Eigen::Vector2d& position, double range_m, Visit visit) const;
+  struct Row {  // of cells
+    std::int32_t y = 0;
+    std::uint32_t first = 0;  // its first of cells_
+  };
+  std::span<const Run> runsOf(std::size_t cell) const {
+    return std::span(runs_).subspan(first_of_[cell], first_of_[cell + 1] - first_of_[cell]);
+  }
+  template <typename MayCount, typename Visit>
+  void visitRuns(const Eigen::Vector2d& position, double range_m, MayCount may_count, Visit visit) const;
 
   std::vector<Line> lines_;
   std::vector<Run> runs_;                // by cell
-  std::vector<std::uint64_t> cells_;     // those with runs, row by row
+  std::vector<Row> rows_;                // those with runs; one more at the end
+  std::vector<std::int32_t> cells_;      // those with runs, row by row: their x
   std::vector<std::uint32_t> first_of_;  // of a cell's runs; one more at the end
 };
 
