@@ -125,5 +125,37 @@ TEST(Explorers, ConstructedOnesLayASeenSegmentOnTheMap) {
   }
 }
 
+TEST(Explorers, ConstructedOnesChooseSegmentsByLength) {
+  SegmentMap map_edges;
+  RandomEngine engine(7);
+  double whole = 0.0;
+  // Lengths from millimetres to tens of metres, and points, each on a line of its own.
+  for (int i = 0; i < 40; ++i) {
+    const double length = i % 8 == 0 ? 0.0 : std::exp(uniform(engine, -6.0, 3.5));
+    whole += length;
+    map_edges.segments.push_back({{{0, 1.0 * i, 0}, {length, 1.0 * i, 0}}, "skirting", 0.0});
+  }
+  const MapIndex map(map_edges, {});
+  const ConstructedExplorers constructed(map);
+  RobustObservation observation;
+  observation.segments = {{{{0.0, 0.0}, {1.0, 0.0}}, 0, 1.0}};
+  observation.segment_weight = 1.0;
+  constexpr int kCount = 40'000;
+  std::vector<int> chosen(map_edges.segments.size(), 0);
+  for (int i = 0; i < kCount; ++i) {
+    const auto pose = constructed.propose(observation, engine);
+    ASSERT_TRUE(pose);
+    ++chosen.at(static_cast<std::size_t>(std::lround(pose->y)));
+  }
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const double share = map_edges.segments[i].world.floor().length() / whole;
+    // Five standard deviations of a count; one where hardly any is expected.
+    EXPECT_NEAR(chosen[i], kCount * share, 5.0 * std::sqrt(kCount * share) + 1.0) << "segment " << i;
+    if (share == 0.0) {
+      EXPECT_EQ(chosen[i], 0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vismem

@@ -14,13 +14,30 @@ Pose2 uniformExplorer(const MapIndex& map, double margin_m, RandomEngine& engine
   return {x, y, wrapAngle(uniform(engine, -std::numbers::pi, std::numbers::pi))};
 }
 
-ConstructedExplorers::ConstructedExplorers(const MapIndex& map) : map_(map) {
+ConstructedExplorers::ConstructedExplorers(const MapIndex& map) {
   for (int label = 0; label < map.labelCount(); ++label) {
-    std::vector<double> sums;
+    Lines all;
     double sum = 0.0;
-    for (const Segment2& segment : map.floor(label)) sums.push_back(sum += segment.length());
-    sums_.push_back(std::move(sums));
+    for (const Segment2& segment : map.floor(label)) all.lines.push_back({sum += segment.length(), segment});
+    const std::size_t size = all.lines.size();
+    std::size_t line = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const double least = sum * static_cast<double>(i) / static_cast<double>(size);
+      while (line + 1 < size && all.lines[line].sum <= least) ++line;
+      all.guide.push_back(static_cast<std::uint32_t>(line));
+    }
+    by_label_.push_back(std::move(all));
   }
+}
+
+/// The first line whose sum is more.
+const ConstructedExplorers::Line& ConstructedExplorers::Lines::at(double sum) const {
+  const std::size_t last = lines.size() - 1;
+  const double share = sum / lines.back().sum;
+  std::size_t i = guide[std::min(static_cast<std::size_t>(share * static_cast<double>(lines.size())), last)];
+  while (i > 0 && lines[i - 1].sum > sum) --i;  // by rounding alone
+  while (i < last && lines[i].sum <= sum) ++i;
+  return lines[i];
 }
 
 std::optional<Pose2> ConstructedExplorers::propose(const RobustObservation& observation,
@@ -32,12 +49,9 @@ std::optional<Pose2> ConstructedExplorers::propose(const RobustObservation& obse
     left -= observation.segments[chosen++].weight;
   }
   const EvidenceSegment& seen = observation.segments[chosen];
-  const auto label = static_cast<std::size_t>(seen.label);
-  const std::vector<double>& sums = sums_[label];
-  if (sums.empty() || !(sums.back() > 0.0)) return std::nullopt;
-  const double at = uniform(engine, 0.0, sums.back());
-  const auto number = static_cast<std::size_t>(std::upper_bound(sums.begin(), sums.end(), at) - sums.begin());
-  Segment2 line = map_.floor(seen.label)[std::min(number, sums.size() - 1)];
+  const Lines& all = by_label_[static_cast<std::size_t>(seen.label)];
+  if (all.lines.empty() || !(all.lines.back().sum > 0.0)) return std::nullopt;
+  Segment2 line = all.at(uniform(engine, 0.0, all.lines.back().sum)).plan;
   const bool turned = uniform(engine, 0.0, 1.0) < 0.5;
   const bool by_end = uniform(engine, 0.0, 1.0) < 0.5;
   if (turned) std::swap(line.a, line.b);

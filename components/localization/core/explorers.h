@@ -2,6 +2,7 @@
 /// DESIGN 9 part 6.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "localization/core/map_index.h"
@@ -26,8 +27,17 @@ class ConstructedExplorers {
   std::optional<Pose2> propose(const RobustObservation& observation, RandomEngine& engine) const;
 
  private:
-  const MapIndex& map_;
-  std::vector<std::vector<double>> sums_;  // cumulated lengths per label
+  struct Line {  // of the map
+    double sum;  // of the lengths so far, its own included
+    Segment2 plan;
+  };
+  struct Lines {  // of a label
+    std::vector<Line> lines;
+    /// Where to begin to look for a share of the whole length: one binary search less over a large map.
+    std::vector<std::uint32_t> guide;
+    const Line& at(double sum) const;
+  };
+  std::vector<Lines> by_label_;
 };
 
 /// KLD bound: how many samples show a distribution over `places` occupied places with at most this divergence
