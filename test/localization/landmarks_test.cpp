@@ -87,11 +87,11 @@ TEST(LandmarkExplorers, ACornerFixesThePose) {
   const LandmarkExplorers explorers(map, {true, false, false});
   RobustObservation observation;
   observation.segments = {seen(map, 4, 2.9, 4, 2), seen(map, 3.8, 3, 2.5, 3, "brick")};
-  const auto proposals = explorers.match(observation, g_engine);
+  const auto proposals = explorers.match(observation, 500, g_engine);
   // Of the two corners of these labels only one turns this way.
   EXPECT_EQ(proposals.count(), 1u);
   EXPECT_EQ(shareNearTruth(proposals), 1.0);
-  EXPECT_TRUE(LandmarkExplorers(map, {false, true, true}).match(observation, g_engine).isEmpty());
+  EXPECT_TRUE(LandmarkExplorers(map, {false, true, true}).match(observation, 500, g_engine).isEmpty());
 }
 
 TEST(LandmarkExplorers, ADoorIsKnownByItsLengthEitherWayRound) {
@@ -99,10 +99,10 @@ TEST(LandmarkExplorers, ADoorIsKnownByItsLengthEitherWayRound) {
   const LandmarkExplorers explorers(map, {false, true, false});
   RobustObservation observation;
   observation.segments = {seen(map, 1.52, 1, 2.1, 1, "step")};
-  const auto proposals = explorers.match(observation, g_engine);
+  const auto proposals = explorers.match(observation, 500, g_engine);
   EXPECT_EQ(proposals.count(), 2u);
   EXPECT_NEAR(shareNearTruth(proposals), 0.5, 0.1);
-  EXPECT_TRUE(LandmarkExplorers(map, {true, false, true}).match(observation, g_engine).isEmpty());
+  EXPECT_TRUE(LandmarkExplorers(map, {true, false, true}).match(observation, 500, g_engine).isEmpty());
 }
 
 TEST(LandmarkExplorers, AChangeOfLabelAlongAWallFixesThePose) {
@@ -112,7 +112,7 @@ TEST(LandmarkExplorers, AChangeOfLabelAlongAWallFixesThePose) {
   const LandmarkExplorers explorers(map, {false, true, false});
   RobustObservation observation;
   observation.segments = {seen(map, 0.8, 0, 3.95, 0), seen(map, 4.02, 0, 7, 0, "brick")};
-  const auto proposals = explorers.match(observation, g_engine);
+  const auto proposals = explorers.match(observation, 500, g_engine);
   EXPECT_EQ(proposals.count(), 1u);
   EXPECT_EQ(shareNearTruth(proposals), 1.0);
 }
@@ -127,7 +127,7 @@ TEST(LandmarkExplorers, AParallelogramFixesThePoseUpToItsSymmetry) {
   auto& corners = observation.parallelograms.emplace_back();
   const Eigen::Vector2d world[] = {{2, 1}, {4.05, 1}, {4, 2}, {2, 2.03}};
   for (std::size_t i = 0; i < 4; ++i) corners[i] = transform(inverse(kTruth), world[i]);
-  const auto proposals = explorers.match(observation, g_engine);
+  const auto proposals = explorers.match(observation, 500, g_engine);
   // Each of four corners lies on itself or on the opposite one.
   EXPECT_EQ(proposals.count(), 8u);
   RandomEngine engine(2);
@@ -137,7 +137,7 @@ TEST(LandmarkExplorers, AParallelogramFixesThePoseUpToItsSymmetry) {
     near += (pose.position() - kTruth.position()).norm() < 0.12;
   }
   EXPECT_NEAR(near, 50, 15);
-  EXPECT_TRUE(LandmarkExplorers(map, {true, true, false}).match(observation, g_engine).isEmpty());
+  EXPECT_TRUE(LandmarkExplorers(map, {true, true, false}).match(observation, 500, g_engine).isEmpty());
 }
 
 TEST(LandmarkExplorers, SurviveLargeMaps) {
@@ -157,7 +157,7 @@ TEST(LandmarkExplorers, SurviveLargeMaps) {
   RobustObservation observation;
   observation.segments = {seen(map, 0, 0, 3, 0), seen(map, 0, 0, 0, 3)};
   // A sample of what would be 10 000 places.
-  const auto proposals = explorers.match(observation, g_engine);
+  const auto proposals = explorers.match(observation, 500, g_engine);
   EXPECT_GE(proposals.count(), 100u);
   EXPECT_LE(proposals.count(), 2000u);
 }

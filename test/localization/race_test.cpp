@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
+#include <vector>
 
 #include "common/geometry/angles.h"
+#include "localization/core/random_engine.h"
 
 namespace vismem {
 namespace {
@@ -100,6 +103,46 @@ TEST(RaceTable, DeletesOnlyWithoutVictoriesAndHealth) {
   EXPECT_FALSE(table.find(1));
   EXPECT_TRUE(table.find(2));
   EXPECT_TRUE(table.find(3));
+}
+
+/// Races and candidates of all ages at few places, so that they displace each other in every way.
+TEST(RaceTableProperty, WhatMayNotBeAdmittedIsNot) {
+  RaceParams params;
+  params.maximum = 5;
+  int ruled_out = 0;
+  int admitted = 0;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+    RandomEngine engine(seed);
+    const auto random = [&](double least_health) {
+      Race race = raceAt(0.15 * static_cast<double>(pick(engine, 12)), uniform(engine, least_health, 1.0));
+      race.age = static_cast<int>(pick(engine, 5));
+      return race;
+    };
+    RaceTable table(params);
+    for (std::size_t i = pick(engine, 9); i > 0; --i) table.admit(random(params.create_health));
+    for (Race& race : table.races()) {
+      race.victories = static_cast<int>(pick(engine, 2));
+      if (pick(engine, 3) == 0) race.since_best = 1;
+    }
+    std::vector<Race> candidates;
+    double most_health = 0.0;
+    for (int i = 0; i < 6; ++i) {
+      candidates.push_back(random(0.4));
+      most_health = std::max(most_health, candidates.back().health);
+    }
+    std::vector<bool> may;
+    for (const Race& one : candidates) may.push_back(table.mayAdmit(one, most_health));
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      const auto admission = table.admit(candidates[i]);
+      const bool is_in =
+          admission == RaceTable::Admission::kCreated || admission == RaceTable::Admission::kReplaced;
+      EXPECT_TRUE(may[i] || !is_in) << "seed " << seed << " candidate " << i;
+      admitted += is_in ? 1 : 0;
+      ruled_out += may[i] ? 0 : 1;
+    }
+  }
+  EXPECT_GT(admitted, 1000);
+  EXPECT_GT(ruled_out, 5000);
 }
 
 TEST(RaceTable, MergeKeepsMoreVictoriesAndThenMoreHealth) {

@@ -59,22 +59,18 @@ TEST_P(SegmentGrids, FindWhatASearchOverAllFinds) {
   }
 }
 
-/// Large enough that fetching does something, and its points lie everywhere, on no block too.
-TEST(SegmentGrid, FetchingChangesNoAnswer) {
+/// Large enough that reading ahead does something, and its points lie everywhere, on no block too.
+TEST(SegmentGrid, AnswersManyAsItAnswersEach) {
   const auto items = randomItems(9, 5000, 120.0);
   const SegmentGrid grid(items, 1.0, 0.5);
   RandomEngine engine(19);
   std::vector<SegmentGrid::Question> points{{{std::nan(""), 0.0}, 1, 2}, {{1e9, -1e9}, 1, 2}};
   for (int i = 0; i < 100; ++i)
     points.push_back({{uniform(engine, -40, 160), uniform(engine, -40, 160)}, 1, 2});
-  const auto answers = [&] {
-    std::vector<double> squares(points.size());
-    grid.nearestSquares(points, squares);
-    return squares;
-  };
-  const auto before = answers();
-  grid.fetch(points);
-  EXPECT_EQ(answers(), before);
+  std::vector<double> squares(points.size());
+  grid.nearestSquares(points, squares);
+  std::vector<std::optional<FieldSample>> samples(points.size(), FieldSample{});
+  grid.nearest(points, samples);
   int found = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     double nearest = 1.0;
@@ -83,7 +79,16 @@ TEST(SegmentGrid, FetchingChangesNoAnswer) {
       const double distance = distanceToSegment(points[i].p, item.plan);
       if (distance < nearest) nearest = distance;
     }
-    EXPECT_NEAR(before[i], nearest * nearest, 1e-9);
+    EXPECT_NEAR(squares[i], nearest * nearest, 1e-9);
+    const auto alone = grid.nearest(points[i]);
+    ASSERT_EQ(samples[i].has_value(), nearest < 1.0);
+    ASSERT_EQ(alone.has_value(), nearest < 1.0);
+    if (alone) {
+      EXPECT_EQ(samples[i]->distance_m, alone->distance_m);
+      EXPECT_EQ(samples[i]->gradient, alone->gradient);
+      EXPECT_EQ(samples[i]->segment, alone->segment);
+      EXPECT_NEAR(alone->distance_m, nearest, 1e-9);
+    }
     found += nearest < 1.0 ? 1 : 0;
   }
   EXPECT_GT(found, 10);

@@ -23,8 +23,10 @@ constexpr double kLengthTolerance = 0.1;
 constexpr double kSameVertex_m = 0.15;
 /// Of the memory: pairs of more segments than this cost more than they find.
 constexpr std::size_t kSegments = 24;
-constexpr std::size_t kSample = 128;  // of the map's landmarks of one kind, about
-constexpr std::size_t kAhead = 8;     // so many of the sample are on their way from memory
+constexpr std::size_t kFew = 256;     // so many of the map's landmarks of one kind are looked at all
+constexpr std::size_t kSample = 128;  // of more than that, about: at most
+constexpr std::size_t kLeast = 16;
+constexpr std::size_t kAhead = 8;  // so many of the sample are on their way from memory
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -197,13 +199,14 @@ LandmarkExplorers::LandmarkExplorers(const MapIndex& map, const LandmarkKinds& k
   }
 }
 
-LandmarkExplorers::Proposals LandmarkExplorers::match(const RobustObservation& observation,
+LandmarkExplorers::Proposals LandmarkExplorers::match(const RobustObservation& observation, int explorers,
                                                       RandomEngine& engine) const {
   Proposals proposals;
   // A large map repeats itself: a sample of its landmarks, another one each time, does as well as all of
   // them.
-  const auto sample = [&engine](const auto all, const auto& use) {
-    const std::size_t step = std::max<std::size_t>(1, all.size() / kSample);
+  std::size_t wanted = kSample;
+  const auto sample = [&](const auto all, const auto& use) {
+    const std::size_t step = all.size() < kFew ? 1 : all.size() / wanted;
     const std::size_t begin = step > 1 ? vismem::pick(engine, step) : 0;
     for (std::size_t i = begin; i < all.size(); i += step) {
       // They lie too far apart for the processor to guess which is next.
@@ -226,6 +229,11 @@ LandmarkExplorers::Proposals LandmarkExplorers::match(const RobustObservation& o
       appendJunctions({segments[i].robot, segments[i].label}, {segments[j].robot, segments[j].label},
                       kSeenGap_m, seen_junctions);
     }
+  }
+  // Each is chosen by its share of the explorers.
+  const std::size_t seen_count = seen_junctions.size() + segments.size() + observation.parallelograms.size();
+  if (seen_count > 0) {
+    wanted = std::clamp(static_cast<std::size_t>(std::max(0, explorers)) / seen_count, kLeast, kSample);
   }
   for (const Junction& seen : seen_junctions) {
     const bool is_corner = std::abs(seen.turn) < std::numbers::pi - kStraightAngle_rad;

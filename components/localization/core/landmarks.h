@@ -22,8 +22,9 @@ struct LabelledSegment {
   int label = 0;
 };
 
-/// Two arms that begin at one point: a corner, a side of a T, or a change of label along one line.
-struct Junction {
+/// Two arms that begin at one point: a corner, a side of a T, or a change of label along one line. In one line
+/// of a cache.
+struct alignas(64) Junction {
   Eigen::Vector2d vertex = Eigen::Vector2d::Zero();
   double direction_a = 0.0;  ///< of arm a, away from the vertex [rad]
   double turn = 0.0;         ///< from arm a to arm b, in (-pi, pi]; about pi along one line
@@ -73,9 +74,10 @@ class LandmarkExplorers {
     std::vector<Seen> seen_;
     std::size_t count_ = 0;
   };
-  /// Of each landmark of the memory a hundred or so places, spread over the map, if there are more.
+  /// Of each landmark of the memory a sample of the places, spread over the map, if there are many.
+  /// @param explorers so many are wanted: for fewer of them the sample is smaller.
   /// @param engine says with which of them to begin.
-  Proposals match(const RobustObservation& observation, RandomEngine& engine) const;
+  Proposals match(const RobustObservation& observation, int explorers, RandomEngine& engine) const;
 
  private:
   struct Line {

@@ -65,18 +65,17 @@ class MapIndex {
   SegmentGrid::Question question(int label, const Eigen::Vector2d& p, double direction_rad) const {
     return {p, label, binOf(direction_rad)};
   }
-  /// True if it pays to fetch what questions will need.
-  bool isLarge() const { return fields_ && fields_->isLarge(); }
-  /// Begins to read what the answers will need (see SegmentGrid::fetch).
-  void fetch(std::span<const SegmentGrid::Question> questions) const {
-    if (fields_) fields_->fetch(questions);
-  }
   /// Distance on the floor, by the field; empty beyond the truncation.
   std::optional<FieldSample> nearest(const SegmentGrid::Question& question) const {
     return fields_->nearest(question);
   }
   std::optional<FieldSample> nearest(int label, const Eigen::Vector2d& p, double direction_rad) const {
     return nearest(question(label, p, direction_rad));
+  }
+  /// To as many questions. Needs fields.
+  void nearest(std::span<const SegmentGrid::Question> questions,
+               std::span<std::optional<FieldSample>> samples) const {
+    fields_->nearest(questions, samples);
   }
   /// Distances alone, squared [m^2]; the reach's beyond the truncation. Needs fields.
   void nearestSquares(std::span<const SegmentGrid::Question> questions, std::span<double> squares) const {

@@ -28,14 +28,14 @@ RaceTable::Admission RaceTable::admit(Race candidate) {
   }
   if (candidate.health < params_.create_health) return Admission::kIgnored;
   candidate.id = next_id_;
-  if (static_cast<int>(races_.size()) < params_.maximum) {
+  if (!isFull()) {
     ++next_id_;
     races_.push_back(std::move(candidate));
     return Admission::kCreated;
   }
   Race* victim = nullptr;
   for (Race& race : races_) {
-    if (isProtected(race) || race.victories > 0 || race.health >= candidate.health) continue;
+    if (isProtected(race) || !mayGive(race, candidate.health)) continue;
     if (!victim || race.health < victim->health) victim = &race;
   }
   if (!victim) return Admission::kIgnored;
@@ -43,6 +43,17 @@ RaceTable::Admission RaceTable::admit(Race candidate) {
   *victim = std::move(candidate);
   forgetMissingWinner();
   return Admission::kReplaced;
+}
+
+bool RaceTable::mayAdmit(const Race& candidate, double most_health) const {
+  if (candidate.health < params_.create_health) return false;
+  for (const Race& race : races_) {
+    // Unless others drive that race away first; they may make it old enough before.
+    if (samePlace(race.T_world_robot, candidate.T_world_robot, params_)) return mayGive(race, most_health);
+  }
+  // What others put in the place of a race is healthier than that was.
+  return !isFull() || std::any_of(races_.begin(), races_.end(),
+                                  [&](const Race& race) { return mayGive(race, candidate.health); });
 }
 
 void RaceTable::replaceAll(Race race) {

@@ -58,6 +58,10 @@ class RaceTable {
   void age();
   /// Admits a founded race or ages the one at its place. Its id is set here.
   Admission admit(Race candidate);
+  /// False if `admit` would only age the race at its place or ignore it, whatever other candidates come
+  /// first.
+  /// @param most_health of any candidate that comes.
+  bool mayAdmit(const Race& candidate, double most_health) const;
   /// Someone knows where the robot is: this race alone, as the winner.
   void replaceAll(Race race);
   /// L7: deletes what has no victories and health under the limit, unless protected.
@@ -95,6 +99,11 @@ class RaceTable {
 
  private:
   void forgetMissingWinner();
+  /// True if a candidate of this health may take its place once it is old enough.
+  bool mayGive(const Race& race, double health) const {
+    return race.since_best >= params_.protected_after_best && race.victories == 0 && race.health < health;
+  }
+  bool isFull() const { return static_cast<int>(races_.size()) >= params_.maximum; }
 
   RaceParams params_;
   std::vector<Race> races_;

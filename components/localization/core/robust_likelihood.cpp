@@ -23,7 +23,7 @@ double agreement(double loss) {
   return loss > kNoAgreement ? 0.0 : std::exp(-loss);
 }
 
-constexpr std::size_t kBatch = 64;  // points whose surroundings are fetched together
+constexpr std::size_t kBatch = 64;  // points that are asked about together
 
 /// Damping where the observation says nothing about a direction: one metre, one radian.
 const Matrix5d kDamping = Matrix5d::Identity();
@@ -50,13 +50,6 @@ MapIndex::Params robustIndex(const LocalizerParams& params) {
   return index;
 }
 
-std::optional<FieldSample> RobustLikelihood::sample(const EvidencePoint& point,
-                                                    const Eigen::Vector2d& p_world, double heading) const {
-  const double direction = point.direction_robot + heading;
-  return params_.use_field ? map_.nearest(point.label, p_world, direction)
-                           : map_.nearestBruteForce(point.label, p_world, direction);
-}
-
 void RobustLikelihood::askSquares(std::span<const SegmentGrid::Question> questions,
                                   std::span<double> squares) const {
   if (params_.use_field) return map_.nearestSquares(questions, squares);
@@ -66,22 +59,11 @@ void RobustLikelihood::askSquares(std::span<const SegmentGrid::Question> questio
   });
 }
 
-void RobustLikelihood::fetch(const RobustObservation& observation, const Placement& placement) const {
-  if (!map_.isLarge()) return;
-  const Pose2& pose = placement.T_world_robot;
-  const Eigen::Rotation2Dd R(pose.theta);
-  const Eigen::Vector2d lean = placement.lean();
-  std::array<SegmentGrid::Question, kBatch> questions;
-  for (std::span points(observation.points); !points.empty();) {
-    const std::size_t count = std::min(kBatch, points.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      const EvidencePoint& point = points[i];
-      questions[i] = map_.question(point.label, pose.position() + R * (point.p_robot + point.d_lean * lean),
-                                   point.direction_robot + pose.theta);
-    }
-    map_.fetch(std::span(questions).first(count));
-    points = points.subspan(count);
-  }
+void RobustLikelihood::askSamples(std::span<const SegmentGrid::Question> questions,
+                                  std::span<std::optional<FieldSample>> samples) const {
+  if (params_.use_field) return map_.nearest(questions, samples);
+  std::transform(questions.begin(), questions.end(), samples.begin(),
+                 [this](const auto& question) { return map_.nearestBruteForce(question); });
 }
 
 double RobustLikelihood::explainedVariance(const EvidencePoint& point, double blur_m) const {
@@ -89,19 +71,19 @@ double RobustLikelihood::explainedVariance(const EvidencePoint& point, double bl
   return sigma_m * sigma_m + blur_m * blur_m;
 }
 
-void RobustLikelihood::add(Rating& rating, const EvidencePoint& point,
-                           const std::optional<FieldSample>& field, double blur_m) const {
+void RobustLikelihood::add(Rating& rating, const EvidencePoint& point, double distance_m,
+                           double blur_m) const {
   const double eps = params_.outlier_share;
   const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
   const auto addTerm = [&](double log_likelihood) {
     rating.log_likelihood += point.weight * log_likelihood;
     rating.news += point.weight * point.news * log_likelihood;
   };
-  if (!field) {
+  if (distance_m >= kTruncation_m) {
     addTerm(params_.bounded ? log_outlier_share_ : -0.5 * kTruncation_m * kTruncation_m / variance);
     return;
   }
-  const double half_square = 0.5 * field->distance_m * field->distance_m;
+  const double half_square = 0.5 * distance_m * distance_m;
   rating.explained += point.weight * agreement(half_square / explainedVariance(point, blur_m));
   const double loss = half_square / variance;
   if (!params_.bounded) return addTerm(-loss);
@@ -110,17 +92,25 @@ void RobustLikelihood::add(Rating& rating, const EvidencePoint& point,
 
 Rating RobustLikelihood::rate(const RobustObservation& observation, const Placement& placement,
                               double blur_m) const {
-  fetch(observation, placement);
-  const Pose2& T_world_robot = placement.T_world_robot;
+  const Pose2& pose = placement.T_world_robot;
   const Eigen::Vector2d lean = placement.lean();
   Rating rating;
-  const double c = std::cos(T_world_robot.theta);
-  const double s = std::sin(T_world_robot.theta);
-  for (const EvidencePoint& point : observation.points) {
-    const Eigen::Vector2d p_robot = point.p_robot + point.d_lean * lean;
-    const Eigen::Vector2d p(T_world_robot.x + c * p_robot.x() - s * p_robot.y(),
-                            T_world_robot.y + s * p_robot.x() + c * p_robot.y());
-    add(rating, point, sample(point, p, T_world_robot.theta), blur_m);
+  const double c = std::cos(pose.theta);
+  const double s = std::sin(pose.theta);
+  std::array<SegmentGrid::Question, kBatch> questions;
+  std::array<double, kBatch> squares;
+  for (std::span points(observation.points); !points.empty();) {
+    const std::size_t count = std::min(kBatch, points.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      const EvidencePoint& point = points[i];
+      const Eigen::Vector2d p_robot = point.p_robot + point.d_lean * lean;
+      const Eigen::Vector2d p(pose.x + c * p_robot.x() - s * p_robot.y(),
+                              pose.y + s * p_robot.x() + c * p_robot.y());
+      questions[i] = map_.question(point.label, p, point.direction_robot + pose.theta);
+    }
+    askSquares(std::span(questions).first(count), squares);
+    for (std::size_t i = 0; i < count; ++i) add(rating, points[i], std::sqrt(squares[i]), blur_m);
+    points = points.subspan(count);
   }
   if (!observation.points.empty()) rating.explained /= weightOf(observation);
   rating.news /= observation.news;
@@ -214,23 +204,37 @@ RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const Evidence
   const Eigen::Vector2d lean = placement.lean();
   Eigen::Matrix2d R;
   R << std::cos(pose.theta), -std::sin(pose.theta), std::sin(pose.theta), std::cos(pose.theta);
-  for (const EvidencePoint& point : points) {
-    const Eigen::Vector2d arm = R * (point.p_robot + point.d_lean * lean);
-    const auto field = sample(point, pose.position() + arm, pose.theta);
-    if (rating) add(*rating, point, field, blur_m);
-    if (!field) continue;
-    const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
-    const double inlier = (1.0 - eps) * std::exp(-0.5 * field->distance_m * field->distance_m / variance);
-    // Derivative of the bounded loss: far points pull less and less.
-    const double influence = params_.bounded ? inlier / (inlier + eps) : 1.0;
-    const double weight = share * point.weight / variance * influence;
-    const Eigen::Vector2d& gradient = field->gradient;
-    Vector5d J;
-    J.head<2>() = gradient;
-    J[2] = gradient.y() * arm.x() - gradient.x() * arm.y();
-    J.tail<2>() = point.d_lean.transpose() * (R.transpose() * gradient);
-    result.H += weight * J * J.transpose();
-    result.g += weight * field->distance_m * J;
+  std::array<Eigen::Vector2d, kBatch> arms;
+  std::array<SegmentGrid::Question, kBatch> questions;
+  std::array<std::optional<FieldSample>, kBatch> samples;
+  while (!points.empty()) {
+    const std::size_t count = std::min(kBatch, points.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      const EvidencePoint& point = points[i];
+      arms[i] = R * (point.p_robot + point.d_lean * lean);
+      questions[i] =
+          map_.question(point.label, pose.position() + arms[i], point.direction_robot + pose.theta);
+    }
+    askSamples(std::span(questions).first(count), samples);
+    for (std::size_t i = 0; i < count; ++i) {
+      const EvidencePoint& point = points[i];
+      const auto& field = samples[i];
+      if (rating) add(*rating, point, field ? field->distance_m : kTruncation_m, blur_m);
+      if (!field) continue;
+      const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+      const double inlier = (1.0 - eps) * std::exp(-0.5 * field->distance_m * field->distance_m / variance);
+      // Derivative of the bounded loss: far points pull less and less.
+      const double influence = params_.bounded ? inlier / (inlier + eps) : 1.0;
+      const double weight = share * point.weight / variance * influence;
+      const Eigen::Vector2d& gradient = field->gradient;
+      Vector5d J;
+      J.head<2>() = gradient;
+      J[2] = gradient.y() * arms[i].x() - gradient.x() * arms[i].y();
+      J.tail<2>() = point.d_lean.transpose() * (R.transpose() * gradient);
+      result.H += weight * J * J.transpose();
+      result.g += weight * field->distance_m * J;
+    }
+    points = points.subspan(count);
   }
   return result;
 }

@@ -71,13 +71,13 @@ class RobustLikelihood {
                       double blur_m, Rating* rating) const;
   void soften(Curvature& memory) const;
   double explainedVariance(const EvidencePoint& point, double blur_m) const;
-  void add(Rating& rating, const EvidencePoint& point, const std::optional<FieldSample>& field,
-           double blur_m) const;
+  /// @param distance_m to the map; the truncation's or more: too far to explain anything.
+  void add(Rating& rating, const EvidencePoint& point, double distance_m, double blur_m) const;
   /// Squared distances to the map; the truncation's or more where it is too far to explain anything.
   void askSquares(std::span<const SegmentGrid::Question> questions, std::span<double> squares) const;
-  void fetch(const RobustObservation& observation, const Placement& placement) const;
-  std::optional<FieldSample> sample(const EvidencePoint& point, const Eigen::Vector2d& p_world,
-                                    double heading) const;
+  /// The same with the way to what is nearest; empty where it is too far.
+  void askSamples(std::span<const SegmentGrid::Question> questions,
+                  std::span<std::optional<FieldSample>> samples) const;
 
   const MapIndex& map_;
   const RobustParams& params_;

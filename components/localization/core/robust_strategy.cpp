@@ -86,6 +86,7 @@ class RobustStrategy : public RaceStrategy {
 
   void rate(Race& race) const override { rate(race, {race.T_world_robot, race.camera_lean}); }
 
+  /// Those that the table would not admit have a place and a health only.
   std::vector<Race> search(int explorers, const RaceTable& table, RandomEngine& engine) const override {
     std::vector<Individual> population = explore(explorers, engine);
     std::vector<Individual> best = bestPlaces(population, params_.robust.refined_explorers,
@@ -102,20 +103,22 @@ class RobustStrategy : public RaceStrategy {
                                     .refine(observation_, {place.T_world_robot}, broad_prior_, 1.0,
                                             params_.robust.refinement_steps, kRefinementBlur_m)
                                     .placement;
-      races.push_back(foundAt(refined.T_world_robot, engine));
-      past_.earn(races.back(), table.races());
+      races.push_back(ratedAt(refined.T_world_robot));
+    }
+    double most_health = 0.0;
+    for (const Race& race : races) most_health = std::max(most_health, race.health);
+    for (Race& race : races) {
+      // Most are at places that are known: nobody will ask for the rest.
+      if (!table.mayAdmit(race, most_health)) continue;
+      complete(race);
+      past_.earn(race, table.races());
     }
     return races;
   }
 
   Race foundAt(const Pose2& T_world_robot, RandomEngine&) const override {
-    Race race;
-    race.T_world_robot = T_world_robot;
-    rate(race);
-    missWhatShouldBeSeen(race);
-    race.evidence = race.log_likelihood;
-    const auto refined = likelihood_.refine(observation_, {T_world_robot}, broad_prior_, 1.0, 0, 0.0);
-    race.P = (refined.information + broad_prior_).inverse();
+    Race race = ratedAt(T_world_robot);
+    complete(race);
     return race;
   }
 
@@ -235,6 +238,21 @@ class RobustStrategy : public RaceStrategy {
                       0.0, 1.0);
   }
 
+  /// With health and likelihood.
+  Race ratedAt(const Pose2& T_world_robot) const {
+    Race race;
+    race.T_world_robot = T_world_robot;
+    rate(race);
+    return race;
+  }
+
+  void complete(Race& race) const {
+    missWhatShouldBeSeen(race);
+    race.evidence = race.log_likelihood;
+    const auto refined = likelihood_.refine(observation_, {race.T_world_robot}, broad_prior_, 1.0, 0, 0.0);
+    race.P = (refined.information + broad_prior_).inverse();
+  }
+
   void missWhatShouldBeSeen(Race& race) const {
     if (params_.robust.negative_information) race.log_likelihood += negative_.logPenalty(race.T_world_robot);
   }
@@ -243,7 +261,7 @@ class RobustStrategy : public RaceStrategy {
   std::vector<Individual> explore(int most, RandomEngine& engine) const {
     const RobustParams& robust = params_.robust;
     const auto proposals = robust.constructed_share > 0.0 && robust.landmark_share > 0.0
-                               ? landmarks_.match(observation_, engine)
+                               ? landmarks_.match(observation_, most, engine)
                                : LandmarkExplorers::Proposals{};
     std::vector<Individual> population;
     population.reserve(static_cast<std::size_t>(most));

@@ -234,13 +234,6 @@ void SegmentGrid::visitTogether(std::span<const Question> questions, Visit visit
   visitAll();
 }
 
-void SegmentGrid::fetch(std::span<const Question> questions) const {
-  if (!is_large_) return;
-  for (; !questions.empty(); questions = questions.subspan(std::min(kAtOnce, questions.size()))) {
-    visitTogether(questions.first(std::min(kAtOnce, questions.size())), [](const Line&, std::size_t) {});
-  }
-}
-
 void SegmentGrid::nearestSquares(std::span<const Question> questions, std::span<double> squares) const {
   std::fill_n(squares.begin(), questions.size(), reach_m_ * reach_m_);
   while (!questions.empty()) {
@@ -253,33 +246,58 @@ void SegmentGrid::nearestSquares(std::span<const Question> questions, std::span<
   }
 }
 
-std::optional<FieldSample> SegmentGrid::nearest(const Question& question) const {
-  const Cell cell = cellAt(placeOf(question.p));
-  const Line* nearest = nullptr;
-  Eigen::Vector2d away;
-  double square = reach_m_ * reach_m_;
-  const Member* member = cell.members;
-  for (bool more = member; more; ++member) {
-    more = !member->is_last;
-    if (!kinds_[member->kind].counts(question)) continue;
-    const Line& line = cell.lines[member->line];
-    const Eigen::Vector2d to = line.to(question.p);
-    if (to.squaredNorm() >= square) continue;
-    square = to.squaredNorm();
-    away = to;
-    nearest = &line;
-  }
-  if (!nearest) return std::nullopt;
+FieldSample SegmentGrid::sampleOf(const Line& line, const Eigen::Vector2d& p) const {
+  const Eigen::Vector2d away = line.to(p);
   FieldSample sample;
-  sample.distance_m = std::sqrt(square);
-  const Eigen::Vector2d way(nearest->wx, nearest->wy);
+  sample.distance_m = std::sqrt(away.squaredNorm());
+  const Eigen::Vector2d way(line.wx, line.wy);
   if (sample.distance_m > 1e-9) {
     sample.gradient = away / sample.distance_m;
   } else if (way.squaredNorm() > 0.0) {
     sample.gradient = Eigen::Vector2d(-way.y(), way.x()).normalized();
   }
-  sample.segment = numbers_[static_cast<std::size_t>(nearest - lines_.data())];
+  sample.segment = numbers_[static_cast<std::size_t>(&line - lines_.data())];
   return sample;
+}
+
+std::optional<FieldSample> SegmentGrid::nearest(const Question& question) const {
+  const Cell cell = cellAt(placeOf(question.p));
+  const Line* nearest = nullptr;
+  double least = reach_m_ * reach_m_;
+  const Member* member = cell.members;
+  for (bool more = member; more; ++member) {
+    more = !member->is_last;
+    if (!kinds_[member->kind].counts(question)) continue;
+    const Line& line = cell.lines[member->line];
+    const double square = line.to(question.p).squaredNorm();
+    if (square >= least) continue;
+    least = square;
+    nearest = &line;
+  }
+  if (!nearest) return std::nullopt;
+  return sampleOf(*nearest, question.p);
+}
+
+void SegmentGrid::nearest(std::span<const Question> questions,
+                          std::span<std::optional<FieldSample>> samples) const {
+  std::array<double, kAtOnce> squares;
+  std::array<const Line*, kAtOnce> lines;
+  while (!questions.empty()) {
+    const std::size_t count = std::min(kAtOnce, questions.size());
+    std::fill_n(squares.begin(), count, reach_m_ * reach_m_);
+    std::fill_n(lines.begin(), count, nullptr);
+    visitTogether(questions.first(count), [&](const Line& line, std::size_t i) {
+      const double square = line.to(questions[i].p).squaredNorm();
+      lines[i] = square < squares[i] ? &line : lines[i];
+      squares[i] = std::min(square, squares[i]);
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+      samples[i].reset();
+      if (lines[i]) samples[i] = sampleOf(*lines[i], questions[i].p);
+    }
+    questions = questions.subspan(count);
+    samples = samples.subspan(count);
+  }
 }
 
 }  // namespace vismem

@@ -50,13 +50,10 @@ class SegmentGrid {
 
   double reach() const { return reach_m_; }
 
-  /// True if it pays to fetch: a small set stays in the caches near the processor.
-  bool isLarge() const { return is_large_; }
-  /// Begins to read what the questions will need, all at once and not one after another. Changes speed alone.
-  void fetch(std::span<const Question> questions) const;
-
   /// The nearest item; empty beyond the reach.
   std::optional<FieldSample> nearest(const Question& question) const;
+  /// The same for as many questions: what they need is read all at once and not one after another.
+  void nearest(std::span<const Question> questions, std::span<std::optional<FieldSample>> samples) const;
   /// Distances alone, squared [m^2], to as many questions; the reach's beyond the reach.
   void nearestSquares(std::span<const Question> questions, std::span<double> squares) const;
 
@@ -99,6 +96,7 @@ class SegmentGrid {
   };
   static constexpr std::uint32_t kNone = 0xFFFF'FFFF;
 
+  FieldSample sampleOf(const Line& line, const Eigen::Vector2d& p) const;
   static std::size_t cellNumber(unsigned x, unsigned y);
   Place placeOf(const Eigen::Vector2d& p) const;
   Cell cellAt(const Place& place) const;
@@ -110,8 +108,8 @@ class SegmentGrid {
                    const Eigen::Vector2d& corner, double cell_m);
 
   double reach_m_;
-  bool is_large_ = false;
-  double per_m_ = 1.0;  // cells
+  bool is_large_ = false;  // it pays to read ahead: a small set stays in the caches near the processor
+  double per_m_ = 1.0;     // cells
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   int blocks_x_ = 0;
   int blocks_y_ = 0;
