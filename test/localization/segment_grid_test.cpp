@@ -65,7 +65,7 @@ TEST(SegmentGrid, AnswersManyAsItAnswersEach) {
   const SegmentGrid grid(items, 1.0, 0.5);
   RandomEngine engine(19);
   std::vector<SegmentGrid::Question> points{{{std::nan(""), 0.0}, 1, 2}, {{1e9, -1e9}, 1, 2}};
-  for (int i = 0; i < 100; ++i)
+  for (int i = 0; i < 300; ++i)
     points.push_back({{uniform(engine, -40, 160), uniform(engine, -40, 160)}, 1, 2});
   std::vector<double> squares(points.size());
   grid.nearestSquares(points, squares);

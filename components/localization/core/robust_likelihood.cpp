@@ -143,7 +143,7 @@ void RobustLikelihood::explain(const RobustObservation& observation, std::span<I
     preview_weight = weight;
   }
   // Some places at a time: their questions wait for memory together.
-  constexpr std::size_t kPlaces = 4;
+  constexpr std::size_t kPlaces = 8;
   std::vector<SegmentGrid::Question> questions(kPlaces * samples.size());
   std::vector<double> squares(questions.size());
   std::array<Individual*, kPlaces> asked;

@@ -61,7 +61,7 @@ class SegmentGrid {
   static constexpr int kBlock = 16;  // cells along a block's side
   static constexpr int kTile = 4;    // cells along the side of a part of it that lies together
   static constexpr std::size_t kCells = std::size_t{kBlock} * kBlock;
-  static constexpr std::size_t kAtOnce = 64;  // questions: more than a processor reads for at a time
+  static constexpr std::size_t kAtOnce = 128;  // questions: more than a processor reads for at a time
 
   struct alignas(32) Line {  // an item, ready to measure; two in a line of a cache
     double ax, ay, wx, wy;   // begin, and way to the end
