@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -162,7 +164,7 @@ double pitchLearnt(const std::vector<Segment3>& lines, double true_pitch_rad) {
       s.odom.b = turnedOnFloor(s.odom.b, believed.translation(), R);
     }
     std::vector<DriftResidual> residuals;
-    addCourseResiduals(floor, LeaningView(believed, 0.0), Lean::Zero(), {}, residuals);
+    addCourseResiduals(floor, LeaningView(believed, 0.0), Lean::Zero(), {}, std::nullopt, residuals);
     alignment.solve({0.0, 0.0}, residuals, {});
   }
   return alignment.lean()[2];
@@ -187,7 +189,7 @@ TEST(CameraLean, OnlyAPlaceOfRightAnglesHasACourse) {
   const auto holds = [](const std::vector<double>& directions_deg) {
     Rectilinearity place({});
     for (const double d : directions_deg) place.add(degToRad(d), 1.0);
-    return place.holds();
+    return place.course().has_value();
   };
   EXPECT_TRUE(holds({30.0, 121.0, -61.0, 210.5, 29.0}));
   EXPECT_TRUE(holds({44.0, -44.0, 45.5, -46.0})) << "across the seam";
@@ -197,7 +199,40 @@ TEST(CameraLean, OnlyAPlaceOfRightAnglesHasACourse) {
   EXPECT_FALSE(holds({0.0, 15.0, 30.0, 45.0, 60.0, 75.0})) << "a round one";
   Rectilinearity chords({});
   for (int i = 0; i < 12; ++i) chords.add(0.0, 0.2);
-  EXPECT_FALSE(chords.holds());
+  EXPECT_FALSE(chords.course().has_value());
+}
+
+TEST(CameraLean, TheCourseOfAPlaceIsThatOfMostOfItsLines) {
+  Rectilinearity place({});
+  for (const double d : {44.0, -44.0, 45.5, -46.0, 10.0}) place.add(degToRad(d), 1.0);
+  ASSERT_TRUE(place.course());
+  // 44, 46, 45.5 and 44 degrees, modulo 90.
+  EXPECT_NEAR(std::remainder(*place.course() - degToRad(44.875), degToRad(90.0)), 0.0, degToRad(0.05));
+}
+
+TEST(CameraLean, ACourseThatIsKnownTellsOfATurnByOneLine) {
+  // Odometry counted two degrees too much: what is seen lies so far to the left of what is remembered.
+  const double turned = degToRad(2.0);
+  const Eigen::Rotation2Dd R(turned);
+  Segment3 line{{1.2, 0.6, 0.0}, {2.2, 0.6, 0.0}};
+  std::mt19937_64 random(3);
+  const Pose3 T_robot_camera = cameraPose(mount(), degToRad(20.0), -0.35);
+  auto floor = seenLeaning({line}, T_robot_camera, Lean::Zero(), random);
+  ASSERT_EQ(floor.size(), 1u);
+  for (Eigen::Vector2d* p : {&floor[0].odom.a, &floor[0].odom.b}) *p = R * *p;
+  const LeaningView view(toPose3(Pose2{0.0, 0.0, turned}) * T_robot_camera, turned);
+  DriftAlignment::Params feet;
+  feet.turn_per_rad = 0.2;
+  const auto turnTold = [&](const std::optional<double>& known_rad) {
+    DriftAlignment alignment;
+    alignment.travel({}, {0.0, 0.0, 1.0}, feet);
+    std::vector<DriftResidual> residuals;
+    addCourseResiduals(floor, view, Lean::Zero(), {}, known_rad, residuals);
+    const auto found = alignment.solve({0.0, 0.0}, residuals, feet);
+    return found ? found->motion.turn_rad : 0.0;
+  };
+  EXPECT_NEAR(turnTold(0.0), turned, degToRad(0.7));
+  EXPECT_EQ(turnTold(std::nullopt), 0.0) << "one line has no course of its own";
 }
 
 TEST(CameraLean, AKnownSwayIsNoUncertaintyOfPlacesAnyMore) {

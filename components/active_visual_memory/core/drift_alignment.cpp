@@ -89,7 +89,7 @@ std::optional<Correction> DriftAlignment::solve(const Eigen::Vector2d& robot,
     Vector right = Vector::Zero();
     for (const DriftResidual& r : residuals) {
       Vector h;
-      h << r.direction, r.direction.dot(turned90(r.p - robot)), -r.d_lean.transpose(),
+      h << r.direction, r.direction.dot(turned90(r.p - robot)) + r.d_turn, -r.d_lean.transpose(),
           Eigen::Vector2d::Zero(), -r.d_sway.transpose(), r.d_course;
       // The gate opens by what the drift may be; at the end only what agrees with the rest counts.
       const double spread = i == 0 ? h.dot(P * h) : 0.0;

@@ -31,6 +31,7 @@ struct DriftResidual {
   Eigen::RowVector2d d_sway =
       Eigen::RowVector2d::Zero();  ///< how a sway of this image moves the observed one
   double d_course = 0.0;  ///< how it follows the course of this image's straight lines (addCourseResiduals)
+  double d_turn = 0.0;    ///< and, beside what `direction` says, the turn of the memory
 };
 
 /// What one image tells.

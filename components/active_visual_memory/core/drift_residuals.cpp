@@ -60,26 +60,35 @@ void Rectilinearity::add(double direction_rad, double length_m) {
   const double course = offCourse(direction_rad, 0.0) / (0.5 * std::numbers::pi) + 0.5;  // 0..1
   const int bin = std::clamp(static_cast<int>(course * kBins), 0, kBins - 1);
   length_m_[bin] += length_m;
+  sums_[bin] += length_m * Eigen::Vector2d(std::cos(4.0 * direction_rad), std::sin(4.0 * direction_rad));
   ++lines_[bin];
   all_m_ += length_m;
 }
 
-bool Rectilinearity::holds() const {
+std::optional<double> Rectilinearity::course() const {
   const int reach = static_cast<int>(params_.together_rad / (0.5 * std::numbers::pi / kBins) + 0.5);
+  double most_m = 0.0;
+  std::optional<double> course;
   for (int middle = 0; middle < kBins; ++middle) {
     double length_m = 0.0;
     int lines = 0;
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     for (int i = middle - reach; i <= middle + reach; ++i) {
       length_m += length_m_[(i + kBins) % kBins];
       lines += lines_[(i + kBins) % kBins];
+      sum += sums_[(i + kBins) % kBins];
     }
-    if (lines >= params_.least_lines && length_m >= params_.least_share * all_m_) return true;
+    if (lines < params_.least_lines || length_m < params_.least_share * all_m_ || length_m <= most_m)
+      continue;
+    most_m = length_m;
+    course = 0.25 * std::atan2(sum.y(), sum.x());
   }
-  return false;
+  return course;
 }
 
 void addCourseResiduals(const std::vector<FloorSegment>& floor, const LeaningView& view, const Lean& about,
-                        const CourseParams& params, std::vector<DriftResidual>& residuals) {
+                        const CourseParams& params, const std::optional<double>& known_rad,
+                        std::vector<DriftResidual>& residuals) {
   if (!(params.sigma_rad > 0.0)) return;
   const auto tells = [&](const FloorSegment& s) {
     const Eigen::Vector2d ray = (s.odom.middle() - view.camera.head<2>()).normalized();
@@ -91,24 +100,23 @@ void addCourseResiduals(const std::vector<FloorSegment>& floor, const LeaningVie
   const auto leant = [&](const Eigen::Vector2d& p, const FloorLean& D) -> Eigen::Vector2d {
     return p + view.derivativeAt(p + 0.5 * D * about) * about;
   };
-  // The direction that most of them, by length, have in common.
-  const FloorSegment* course = nullptr;
+  // If it is not known: the direction that most of them, by length, have in common.
+  std::optional<double> course = known_rad;
   double most = 0.0;
   for (const FloorSegment& candidate : floor) {
-    if (!tells(candidate)) continue;
+    if (known_rad || !tells(candidate)) continue;
     double votes = 0.0;
     for (const FloorSegment& other : floor) {
       if (&other == &candidate || !tells(other)) continue;
       const double off = offCourse(other.odom.direction(), candidate.odom.direction());
       if (std::abs(off) <= params.together_rad) votes += other.odom.length();
     }
-    if (votes > most) most = votes, course = &candidate;
+    if (votes > most) most = votes, course = candidate.odom.direction();
   }
   if (!course) return;
   for (const FloorSegment& s : floor) {
     if (!tells(s)) continue;
-    const double seen_off = offCourse(s.odom.direction(), course->odom.direction());
-    if (std::abs(seen_off) > params.together_rad) continue;
+    if (std::abs(offCourse(s.odom.direction(), *course)) > params.together_rad) continue;
     const Segment2 line{leant(s.odom.a, s.D_a), leant(s.odom.b, s.D_b)};
     const double length = line.length();
     const Eigen::Vector2d along = (line.b - line.a) / length;
@@ -117,9 +125,10 @@ void addCourseResiduals(const std::vector<FloorSegment>& floor, const LeaningVie
         (ownVariance(n, s.P_a, s.D_a, s.pitch_sigma_rad) + ownVariance(n, s.P_b, s.D_b, s.pitch_sigma_rad)) /
         (length * length);
     const LeanRow d = n.transpose() * (view.derivativeAt(line.b) - view.derivativeAt(line.a)) / length;
-    const double off = offCourse(line.direction(), course->odom.direction()) - d.dot(about);
+    const double off = offCourse(line.direction(), *course) - d.dot(about);
     residuals.push_back({s.odom.middle(), Eigen::Vector2d::Zero(), off,
-                         own + params.sigma_rad * params.sigma_rad, d, d.head<2>(), 1.0});
+                         own + params.sigma_rad * params.sigma_rad, d, d.head<2>(), known_rad ? 0.0 : 1.0,
+                         known_rad ? 1.0 : 0.0});
   }
 }
 

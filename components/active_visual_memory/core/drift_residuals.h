@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "active_visual_memory/core/drift_alignment.h"
@@ -32,14 +33,18 @@ struct CourseParams {
 /// Do the long lines of a place have one course, modulo 90 degrees?
 class Rectilinearity {
  public:
-  explicit Rectilinearity(const CourseParams& params) : params_(params) {}
+  explicit Rectilinearity(const CourseParams& params) : params_(params) {
+    sums_.fill(Eigen::Vector2d::Zero());
+  }
   void add(double direction_rad, double length_m);
-  bool holds() const;
+  /// It, in -45..45 degrees from the frame's axes [rad]; empty when they have none.
+  std::optional<double> course() const;
 
  private:
   static constexpr int kBins = 30;  ///< of 3 degrees
   CourseParams params_;
   std::array<double, kBins> length_m_{};
+  std::array<Eigen::Vector2d, kBins> sums_;  ///< of the unit vectors of four times the direction, by length
   std::array<int, kBins> lines_{};
   double all_m_ = 0.0;
 };
@@ -50,7 +55,10 @@ class Rectilinearity {
 /// common to one image and solved for beside; where it is not held by two lines at least, nothing is added.
 /// @param about the lean, beside the one believed, that the derivatives are taken at: a line that is seen too
 /// far away turns too much with the lean, too, which would not average out.
+/// @param known_rad the course of what is remembered, if that has one: then the lines tell of the turn of the
+/// memory, too, and one of them is enough.
 void addCourseResiduals(const std::vector<FloorSegment>& floor, const LeaningView& view, const Lean& about,
-                        const CourseParams& params, std::vector<DriftResidual>& residuals);
+                        const CourseParams& params, const std::optional<double>& known_rad,
+                        std::vector<DriftResidual>& residuals);
 
 }  // namespace vismem

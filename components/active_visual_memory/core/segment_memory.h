@@ -55,8 +55,11 @@ class SegmentMemory {
     int max_elements = 1000;
     bool align = true;  ///< the whole memory follows the drift of odometry that the images show
     DriftAlignment::Params alignment;
-    LeanParams lean;           ///< estimated with the drift
-    CourseParams course;       ///< of straight lines, which tell of the lean
+    LeanParams lean;      ///< estimated with the drift
+    CourseParams course;  ///< of straight lines, which tell of the lean
+    /// Where what is remembered has one course, modulo 90 degrees, the lines of each image tell of the
+    /// heading against it. For odometry that errs more than the directions of lines: that of feet.
+    bool compass = false;
     double align_doubt = 3.0;  ///< and times this for what is not known yet to rest on the floor
     /// Ends are found a pixel or so short, and always the same way: as independent errors they would make a
     /// camera that comes nearer seem to lean. Standard deviations times this.
@@ -131,7 +134,7 @@ class SegmentMemory {
   std::vector<int> cache(const Pose2& T_odom_robot) const;
   void travel(const Pose2& T_odom_robot);
   void moveAll(const SmallMotion& motion);
-  bool isRectilinear() const;
+  std::optional<double> courseOfAll() const;
   Meeting meet(const View& view, const std::vector<ImageSegment>& observed,
                const std::vector<FloorSegment>& floor, const std::vector<FloorSegment>& placed) const;
   Meeting meetSwaying(const View& view, const std::vector<ImageSegment>& observed,

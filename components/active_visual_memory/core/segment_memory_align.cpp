@@ -85,19 +85,21 @@ std::optional<Correction> SegmentMemory::tellDrift(const Meeting& meeting,
   }
   const Eigen::Vector2d robot = view.observation.T_odom_robot.position();
   const std::size_t matched = residuals.size();
-  if (params_.lean.enabled() && isRectilinear()) {
-    addCourseResiduals(floor, leaning, Lean::Zero(), params_.course, residuals);
-  }
-  if (residuals.size() > matched) {
-    // Once more, about where the first look at this image puts its lean.
-    DriftAlignment trial = drift;
-    Lean about = Lean::Zero();
-    if (const auto first = trial.solve(robot, residuals, params_.alignment)) {
-      about = first->lean;
-      about.head<2>() += first->sway;
+  const auto course = params_.lean.enabled() ? courseOfAll() : std::nullopt;
+  if (course) {
+    const auto known = params_.compass ? course : std::nullopt;
+    addCourseResiduals(floor, leaning, Lean::Zero(), params_.course, known, residuals);
+    if (residuals.size() > matched) {
+      // Once more, about where the first look at this image puts its lean.
+      DriftAlignment trial = drift;
+      Lean about = Lean::Zero();
+      if (const auto first = trial.solve(robot, residuals, params_.alignment)) {
+        about = first->lean;
+        about.head<2>() += first->sway;
+      }
+      residuals.resize(matched);
+      addCourseResiduals(floor, leaning, about, params_.course, known, residuals);
     }
-    residuals.resize(matched);
-    addCourseResiduals(floor, leaning, about, params_.course, residuals);
   }
   return drift.solve(robot, residuals, params_.alignment);
 }

@@ -21,14 +21,14 @@ void SegmentMemory::moveAll(const SmallMotion& motion) {
   }
 }
 
-bool SegmentMemory::isRectilinear() const {
+std::optional<double> SegmentMemory::courseOfAll() const {
   Rectilinearity place(params_.course);
   for (const MemoryElement& element : elements_) {
     if (!onTrial(element) && !element.stands && element.not_vertical) {
       place.add(element.line.direction(), element.line.length());
     }
   }
-  return place.holds();
+  return place.course();
 }
 
 void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
