@@ -242,6 +242,8 @@ TEST(HealthProperty, TreesGiveTheImageHealthOfASearchOverTheWholeMap) {
   mount.T_robot_pantilt = poseFromXyzRpy(0.1, 0, 0.8, 0, 0, 0);
   int partial = 0;
   int none = 0;
+  int enough = 0;
+  int spared = 0;
   for (int image = 0; image < 100; ++image) {
     auto analysis = std::make_shared<ImageAnalysis>();
     analysis->intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
@@ -259,11 +261,20 @@ TEST(HealthProperty, TreesGiveTheImageHealthOfASearchOverTheWholeMap) {
       const Pose2 pose{uniform(engine, -20, 80), uniform(engine, -20, 80), uniform(engine, -3, 3)};
       const double health = by_list.health(pose);
       ASSERT_EQ(by_trees.health(pose), health) << "image " << image << ", place " << i;
+      // Who asks only for enough is told the same from there on, and nothing else than that or 0 below.
+      const double least = 0.05 * (1 << i % 4);
+      const double told = by_trees.health(pose, least);
+      ASSERT_TRUE(told == health || (told == 0.0 && health < least))
+          << "image " << image << ", place " << i << ": " << told << " for " << health << ", least " << least;
+      enough += health >= least ? 1 : 0;
+      spared += told != health ? 1 : 0;
       (health > 0.0 ? partial : none) += 1;
     }
   }
   EXPECT_GT(partial, 300);
   EXPECT_GT(none, 300);
+  EXPECT_GT(enough, 100);
+  EXPECT_GT(spared, 100);
 }
 
 TEST(HealthObservation, UnknownLabelsSayNothing) {

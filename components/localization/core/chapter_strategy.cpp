@@ -49,7 +49,7 @@ class ChapterStrategy : public RaceStrategy {
     population.reserve(static_cast<std::size_t>(explorers));
     for (int i = 0; i < explorers; ++i) {
       const Pose2 pose = uniformExplorer(map_, params_.explorers.margin_m, engine);
-      population.push_back({pose, observation_.health(pose)});
+      population.push_back({pose, observation_.health(pose, params_.explorers.list_health)});
     }
     std::vector<Race> races;
     for (const Individual& place : bestPlaces(population, params_.explorers.candidates,

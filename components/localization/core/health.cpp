@@ -14,8 +14,11 @@ constexpr double kReferenceHeight_px = 240.0;
 /// brute force outside, so the truncation changes speed alone.
 constexpr double kTruncation_m = 2.0;
 
-/// So many times the scale leave no health, however sums were rounded.
-constexpr double kCertainlyNone = 1.000001;
+/// So many times what leaves too little health, however sums were rounded.
+constexpr double kCertainlyEnough = 1.000001;
+
+/// A point further than so many times the scale from its line ends the hope for a place, or nearly.
+constexpr double kFarScales = 1.5;
 
 }  // namespace
 
@@ -160,26 +163,50 @@ void HealthObservation::set(const MemoryUpdate& update) {
   }
 }
 
-/// What imageHealth gives.
-double HealthObservation::healthByTrees(const Pose3& T_world_camera, double scale_px) const {
-  const TreeCamera camera(intrinsics_, T_world_camera);
-  const double diagonal = std::hypot(intrinsics_.width, intrinsics_.height);
-  const auto size = static_cast<double>(points_.size());
-  double sum = 0.0;
+/// Calls with the tree and the pixels of each label until it says no.
+template <typename AddLabel>
+void HealthObservation::visitLabels(AddLabel add_label) const {
   for (std::size_t first = 0; first < points_.size();) {
     const int label = points_[first].label;
     std::size_t after = first;
     while (after < points_.size() && points_[after].label == label) ++after;
-    const std::span px = std::span(pixels_).subspan(first, after - first);
-    const bool is_in_view = map_.tree(label)->nearestSquares(camera, px, squares_, tree_room_);
-    for (std::size_t i = 0; i < px.size(); ++i) sum += is_in_view ? std::sqrt(squares_[i]) : diagonal;
-    if (sum > kCertainlyNone * size * scale_px) return 0.0;
+    if (!add_label(*map_.tree(label), std::span(pixels_).subspan(first, after - first))) return;
     first = after;
   }
-  return std::clamp(1.0 - sum / size / scale_px, 0.0, 1.0);
 }
 
-double HealthObservation::health(const Pose2& T_world_robot) const {
+/// What imageHealth gives; 0 where that is under `least`.
+double HealthObservation::healthByTrees(const Pose3& T_world_camera, double scale_px, double least) const {
+  const TreeCamera camera(intrinsics_, T_world_camera);
+  const double diagonal = std::hypot(intrinsics_.width, intrinsics_.height);
+  const auto size = static_cast<double>(points_.size());
+  const double most_sum = kCertainlyEnough * (1.0 - least) * size * scale_px;
+  double sum = 0.0;
+  if (least > 0.0) {
+    // Most places show nothing near most points: no need to know how far it is.
+    const double far_px = kFarScales * scale_px;
+    bool is_exact = true;
+    visitLabels([&](const SegmentTree& tree, std::span<const Eigen::Vector2d> px) {
+      tree.nearestSquares(camera, px, squares_, tree_room_, far_px * far_px);
+      for (std::size_t i = 0; i < px.size(); ++i) {
+        is_exact = is_exact && squares_[i] < far_px * far_px;
+        sum += std::sqrt(squares_[i]);
+      }
+      return sum <= most_sum;
+    });
+    if (sum > most_sum) return 0.0;
+    if (is_exact) return std::clamp(1.0 - sum / size / scale_px, 0.0, 1.0);
+    sum = 0.0;
+  }
+  visitLabels([&](const SegmentTree& tree, std::span<const Eigen::Vector2d> px) {
+    const bool is_in_view = tree.nearestSquares(camera, px, squares_, tree_room_);
+    for (std::size_t i = 0; i < px.size(); ++i) sum += is_in_view ? std::sqrt(squares_[i]) : diagonal;
+    return sum <= most_sum;
+  });
+  return sum > most_sum ? 0.0 : std::clamp(1.0 - sum / size / scale_px, 0.0, 1.0);
+}
+
+double HealthObservation::health(const Pose2& T_world_robot, double least) const {
   double sum = 0.0;
   int functions = 0;
   if (!lines_.empty()) {
@@ -190,7 +217,7 @@ double HealthObservation::health(const Pose2& T_world_robot) const {
     const double scale_px = params_.image_scale_px * intrinsics_.width / kReferenceWidth_px;
     const Pose3 T_world_camera = toPose3(T_world_robot) * T_robot_camera_;
     sum += map_.tree(points_.front().label)
-               ? healthByTrees(T_world_camera, scale_px)
+               ? healthByTrees(T_world_camera, scale_px, functions == 0 ? least : 0.0)
                : imageHealth(points_, intrinsics_, T_world_camera, map_, scale_px, room_);
     ++functions;
   }

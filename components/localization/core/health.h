@@ -84,10 +84,13 @@ class HealthObservation {
   /// Lines and points count alike: what the reliability rule calls the amount of evidence.
   std::size_t size() const { return lines_.size() + points_.size(); }
   /// The mean of the health functions that have something to rate with.
-  double health(const Pose2& T_world_robot) const;
+  /// @param least what is certainly under it may be told as 0: it costs less.
+  double health(const Pose2& T_world_robot, double least = 0.0) const;
 
  private:
-  double healthByTrees(const Pose3& T_world_camera, double scale_px) const;
+  template <typename AddLabel>
+  void visitLabels(AddLabel add_label) const;
+  double healthByTrees(const Pose3& T_world_camera, double scale_px, double least) const;
 
   const MapIndex& map_;
   HealthParams params_;

@@ -58,9 +58,9 @@ struct SegmentTree::Search {
 };
 
 bool SegmentTree::nearestSquares(const TreeCamera& camera, std::span<const Eigen::Vector2d> px,
-                                 std::span<double> squares, Room& room) const {
+                                 std::span<double> squares, Room& room, double most_square) const {
+  std::fill_n(squares.begin(), px.size(), most_square);
   if (nodes_.empty()) return false;
-  std::fill_n(squares.begin(), px.size(), std::numeric_limits<double>::infinity());
   constexpr std::size_t kDeepest = 34;  // halved so often nothing is left
   room.resize(std::max(room.size(), px.size() * kDeepest));
   std::iota(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(px.size()), 0u);

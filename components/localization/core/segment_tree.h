@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -62,9 +63,11 @@ class SegmentTree {
 
   /// Squared distances [px^2] to the nearest line of which any part is in view, clipped at the near plane
   /// only.
-  /// @param squares as many as pixels; set here. @return false if no line is in view.
+  /// @param squares as many as pixels; set here, to `most_square` where all lines are further.
+  /// @return false if no line is in view; without meaning if `most_square` is finite.
   bool nearestSquares(const TreeCamera& camera, std::span<const Eigen::Vector2d> px,
-                      std::span<double> squares, Room& room) const;
+                      std::span<double> squares, Room& room,
+                      double most_square = std::numeric_limits<double>::infinity()) const;
 
  private:
   struct alignas(64) Node {  // a box; its first child is the next node
