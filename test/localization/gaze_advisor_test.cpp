@@ -123,15 +123,40 @@ TEST_F(GazeAdvisorTest, WhatIsSeenOnTheWayCountsAndWhatTakesLongCountsLess) {
   const PoseEstimate estimate = estimateWith({race(kHere, 0.5, true), race(kThere, 0.5, false)});
   // What tells them apart lies ahead to the right; the camera looks back on that side.
   const MemoryUpdate back = test::viewFrom(map_, kHere, kSecondUs, degToRad(-159), degToRad(-15));
-  const auto advice = advisor_.advise(estimate, back);
+  GazeAdvisorParams patient;
+  patient.patience_s = 1.5;
+  patient.repeat_s = 0.2;
+  const GazeAdvisor advisor(patient, localizerPreset(LocalizationMode::kDefault), map_);
+  const auto advice = advisor.advise(estimate, back);
   const double there = towards(advice, degToRad(-30)).score;
   // To go past it shows it too; to stay behind does not.
   EXPECT_GT(towards(advice, degToRad(30)).score, 0.5 * there);
   EXPECT_LT(towards(advice, degToRad(-159)).score, there);
-  GazeAdvisorParams slow;
+  GazeAdvisorParams slow = patient;
   slow.head_speed_radps = degToRad(30);
   const GazeAdvisor sluggish(slow, localizerPreset(LocalizationMode::kDefault), map_);
   EXPECT_LT(towards(sluggish.advise(estimate, back), degToRad(-30)).score, 0.9 * there);
+}
+
+TEST_F(GazeAdvisorTest, AHeadThatTurnsGoesOnBeforeItTurnsBack) {
+  const PoseEstimate estimate = estimateWith({race(kHere, 0.5, true), race(kThere, 0.5, false)});
+  StampUs now = 0;
+  const double left = degToRad(75);
+  const MemoryUpdate there = test::viewFrom(map_, kHere, kSecondUs, left, degToRad(-15));
+  // The score of what tells them apart, ahead to the right, for a camera that looks left and came from a pan.
+  const auto scoreComingFrom = [&](double pan_rad) {
+    for (const double pan : {pan_rad, left}) {
+      ImageAnalysis view = test::emptyView(pan, degToRad(-15));
+      view.stamp_us = now += kSecondUs / 10;
+      advisor_.look({std::make_shared<MemorySnapshot>(), std::make_shared<ImageAnalysis>(view)});
+    }
+    advisor_.forget();
+    return towards(advisor_.advise(estimate, there), degToRad(-30)).score;
+  };
+  const double resting = scoreComingFrom(left);
+  EXPECT_GT(scoreComingFrom(left + degToRad(15)), 1.02 * resting) << "it turns right already";
+  EXPECT_LT(scoreComingFrom(left - degToRad(15)), 0.98 * resting) << "it turns left";
+  EXPECT_NEAR(scoreComingFrom(left), resting, 1e-9) << "it stopped";
 }
 
 TEST_F(GazeAdvisorTest, WhatWasSeenTellsLessAndIsNewAgainLater) {
@@ -142,14 +167,14 @@ TEST_F(GazeAdvisorTest, WhatWasSeenTellsLessAndIsNewAgainLater) {
     advisor_.look({std::make_shared<MemorySnapshot>(), std::make_shared<ImageAnalysis>(view)});
   };
   const double fresh = towards(advisor_.advise(estimate, update()), degToRad(-15)).score;
-  for (int i = 0; i < 10; ++i) lookAhead(kSecondUs * i / 10);
+  for (int i = 0; i < 30; ++i) lookAhead(kSecondUs * i / 10);
   const GazeAdvice seen = towards(advisor_.advise(estimate, update()), degToRad(-15));
   EXPECT_LT(seen.score, 0.5 * fresh);
   EXPECT_LT(seen.novelty, 0.3);
   // The same by thirty images a second: it is time that counts.
   advisor_.forget();
   EXPECT_NEAR(towards(advisor_.advise(estimate, update()), degToRad(-15)).score, fresh, 1e-9);
-  for (int i = 0; i < 30; ++i) lookAhead(kSecondUs * i / 30);
+  for (int i = 0; i < 90; ++i) lookAhead(kSecondUs * i / 30);
   EXPECT_NEAR(towards(advisor_.advise(estimate, update()), degToRad(-15)).score, seen.score,
               0.15 * seen.score);
   // Long after, by a look elsewhere.

@@ -215,6 +215,8 @@ GazePlannerParams readGazePlannerParams(ConfigReader& reader) {
   a.repeat_s = r.real("Repeat_s", a.repeat_s, 0.001, 100.0);
   a.forget_s = r.real("Forget_s", a.forget_s, 0.1, 1e4);
   a.head_speed_radps = r.angleDeg("HeadSpeed_degps", radToDeg(a.head_speed_radps), 1.0, 2000.0);
+  a.head_acceleration_radps2 =
+      r.angleDeg("HeadAcceleration_degps2", radToDeg(a.head_acceleration_radps2), 1.0, 100'000.0);
   a.delay_s = r.real("Delay_s", a.delay_s, 0.0, 10.0);
   return p;
 }

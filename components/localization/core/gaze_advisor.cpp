@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/geometry/angles.h"
 #include "localization/core/robust_likelihood.h"
 
 namespace vismem {
@@ -77,7 +78,6 @@ GazeAdvisor::GazeAdvisor(const GazeAdvisorParams& params, const LocalizerParams&
 
 void GazeAdvisor::forget() {
   seen_s_.fill(0.0);
-  last_look_us_.reset();
 }
 
 void GazeAdvisor::look(const MemoryUpdate& update) {
@@ -89,7 +89,13 @@ void GazeAdvisor::look(const MemoryUpdate& update) {
   last_look_us_ = view.stamp_us;
   const double kept = std::exp(-std::max(0.0, since_s) / params_.forget_s);
   const double look_s = std::clamp(since_s, 0.0, kLongestLook_s);
-  const double bearing = axisOf(view.T_robot_camera).pan_rad + view.T_odom_robot.theta;
+  const double pan = axisOf(view.T_robot_camera).pan_rad;
+  pan_speed_radps_ = last_pan_rad_ && since_s > 0.0 && since_s <= kLongestLook_s
+                         ? std::clamp(angleDifference(pan, *last_pan_rad_) / since_s,
+                                      -params_.head_speed_radps, params_.head_speed_radps)
+                         : 0.0;
+  last_pan_rad_ = pan;
+  const double bearing = pan + view.T_odom_robot.theta;
   for (double& seen_s : seen_s_) seen_s *= kept;
   forBearings(kBearings, bearing, halfWidth(view.intrinsics), [&](std::size_t i) { seen_s_[i] += look_s; });
 }
@@ -158,15 +164,26 @@ GazeAdvisor::Bearings GazeAdvisor::tellingAt(double tilt_rad, const std::vector<
   return telling;
 }
 
-double GazeAdvisor::onTheWay(double from_rad, double to_rad, double half_width_rad,
+double GazeAdvisor::onTheWay(double from_rad, double to_rad, double heading_rad, double half_width_rad,
                              const Bearings& telling) const {
   Bearings seen_s = seen_s_;
   double sum = 0.0;
+  double at = from_rad;
+  double speed = pan_speed_radps_;
   for (double t = kStep_s; t < params_.horizon_s + 0.5 * kStep_s; t += kStep_s) {
-    const double way = params_.head_speed_radps * std::max(0.0, t - params_.delay_s);
-    const double at = from_rad + std::clamp(to_rad - from_rad, -way, way);
+    // Until a wish takes effect the head goes on as it did; to turn back it has to brake first.
+    if (t > params_.delay_s + 0.5 * kStep_s) {
+      const double ahead = to_rad - at;
+      const double braking = std::sqrt(2.0 * params_.head_acceleration_radps2 * std::abs(ahead));
+      const double wanted =
+          std::copysign(std::min({params_.head_speed_radps, braking, std::abs(ahead) / kStep_s}), ahead);
+      const double change = params_.head_acceleration_radps2 * kStep_s;
+      speed += std::clamp(wanted - speed, -change, change);
+    }
+    at = std::clamp(at + speed * kStep_s, std::min(params_.minimum_pan_rad, from_rad),
+                    std::max(params_.maximum_pan_rad, from_rad));
     double told = 0.0;
-    forBearings(kBearings, at, half_width_rad, [&](std::size_t i) {
+    forBearings(kBearings, at + heading_rad, half_width_rad, [&](std::size_t i) {
       told += telling[i] / (1.0 + seen_s[i] / params_.repeat_s);
       seen_s[i] += kStep_s;
     });
@@ -182,7 +199,7 @@ std::vector<GazeAdvice> GazeAdvisor::advise(const PoseEstimate& estimate, const 
   const std::vector<Target> seen = targets(estimate);
   const double half_width = halfWidth(view.intrinsics);
   const double heading = update.snapshot->T_odom_robot.theta;
-  const double now = axisOf(view.T_robot_camera).pan_rad + heading;
+  const double now = axisOf(view.T_robot_camera).pan_rad;
   const Eigen::Vector3d camera = view.T_robot_camera.translation();
   for (const double tilt : spread(params_.minimum_tilt_rad, params_.maximum_tilt_rad, params_.step_rad)) {
     const Bearings telling = tellingAt(tilt, seen, update);
@@ -190,7 +207,7 @@ std::vector<GazeAdvice> GazeAdvisor::advise(const PoseEstimate& estimate, const 
       GazeAdvice one;
       one.direction = {pan, tilt};
       // Units stop at their limits, so no way leads behind the robot.
-      one.score = onTheWay(now, pan + heading, half_width, telling);
+      one.score = onTheWay(now, pan, heading, half_width, telling);
       int shown = 0;
       forBearings(kBearings, pan + heading, half_width, [&](std::size_t i) {
         ++shown;

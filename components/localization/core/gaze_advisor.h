@@ -66,13 +66,17 @@ class GazeAdvisor {
   std::vector<Target> targets(const PoseEstimate& estimate) const;
   /// By bearing, what a camera at this tilt would be told there.
   Bearings tellingAt(double tilt_rad, const std::vector<Target>& targets, const MemoryUpdate& update) const;
-  double onTheWay(double from_rad, double to_rad, double half_width_rad, const Bearings& telling) const;
+  /// What is told until the horizon by a camera that turns from one pan of the robot to another.
+  double onTheWay(double from_rad, double to_rad, double heading_rad, double half_width_rad,
+                  const Bearings& telling) const;
 
   GazeAdvisorParams params_;
   MapIndex map_;
   VisibleMap visible_;
   Bearings seen_s_{};  ///< for how long each was in view, of which what is long ago counts less
   std::optional<StampUs> last_look_us_;
+  std::optional<double> last_pan_rad_;  ///< of the camera's axis
+  double pan_speed_radps_ = 0.0;        ///< as the last two images tell
 };
 
 }  // namespace vismem

@@ -171,11 +171,14 @@ struct GazeAdvisorParams {
   /// Least belief in "none of these races": it makes all lines count, not only those that tell races apart.
   double none_share = 0.2;
   double horizon_s = 1.5;   ///< what is seen within this time counts, also on the way ..
-  double patience_s = 1.5;  ///< .. a third of it when it is seen so late
-  double repeat_s = 0.2;    ///< a place that was in view for so long tells half as much as a new one
-  double forget_s = 8.0;    ///< and is nearly new again after two or three times this
+  double patience_s = 0.8;  ///< .. a third of it when it is seen so late
+  /// A place that was in view for so long tells half as much as a new one: three iterations, as
+  /// RobustParams::repeats counts them.
+  double repeat_s = 0.6;
+  double forget_s = 8.0;  ///< and is nearly new again after two or three times this
   double head_speed_radps = 150.0 * std::numbers::pi / 180.0;
-  double delay_s = 0.1;  ///< from the image until the head turns
+  double head_acceleration_radps2 = 1000.0 * std::numbers::pi / 180.0;
+  double delay_s = 0.2;  ///< from the image until a new wish turns the head
 };
 
 /// B4: when localization asks for gaze.

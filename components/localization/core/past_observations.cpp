@@ -6,8 +6,7 @@
 namespace vismem {
 namespace {
 
-constexpr int kEvery = 2;            // iterations: one after the other is seldom news
-constexpr std::size_t kMost = 12;    // nearly five seconds
+constexpr std::size_t kMost = 24;    // iterations: nearly five seconds
 constexpr int kLong = 1'000'000;     // iterations: nobody remembers when it began
 constexpr std::size_t kPoints = 40;  // of each
 /// Odometry errs on the way back into the past, and what is asked for is the place, not the last centimetre.
@@ -22,10 +21,10 @@ void PastObservations::begin(const RobustObservation& observation, const Pose2& 
     current_.reset();
   }
   T_odom_robot_ = T_odom_robot;
-  const bool is_kept = iteration_++ % kEvery == 0;
+  ++iteration_;
   news_ = observation.news;
   for (Kept& one : kept_) one.weight *= 1.0 - newest();
-  if (is_kept) current_ = Kept{kEvery * newest(), T_odom_robot, thinned(observation, kPoints)};
+  current_ = Kept{newest(), T_odom_robot, thinned(observation, kPoints)};
 }
 
 void PastObservations::note(Race& race) const {

@@ -22,7 +22,7 @@ class PastObservations {
 
   /// An iteration begins with this observation.
   void begin(const RobustObservation& observation, const Pose2& T_odom_robot);
-  /// What a race makes of this iteration's observation, if that is one to keep. Every race, every iteration.
+  /// What a race makes of this iteration's observation. Every race, every iteration.
   void note(Race& race) const;
   /// Odometry jumped or somebody said something about the place: what was seen says nothing about now.
   /// @param is_place_known the races' evidence stands for a long past; else the first observations make it.
@@ -54,7 +54,7 @@ class PastObservations {
   int iteration_ = 0;
   double news_ = 1.0;  ///< of this iteration's observation
   std::deque<Kept> kept_;
-  std::optional<Kept> current_;  ///< of this iteration, if it is one to keep
+  std::optional<Kept> current_;  ///< of this iteration
   Pose2 T_odom_robot_;
 };
 
