@@ -245,6 +245,8 @@ TEST(HealthProperty, TreesGiveTheImageHealthOfASearchOverTheWholeMap) {
   int enough = 0;
   int spared = 0;
   for (int image = 0; image < 100; ++image) {
+    // Also one that is larger than the image.
+    params.image_scale_px = image % 4 == 3 ? 600.0 : 50.0;
     auto analysis = std::make_shared<ImageAnalysis>();
     analysis->intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
     analysis->T_robot_camera = cameraPose(mount, uniform(engine, -2, 2), degToRad(uniform(engine, -80, 20)));

@@ -184,7 +184,8 @@ double HealthObservation::healthByTrees(const Pose3& T_world_camera, double scal
   double sum = 0.0;
   if (least > 0.0) {
     // Most places show nothing near most points: no need to know how far it is.
-    const double far_px = kFarScales * scale_px;
+    // No further than what a label without a line in view counts.
+    const double far_px = std::min(kFarScales * scale_px, diagonal);
     bool is_exact = true;
     visitLabels([&](const SegmentTree& tree, std::span<const Eigen::Vector2d> px) {
       tree.nearestSquares(camera, px, squares_, tree_room_, far_px * far_px);
