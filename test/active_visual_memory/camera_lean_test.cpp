@@ -235,6 +235,19 @@ TEST(CameraLean, ACourseThatIsKnownTellsOfATurnByOneLine) {
   EXPECT_EQ(turnTold(std::nullopt), 0.0) << "one line has no course of its own";
 }
 
+TEST(CameraLean, TheCourseIsTheMeanOfTheLinesThatHaveIt) {
+  const auto course = [](const std::vector<double>& directions_deg) {
+    Rectilinearity place({});
+    for (const double d : directions_deg) place.add(degToRad(d), 1.0);
+    return place.course();
+  };
+  // Modulo 90 degrees 30, 31, 29, 30.5, 29: their mean is 29.9.
+  EXPECT_NEAR(radToDeg(course({30.0, 121.0, -61.0, 210.5, 29.0}).value()), 29.9, 1e-3);
+  // 44, 46, 45.5, 44: 44.875, which is as well -45.125.
+  EXPECT_NEAR(radToDeg(offCourse(course({44.0, -44.0, 45.5, -46.0}).value(), degToRad(44.875))), 0.0, 1e-3);
+  EXPECT_FALSE(course({0.0, 15.0, 30.0, 45.0, 60.0, 75.0}));
+}
+
 TEST(CameraLean, AKnownSwayIsNoUncertaintyOfPlacesAnyMore) {
   std::mt19937_64 random(1);
   const auto floor = seenLeaning({{{2.5, 0.3, 0.0}, {2.7, -0.4, 0.0}}}, cameraPose(mount(), 0.2, -0.3),

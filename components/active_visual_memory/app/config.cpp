@@ -93,9 +93,11 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   p.lean.mount_rad = r.angleDeg("Lean.Mount_deg", radToDeg(p.lean.mount_rad), 0.0, 10.0);
   p.lean.camera_rad = r.angleDeg("Lean.Camera_deg", radToDeg(p.lean.camera_rad), 0.0, 10.0);
   p.lean.sway_rad = r.angleDeg("Lean.Sway_deg", radToDeg(p.lean.sway_rad), 0.0, 10.0);
+  p.sway_doubt = r.real("Lean.SwayDoubt", p.sway_doubt, 1.0, 100.0);
   p.course.sigma_rad = r.angleDeg("Lean.Course_deg", radToDeg(p.course.sigma_rad), 0.0, 20.0);
   p.confirm_by_parallax = r.boolean("Confirm.ByParallax", p.confirm_by_parallax);
   p.min_confirmed_m = r.real("Confirm.LeastLength_m", p.min_confirmed_m, 0.0, 2.0);
+  p.tell_in_course = r.boolean("TellInCourse", p.tell_in_course);
   p.gap_votes = static_cast<int>(r.integer("GapVotes", p.gap_votes, 0, 1000));
   p.parallax.least_height_m = r.real("Confirm.LeastHeight_m", p.parallax.least_height_m, 0.005, 2.0);
   p.parallax.min_baseline_m = r.real("Confirm.Baseline_m", p.parallax.min_baseline_m, 0.01, 10.0);
@@ -136,6 +138,13 @@ void readShapeEdges(ConfigReader r, ShapeEdges::Params& p) {
   p.min_width_m = r.real("Line.MinimumWidth_m", p.min_width_m, 0.001, 5.0);
   p.max_width_m = r.real("Line.MaximumWidth_m", p.max_width_m, 0.001, 5.0);
   p.sagitta_m = r.real("Circle.Sagitta_m", p.sagitta_m, 0.0001, 1.0);
+  if (r.boolean("FarLines", false)) {
+    // What is not known of ends that were only seen from afar is two pixels rather than one.
+    p.short_sigmas = p.corners.reach_sigmas = p.junctions.reach_sigmas = 2.0;
+    p.corners.most_reach_m = p.junctions.most_reach_m = 0.25;
+    p.line_widths.blur_px = 1.0;
+    p.junctions.by_one_side = true;
+  }
   p.junctions.enabled = r.boolean("PartAtJunctions", p.junctions.enabled);
   p.line_widths.enabled = r.boolean("EvenLineWidths", p.line_widths.enabled);
   if (p.min_width_m >= p.max_width_m) {

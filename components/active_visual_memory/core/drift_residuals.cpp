@@ -19,12 +19,11 @@ double ownVariance(const Eigen::Vector2d& direction, const Eigen::Matrix2d& P, c
                pitch_sigma_rad * pitch_sigma_rad * (direction.transpose() * D.rightCols<2>()).squaredNorm());
 }
 
-/// Angle between two directions, modulo 90 degrees, in -45..45 degrees.
+}  // namespace
+
 double offCourse(double direction_rad, double course_rad) {
   return 0.25 * wrapAngle(4.0 * (direction_rad - course_rad));
 }
-
-}  // namespace
 
 void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, const LeaningView& view,
                        double slack_m, double noise, double end_doubt, double max_end_shift_m,

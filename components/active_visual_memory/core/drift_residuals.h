@@ -49,6 +49,9 @@ class Rectilinearity {
   double all_m_ = 0.0;
 };
 
+/// Angle between two directions, modulo 90 degrees, in -45..45 degrees.
+double offCourse(double direction_rad, double course_rad);
+
 /// Adds what the directions of an image's long lines tell of lean and sway. What people build and paint is
 /// mostly parallel or at right angles (whether it is here is for the caller to know): lines that converge on
 /// the floor tell that the camera leans, also while the robot stands. Their course, modulo 90 degrees, is

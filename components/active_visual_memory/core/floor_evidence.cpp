@@ -113,6 +113,30 @@ bool FloorEvidence::isEdgeless(const Segment2& px, double most_contrast) const {
   return true;
 }
 
+GapShows FloorEvidence::gap(const Segment2& px, double from_px, double to_px) const {
+  if (image_.empty()) return GapShows::kCovered;
+  constexpr double kBeyond_px = 3.0;  // where the edge is again as it was
+  constexpr double kAside_px = 3.0;
+  constexpr double kBefore_px = 2.0;  // nearer to the camera: there the floor shows before a foot
+  constexpr double kSteep = 0.7;      // an edge that goes away from the camera has no side before it
+  const Eigen::Vector2d d = (px.b - px.a).normalized();
+  const Eigen::Vector2d left{d.y(), -d.x()};
+  const Eigen::Vector2d before = px.a + (from_px - kBeyond_px) * d;
+  const Eigen::Vector2d behind = px.a + (to_px + kBeyond_px) * d;
+  const Eigen::Vector2d middle = px.a + 0.5 * (from_px + to_px) * d;
+  const auto isLike = [&](double aside, double as) {
+    const auto one = colourAt(middle + aside * left);
+    const auto b = colourAt(before + as * left);
+    const auto e = colourAt(behind + as * left);
+    return one && b && e && std::min(difference(*one, *b), difference(*one, *e)) <= params_.max_difference;
+  };
+  const auto isFamiliar = [&](double aside) { return isLike(aside, kAside_px) || isLike(aside, -kAside_px); };
+  if (isFamiliar(kAside_px) && isFamiliar(-kAside_px)) return GapShows::kBare;
+  if (std::abs(d.y()) > kSteep) return GapShows::kCovered;
+  const double down = left.y() > 0.0 ? kBefore_px : -kBefore_px;
+  return isLike(down, down) ? GapShows::kStandsThere : GapShows::kCovered;
+}
+
 PlaceShows FloorEvidence::look(const Segment2& px, const SideColours& remembered) const {
   if (image_.empty()) return PlaceShows::kUnknown;
   const double contrast_before = difference(remembered.left, remembered.right);

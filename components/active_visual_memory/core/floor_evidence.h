@@ -23,6 +23,12 @@ enum class PlaceShows {
   kSomething,  ///< an edge, or a surface of another colour: the place is covered
 };
 
+enum class GapShows {
+  kBare,         ///< on both sides there is what is there beside the gap, too: the edge has a gap
+  kStandsThere,  ///< another thing whose foot is at the edge: what lies before the edge shows
+  kCovered,      ///< another thing that may stand anywhere before the edge, or the image does not tell
+};
+
 /// Looks at strips of one image. *Pure*; keeps a header of the image, whose pixels must not change meanwhile.
 class FloorEvidence {
  public:
@@ -50,6 +56,8 @@ class FloorEvidence {
   /// Is there no edge along a short piece of a line? Where its middle has less than `most_contrast` [grey
   /// levels] of brightness between both sides, 2 px from it. @return false also when the image does not tell.
   bool isEdgeless(const Segment2& px_ideal, double most_contrast) const;
+  /// What makes a gap in an edge? @param from_px, to_px the gap, from the segment's end a.
+  GapShows gap(const Segment2& px_ideal, double from_px, double to_px) const;
   PlaceShows look(const Segment2& px_ideal, const SideColours& remembered) const;
 
  private:

@@ -18,7 +18,8 @@ struct Stretch {
 };
 
 struct Edge {
-  std::size_t segment = 0;                 ///< index of what it was taken from
+  std::size_t segment = 0;  ///< index of what it was taken from
+  bool confirmed = true;
   const MemoryElement* element = nullptr;  ///< null for what was only told (rims of circles, ends of lines)
   Eigen::Vector2d a;
   Eigen::Vector2d along;
@@ -38,11 +39,11 @@ struct Edge {
   }
 };
 
-/// Two sides of a painted line. The paint lies to the left (+1) or to the right (-1) of each of them.
+/// A painted line by one of its sides, which is confirmed.
 struct Line {
   std::size_t one = 0;
-  std::size_t other = 0;
-  double paint = 1.0;
+  std::optional<std::size_t> other;
+  double width_m = 0.0;  ///< > 0: the paint lies to the left of each side; < 0: to the right
 };
 
 std::optional<Line> lineOf(const std::vector<Edge>& edges, std::size_t i, std::size_t k,
@@ -57,7 +58,7 @@ std::optional<Line> lineOf(const std::vector<Edge>& edges, std::size_t i, std::s
   if (width < params.min_width_m || width > params.max_width_m) return std::nullopt;
   const auto [weak, strong] = std::minmax(one.element->strength, other.element->strength);
   if (weak < params.min_strength_share * strong) return std::nullopt;
-  return Line{i, k, beside->left_m < 0.0 ? -1.0 : 1.0};
+  return Line{i, k, beside->left_m};
 }
 
 /// How a side of a line meets an edge.
@@ -87,18 +88,28 @@ std::optional<Meeting> meet(const Edge& edge, const Edge& side, const Eigen::Vec
 
 void partByLine(std::vector<Edge>& edges, std::size_t index, const Line& line, const JunctionParams& params) {
   Edge& edge = edges[index];
-  const Eigen::Vector2d outward = -line.paint * Eigen::Vector2d(-edge.along.y(), edge.along.x());
-  const auto one = meet(edge, edges[line.one], outward, params);
+  const Eigen::Vector2d outward =
+      -std::copysign(1.0, line.width_m) * Eigen::Vector2d(-edge.along.y(), edge.along.x());
+  Edge& side = edges[line.one];
+  const auto one = meet(edge, side, outward, params);
   if (!one) return;
-  const auto other = meet(edge, edges[line.other], outward, params);
-  if (!other) return;
-  const Stretch gap{std::min(one->at, other->at), std::max(one->at, other->at)};
+  const auto other = line.other ? meet(edge, edges[*line.other], outward, params) : std::nullopt;
+  if (!other && !params.by_one_side) return;
+  // Not seen so far, the other side lies beside this one all the same.
+  const double across = cross(side.along, edge.along);
+  const double beside = other ? other->at : one->at + line.width_m / across;
+  const Stretch gap{std::min(one->at, beside), std::max(one->at, beside)};
   if (gap.to - gap.from > 2.0 * params.max_width_m || gap.to <= 0.0 || gap.from >= edge.length) return;
   edge.gaps.push_back(gap);
-  for (const auto& [side, meeting] : {std::pair(line.one, *one), std::pair(line.other, *other)}) {
-    if (!meeting.ends) continue;
-    (meeting.at_b ? edges[side].told.to : edges[side].told.from) = meeting.side_t;
-  }
+  if (one->ends) (one->at_b ? side.told.to : side.told.from) = one->side_t;
+}
+
+/// @param middle of the circle, along the edge. @param far its outer rim from there.
+void tellEndsAtCircle(Edge& edge, double middle, double far, const JunctionParams& params) {
+  const double before = edge.told.from - (middle + far);
+  if (before > 0.0 && before <= edge.reach(false, params)) edge.told.from = middle + far;
+  const double behind = middle - far - edge.told.to;
+  if (behind > 0.0 && behind <= edge.reach(true, params)) edge.told.to = middle - far;
 }
 
 void partByCircle(Edge& edge, const Primitive& circle, const JunctionParams& params) {
@@ -109,6 +120,7 @@ void partByCircle(Edge& edge, const Primitive& circle, const JunctionParams& par
   const double inner = circle.radius_m - 0.5 * circle.width_m;
   const double far = std::sqrt(outer * outer - off * off);
   const double near = std::sqrt(std::max(0.0, inner * inner - off * off));
+  if (params.by_one_side) tellEndsAtCircle(edge, middle, far, params);
   for (const Stretch& gap : {Stretch{middle - far, middle - near}, Stretch{middle + near, middle + far}}) {
     if (gap.to > 0.0 && gap.from < edge.length) edge.gaps.push_back(gap);
   }
@@ -137,16 +149,21 @@ std::vector<Stretch> partsOf(Edge& edge, const JunctionParams& params) {
 }  // namespace
 
 void partAtJunctions(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
-                     const std::vector<Primitive>& primitives, const JunctionParams& params,
+                     const std::vector<Primitive>& primitives, const LineWidths& widths,
+                     const JunctionParams& params,
                      const std::function<std::uint64_t(std::uint64_t, int)>& id_of) {
   if (!params.enabled) return;
   std::vector<Edge> edges;
   for (std::size_t i = 0; i < segments.size(); ++i) {
-    if (!segments[i].confirmed || segments[i].label == kUnknownLabel) continue;
+    if (segments[i].label == kUnknownLabel) continue;
     const auto element = std::find_if(elements.begin(), elements.end(),
                                       [&](const MemoryElement& e) { return e.value.id == segments[i].id; });
+    if (!segments[i].confirmed && (!params.by_one_side || element == elements.end() || element->stands)) {
+      continue;
+    }
     const Segment2 floor = segments[i].odom.floor();
     Edge edge;
+    edge.confirmed = segments[i].confirmed;
     edge.segment = i;
     edge.element = element != elements.end() ? &*element : nullptr;
     edge.a = floor.a;
@@ -157,12 +174,22 @@ void partAtJunctions(std::vector<MemorySegment>& segments, std::span<const Memor
   }
   std::vector<Line> lines;
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    for (std::size_t k = i + 1; k < edges.size(); ++k) {
-      if (!edges[i].element || !edges[k].element) continue;
-      if (const auto line = lineOf(edges, i, k, segments, params)) lines.push_back(*line);
+    if (!edges[i].element || !edges[i].confirmed) continue;
+    const auto width = widths.find(segments[edges[i].segment].label);
+    bool alone = true;
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+      if (k == i || !edges[k].element) continue;
+      if (const auto line = lineOf(edges, i, k, segments, params)) {
+        lines.push_back(*line);
+        alone = false;
+      }
+    }
+    if (params.by_one_side && alone && width != widths.end() && edges[i].length >= params.body_m) {
+      lines.push_back({i, std::nullopt, width->second});
     }
   }
   for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (!edges[i].confirmed) continue;
     const MemorySegment& segment = segments[edges[i].segment];
     for (const Line& line : lines) {
       if (line.one == i || line.other == i) continue;
@@ -176,6 +203,7 @@ void partAtJunctions(std::vector<MemorySegment>& segments, std::span<const Memor
   }
   std::vector<std::uint64_t> gone;
   for (Edge& edge : edges) {
+    if (!edge.confirmed) continue;
     const auto parts = partsOf(edge, params);
     const MemorySegment whole = segments[edge.segment];
     if (parts.empty()) gone.push_back(whole.id);

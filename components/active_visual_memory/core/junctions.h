@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "active_visual_memory/core/line_sides.h"
 #include "active_visual_memory/core/memory_element.h"
 #include "common/visual_memory/memory_snapshot.h"
 #include "common/visual_memory/primitive.h"
@@ -25,17 +26,22 @@ struct JunctionParams {
   double reach_m = 0.05;            ///< each of its sides ends so far from the edge at most ..
   double reach_sigmas = 1.0;        ///< .. and so much of its best view's standard deviation ..
   double most_reach_m = 0.12;       ///< .. but never more than this
-  double min_part_m = 0.03;         ///< shorter parts of an edge are none
+  /// A confirmed side tells of a line at the width that its label has, though the other one is not seen; and
+  /// what ends a little before a circle ends at it.
+  bool by_one_side = false;
+  double min_part_m = 0.03;  ///< shorter parts of an edge are none
   double max_off_centre_share =
       0.5;  ///< of a circle's radius: an edge further from its middle is no crossing
 };
 
-/// Parts the confirmed edges in `segments` where painted lines (two confirmed sides of one label, as paint of
-/// the edge's own kind) reach them from their unpainted side, and where they cross the line of a circle. The
-/// sides that reach an edge are told to end there. @param elements what the segments were taken from. @param
-/// id_of the id of the n-th further part (n >= 0) of the edge with an id.
+/// Parts the confirmed edges in `segments` where painted lines (two confirmed sides of one label, or see
+/// `by_one_side`; as paint of the edge's own kind) reach them from their unpainted side, and
+/// where they cross the line of a circle. What reaches an edge or a circle is told to end there. @param
+/// elements what the segments were taken from. @param widths of lines. @param id_of the id of the n-th
+/// further part (n >= 0) of the edge with an id.
 void partAtJunctions(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
-                     const std::vector<Primitive>& primitives, const JunctionParams& params,
+                     const std::vector<Primitive>& primitives, const LineWidths& widths,
+                     const JunctionParams& params,
                      const std::function<std::uint64_t(std::uint64_t, int)>& id_of);
 
 }  // namespace vismem

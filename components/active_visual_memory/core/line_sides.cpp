@@ -14,6 +14,7 @@ struct Side {
   MemorySegment* told = nullptr;
   Segment2 line;
   Eigen::Vector2d along;  ///< as it was first
+  double blur_m = 0.0;    ///< so far from its place the blur of the image may have put it
   bool near = false;      ///< seen from near: it stays where it is
   bool fixed = false;     ///< it was put where it belongs, or stays
   bool paired = false;    ///< with a confirmed one
@@ -32,8 +33,8 @@ bool isNear(const MemoryElement& element, const LineWidthParams& params) {
 }
 
 /// The width that near lines of each label have; < 0 for dark lines.
-std::map<Label, double> knownWidths(const std::vector<Side>& sides, const std::vector<Pair>& pairs,
-                                    const LineWidthParams& params) {
+LineWidths knownWidths(const std::vector<Side>& sides, const std::vector<Pair>& pairs,
+                       const LineWidthParams& params) {
   std::map<Label, std::vector<double>> told;
   for (const Pair& pair : pairs) {
     const Side& one = sides[pair.one];
@@ -42,7 +43,7 @@ std::map<Label, double> knownWidths(const std::vector<Side>& sides, const std::v
     if (std::abs(pair.beside.left_m) < params.min_width_m) continue;
     told[one.told->label].push_back(pair.beside.left_m);
   }
-  std::map<Label, double> known;
+  LineWidths known;
   for (auto& [label, widths] : told) {
     std::sort(widths.begin(), widths.end());
     const double median = widths[widths.size() / 2];
@@ -91,8 +92,8 @@ bool setApart(Side& one, Side& other, const SideBySide& beside, double width_m,
   if (other.fixed) base = at_one + (beside.left_m - width_m) * left;
   const Segment2 new_one = laidOn(one.line, base, u);
   const Segment2 new_other = laidOn(other.line, base + width_m * left, -u);
-  if (!isSmallMove(one.line, new_one, params.most_shift_m) ||
-      !isSmallMove(other.line, new_other, params.most_shift_m)) {
+  if (!isSmallMove(one.line, new_one, std::max(params.most_shift_m, one.blur_m)) ||
+      !isSmallMove(other.line, new_other, std::max(params.most_shift_m, other.blur_m))) {
     return false;
   }
   if (!one.fixed) tell(one, new_one);
@@ -116,9 +117,9 @@ std::optional<SideBySide> sideBySide(const Segment2& one, const Segment2& other,
   return beside;
 }
 
-void evenLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
-                    const LineWidthParams& params) {
-  if (!params.enabled) return;
+LineWidths evenLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                          const LineWidthParams& params) {
+  if (!params.enabled) return {};
   std::vector<Side> sides;
   for (MemorySegment& segment : segments) {
     if (segment.label == kUnknownLabel) continue;
@@ -127,7 +128,9 @@ void evenLineWidths(std::vector<MemorySegment>& segments, std::span<const Memory
     if (element == elements.end() || element->stands) continue;
     const bool near = isNear(*element, params);
     const Segment2 line = segment.odom.floor();
-    sides.push_back({&segment, line, (line.b - line.a).normalized(), near, near && segment.confirmed, false});
+    const double blur = std::min(params.max_width_m, params.blur_px * element->pixel_m);
+    sides.push_back(
+        {&segment, line, (line.b - line.a).normalized(), blur, near, near && segment.confirmed, false});
   }
   std::vector<Pair> pairs;
   const double least_against = -std::cos(params.max_angle_rad);
@@ -137,7 +140,8 @@ void evenLineWidths(std::vector<MemorySegment>& segments, std::span<const Memory
       if (!sides[i].told->confirmed && !sides[k].told->confirmed) continue;
       if (sides[i].told->label != sides[k].told->label) continue;
       const auto beside = sideBySide(sides[i].line, sides[k].line, params.max_angle_rad);
-      if (!beside || std::abs(beside->left_m) > params.max_width_m) continue;
+      const double most = params.max_width_m + sides[i].blur_m + sides[k].blur_m;
+      if (!beside || std::abs(beside->left_m) > most) continue;
       const double overlap = beside->to_m - beside->from_m;
       if (overlap < params.min_overlap * std::min(sides[i].line.length(), sides[k].line.length())) continue;
       pairs.push_back({i, k, *beside, overlap});
@@ -146,7 +150,7 @@ void evenLineWidths(std::vector<MemorySegment>& segments, std::span<const Memory
       sides[k].paired = sides[k].paired || both;
     }
   }
-  const std::map<Label, double> widths = knownWidths(sides, pairs, params);
+  LineWidths widths = knownWidths(sides, pairs, params);
   // The longest first; what is put in its place by one line stays there for the others.
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const Pair& a, const Pair& b) { return a.overlap_m > b.overlap_m; });
@@ -174,6 +178,7 @@ void evenLineWidths(std::vector<MemorySegment>& segments, std::span<const Memory
     }
     setApart(one, other, *beside, width->second, params);
   }
+  return widths;
 }
 
 }  // namespace vismem

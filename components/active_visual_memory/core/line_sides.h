@@ -1,6 +1,7 @@
 /// @file Both sides of painted lines, and their width. Pure. SPEC M9.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -32,16 +33,24 @@ struct LineWidthParams {
   double near_sigma_m = 0.02;   ///< an end of each side was seen so well: such lines tell the width ..
   double agree_m = 0.015;       ///< .. if most of them agree within this
   double agree_share = 0.7;
-  double most_shift_m = 0.04;  ///< no end of a side is moved further
+  double most_shift_m = 0.04;  ///< no end of a side is moved further ..
+  /// .. or than so many pixels of its best view; so much further apart than lines are wide, at most, sides of
+  /// a line may seem from afar.
+  double blur_px = 0.0;
   // A side that is not confirmed lies on the floor when all of it runs beside a confirmed one of its kind, at
   // the width of a line: an edge that stands up would show there from one place alone.
   double partner_overlap = 0.8;
   double partner_least_m = 0.15;  ///< shorter ones are not confirmed by it
 };
 
+/// Signed widths by label: > 0 where the paint lies to the left of both sides (a bright line), < 0 to the
+/// right.
+using LineWidths = std::map<Label, double>;
+
 /// Puts the sides of lines that were only seen from afar as far apart as near lines of the same label have
 /// theirs, and confirms the second side of a line. @param elements what the segments were taken from.
-void evenLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
-                    const LineWidthParams& params);
+/// @return the widths that near lines tell.
+LineWidths evenLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                          const LineWidthParams& params);
 
 }  // namespace vismem

@@ -40,6 +40,7 @@ void absorb(MemoryElement& element, const MemoryElement& other, const FloorLine:
   element.votes.add(other.votes);
   if (!element.colours) element.colours = other.colours;
   element.strength = std::max(element.strength, other.strength);
+  element.pixel_m = std::min(element.pixel_m, other.pixel_m);
   element.value.life = std::max(element.value.life, other.value.life);
   element.on_floor = element.on_floor || other.on_floor;
   element.value.first_seen_us = std::min(element.value.first_seen_us, other.value.first_seen_us);

@@ -31,6 +31,7 @@ struct MemoryElement {
   MemorySegment value;  ///< as published; its geometry is a copy of `line`
   FloorLine line;
   double strength = 0.0;  ///< mean contrast [grey levels]
+  double pixel_m = 1e9;   ///< that one pixel covers across the line, in the best view
   int sightings = 0;      ///< images that showed it
   std::optional<SideColours> colours;
   LabelVotes votes;  ///< nearer views count more

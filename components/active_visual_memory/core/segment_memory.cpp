@@ -11,6 +11,22 @@
 
 namespace vismem {
 
+namespace {
+
+/// What one pixel covers of the floor across a segment [m].
+double pixelAcross(const FloorSegment& segment, const Eigen::Vector2d& camera, double height_m,
+                   double focal_px) {
+  const Eigen::Vector2d ray = segment.odom.middle() - camera;
+  const Eigen::Vector2d along = (segment.odom.b - segment.odom.a).normalized();
+  const double squared = ray.squaredNorm() + height_m * height_m;
+  const double across_ray = std::sqrt(squared) / focal_px;
+  const double along_ray = squared / (height_m * focal_px);
+  const Eigen::Vector2d u = ray.normalized();
+  return std::hypot(along_ray * (u.x() * along.y() - u.y() * along.x()), across_ray * u.dot(along));
+}
+
+}  // namespace
+
 SegmentMemory::SegmentMemory(const Params& params)
     : params_(params),
       clock_(params.life.tick_us),
@@ -21,6 +37,7 @@ void SegmentMemory::clear() {
   clock_.reset();
   last_pose_.reset();
   drift_.reset();
+  course_rad_.reset();
 }
 
 void SegmentMemory::travel(const Pose2& T_odom_robot) {
@@ -147,11 +164,24 @@ void SegmentMemory::take(MemoryElement& element, const FloorSegment& seen, const
   const double turned = turn_rad_ - element.seen_turn_rad;
   if (travelled > 0.0 || turned > 0.0) {
     const double range = (observed.odom.middle() - view.camera).norm();
-    const double heading = params_.drift_per_rad * turned;
-    element.line.drift(std::hypot(params_.drift_per_m * travelled, heading * range), heading);
+    double heading = params_.drift_per_rad * turned;
+    double offset = std::hypot(params_.drift_per_m * travelled, heading * range);
+    if (sways()) {
+      // The whole memory has followed the drift already: what is left is what is not known of that. It is
+      // believed as little as the sway that was found with it.
+      const double left = drift_.sigmaAt(range);
+      const double shift = drift_.sigmaAt(0.0);
+      const double turn = std::sqrt(std::max(0.0, left * left - shift * shift)) / std::max(range, 1e-3);
+      offset = std::min(offset,
+                        params_.sway_doubt * std::max(left, params_.aligned_m + params_.aligned_rad * range));
+      heading = std::min(heading, params_.sway_doubt * std::max(turn, params_.aligned_rad));
+    }
+    element.line.drift(offset, heading);
     element.seen_travel_m = travel_m_;
     element.seen_turn_rad = turn_rad_;
   }
+  element.pixel_m = std::min(
+      element.pixel_m, pixelAcross(observed, view.camera, view.height, view.observation.frame.intrinsics.fx));
   confirm(element, observed, view);
   if (params_.fusion == Fusion::kChapter) {
     element.line.replaceKeepingExtent(observed, params_.line);
@@ -188,6 +218,7 @@ void SegmentMemory::begin(const FloorSegment& observed, const View& view) {
   vote(element, observed.label, (observed.odom.middle() - view.camera).norm());
   element.line = FloorLine(observed, params_.line);
   element.strength = observed.strength;
+  element.pixel_m = pixelAcross(observed, view.camera, view.height, view.observation.frame.intrinsics.fx);
   element.sightings = 1;
   element.anchor_line = element.line;
   element.anchor_camera = view.camera;
@@ -266,8 +297,7 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
   }
   // A body that sways puts what it sees pixels beside where it is expected, and what then meets nothing would
   // be remembered once more.
-  const bool sways = params_.align && params_.lean.sway_rad >= params_.sway_to_meet_twice_rad;
-  Meeting meeting = sways ? meetSwaying(view, observed, floor) : meet(view, observed, floor, floor);
+  Meeting meeting = sways() ? meetSwaying(view, observed, floor) : meet(view, observed, floor, floor);
   const auto& expected = meeting.expected;
   const auto& index_of = meeting.index_of;
   const auto& seen = meeting.seen;
@@ -312,7 +342,7 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
     for (const FloorSegment* piece : seen[p]) take(element, *piece, view);
     if (params_.fusion == Fusion::kCovariance) {
       reviewEnds(element, seen[p], floor, view);
-      reviewGaps(element, seen[p], view);
+      reviewGaps(element, seen[p], observed, view);
     }
     publish(element);
     look(element, view);

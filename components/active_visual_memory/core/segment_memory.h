@@ -67,6 +67,9 @@ class SegmentMemory {
     /// A body that sways by this much (`lean.sway_rad`) meets its memory once more, where what it has met
     /// puts the camera: a degree moves a line 3 m away half way to another one 60 cm behind it.
     double sway_to_meet_twice_rad = 0.25 * std::numbers::pi / 180.0;
+    /// The sway found in an image, and the drift followed with it, err by more than images can tell: their
+    /// standard deviations times this, but never more than what is known beforehand.
+    double sway_doubt = 4.0;
     double align_noise = 2.0;    ///< errors of neighbouring images are alike: standard deviations times this
     double aligned_m = 0.003;    ///< error of the alignment: of places ..
     double aligned_rad = 0.004;  ///< .. and of the heading
@@ -76,6 +79,10 @@ class SegmentMemory {
     /// What is confirmed is at least this long: the outline of a smaller mark is not made of straight edges
     /// that a camera tells (ends of painted lines are told by their sides).
     double min_confirmed_m = 0.0;
+    /// Where the long lines of a place are parallel or at right angles (`course`), a line that is off by no
+    /// more than a pixel on its ends is told in their direction, and may be shorter than min_confirmed_m: the
+    /// outline of a mark.
+    bool tell_in_course = false;
     bool confirm_by_parallax = true;    ///< false: everything is confirmed at once, as in the chapter
     CornerParams corners;               ///< of confirmed edges, which confirm what lies between them
     double max_anchor_turn_rad = 20.0;  ///< parallax is begun anew after the robot turned this far
@@ -135,6 +142,7 @@ class SegmentMemory {
   void travel(const Pose2& T_odom_robot);
   void moveAll(const SmallMotion& motion);
   std::optional<double> courseOfAll() const;
+  bool sways() const { return params_.align && params_.lean.sway_rad >= params_.sway_to_meet_twice_rad; }
   Meeting meet(const View& view, const std::vector<ImageSegment>& observed,
                const std::vector<FloorSegment>& floor, const std::vector<FloorSegment>& placed) const;
   Meeting meetSwaying(const View& view, const std::vector<ImageSegment>& observed,
@@ -153,7 +161,12 @@ class SegmentMemory {
   Sighting judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view);
   void reviewEnds(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
                   const std::vector<FloorSegment>& floor, const View& view);
-  void reviewGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen, const View& view);
+  void reviewGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
+                  const std::vector<ImageSegment>& observed, const View& view);
+  /// @param place of the gap on the floor, along the element. @param before, behind what was seen beside it.
+  /// @param hidden by what may stand before it. @return whether the element is parted now.
+  bool voteForGap(MemoryElement& element, const Segment2& place, const FloorSegment& before,
+                  const FloorSegment& behind, bool hidden, const View& view);
   bool isNew(const MemoryElement& element, StampUs stamp_us) const {
     return toSeconds(stamp_us - element.value.first_seen_us) < params_.new_s;
   }
@@ -172,6 +185,7 @@ class SegmentMemory {
   Params params_;
   LifeClock clock_;
   std::vector<MemoryElement> elements_;
+  std::optional<double> course_rad_;
   std::vector<MemoryElement> parted_;  ///< further pieces of elements, until the image is done
   std::uint64_t next_id_ = 1;
   std::optional<Pose2> last_pose_;

@@ -126,8 +126,14 @@ void SegmentMemory::alignTo(const Meeting& meeting, std::vector<FloorSegment>& f
     element.anchor_line.lean(correction->lean);
     element.parallax.lean(correction->lean);
   }
-  // What this image shows lies elsewhere, too.
-  for (FloorSegment& segment : floor) knowSway(segment, correction->P_sway, params_.lean.sway_rad);
+  // What this image shows lies elsewhere, too. What it was compared with has errors that many lines share,
+  // and that do not average out.
+  const double sway = params_.lean.sway_rad;
+  const double found = correction->P_sway.diagonal().maxCoeff();
+  const double doubt = sways() ? params_.sway_doubt * params_.sway_doubt : 1.0;
+  const Eigen::Matrix2d P_sway =
+      (doubt * found <= sway * sway || !(found > 0.0) ? doubt : sway * sway / found) * correction->P_sway;
+  for (FloorSegment& segment : floor) knowSway(segment, P_sway, params_.lean.sway_rad);
   placeAnew(*correction, floor, view);
 }
 

@@ -5,6 +5,7 @@
 
 #include "active_visual_memory/core/association.h"
 #include "active_visual_memory/core/floor_matching.h"
+#include "active_visual_memory/core/line_gaps.h"
 #include "active_visual_memory/core/segment_memory_view.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
@@ -18,6 +19,19 @@ constexpr double kLeastParted_m = 0.5;
 constexpr double kStraight_rad = 0.1;
 // What hides the same place of a line from directions that differ by this stands there.
 constexpr double kStandsThere_rad = 0.2;
+
+// Of a line that is a pixel or two wide noise and blur look like gaps.
+constexpr double kThin_px = 4.0;
+constexpr double kThinGap_px = 4.0;
+
+/// Does another edge run beside it, against it?
+bool isThin(const Segment2& px, const std::vector<ImageSegment>& observed) {
+  return std::any_of(observed.begin(), observed.end(), [&](const ImageSegment& other) {
+    return (other.px.b - other.px.a).dot(px.b - px.a) < 0.0 &&
+           lineAngleDifference(other.px.direction(), px.direction()) <= kStraight_rad &&
+           distanceToSegment(other.px.middle(), px) <= kThin_px;
+  });
+}
 
 double bearingDifference(const Eigen::Vector2d& at, const Eigen::Vector2d& one,
                          const Eigen::Vector2d& other) {
@@ -92,8 +106,8 @@ void SegmentMemory::reviewEnds(MemoryElement& element, const std::vector<const F
 }
 
 void SegmentMemory::reviewGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
-                               const View& view) {
-  if (params_.gap_votes <= 0 || seen.size() < 2 || element.line.length() < kLeastParted_m) return;
+                               const std::vector<ImageSegment>& observed, const View& view) {
+  if (params_.gap_votes <= 0 || element.line.length() < kLeastParted_m) return;
   const Eigen::Vector2d u = element.line.along();
   std::vector<FloorSegment> pieces;
   for (const FloorSegment* piece : seen) {
@@ -105,60 +119,89 @@ void SegmentMemory::reviewGaps(MemoryElement& element, const std::vector<const F
     const FloorSegment& before = pieces[i];
     const FloorSegment& behind = pieces[i + 1];
     if (lineAngleDifference(before.odom.direction(), behind.odom.direction()) > kStraight_rad) continue;
-    const bool hidden = before.open_b || behind.open_a;
     const Eigen::Vector2d from = before.odom.b;
     const Eigen::Vector2d to = behind.odom.a;
-    if (u.dot(to - from) < params_.line.end_gate_m) continue;
-    const double t_from = element.line.tOf(from);
-    const double t_to = element.line.tOf(to);
-    if (t_from <= element.line.endA().t_m || t_to >= element.line.endB().t_m) continue;
     // Detection breaks lines, too: the image must have no edge there, or something else.
     const Segment3 between{{from.x(), from.y(), 0.0}, {to.x(), to.y(), 0.0}};
     const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, between);
     if (!px) continue;
+    const bool hidden = before.open_b || behind.open_a;
     if (!hidden && !view.evidence.isEdgeless(*px, params_.gap_contrast_share * element.strength)) continue;
-    // A line may have several: each is voted for by itself.
-    auto& gaps = element.gaps;
-    auto gap = std::find_if(gaps.begin(), gaps.end(), [&](const MemoryElement::GapVotes& known) {
-      return (known.from - from).norm() <= params_.gap_place_m &&
-             (known.to - to).norm() <= params_.gap_place_m;
-    });
-    if (gap == gaps.end()) {
-      if (gaps.size() >= kMostGaps) gaps.erase(gaps.begin());
-      gap = gaps.insert(gaps.end(), MemoryElement::GapVotes{});
-      gap->camera = view.camera;
-    }
-    gap->bearing_spread_rad =
-        std::max(gap->bearing_spread_rad, bearingDifference(0.5 * (from + to), gap->camera, view.camera));
-    gap->from = (gap->from * gap->count + from) / (gap->count + 1);
-    gap->to = (gap->to * gap->count + to) / (gap->count + 1);
-    if (++gap->count < params_.gap_votes) continue;
-    if (hidden && gap->bearing_spread_rad < kStandsThere_rad) continue;
-    const auto endAt = [&](const Eigen::Vector2d& p, const Eigen::Matrix2d& P, const FloorLean& D) {
-      const double variance = u.dot(P * u);
-      return ExtentEnd{element.line.tOf(p), variance,          false, variance,
-                       params_.gap_votes,   u.transpose() * D, true};
-    };
-    const ExtentEnd ends = endAt(gap->from, before.P_b, before.D_b);
-    const ExtentEnd begins = endAt(gap->to, behind.P_a, behind.D_a);
-    gaps.erase(gap);
-    element.short_a = element.short_b = {};
-    MemoryElement other = element;
-    other.value.id = next_id_++;
-    other.line.shorten(false, begins);
-    other.parallax.forget(ParallaxEstimate::kEndA);
-    element.line.shorten(true, ends);
-    element.parallax.forget(ParallaxEstimate::kEndB);
-    // What was in its line by chance (a shadow behind a line's end) is called by its own name.
-    const bool other_is_less = other.line.length() < element.line.length();
-    MemoryElement& less = other_is_less ? other : element;
-    const FloorSegment& piece = other_is_less ? behind : before;
-    less.votes = {};
-    vote(less, piece.label, (piece.odom.middle() - view.camera).norm());
-    publish(other);
-    parted_.push_back(std::move(other));
-    return;
+    const bool stands = hidden && view.evidence.gap(*px, 0.0, px->length()) == GapShows::kStandsThere;
+    if (voteForGap(element, {from, to}, before, behind, hidden && !stands, view)) return;
   }
+  // And it closes gaps.
+  const auto& k = view.observation.frame.intrinsics;
+  for (const FloorSegment& piece : pieces) {
+    const Segment2& px = observed[static_cast<std::size_t>(piece.observed)].px;
+    const Eigen::Vector2d along = (px.b - px.a).normalized();
+    const double least_px = isThin(px, observed) ? kThinGap_px : 0.0;
+    for (const LineGap& gap : findLineGaps(view.observation.frame.image, k, px)) {
+      if (gap.to_px - gap.from_px < least_px) continue;
+      const GapShows shows = view.evidence.gap(px, gap.from_px, gap.to_px);
+      if (shows == GapShows::kCovered) continue;
+      const auto a =
+          backProjectToGround(k, view.T_odom_camera, px.a + gap.from_px * along, params_.max_range_m);
+      const auto b =
+          backProjectToGround(k, view.T_odom_camera, px.a + gap.to_px * along, params_.max_range_m);
+      if (!a || !b) continue;
+      Segment2 place{a->head<2>(), b->head<2>()};
+      if (u.dot(place.b - place.a) < 0.0) std::swap(place.a, place.b);
+      if (voteForGap(element, place, piece, piece, false, view)) return;
+    }
+  }
+}
+
+bool SegmentMemory::voteForGap(MemoryElement& element, const Segment2& place, const FloorSegment& before,
+                               const FloorSegment& behind, bool hidden, const View& view) {
+  const Eigen::Vector2d u = element.line.along();
+  const Eigen::Vector2d& from = place.a;
+  const Eigen::Vector2d& to = place.b;
+  if (u.dot(to - from) < params_.line.end_gate_m) return false;
+  const double t_from = element.line.tOf(from);
+  const double t_to = element.line.tOf(to);
+  if (t_from <= element.line.endA().t_m || t_to >= element.line.endB().t_m) return false;
+  // A line may have several: each is voted for by itself.
+  auto& gaps = element.gaps;
+  auto gap = std::find_if(gaps.begin(), gaps.end(), [&](const MemoryElement::GapVotes& known) {
+    return (known.from - from).norm() <= params_.gap_place_m && (known.to - to).norm() <= params_.gap_place_m;
+  });
+  if (gap == gaps.end()) {
+    if (gaps.size() >= kMostGaps) gaps.erase(gaps.begin());
+    gap = gaps.insert(gaps.end(), MemoryElement::GapVotes{});
+    gap->camera = view.camera;
+  }
+  gap->bearing_spread_rad =
+      std::max(gap->bearing_spread_rad, bearingDifference(0.5 * (from + to), gap->camera, view.camera));
+  gap->from = (gap->from * gap->count + from) / (gap->count + 1);
+  gap->to = (gap->to * gap->count + to) / (gap->count + 1);
+  if (++gap->count < params_.gap_votes) return false;
+  if (hidden && gap->bearing_spread_rad < kStandsThere_rad) return false;
+  const auto endAt = [&](const Eigen::Vector2d& p, const Eigen::Matrix2d& P, const FloorLean& D) {
+    const double variance = u.dot(P * u);
+    return ExtentEnd{element.line.tOf(p), variance,          false, variance,
+                     params_.gap_votes,   u.transpose() * D, true};
+  };
+  const ExtentEnd ends = endAt(gap->from, before.P_b, before.D_b);
+  const ExtentEnd begins = endAt(gap->to, behind.P_a, behind.D_a);
+  const double left_behind = element.line.endB().t_m - begins.t_m;
+  gaps.erase(gap);
+  element.short_a = element.short_b = {};
+  MemoryElement other = element;
+  other.value.id = next_id_++;
+  other.line.shorten(false, begins);
+  other.parallax.forget(ParallaxEstimate::kEndA);
+  element.line.shorten(true, ends);
+  element.parallax.forget(ParallaxEstimate::kEndB);
+  // What was in its line by chance (a shadow behind a line's end) is called by its own name.
+  const bool other_is_less = left_behind < element.line.length();
+  MemoryElement& less = other_is_less ? other : element;
+  const FloorSegment& piece = other_is_less ? behind : before;
+  less.votes = {};
+  vote(less, piece.label, (piece.odom.middle() - view.camera).norm());
+  publish(other);
+  parted_.push_back(std::move(other));
+  return true;
 }
 
 }  // namespace vismem

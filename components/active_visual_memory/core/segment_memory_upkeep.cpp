@@ -1,4 +1,5 @@
 // What the memory does with its elements beside taking in images: moving, joining, life, publishing.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -6,6 +7,12 @@
 #include "active_visual_memory/core/segment_memory.h"
 
 namespace vismem {
+namespace {
+
+constexpr double kMostOffCourse_rad = 0.2;
+constexpr double kLeastInCourse_m = 0.03;  // what is shorter is a corner
+
+}  // namespace
 
 void SegmentMemory::moveAll(const SmallMotion& motion) {
   if (motion.turn_rad == 0.0 && motion.shift.isZero()) return;
@@ -116,11 +123,24 @@ void SegmentMemory::countLife(StampUs stamp_us) {
 
 void SegmentMemory::publish(MemoryElement& element) const {
   const bool named = params_.confirm_unlabelled || element.value.label != kUnknownLabel;
-  const bool large = !params_.confirm_by_parallax || element.line.length() >= params_.min_confirmed_m;
+  const double length = element.line.length();
+  const double off = course_rad_ ? offCourse(element.line.direction(), *course_rad_) : 0.0;
+  // A pixel on either end turns a line so far.
+  const double doubt = std::min(kMostOffCourse_rad, element.pixel_m / length);
+  const bool in_course = course_rad_ && std::abs(off) <= doubt;
+  const double least =
+      in_course ? std::min(kLeastInCourse_m, params_.min_confirmed_m) : params_.min_confirmed_m;
+  const bool large = !params_.confirm_by_parallax || length >= least;
   vismem::publish(element, element.on_floor && named && large, leanCovariance());
+  if (!in_course) return;
+  const Eigen::Vector2d middle = 0.5 * (element.value.odom.a + element.value.odom.b).head<2>();
+  const Eigen::Vector2d half = 0.5 * length * (Eigen::Rotation2Dd(-off) * element.line.along());
+  element.value.odom.a.head<2>() = middle - half;
+  element.value.odom.b.head<2>() = middle + half;
 }
 
 void SegmentMemory::publishAll() {
+  if (params_.tell_in_course) course_rad_ = courseOfAll();
   for (MemoryElement& element : elements_) publish(element);
   if (!params_.confirm_by_parallax) return;
   confirmBetweenCorners(elements_, params_.corners);

@@ -174,7 +174,8 @@ bool endTogether(Side& one, Side& other, const Label& label, const std::vector<M
                  const ShapeEdges::Params& params) {
   const auto over = overshoot(one, other, segments, params);
   if (!over) return false;
-  if (reachesALine(one, label, segments, params)) {
+  if (*over <= params.short_sigmas * std::sqrt(other.a.best_m2) ||
+      reachesALine(one, label, segments, params)) {
     other.line.a -= *over * other.along;
     other.a.t_m -= std::copysign(*over, other.b.t_m - other.a.t_m);
     other.a.variance_m2 = one.b.variance_m2;
@@ -398,10 +399,11 @@ void ShapeEdges::complete(std::vector<MemorySegment>& segments, std::span<const 
   }
   withdrawShadows(segments, elements, params_.shadows);
   addLineEnds(segments, elements, new_id);
-  evenLineWidths(segments, elements, params_.line_widths);
-  partAtJunctions(segments, elements, primitives, params_.junctions, [&](std::uint64_t whole, int part) {
-    return idOf({whole, 0, -2 - part}, new_id);
-  });
+  const LineWidths widths = evenLineWidths(segments, elements, params_.line_widths);
+  partAtJunctions(segments, elements, primitives, widths, params_.junctions,
+                  [&](std::uint64_t whole, int part) {
+                    return idOf({whole, 0, -2 - part}, new_id);
+                  });
   meetAtCorners(segments, elements, params_.corners);
   // What is gone and comes back is something new.
   ids_.swap(used_);

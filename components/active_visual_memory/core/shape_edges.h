@@ -34,6 +34,9 @@ class ShapeEdges {
     double min_strength_share = 0.6;         ///< contrast of the weaker side over that of the stronger
     double overshoot_strength_share = 0.35;  ///< the same for a side that may have run into another edge
     int min_views = 3;                       ///< of each of the two ends
+    /// Far lines end too short: a side that ends later by no more than this much of what is not known of the
+    /// other's end tells where both end.
+    double short_sigmas = 0.0;
     double neighbour_m = 0.06;     ///< what begins so near to a corner makes it a junction, not an end
     double continuation_m = 0.30;  ///< what goes on in line this far behind makes it a gap, not an end
     CornerParams corners;
