@@ -82,7 +82,8 @@ std::string ImageFolder::open() {
   next_ = read_ = 0;
   std::error_code error;
   const fs::file_status status = fs::status(path_, error);
-  if (!fs::exists(status)) return path_.string() + ": no such file or folder";
+  const std::string missing = path_.string() + ": no such file or folder";
+  if (!fs::exists(status)) return missing;
   if (!fs::is_directory(status)) {
     entries_.push_back({path_, std::nullopt});
     return {};
@@ -95,6 +96,8 @@ std::string ImageFolder::open() {
     std::error_code ignored;
     if (it->is_regular_file(ignored)) entries_.push_back({file, std::nullopt});
   }
+  // It may go between the two looks at it.
+  if (error == std::errc::no_such_file_or_directory) return missing;
   if (error) return path_.string() + ": " + error.message();
   std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
     return naturallyBefore(a.file.filename().string(), b.file.filename().string());
