@@ -95,6 +95,14 @@ TEST(Explorers, UniformOnesStayInTheMapsBox) {
   }
 }
 
+TEST(Explorers, UniformOnesAreFewerInALargeMapInProportion) {
+  const MapIndex map(test::corridorMap(), {});  // 9.5 x 6.5 m
+  EXPECT_DOUBLE_EQ(uniformShare(map, 0.0, 1000.0), 1.0);
+  EXPECT_NEAR(uniformShare(map, 0.0, 0.25 * 9.5 * 6.5), 0.25, 1e-9);
+  EXPECT_NEAR(uniformShare(map, 1.0, 0.25 * 11.5 * 8.5), 0.25, 1e-9);
+  EXPECT_DOUBLE_EQ(uniformShare(map, 0.0, 0.0), 1.0) << "0: as many in every map";
+}
+
 TEST(Explorers, BestPlacesAreDistinctAndInOrder) {
   std::vector<Individual> explorers = {
       {{0, 0, 0}, 0.7}, {{0.1, 0, 0}, 0.9}, {{3, 0, 0}, 0.8}, {{6, 0, 0}, 0.2}};

@@ -116,6 +116,7 @@ void readRobust(ConfigReader r, RobustParams& p) {
   p.birth_penalty = r.real("BirthPenalty", p.birth_penalty, 0.0, 1e6);
   p.delete_behind = r.real("DeleteBehind", p.delete_behind, 0.0, 1e6);
   p.constructed_share = r.real("ConstructedShare", p.constructed_share, 0.0, 1.0);
+  p.uniform_area_m2 = r.real("UniformArea_m2", p.uniform_area_m2, 0.0, 1e12);
   p.landmark_share = r.real("LandmarkShare", p.landmark_share, 0.0, 1.0);
   p.corners = r.boolean("Corners", p.corners);
   p.doors = r.boolean("Doors", p.doors);

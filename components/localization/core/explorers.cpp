@@ -14,6 +14,12 @@ Pose2 uniformExplorer(const MapIndex& map, double margin_m, RandomEngine& engine
   return {x, y, wrapAngle(uniform(engine, -std::numbers::pi, std::numbers::pi))};
 }
 
+double uniformShare(const MapIndex& map, double margin_m, double area_m2) {
+  const Eigen::Vector2d extent = (map.high() - map.low()).array() + 2.0 * margin_m;
+  const double map_m2 = extent.x() * extent.y();
+  return area_m2 > 0.0 && map_m2 > area_m2 ? area_m2 / map_m2 : 1.0;
+}
+
 ConstructedExplorers::ConstructedExplorers(const MapIndex& map) {
   for (int label = 0; label < map.labelCount(); ++label) {
     Lines all;

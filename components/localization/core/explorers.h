@@ -16,6 +16,10 @@ namespace vismem {
 /// A place uniform over the map's bounding box (grown by the margin) and all headings.
 Pose2 uniformExplorer(const MapIndex& map, double margin_m, RandomEngine& engine);
 
+/// Share of the uniform explorers that are worth sending out in a map of this size where others are
+/// constructed: in a larger one than `area_m2` they find the robot the more seldom. 0: 1 in every map.
+double uniformShare(const MapIndex& map, double margin_m, double area_m2);
+
 /// Places at which one remembered segment lies on one map segment of its label: the segment by weight, the
 /// map segment by length, turned either way, an end on an end half of the time and anywhere along otherwise.
 /// *Pure* after construction (sums of lengths, once per map).

@@ -116,12 +116,15 @@ struct RobustParams {
   double birth_penalty = 2.5;      ///< evidence [nats] that a jump of the robot costs (PastObservations)
   double delete_behind = 12.0;     ///< evidence [nats] behind the best that ends a race
   double constructed_share = 0.5;  ///< of explorers placed by matching what is seen to the map
-  double landmark_share = 0.7;     ///< of those: by landmarks, where any match; the rest by single segments
-  bool corners = true;             ///< kinds of landmark: junctions of two directions,
-  bool doors = true;               ///< segments known by their length and changes of label along a line,
-  bool parallelograms = true;      ///< remembered primitives
-  double kld_error = 0.05;         ///< explorers stop when more would hardly find more places; 0: never
-  double kld_place_m = 0.5;        ///< size of a place for it
+  /// Uniform explorers are fewer in a larger map, in proportion: one finds a place from some 0.3 m and 15
+  /// degrees, so that 250 at each iteration search this much in half a minute. 0: as many in every map.
+  double uniform_area_m2 = 1000.0;
+  double landmark_share = 0.7;  ///< of those: by landmarks, where any match; the rest by single segments
+  bool corners = true;          ///< kinds of landmark: junctions of two directions,
+  bool doors = true;            ///< segments known by their length and changes of label along a line,
+  bool parallelograms = true;   ///< remembered primitives
+  double kld_error = 0.05;      ///< explorers stop when more would hardly find more places; 0: never
+  double kld_place_m = 0.5;     ///< size of a place for it
   double kld_place_rad = 30.0 * std::numbers::pi / 180.0;
   int kld_least = 100;              ///< explorers sent out in any case
   int refined_explorers = 24;       ///< the best explorers are refined before candidates are chosen

@@ -50,7 +50,8 @@ class RobustStrategy : public RaceStrategy {
         past_(likelihood_, params_.robust),
         news_(params_.robust),
         negative_(map_, params_.robust, params_.opaque_labels),
-        broad_prior_(broadPrior(params_.robust)) {}
+        broad_prior_(broadPrior(params_.robust)),
+        uniform_share_(uniformShare(map_, params_.explorers.margin_m, params_.robust.uniform_area_m2)) {}
 
   bool observe(const MemoryUpdate& update) override {
     observation_ = vismem::observe(update, map_, params_.robust);
@@ -260,7 +261,14 @@ class RobustStrategy : public RaceStrategy {
   /// Rates places until the KLD bound for those that are plausible is met, at most `most`.
   std::vector<Individual> explore(int most, RandomEngine& engine) const {
     const RobustParams& robust = params_.robust;
-    const auto proposals = robust.constructed_share > 0.0 && robust.landmark_share > 0.0
+    // What lies in a large map is hit by construction, hardly ever by chance.
+    double constructed = robust.constructed_share;
+    if (uniform_share_ < 1.0 && constructed > 0.0 && !observation_.segments.empty()) {
+      const double kept = constructed + (1.0 - constructed) * uniform_share_;
+      most = static_cast<int>(std::ceil(kept * most));
+      constructed /= kept;
+    }
+    const auto proposals = constructed > 0.0 && robust.landmark_share > 0.0
                                ? landmarks_.match(observation_, most, engine)
                                : LandmarkExplorers::Proposals{};
     std::vector<Individual> population;
@@ -270,7 +278,7 @@ class RobustStrategy : public RaceStrategy {
     while (static_cast<int>(population.size()) < wanted) {
       const std::size_t rated = population.size();
       while (static_cast<int>(population.size()) < wanted) {
-        population.push_back({propose(proposals, engine), 0.0});
+        population.push_back({propose(proposals, constructed, engine), 0.0});
       }
       const auto newest = std::span(population).subspan(rated);
       likelihood_.explain(few_, newest, kExplorerBlur_m, params_.explorers.list_health);
@@ -287,9 +295,10 @@ class RobustStrategy : public RaceStrategy {
     return population;
   }
 
-  Pose2 propose(const LandmarkExplorers::Proposals& proposals, RandomEngine& engine) const {
+  Pose2 propose(const LandmarkExplorers::Proposals& proposals, double constructed_share,
+                RandomEngine& engine) const {
     std::optional<Pose2> pose;
-    if (uniform(engine, 0.0, 1.0) < params_.robust.constructed_share) {
+    if (uniform(engine, 0.0, 1.0) < constructed_share) {
       const bool by_landmark = uniform(engine, 0.0, 1.0) < params_.robust.landmark_share;
       pose = by_landmark && !proposals.isEmpty() ? proposals.pick(engine)
                                                  : constructed_.propose(observation_, engine);
@@ -318,6 +327,7 @@ class RobustStrategy : public RaceStrategy {
   ObservationNews news_;
   NegativeInformation negative_;
   Matrix5d broad_prior_;
+  double uniform_share_;  ///< of the uniform explorers that are sent out
   RobustObservation observation_;
   RobustObservation few_;  ///< a part of it, for the coarse search
 };
