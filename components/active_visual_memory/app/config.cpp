@@ -137,7 +137,7 @@ void readShapeEdges(ConfigReader r, ShapeEdges::Params& p) {
   p.enabled = r.boolean("Enabled", p.enabled);
   p.min_width_m = r.real("Line.MinimumWidth_m", p.min_width_m, 0.001, 5.0);
   p.max_width_m = r.real("Line.MaximumWidth_m", p.max_width_m, 0.001, 5.0);
-  p.sagitta_m = r.real("Circle.Sagitta_m", p.sagitta_m, 0.0001, 1.0);
+  p.circles.sagitta_m = r.real("Circle.Sagitta_m", p.circles.sagitta_m, 0.0001, 1.0);
   if (r.boolean("FarLines", false)) {
     // What is not known of ends that were only seen from afar is two pixels rather than one.
     p.short_sigmas = p.corners.reach_sigmas = p.junctions.reach_sigmas = 2.0;

@@ -76,6 +76,46 @@ void tell(Side& side, const Segment2& line) {
   side.told->odom.b.head<2>() = line.b;
 }
 
+std::vector<Side> sidesOf(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                          const LineWidthParams& params) {
+  std::vector<Side> sides;
+  for (MemorySegment& segment : segments) {
+    if (segment.label == kUnknownLabel) continue;
+    const auto element = std::find_if(elements.begin(), elements.end(),
+                                      [&](const MemoryElement& e) { return e.value.id == segment.id; });
+    if (element == elements.end() || element->stands) continue;
+    const bool near = isNear(*element, params);
+    const Segment2 line = segment.odom.floor();
+    const double blur = std::min(params.max_width_m, params.blur_px * element->pixel_m);
+    sides.push_back(
+        {&segment, line, (line.b - line.a).normalized(), blur, near, near && segment.confirmed, false});
+  }
+  return sides;
+}
+
+/// Sides that lie beside each other, one of them confirmed.
+std::vector<Pair> pairsOf(std::vector<Side>& sides, const LineWidthParams& params) {
+  std::vector<Pair> pairs;
+  const double least_against = -std::cos(params.max_angle_rad);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    for (std::size_t k = i + 1; k < sides.size(); ++k) {
+      if (sides[i].along.dot(sides[k].along) > least_against) continue;
+      if (!sides[i].told->confirmed && !sides[k].told->confirmed) continue;
+      if (sides[i].told->label != sides[k].told->label) continue;
+      const auto beside = sideBySide(sides[i].line, sides[k].line, params.max_angle_rad);
+      const double most = params.max_width_m + sides[i].blur_m + sides[k].blur_m;
+      if (!beside || std::abs(beside->left_m) > most) continue;
+      const double overlap = beside->to_m - beside->from_m;
+      if (overlap < params.min_overlap * std::min(sides[i].line.length(), sides[k].line.length())) continue;
+      pairs.push_back({i, k, *beside, overlap});
+      const bool both = sides[i].told->confirmed && sides[k].told->confirmed;
+      sides[i].paired = sides[i].paired || both;
+      sides[k].paired = sides[k].paired || both;
+    }
+  }
+  return pairs;
+}
+
 /// Puts both sides of a line `width_m` apart, as far as they may move.
 /// @return whether they are.
 bool setApart(Side& one, Side& other, const SideBySide& beside, double width_m,
@@ -117,39 +157,18 @@ std::optional<SideBySide> sideBySide(const Segment2& one, const Segment2& other,
   return beside;
 }
 
+LineWidths nearLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                          const LineWidthParams& params) {
+  if (!params.enabled) return {};
+  std::vector<Side> sides = sidesOf(segments, elements, params);
+  return knownWidths(sides, pairsOf(sides, params), params);
+}
+
 LineWidths evenLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
                           const LineWidthParams& params) {
   if (!params.enabled) return {};
-  std::vector<Side> sides;
-  for (MemorySegment& segment : segments) {
-    if (segment.label == kUnknownLabel) continue;
-    const auto element = std::find_if(elements.begin(), elements.end(),
-                                      [&](const MemoryElement& e) { return e.value.id == segment.id; });
-    if (element == elements.end() || element->stands) continue;
-    const bool near = isNear(*element, params);
-    const Segment2 line = segment.odom.floor();
-    const double blur = std::min(params.max_width_m, params.blur_px * element->pixel_m);
-    sides.push_back(
-        {&segment, line, (line.b - line.a).normalized(), blur, near, near && segment.confirmed, false});
-  }
-  std::vector<Pair> pairs;
-  const double least_against = -std::cos(params.max_angle_rad);
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    for (std::size_t k = i + 1; k < sides.size(); ++k) {
-      if (sides[i].along.dot(sides[k].along) > least_against) continue;
-      if (!sides[i].told->confirmed && !sides[k].told->confirmed) continue;
-      if (sides[i].told->label != sides[k].told->label) continue;
-      const auto beside = sideBySide(sides[i].line, sides[k].line, params.max_angle_rad);
-      const double most = params.max_width_m + sides[i].blur_m + sides[k].blur_m;
-      if (!beside || std::abs(beside->left_m) > most) continue;
-      const double overlap = beside->to_m - beside->from_m;
-      if (overlap < params.min_overlap * std::min(sides[i].line.length(), sides[k].line.length())) continue;
-      pairs.push_back({i, k, *beside, overlap});
-      const bool both = sides[i].told->confirmed && sides[k].told->confirmed;
-      sides[i].paired = sides[i].paired || both;
-      sides[k].paired = sides[k].paired || both;
-    }
-  }
+  std::vector<Side> sides = sidesOf(segments, elements, params);
+  std::vector<Pair> pairs = pairsOf(sides, params);
   LineWidths widths = knownWidths(sides, pairs, params);
   // The longest first; what is put in its place by one line stays there for the others.
   std::stable_sort(pairs.begin(), pairs.end(),

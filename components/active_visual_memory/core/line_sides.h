@@ -47,6 +47,10 @@ struct LineWidthParams {
 /// right.
 using LineWidths = std::map<Label, double>;
 
+/// @return the widths that near lines tell; none when disabled. Nothing is moved.
+LineWidths nearLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                          const LineWidthParams& params);
+
 /// Puts the sides of lines that were only seen from afar as far apart as near lines of the same label have
 /// theirs, and confirms the second side of a line. @param elements what the segments were taken from.
 /// @return the widths that near lines tell.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -12,11 +11,6 @@
 
 namespace vismem {
 namespace {
-
-constexpr int kOuterRim = 1;
-constexpr int kInnerRim = 0;
-/// A line fitted to a shallow arc cuts it at this share of its half length from its middle.
-const double kCut = 1.0 / std::sqrt(3.0);
 
 /// Where two sides of a painted line end together, as their corners.
 struct LineEnd {
@@ -289,113 +283,17 @@ void ShapeEdges::addLineEnds(std::vector<MemorySegment>& segments, std::span<con
   segments.insert(segments.end(), ends.begin(), ends.end());
 }
 
-void ShapeEdges::tellCircle(std::vector<MemorySegment>& segments, Primitive& circle, const NewId& new_id) {
-  struct Chord {
-    MemorySegment segment;
-    double from_rad = 0.0;  ///< of the arc, counter-clockwise
-    double turn_rad = 0.0;  ///< >= 0
-    bool counter_clockwise = true;
-    int rim = kOuterRim;
-  };
-  const double half_width = 0.5 * circle.width_m;
-  const auto radiusOf = [&](int rim) {
-    return circle.radius_m + (rim == kOuterRim ? half_width : -half_width);
-  };
-  std::vector<Chord> chords;
-  std::vector<std::uint64_t> told;
-  for (const MemorySegment& segment : segments) {
-    const Segment2 floor = segment.odom.floor();
-    const Eigen::Vector2d half = 0.5 * kCut * (floor.b - floor.a);
-    const Eigen::Vector2d p = floor.middle() - half - circle.centre;
-    const Eigen::Vector2d q = floor.middle() + half - circle.centre;
-    const double radius = 0.5 * (p.norm() + q.norm());
-    Chord chord;
-    chord.rim = half_width > 0.0 && radius < circle.radius_m ? kInnerRim : kOuterRim;
-    if (std::abs(p.norm() - radiusOf(chord.rim)) > params_.rim_m ||
-        std::abs(q.norm() - radiusOf(chord.rim)) > params_.rim_m || floor.length() > circle.radius_m * 1.2) {
-      continue;
-    }
-    const Eigen::Vector2d radial = floor.middle() - circle.centre;
-    const Eigen::Vector2d along = (floor.b - floor.a).normalized();
-    if (std::abs(radial.normalized().dot(along)) > std::sin(params_.rim_angle_rad)) continue;
-    chord.counter_clockwise = cross(radial, along) > 0.0;
-    const Eigen::Vector2d first = (chord.counter_clockwise ? floor.a : floor.b) - circle.centre;
-    const Eigen::Vector2d last = (chord.counter_clockwise ? floor.b : floor.a) - circle.centre;
-    chord.from_rad = std::atan2(first.y(), first.x());
-    chord.turn_rad = std::max(0.0, angleDifference(std::atan2(last.y(), last.x()), chord.from_rad));
-    chord.segment = segment;
-    chords.push_back(chord);
-    told.push_back(segment.id);
-  }
-  const auto covers = [](const Chord& chord, double angle) {
-    const double in = wrapAngle(angle - chord.from_rad);
-    return (in < 0.0 ? in + 2.0 * std::numbers::pi : in) <= chord.turn_rad;
-  };
-  std::vector<MemorySegment> rims;
-  int sure = 0;
-  int places = 0;
-  for (const int rim : {kInnerRim, kOuterRim}) {
-    if (rim == kInnerRim && half_width <= 0.0) continue;
-    const double radius = radiusOf(rim);
-    const double step = 2.0 * std::acos(std::clamp(1.0 - params_.sagitta_m / radius, 0.5, 1.0));
-    const int count = std::max(6, static_cast<int>(std::ceil(2.0 * std::numbers::pi / step)));
-    const double turn = 2.0 * std::numbers::pi / count;
-    // Ends as far outside the circle as the middle is inside.
-    const double reach = 2.0 * radius / (1.0 + std::cos(0.5 * turn));
-    int left = 0;
-    for (const Chord& chord : chords) {
-      if (chord.rim == rim) left += chord.counter_clockwise ? 1 : -1;
-    }
-    const auto bestAt = [&](int of_rim, double angle) {
-      const Chord* best = nullptr;
-      for (const Chord& chord : chords) {
-        if (chord.rim != of_rim || !covers(chord, angle)) continue;
-        const auto better = [](const MemorySegment& a, const MemorySegment& b) {
-          return std::pair(a.confirmed, a.life) > std::pair(b.confirmed, b.life);
-        };
-        if (!best || better(chord.segment, best->segment)) best = &chord;
-      }
-      return best;
-    };
-    int seen = 0;
-    for (int k = 0; k < count; ++k) seen += bestAt(rim, (k + 0.5) * turn) != nullptr;
-    // The line has both rims all around: where one was seen is the other one, too.
-    const bool with_other = half_width > 0.0 && seen >= params_.rim_share * count;
-    for (int k = 0; k < count; ++k) {
-      const double from = k * turn;
-      const Chord* best = bestAt(rim, from + 0.5 * turn);
-      ++places;
-      if (!best && with_other) best = bestAt(rim == kInnerRim ? kOuterRim : kInnerRim, from + 0.5 * turn);
-      if (!best) continue;
-      sure += best->segment.confirmed ? 1 : 0;
-      MemorySegment segment = best->segment;
-      segment.id = idOf({circle.id, static_cast<std::uint64_t>(k), rim}, new_id);
-      const auto at = [&](double angle) {
-        const Eigen::Vector2d p = circle.centre + reach * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-        return Eigen::Vector3d(p.x(), p.y(), 0.0);
-      };
-      segment.odom = {at(from), at(from + turn)};
-      if (left < 0) std::swap(segment.odom.a, segment.odom.b);
-      rims.push_back(std::move(segment));
-    }
-  }
-  if (sure < params_.confirmed_share * places) return;
-  for (MemorySegment& segment : rims) segment.confirmed = true;
-  std::erase_if(segments, [&](const MemorySegment& s) {
-    return std::find(told.begin(), told.end(), s.id) != told.end();
-  });
-  circle.segments.clear();
-  for (const MemorySegment& segment : rims) circle.segments.push_back(segment.id);
-  std::sort(circle.segments.begin(), circle.segments.end());
-  segments.insert(segments.end(), rims.begin(), rims.end());
-}
-
 void ShapeEdges::complete(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
                           std::vector<Primitive>& primitives, const NewId& new_id) {
   if (!params_.enabled) return;
   used_.clear();
+  const LineWidths of_near = nearLineWidths(segments, elements, params_.line_widths);
   for (Primitive& primitive : primitives) {
-    if (primitive.kind == PrimitiveKind::kCircle) tellCircle(segments, primitive, new_id);
+    if (primitive.kind != PrimitiveKind::kCircle) continue;
+    const std::uint64_t circle = primitive.id;
+    tellCircle(segments, primitive, of_near, params_.circles, [&](int chord, int rim) {
+      return idOf({circle, static_cast<std::uint64_t>(chord), rim}, new_id);
+    });
   }
   withdrawShadows(segments, elements, params_.shadows);
   addLineEnds(segments, elements, new_id);

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "active_visual_memory/core/circle_rims.h"
 #include "active_visual_memory/core/corners.h"
 #include "active_visual_memory/core/junctions.h"
 #include "active_visual_memory/core/line_sides.h"
@@ -43,12 +44,7 @@ class ShapeEdges {
     LineWidthParams line_widths;
     JunctionParams junctions;
     ShadowParams shadows;
-    // Circles: chords of views from afar are long and lie beside the rim.
-    double rim_m = 0.06;  ///< distance of a chord from the rim that it belongs to
-    double rim_angle_rad = 0.35;
-    double sagitta_m = 0.01;       ///< of the chords that a circle is told in
-    double confirmed_share = 0.3;  ///< of the circumference that confirmed chords must cover
-    double rim_share = 0.3;  ///< of a rim that must be seen to tell it also where only the other one was
+    CircleRimParams circles;
   };
   using NewId = std::function<std::uint64_t()>;
 
@@ -66,7 +62,6 @@ class ShapeEdges {
   std::uint64_t idOf(const Key& key, const NewId& new_id);
   void addLineEnds(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
                    const NewId& new_id);
-  void tellCircle(std::vector<MemorySegment>& segments, Primitive& circle, const NewId& new_id);
 
   Params params_;
   std::map<Key, std::uint64_t> ids_;
