@@ -333,6 +333,21 @@ TEST(SegmentMemory, PartsALineAtEachOfItsGaps) {
   }
 }
 
+TEST(SegmentMemory, KeepsTwoEdgesThatABlurredImageRunsTogether) {
+  const std::vector<Segment3> whole{{{1.0, -0.3, 0}, {1.0, 0.3, 0}}};
+  const std::vector<Segment3> two{{{1.0, -0.3, 0}, {1.0, 0.0, 0}}, {{1.0, 0.08, 0}, {1.0, 0.3, 0}}};
+  for (const int votes : {0, 3}) {
+    AttentiveVisualMemoryParams params = standard();
+    params.memory.gap_votes = votes;
+    AttentiveVisualMemory memory(params);
+    for (int i = 0; i < 15; ++i) {
+      const auto o = at(i * 33'333);
+      memory.step(o, images(o, i < 10 ? two : whole));
+    }
+    EXPECT_EQ(memory.elements().size(), votes > 0 ? 2U : 1U) << votes;
+  }
+}
+
 /// How many elements a line becomes of which something hides a piece from either of two places.
 std::size_t elementsWhenHidden(double from_left_m, double from_right_m) {
   AttentiveVisualMemoryParams params = standard();

@@ -388,7 +388,9 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
         ++agreement_.fresh;
       }
     }
-    mergeDuplicates(cache(observation.T_odom_robot));
+    const std::vector<int> cached = cache(observation.T_odom_robot);
+    keepParted(cached);
+    mergeDuplicates(cached);
   }
   countLife(observation.frame.stamp_us);
   publishAll();

@@ -163,6 +163,9 @@ class SegmentMemory {
                   const std::vector<FloorSegment>& floor, const View& view);
   void reviewGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
                   const std::vector<ImageSegment>& observed, const View& view);
+  /// Where an edge ends and another one begins behind it in its line, each seen as often as a gap needs, a
+  /// view that runs across does not make them one.
+  void keepParted(const std::vector<int>& cached);
   /// @param place of the gap on the floor, along the element. @param before, behind what was seen beside it.
   /// @param hidden by what may stand before it. @return whether the element is parted now.
   bool voteForGap(MemoryElement& element, const Segment2& place, const FloorSegment& before,

@@ -17,6 +17,8 @@ constexpr std::size_t kMostGaps = 8;  // places of one line that are voted for
 // Pieces of a chord that lies over a curve turn with it; what is parted is straight.
 constexpr double kLeastParted_m = 0.5;
 constexpr double kStraight_rad = 0.1;
+// What lies further behind is met by itself anyway.
+constexpr double kMostParted_m = 0.3;
 // What hides the same place of a line from directions that differ by this stands there.
 constexpr double kStandsThere_rad = 0.2;
 
@@ -148,6 +150,30 @@ void SegmentMemory::reviewGaps(MemoryElement& element, const std::vector<const F
       Segment2 place{a->head<2>(), b->head<2>()};
       if (u.dot(place.b - place.a) < 0.0) std::swap(place.a, place.b);
       if (voteForGap(element, place, piece, piece, false, view)) return;
+    }
+  }
+}
+
+void SegmentMemory::keepParted(const std::vector<int>& cached) {
+  if (params_.gap_votes <= 0) return;
+  const auto isKnown = [&](const ExtentEnd& end) { return !end.open && end.views >= params_.gap_votes; };
+  for (const int i : cached) {
+    MemoryElement& one = elements_[i];
+    if (one.sighting != Sighting::kObserved || !isKnown(one.line.endB()) || one.line.endB().parted) continue;
+    const Segment2 before = one.line.segment();
+    for (const int k : cached) {
+      MemoryElement& other = elements_[k];
+      // One beginning behind the end of the other: both of the same polarity run in the same direction.
+      if (k == i || !isKnown(other.line.endA())) continue;
+      if (one.line.along().dot(other.line.along()) < std::cos(kStraight_rad)) continue;
+      const Segment2 behind = other.line.segment();
+      const double gap = one.line.along().dot(behind.a - before.b);
+      if (gap < params_.line.end_gate_m || gap > kMostParted_m) continue;
+      if (gap * gap < one.line.endB().best_m2 + other.line.endA().best_m2) continue;
+      if (distanceToLine(behind.a, before) > params_.near_distance_m) continue;
+      if (!labelsCompatible(one.value.label, other.value.label)) continue;
+      one.line.part(true);
+      other.line.part(false);
     }
   }
 }
