@@ -34,6 +34,25 @@ TEST(Angles, WrapsIntoHalfOpenInterval) {
   EXPECT_NEAR(wrapAngle(2 * kPi + 0.25), 0.25, 1e-12);
 }
 
+/// The reference: std::remainder, whatever the angle.
+void expectRemainders(double a, double b) {
+  const double turn = std::remainder(a - b, 2 * kPi);
+  EXPECT_EQ(angleDifference(a, b), turn <= -kPi ? kPi : turn) << a << " - " << b;
+  EXPECT_EQ(lineAngleDifference(a, b), std::abs(std::remainder(a - b, kPi))) << a << " - " << b;
+}
+
+TEST(Angles, WrapExactlyAsRemaindersDo) {
+  std::mt19937_64 engine(1);
+  std::uniform_real_distribution<double> angle(-12.0, 12.0);
+  for (int i = 0; i < 10'000; ++i) expectRemainders(angle(engine), angle(engine));
+  for (int quarter = -8; quarter <= 8; ++quarter) {
+    const double edge = 0.5 * kPi * quarter;
+    expectRemainders(edge, 0.0);
+    expectRemainders(std::nextafter(edge, -100.0), 0.0);
+    expectRemainders(std::nextafter(edge, 100.0), 0.0);
+  }
+}
+
 TEST(Angles, CircularMeanCrossesTheWrap) {
   const double angles[] = {degToRad(170), degToRad(-170)};
   EXPECT_NEAR(std::abs(circularMean(angles)), kPi, 1e-9);

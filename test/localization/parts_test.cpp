@@ -128,6 +128,43 @@ TEST(Parts, TheFilterKeepsWhatEarlierImagesTold) {
   }
 }
 
+// Part 3, what is stated of the pose's error: a memory moves with odometry and cannot tell how far that went.
+TEST(Parts, WhatTheMemoryRepeatsDoesNotHideHowFarOdometryMayHaveGone) {
+  const SegmentMap map = test::corridorMap();
+  const LocalizerParams params = defaultsBut([](LocalizerParams& p) {
+    p.explorers.count_lost = p.explorers.count_reliable = 0;
+    p.odometry.enabled = false;
+  });
+  Localizer localizer(params, map, 1);
+  constexpr double kStep_m = 0.06;
+  constexpr int kSeen = 15;
+  const auto step = [&](int i) {
+    const Pose2 truth{1.0 + kStep_m * i, 0.0, 0.0};
+    MemoryUpdate update = test::viewFrom(map, truth, i * 200'000, 0.0, degToRad(-15), 3.0);
+    auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
+    test::remember(*snapshot, map, truth, 3.0);
+    for (MemorySegment& segment : snapshot->segments) {
+      segment.last_seen_us = std::min<StampUs>(segment.last_seen_us, kSeen * 200'000);
+    }
+    auto view = std::make_shared<ImageAnalysis>(*update.analysis);
+    if (i > kSeen) view->observed.clear();
+    localizer.step({snapshot, view});
+    if (i == 1) localizer.setPose(truth);
+  };
+  // What was seen half a second ago still counts as seen.
+  constexpr int kOld = kSeen + 3;
+  for (int i = 1; i <= kOld; ++i) step(i);
+  const Eigen::Matrix3d seen = localizer.latest().P;
+  EXPECT_LT(std::sqrt(seen(2, 2)), degToRad(1.0));
+  constexpr int kBlind = 30;
+  for (int i = kOld + 1; i <= kOld + kBlind; ++i) step(i);
+  const Eigen::Matrix3d blind = localizer.latest().P;
+  const double turn = params.robust.odometry_turn_per_m * kStep_m;
+  const double along = params.robust.odometry_share * kStep_m;
+  EXPECT_GT(blind(2, 2), seen(2, 2) + 0.99 * kBlind * turn * turn);
+  EXPECT_GT(blind(0, 0), seen(0, 0) + 0.99 * kBlind * along * along);
+}
+
 // Part 4: one odd image does not take the title from a race that was right for long; without memory it does.
 TEST(Parts, EvidenceOutlivesOneOddImage) {
   const SegmentMap map = test::corridorMap();

@@ -3,8 +3,20 @@
 #include <cmath>
 
 namespace vismem {
+namespace {
+
+// Up to here one turn more or less is enough, and the subtraction is exact: std::remainder costs more than
+// all the rest where points are compared by the thousand.
+constexpr double kNearTurns_rad = 9.0;
+constexpr double kNearHalfTurns_rad = 4.0;
+
+}  // namespace
 
 double wrapAngle(double angle_rad) {
+  if (angle_rad > -std::numbers::pi && angle_rad <= std::numbers::pi) return angle_rad;
+  if (std::abs(angle_rad) < kNearTurns_rad) {
+    return angle_rad - std::copysign(2.0 * std::numbers::pi, angle_rad);
+  }
   const double wrapped = std::remainder(angle_rad, 2.0 * std::numbers::pi);
   return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
 }
@@ -14,7 +26,10 @@ double angleDifference(double to_rad, double from_rad) {
 }
 
 double lineAngleDifference(double a_rad, double b_rad) {
-  return std::abs(std::remainder(a_rad - b_rad, std::numbers::pi));
+  const double turn = std::abs(a_rad - b_rad);
+  if (turn <= 0.5 * std::numbers::pi) return turn;
+  if (turn < kNearHalfTurns_rad) return std::abs(turn - std::numbers::pi);
+  return std::abs(std::remainder(turn, std::numbers::pi));
 }
 
 double circularMean(std::span<const double> angles_rad) {

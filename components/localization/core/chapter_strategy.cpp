@@ -41,7 +41,7 @@ class ChapterStrategy : public RaceStrategy {
 
   void rate(Race& race) const override {
     rateRace(race, params_.evolution, [this](const Pose2& pose) { return observation_.health(pose); });
-    race.P.topLeftCorner<3, 3>() = eliteCovariance(race);
+    race.P_stated.topLeftCorner<3, 3>() = eliteCovariance(race);
   }
 
   std::vector<Race> search(int explorers, const RaceTable& table, RandomEngine& engine) const override {

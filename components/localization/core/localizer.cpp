@@ -161,6 +161,7 @@ void Localizer::setPose(const Pose2& T_world_robot) {
   race.P.topLeftCorner<3, 3>() =
       Eigen::Vector3d(kGivenStd_m * kGivenStd_m, kGivenStd_m * kGivenStd_m, kGivenStd_rad * kGivenStd_rad)
           .asDiagonal();
+  race.P_stated = race.P;
   table_.replaceAll(std::move(race));
   if (odometry_) odometry_->lost();
   undisputed_ = 0;
@@ -197,7 +198,7 @@ void Localizer::report() {
   estimate_.T_world_robot = winner ? std::optional<Pose2>(winner->T_world_robot) : std::nullopt;
   estimate_.P = Eigen::Matrix3d::Zero();
   if (odometry_) estimate_.odometry = odometry_->belief();
-  if (winner) estimate_.P = winner->P.topLeftCorner<3, 3>();
+  if (winner) estimate_.P = winner->P_stated.topLeftCorner<3, 3>();
 }
 
 }  // namespace vismem

@@ -36,8 +36,11 @@ struct Race {
   /// what changes from image to image is estimated with each image and forgotten.
   Eigen::Vector2d camera_lean = Eigen::Vector2d::Zero();
   Matrix5d P = Matrix5d::Zero();  ///< default mode: covariance of (x, y, theta, lean about y, lean about x)
-  double evidence = 0.0;          ///< default mode [nats]
-  double log_likelihood = 0.0;    ///< default mode: of the last observation [nats]
+  /// What is told of the pose's error. Default mode: P is wider than errors where that keeps a race open to
+  /// what it sees, and narrower where the memory repeats itself; this is neither. Chapter mode: the elite's.
+  Matrix5d P_stated = Matrix5d::Zero();
+  double evidence = 0.0;        ///< default mode [nats]
+  double log_likelihood = 0.0;  ///< default mode: of the last observation [nats]
   /// Default mode: of the observations kept in PastObservations, newest first; fewer where it is younger.
   std::vector<double> past;
 };

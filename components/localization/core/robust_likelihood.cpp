@@ -256,10 +256,13 @@ void RobustLikelihood::soften(Curvature& memory) const {
 RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& observation,
                                                    const Placement& start, const Matrix5d& prior_information,
                                                    double share, int steps, double blur_m) const {
-  Refined result{start, Matrix5d::Zero(), {}};
+  Refined result{start, Matrix5d::Zero(), Matrix5d::Zero(), {}};
   Placement& at = result.placement;
   const double sway = std::max(params_.lean_sway_rad, kFixedLean_rad);
   const Eigen::Matrix2d sway_information = Eigen::Matrix2d::Identity() / (sway * sway);
+  const auto swayCovariance = [&](const Matrix5d& H) -> Eigen::Matrix2d {
+    return (H.bottomRightCorner<2, 2>() + sway_information).inverse();
+  };
   const std::span points(observation.points);
   const std::span remembered = points.first(observation.remembered);
   // One pass more than steps: the last one only takes the curvature at the result.
@@ -276,10 +279,14 @@ RobustLikelihood::Refined RobustLikelihood::refine(const RobustObservation& obse
     curve.g += seen.g;
     // The sway moves the points as the lasting lean does: the same columns, and a prior of its own.
     const Eigen::Matrix<double, 5, 2> cross = curve.H.rightCols<2>();
-    const Eigen::Matrix2d sway_covariance = (curve.H.bottomRightCorner<2, 2>() + sway_information).inverse();
+    const Eigen::Matrix2d sway_covariance = swayCovariance(curve.H);
     const Eigen::Vector2d sway_gradient = curve.g.tail<2>() + sway_information * at.lean_sway;
     result.information = curve.H - cross * sway_covariance * cross.transpose();
-    if (step == steps) break;
+    if (step == steps) {
+      const Eigen::Matrix<double, 5, 2> lean = seen.H.rightCols<2>();
+      result.image_information = seen.H - lean * swayCovariance(seen.H) * lean.transpose();
+      break;
+    }
     Vector5d off;
     off << at.T_world_robot.x - start.T_world_robot.x, at.T_world_robot.y - start.T_world_robot.y,
         angleDifference(at.T_world_robot.theta, start.T_world_robot.theta), at.lean_bias - start.lean_bias;

@@ -57,7 +57,8 @@ class RobustLikelihood {
     /// Curvature of -log L (without the prior) at the result in (x, y, theta, lasting lean), with the lean of
     /// this one image marginalised.
     Matrix5d information = Matrix5d::Zero();
-    Rating rating;  ///< there
+    Matrix5d image_information = Matrix5d::Zero();  ///< the same of the image's points alone
+    Rating rating;                                  ///< there
   };
 
   /// Gauss-Newton steps on -share * log L + the prior's squared distance.

@@ -28,6 +28,9 @@ constexpr double kSettledAge = 20.0;
 constexpr double kOldLead = 0.33;
 constexpr double kUndisputed = 0.8;      // share of belief
 constexpr double kLeastLean_rad = 1e-6;  // a lean that is taken as known
+/// Of the heading's walk, as variance: more of it keeps a race open to slips than its error grows by.
+constexpr double kStatedTurnWalk = 0.1;
+constexpr StampUs kJustSeen_us = kSecondUs / 2;
 /// Of a camera's lasting lean, per square root of an iteration: a quarter of a degree in ten minutes.
 constexpr double kLeanWalk_rad = 1e-4;
 
@@ -55,6 +58,12 @@ class RobustStrategy : public RaceStrategy {
 
   bool observe(const MemoryUpdate& update) override {
     observation_ = vismem::observe(update, map_, params_.robust);
+    const auto isNew = [&](const MemorySegment& segment) {
+      return segment.last_seen_us + kJustSeen_us >= update.snapshot->stamp_us;
+    };
+    const auto& remembered = update.snapshot->segments;
+    is_memory_news_ = observation_.remembered == observation_.points.size() &&
+                      std::any_of(remembered.begin(), remembered.end(), isNew);
     if (params_.robust.negative_information && params_.robust.source != HealthSource::kMemory &&
         update.analysis) {
       negative_.observe(*update.analysis, observation_);
@@ -80,8 +89,10 @@ class RobustStrategy : public RaceStrategy {
     const double std_m = robust.odometry_share * travelled;
     const double std_rad =
         robust.odometry_turn_share * std::abs(T_before_now.theta) + robust.odometry_turn_per_m * travelled;
-    race.P = F * race.P * F.transpose();
-    race.P.diagonal().head<3>() += Eigen::Vector3d(std_m * std_m, std_m * std_m, std_rad * std_rad);
+    for (Matrix5d* P : {&race.P, &race.P_stated}) {
+      *P = F * *P * F.transpose();
+      P->diagonal().head<3>() += Eigen::Vector3d(std_m * std_m, std_m * std_m, std_rad * std_rad);
+    }
     race.T_world_robot = race.T_world_robot * T_before_now;
   }
 
@@ -150,6 +161,7 @@ class RobustStrategy : public RaceStrategy {
       race.T_world_robot = placement.T_world_robot;
       race.camera_lean = placement.lean_bias;
       race.P = (prior + refined.information).inverse();
+      state(race, refined, walk);
       race.health = refined.rating.explained;
       race.log_likelihood = refined.rating.news;
     } else {
@@ -252,6 +264,22 @@ class RobustStrategy : public RaceStrategy {
     race.evidence = race.log_likelihood;
     const auto refined = likelihood_.refine(observation_, {race.T_world_robot}, broad_prior_, 1.0, 0, 0.0);
     race.P = (refined.information + broad_prior_).inverse();
+    race.P_stated = race.P;
+  }
+
+  /// A filter of its own, beside the one that moves the race.
+  void state(Race& race, const RobustLikelihood::Refined& refined, const Vector5d& walk) const {
+    if (!params_.robust.kalman) {
+      race.P_stated = race.P;
+      return;
+    }
+    Vector5d growth = walk.cwiseProduct(walk);
+    growth[2] *= kStatedTurnWalk;
+    race.P_stated.diagonal() += growth;
+    // Where the camera shows nothing, what the memory repeats must not hide how far odometry may have gone.
+    const Matrix5d told = broad_prior_ + (is_memory_news_ ? refined.information : refined.image_information);
+    const Matrix5d P = (Matrix5d::Identity() + race.P_stated * told).partialPivLu().solve(race.P_stated);
+    race.P_stated = 0.5 * (P + P.transpose());
   }
 
   void missWhatShouldBeSeen(Race& race) const {
@@ -328,6 +356,8 @@ class RobustStrategy : public RaceStrategy {
   NegativeInformation negative_;
   Matrix5d broad_prior_;
   double uniform_share_;  ///< of the uniform explorers that are sent out
+  /// Of the last update: no image tells, and the memory has what was seen just now.
+  bool is_memory_news_ = false;
   RobustObservation observation_;
   RobustObservation few_;  ///< a part of it, for the coarse search
 };
