@@ -37,8 +37,7 @@ class APlaceThoughtOfNow : public testing::Test {
     winner_.evidence = -5.0;
   }
 
-  /// One iteration: the robot, standing still by its odometry, sees segments of the map as from a place.
-  void see(const Pose2& from, const std::vector<std::size_t>& segments) {
+  RobustObservation seenFrom(const Pose2& from, const std::vector<std::size_t>& segments) const {
     RobustObservation seen;
     for (const std::size_t i : segments) {
       const MapSegment& one = edges_.segments[i];
@@ -53,7 +52,11 @@ class APlaceThoughtOfNow : public testing::Test {
         seen.points.push_back(point);
       }
     }
-    past_.begin(seen, {});
+    return seen;
+  }
+  /// One iteration: the robot, standing still by its odometry, sees segments of the map as from a place.
+  void see(const Pose2& from, const std::vector<std::size_t>& segments) {
+    past_.begin(seenFrom(from, segments), {});
     past_.note(winner_);
   }
   void seeCorner(int iterations) {
@@ -77,6 +80,32 @@ class APlaceThoughtOfNow : public testing::Test {
   PastObservations past_;
   Race winner_;
 };
+
+TEST_F(APlaceThoughtOfNow, NewsThatAreWeighedAgainCountAsIfTheyHadBeenSoAtOnce) {
+  PastObservations at_once(likelihood_, local_.robust);
+  const auto bothSee = [&](const RobustObservation& seen) {
+    past_.begin(seen, {});
+    at_once.begin(seen, {});
+  };
+  for (int i = 0; i < 5; ++i) {
+    bothSee(seenFrom(kFirst, {0, 1}));
+    past_.note(winner_);
+  }
+  const RobustObservation fresh = seenFrom(kFirst, {0, 1});
+  RobustObservation repeated = fresh;
+  repeated.news = 0.2;
+  past_.begin(repeated, {});
+  at_once.begin(fresh, {});
+  EXPECT_NEAR(past_.newest(), 0.2 * at_once.newest(), 1e-12);
+  past_.weighAgain(fresh);
+  EXPECT_DOUBLE_EQ(past_.newest(), at_once.newest());
+  bothSee(fresh);
+  Race weighed_again = earned(kTwin);
+  Race new_at_once;
+  new_at_once.T_world_robot = kTwin;
+  at_once.earn(new_at_once, std::span(&winner_, 1));
+  EXPECT_DOUBLE_EQ(weighed_again.evidence, new_at_once.evidence);
+}
 
 TEST_F(APlaceThoughtOfNow, IsLevelWithTheWinnerIfItExplainsThePastAsWell) {
   seeCorner(40);

@@ -72,6 +72,20 @@ TEST(RaceTable, FullTableReplacesTheWeakestWithoutVictories) {
   EXPECT_TRUE(table.find(4));  // a new id, never used before
 }
 
+TEST(RaceTable, ARaceFarAheadOfACandidateKeepsItsPlaceWhateverOneImageSays) {
+  RaceParams params;
+  params.maximum = 2;
+  RaceTable table = tableOf({0.8, 0.5}, params);
+  table.races()[1].evidence = -1.0;
+  Race candidate = raceAt(20.0, 0.9);
+  candidate.evidence = -1.0 - 1.1 * params.spared_ahead;
+  EXPECT_EQ(table.admit(candidate), RaceTable::Admission::kIgnored);
+  candidate.evidence = -1.0 - 0.9 * params.spared_ahead;
+  EXPECT_EQ(table.admit(candidate), RaceTable::Admission::kReplaced);
+  EXPECT_TRUE(table.find(1));
+  EXPECT_FALSE(table.find(2));
+}
+
 TEST(RaceTable, NobodyIsReplacedOrDeletedBeforeAgeThree) {
   RaceParams params;
   params.maximum = 1;

@@ -32,6 +32,7 @@ void readRaces(ConfigReader r, RaceParams& p) {
   p.protected_age = count(r, "ProtectedAge", p.protected_age, 0, 1000);
   p.protected_after_best = count(r, "ProtectedAfterBest", p.protected_after_best, 0, 1000);
   p.maximum_victories = count(r, "MaximumVictories", p.maximum_victories, 1, 1000);
+  p.spared_ahead = r.real("SparedAhead", p.spared_ahead, 0.0, 1e6);
 }
 
 void readExplorers(ConfigReader r, ExplorerParams& p) {
@@ -172,6 +173,8 @@ LocalizerParams readLocalizerParams(ConfigReader& reader) {
                     {{"default", LocalizationMode::kDefault}, {"chapter", LocalizationMode::kChapter}});
   LocalizerParams params = localizerPreset(mode);
   params.tick_s = reader.real("Tick_s", params.tick_s, 0.001, 60.0);
+  params.doubt_tick_s = reader.real("DoubtTick_s", params.doubt_tick_s, 0.001, 60.0);
+  params.doubt_s = reader.real("Doubt_s", params.doubt_s, 0.0, 3600.0);
   params.cell_m = reader.real("Cell_m", params.cell_m, 0.05, 10.0);
   params.opaque_labels = readWords(reader, "OpaqueLabels", params.opaque_labels);
   readRaces(reader.group("Races"), params.races);

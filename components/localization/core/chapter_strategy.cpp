@@ -99,7 +99,7 @@ class ChapterStrategy : public RaceStrategy {
   std::optional<double> agreement(const RaceTable&) const override { return std::nullopt; }
   bool isUndisputed(const RaceTable&) const override { return false; }
 
-  double nextReliability(double last, const RaceTable& table) const override {
+  double nextReliability(double last, const RaceTable& table, double) const override {
     const Race* winner = table.winner();
     if (!winner) return 0.0;
     const double quality = std::min(1.0, static_cast<double>(observation_.size()) / kFullObservation);

@@ -25,6 +25,11 @@ constexpr double kGivenStd_rad = 0.1;
 
 /// An observation that lets the winner be believed less than this share of its reliability is a surprise.
 constexpr double kSurprise = 0.7;
+/// A surprise after so many iterations without one may be that the robot was put elsewhere.
+constexpr int kCalm = 15;
+/// Doubt ends when no image has contradicted the winner, and no other race it, for so many iterations: a wrong
+/// winner keeps nearly all belief for a second.
+constexpr int kDoubtEnds = 5;
 /// Where nothing spoke against the winner for so many iterations the search rests, although much that is seen
 /// is not in the map and reliability stays low.
 constexpr int kRestAfter = 15;
@@ -74,15 +79,31 @@ PoseEstimate Localizer::step(const MemoryUpdate& update) {
   epoch_ = snapshot.epoch;
   last_stamp_us_ = snapshot.stamp_us;
   last_T_odom_robot_ = snapshot.T_odom_robot;
-  const auto tick_us = static_cast<StampUs>(params_.tick_s * kSecondUs);
+  const double tick_s = inDoubt() ? std::min(params_.doubt_tick_s, params_.tick_s) : params_.tick_s;
+  const auto tick_us = static_cast<StampUs>(tick_s * kSecondUs);
   if (!last_tick_us_ || snapshot.stamp_us >= *last_tick_us_ + tick_us) {
     // The grid of ticks is kept while images come often enough, so that 30 Hz still makes 5 ticks a second.
     const bool is_late = !last_tick_us_ || snapshot.stamp_us >= *last_tick_us_ + 2 * tick_us;
     last_tick_us_ = is_late ? snapshot.stamp_us : *last_tick_us_ + tick_us;
-    iterate(update);
+    iterate(update, is_late ? params_.tick_s : tick_s);
   }
   report();
   return estimate_;
+}
+
+bool Localizer::inDoubt() const {
+  return doubted_us_ && std::min(undisputed_, calm_) < kDoubtEnds &&
+         last_stamp_us_ < *doubted_us_ + static_cast<StampUs>(params_.doubt_s * kSecondUs);
+}
+
+void Localizer::noteSurprise(bool is_surprised) {
+  if (is_surprised && calm_ >= kCalm) {
+    doubted_us_ = last_stamp_us_;
+    undisputed_ = 0;
+    strategy_->takeAsNew();
+    for (Race& race : table_.races()) strategy_->rate(race);
+  }
+  calm_ = is_surprised ? 0 : calm_ + 1;
 }
 
 PoseEstimate Localizer::step(const MemoryUpdate& update, const Pose2& T_odom_robot_now) {
@@ -98,7 +119,7 @@ void Localizer::move(const Pose2& T_before_now) {
   for (Race& race : table_.races()) strategy_->move(race, T_moved);
 }
 
-void Localizer::iterate(const MemoryUpdate& update) {
+void Localizer::iterate(const MemoryUpdate& update, double elapsed_s) {
   ++iteration_;
   if (!strategy_->observe(update)) return;
   const Race* before = table_.winner();
@@ -110,6 +131,7 @@ void Localizer::iterate(const MemoryUpdate& update) {
   // what it should.
   const auto agreement = strategy_->agreement(table_);
   const bool is_surprised = agreement && *agreement < kSurprise * reliability_;
+  noteSurprise(is_surprised);
   int explorers = explorerCount(params_.explorers, is_surprised ? *agreement : reliability_, iteration_);
   const bool rests = undisputed_ >= kRestAfter && !is_surprised;
   const auto period = static_cast<std::uint64_t>(std::max(1, params_.explorers.period_reliable));
@@ -130,7 +152,7 @@ void Localizer::iterate(const MemoryUpdate& update) {
   table_.mergeSamePlaces();
   for (Race& race : table_.races()) strategy_->evolve(race, engine_);
   strategy_->choose(table_, reliability_);
-  reliability_ = strategy_->nextReliability(reliability_, table_);
+  reliability_ = strategy_->nextReliability(reliability_, table_, elapsed_s);
   const Race* winner = table_.winner();
   const bool is_same = winner && winner->id == winner_before;
   undisputed_ = is_same && strategy_->isUndisputed(table_) ? undisputed_ + 1 : 0;
@@ -149,6 +171,7 @@ void Localizer::iterate(const MemoryUpdate& update) {
 void Localizer::beginEpoch() {
   if (odometry_) odometry_->lost();
   undisputed_ = 0;
+  doubted_us_.reset();
   reliability_ = std::min(reliability_, kReliabilityAfterEpoch);
   strategy_->forgetEvidence(table_);
   last_tick_us_.reset();
@@ -165,6 +188,7 @@ void Localizer::setPose(const Pose2& T_world_robot) {
   table_.replaceAll(std::move(race));
   if (odometry_) odometry_->lost();
   undisputed_ = 0;
+  doubted_us_.reset();
   strategy_->forgetPast(table_);
   table_.award(table_.winner()->id);
   table_.noteBest(table_.winner()->id);
@@ -175,6 +199,7 @@ void Localizer::setPose(const Pose2& T_world_robot) {
 
 void Localizer::relocalize() {
   if (odometry_) odometry_->lost();
+  doubted_us_.reset();
   table_.clear();
   strategy_->forgetPast(table_);
   reliability_ = 0.0;

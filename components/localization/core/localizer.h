@@ -45,7 +45,9 @@ class Localizer {
   const RaceTable& table() const { return table_; }
 
  private:
-  void iterate(const MemoryUpdate& update);
+  void iterate(const MemoryUpdate& update, double elapsed_s);
+  void noteSurprise(bool is_surprised);
+  bool inDoubt() const;
   void move(const Pose2& T_before_now);
   void beginEpoch();
   void report();
@@ -64,7 +66,9 @@ class Localizer {
   std::uint32_t epoch_ = 0;
   std::uint64_t iteration_ = 0;
   double reliability_ = 0.0;
-  int undisputed_ = 0;  ///< iterations for which nothing spoke against the winner
+  int calm_ = 0;                       ///< iterations since the last surprise
+  std::optional<StampUs> doubted_us_;  ///< when one came that began a doubt
+  int undisputed_ = 0;                 ///< iterations for which nothing spoke against the winner
 };
 
 }  // namespace vismem

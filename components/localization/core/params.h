@@ -20,6 +20,9 @@ struct RaceParams {
   int protected_age = 3;         ///< iterations after birth without deletion or replacement
   int protected_after_best = 9;  ///< iterations after having been the best without them
   int maximum_victories = 20;
+  /// Default mode: a race that is ahead of a candidate by more evidence than this [nats] keeps its place,
+  /// whatever one image says of both.
+  double spared_ahead = 0.5;
 };
 
 /// L6.
@@ -202,6 +205,10 @@ struct LocalizerParams {
   /// Labels of map segments that stand up and hide the floor behind them; "*_foot": all that end so.
   std::vector<std::string> opaque_labels{"skirting", "*_foot"};
   double tick_s = 0.2;  ///< of stamps between iterations; odometry moves the races with every update
+  /// Default mode: the same for `doubt_s` after an observation contradicted a winner that nothing had
+  /// contradicted for long, or until nothing disputes one any more. Then every image counts.
+  double doubt_tick_s = 0.1;
+  double doubt_s = 3.0;
   double cell_m = 0.5;  ///< of the grid over the map; changes speed alone
   RaceParams races;
   ExplorerParams explorers;

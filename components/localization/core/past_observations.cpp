@@ -16,15 +16,21 @@ constexpr double kBlur_m = 0.10;
 
 void PastObservations::begin(const RobustObservation& observation, const Pose2& T_odom_robot) {
   if (current_) {
+    for (Kept& one : kept_) one.weight *= 1.0 - newest();
+    current_->weight = newest();
     kept_.push_front(std::move(*current_));
     if (kept_.size() > kMost) kept_.pop_back();
     current_.reset();
   }
   T_odom_robot_ = T_odom_robot;
   ++iteration_;
+  current_ = Kept{0.0, T_odom_robot, {}};
+  weighAgain(observation);
+}
+
+void PastObservations::weighAgain(const RobustObservation& observation) {
   news_ = observation.news;
-  for (Kept& one : kept_) one.weight *= 1.0 - newest();
-  current_ = Kept{newest(), T_odom_robot, thinned(observation, kPoints)};
+  if (current_) current_->observation = thinned(observation, kPoints);
 }
 
 void PastObservations::note(Race& race) const {
@@ -62,7 +68,7 @@ void PastObservations::earn(Race& newcomer, std::span<const Race> races) const {
   double all_weights = 0.0;
   double mean = 0.0;
   for (std::size_t k = 0; k < own.size(); ++k) {
-    weights.push_back(kept_[k].weight);
+    weights.push_back(kept_[k].weight * (1.0 - newest()));
     all_weights += weights.back();
     mean += weights.back() * own[k];
   }

@@ -22,6 +22,8 @@ class PastObservations {
 
   /// An iteration begins with this observation.
   void begin(const RobustObservation& observation, const Pose2& T_odom_robot);
+  /// The news of this iteration's observation is another.
+  void weighAgain(const RobustObservation& observation);
   /// What a race makes of this iteration's observation. Every race, every iteration.
   void note(Race& race) const;
   /// Odometry jumped or somebody said something about the place: what was seen says nothing about now.
@@ -42,7 +44,7 @@ class PastObservations {
 
  private:
   struct Kept {
-    double weight = 0.0;  ///< in the mean that evidence is
+    double weight = 0.0;  ///< in the mean that evidence was before this iteration
     Pose2 T_odom_robot;
     RobustObservation observation;
   };

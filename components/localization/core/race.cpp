@@ -36,6 +36,7 @@ RaceTable::Admission RaceTable::admit(Race candidate) {
   Race* victim = nullptr;
   for (Race& race : races_) {
     if (isProtected(race) || !mayGive(race, candidate.health)) continue;
+    if (race.evidence > candidate.evidence + params_.spared_ahead) continue;
     if (!victim || race.health < victim->health) victim = &race;
   }
   if (!victim) return Admission::kIgnored;

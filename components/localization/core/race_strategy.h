@@ -42,7 +42,11 @@ class RaceStrategy {
   /// True if nothing speaks for another place than the winner's, however little the winner explains.
   virtual bool isUndisputed(const RaceTable& table) const = 0;
   /// The reliability after this iteration, before any jump of the winner is accounted for.
-  virtual double nextReliability(double last, const RaceTable& table) const = 0;
+  /// @param elapsed_s since the last one.
+  virtual double nextReliability(double last, const RaceTable& table, double elapsed_s) const = 0;
+  /// Perhaps the robot was put elsewhere before this observation: what was seen before is no reason to count
+  /// it less. The races are to be rated again.
+  virtual void takeAsNew() {}
   /// The memory was set aside or the source jumped: what the races earned so far counts no more.
   virtual void forgetEvidence(RaceTable& table) = 0;
   /// Somebody said that the robot is at the table's only race, or (an empty table) that nobody knows where.

@@ -73,9 +73,17 @@ class RobustStrategy : public RaceStrategy {
     observation_.remembered = all.remembered;
     few_ = thinned(observation_, kExplorerPoints);
     if (observation_.points.empty()) return false;
-    news_.weigh(observation_, update.snapshot->T_odom_robot, update.snapshot->stamp_us);
-    past_.begin(observation_, update.snapshot->T_odom_robot);
+    T_odom_robot_ = update.snapshot->T_odom_robot;
+    stamp_us_ = update.snapshot->stamp_us;
+    news_.weigh(observation_, T_odom_robot_, stamp_us_);
+    past_.begin(observation_, T_odom_robot_);
     return true;
+  }
+
+  void takeAsNew() override {
+    news_.clear();
+    news_.weigh(observation_, T_odom_robot_, stamp_us_);
+    past_.weighAgain(observation_);
   }
 
   void move(Race& race, const Pose2& T_before_now) const override {
@@ -214,7 +222,7 @@ class RobustStrategy : public RaceStrategy {
     return weights(table)[static_cast<std::size_t>(winner - table.races().data())] > kUndisputed;
   }
 
-  double nextReliability(double last, const RaceTable& table) const override {
+  double nextReliability(double last, const RaceTable& table, double elapsed_s) const override {
     const RobustParams& robust = params_.robust;
     double target = 0.0;
     if (const Race* winner = table.winner()) {
@@ -225,7 +233,7 @@ class RobustStrategy : public RaceStrategy {
       target = fitOf(*winner) * amount * shares[index];
     }
     if (!robust.validity) return 0.0;
-    const double gain = 1.0 - std::exp(-params_.tick_s / robust.reliability_time_s);
+    const double gain = 1.0 - std::exp(-elapsed_s / robust.reliability_time_s);
     return last + gain * (target - last);
   }
 
@@ -359,6 +367,8 @@ class RobustStrategy : public RaceStrategy {
   /// Of the last update: no image tells, and the memory has what was seen just now.
   bool is_memory_news_ = false;
   RobustObservation observation_;
+  Pose2 T_odom_robot_;  ///< of it
+  StampUs stamp_us_ = 0;
   RobustObservation few_;  ///< a part of it, for the coarse search
 };
 
