@@ -76,7 +76,7 @@ TEST(SyntheticVision, WithoutErrorsIsTheTruth) {
   none.half_px = -1e3;
   none.across_floor = none.across_upright = none.along_floor = none.along_upright = {};
   none.along_floor_mean_px = none.along_upright_mean_px = none.border_px = 0.0;
-  none.broken_every_px = none.unknown = none.false_per_image = 0.0;
+  none.floor_broken_every_px = none.upright_broken_every_px = none.unknown = none.false_per_image = 0.0;
   SyntheticVision vision(lines(), none, {}, 1);
   const auto image = vision.look(0.0, kIntrinsics, camera(), openFloor);
   const auto pieces = visiblePieces(lines(), kIntrinsics, camera(), openFloor);
@@ -98,7 +98,7 @@ TEST(SyntheticVision, ItsErrorsAreThoseItWasAskedFor) {
   errors.along_floor = {1.2, 1.6};
   errors.along_floor_mean_px = -1.0;
   errors.lasting_s = 2.0;
-  errors.broken_every_px = 0.0;
+  errors.floor_broken_every_px = errors.upright_broken_every_px = 0.0;
   errors.unknown = 0.0;
   errors.false_per_image = 0.4;
   SyntheticVision vision(lines(), errors, {}, 1);
@@ -161,7 +161,7 @@ TEST(SyntheticVision, SegmentsAreLostIndependently) {
   errors.found = 1.0;
   errors.half_px = -1e3;
   errors.false_per_image = 0.0;
-  errors.broken_every_px = 0.0;
+  errors.floor_broken_every_px = errors.upright_broken_every_px = 0.0;
   SyntheticVision vision(lines(), errors, {.lost_share = 0.5}, 1);
   std::size_t seen = 0;
   for (int i = 0; i < 2000; ++i) seen += vision.look(0.1 * i, kIntrinsics, camera(), openFloor).size();

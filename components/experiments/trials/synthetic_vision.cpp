@@ -15,7 +15,6 @@ constexpr double kForgotten_s = 1.0;
 constexpr double kImage_s = 0.1;  // the time over which `persistence` is given
 constexpr double kOnFloor_m = 0.02;
 constexpr double kShortestFalse_px = 12.0;
-constexpr double kLongestFalse_px = 90.0;
 constexpr double kClutterReach_m = 4.0;
 constexpr double kShortestClutter_m = 0.3;
 constexpr double kLongestClutter_m = 1.5;
@@ -100,12 +99,13 @@ void SyntheticVision::addPiece(double time_s, const CameraIntrinsics& intrinsics
                        piece.px.b + beyond_b * along + aside_b * across};
   if ((found.b - found.a).dot(along) < errors_.least_px) return;
   const Label& label = is_unknown ? kUnknownLabel : edge.label;
+  const double broken_every_px = on_floor ? errors_.floor_broken_every_px : errors_.upright_broken_every_px;
   double begin = 0.0;
   const double end = found.length();
   while (begin < end) {
     double stop = end;
-    if (errors_.broken_every_px > 0.0) {
-      stop = std::min(end, begin - errors_.broken_every_px * std::log(1.0 - uniform(engine_, 0.0, 1.0)));
+    if (broken_every_px > 0.0) {
+      stop = std::min(end, begin - broken_every_px * std::log(1.0 - uniform(engine_, 0.0, 1.0)));
     }
     if (stop - begin >= errors_.least_px) {
       const Eigen::Vector2d d = (found.b - found.a) / end;
@@ -118,7 +118,7 @@ void SyntheticVision::addPiece(double time_s, const CameraIntrinsics& intrinsics
 void SyntheticVision::addFalse(const CameraIntrinsics& intrinsics, std::vector<ImageSegment>& image) {
   const Eigen::Vector2d a = anyPixel(intrinsics);
   const double direction = uniform(engine_, -std::numbers::pi, std::numbers::pi);
-  const double length = uniform(engine_, kShortestFalse_px, kLongestFalse_px);
+  const double length = uniform(engine_, kShortestFalse_px, errors_.longest_false_px);
   const Label& label = anyLabel();
   const auto inside =
       clipToBox({a, a + length * Eigen::Vector2d(std::cos(direction), std::sin(direction))},

@@ -17,30 +17,33 @@ namespace vismem {
 /// images (docs/localization.md).
 struct VisionErrors {
   /// A piece of length L is found with probability `found / (1 + exp((half_px - L) / soft_px))`.
-  double found = 0.998;
-  double half_px = 11.3;
-  double soft_px = 2.2;
+  double found = 0.9995;
+  double half_px = 10.8;
+  double soft_px = 1.7;
   /// Correlation of the luck of one edge from one image to the next 0.1 s later.
-  double persistence = 0.7;
+  double persistence = 0.9;
   /// Standard deviations of an end's error [px]: the part that stays while the edge is seen, and changes
   /// over about `lasting_s`, and the part that is new in each image.
   struct Spread {
     double lasting_px = 0.0;
     double fresh_px = 0.0;
   };
-  double lasting_s = 8.0;
-  Spread across_floor{0.08, 0.09};    ///< across the line; edges on the floor ..
-  Spread across_upright{0.19, 0.30};  ///< .. and others
-  Spread along_floor{0.82, 0.71};
-  Spread along_upright{0.84, 0.84};
-  double along_floor_mean_px = -0.16;  ///< an end lies beyond the true one by this
+  double lasting_s = 15.0;
+  Spread across_floor{0.075, 0.075};  ///< across the line; edges on the floor ..
+  Spread across_upright{0.12, 0.28};  ///< .. and others
+  Spread along_floor{0.78, 0.70};
+  Spread along_upright{0.85, 0.64};
+  double along_floor_mean_px = -0.22;  ///< an end lies beyond the true one by this
   double along_upright_mean_px = -1.0;
-  double border_px = 2.2;           ///< where the image's border cuts a line, so much is not found
-  double broken_every_px = 4000.0;  ///< mean length between breaks; 0: never broken
-  double gap_px = 6.0;              ///< of a break
-  double unknown = 0.004;           ///< share of found pieces without a label
-  double false_per_image = 0.35;    ///< labelled segments of nothing, each seen once
-  double least_px = 4.0;            ///< shorter ones are not reported
+  double border_px = 2.2;  ///< where the image's border cuts a line, so much is not found
+  /// Mean lengths between breaks; 0: never broken.
+  double floor_broken_every_px = 70000.0;
+  double upright_broken_every_px = 8000.0;
+  double gap_px = 6.0;            ///< of a break
+  double unknown = 0.004;         ///< share of found pieces without a label
+  double false_per_image = 0.39;  ///< labelled segments of nothing, each seen once
+  double longest_false_px = 126.0;
+  double least_px = 4.0;  ///< shorter ones are not reported
 };
 
 /// What is done to the observations beside the detector's own errors.
