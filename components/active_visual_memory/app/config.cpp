@@ -90,6 +90,7 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   p.alignment.turn_per_rad = r.real("Align.Turn_per_rad", p.alignment.turn_per_rad, 0.0, 1.0);
   p.alignment.turn_per_m = r.angleDeg("Align.Turn_degpm", radToDeg(p.alignment.turn_per_m), 0.0, 90.0);
   p.compass = r.boolean("Align.Compass", p.compass);
+  p.joint = r.boolean("Align.Joint", p.joint);
   p.lean.mount_rad = r.angleDeg("Lean.Mount_deg", radToDeg(p.lean.mount_rad), 0.0, 10.0);
   p.lean.camera_rad = r.angleDeg("Lean.Camera_deg", radToDeg(p.lean.camera_rad), 0.0, 10.0);
   p.lean.sway_rad = r.angleDeg("Lean.Sway_deg", radToDeg(p.lean.sway_rad), 0.0, 10.0);

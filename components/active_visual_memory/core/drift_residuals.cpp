@@ -1,5 +1,7 @@
 #include "active_visual_memory/core/drift_residuals.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,10 +10,6 @@
 #include "common/geometry/angles.h"
 
 namespace vismem {
-namespace {
-
-/// Variance along a direction without the camera's pitch and roll: they are common to the whole image, and
-/// what is solved for is no noise.
 double ownVariance(const Eigen::Vector2d& direction, const Eigen::Matrix2d& P, const FloorLean& D,
                    double pitch_sigma_rad) {
   return std::max(
@@ -19,15 +17,16 @@ double ownVariance(const Eigen::Vector2d& direction, const Eigen::Matrix2d& P, c
                pitch_sigma_rad * pitch_sigma_rad * (direction.transpose() * D.rightCols<2>()).squaredNorm());
 }
 
-}  // namespace
-
 double offCourse(double direction_rad, double course_rad) {
   return 0.25 * wrapAngle(4.0 * (direction_rad - course_rad));
 }
 
-void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, const LeaningView& view,
-                       double slack_m, double noise, double end_doubt, double max_end_shift_m,
-                       std::vector<DriftResidual>& residuals) {
+namespace {
+
+/// @param jointly the line's own error and how it follows the lean are known to the filter.
+void compare(const FloorLine& line, const FloorSegment& piece, const LeaningView& view, double slack_m,
+             double noise, double end_doubt, double max_end_shift_m, bool jointly, auto across_line,
+             auto along_line) {
   const Eigen::Vector2d n = line.normal();
   const Eigen::Vector2d u = line.along();
   const bool against = u.dot(piece.odom.b - piece.odom.a) < 0.0;
@@ -40,18 +39,45 @@ void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, const L
   const auto add = [&](const Eigen::Vector2d& at, const Eigen::Matrix2d& P, const FloorLean& D, bool open,
                        const ExtentEnd& known) {
     const double t = line.tOf(at);
-    const LeanRow across = n.transpose() * view.derivativeAt(at - line.offsetOf(at) * n);
-    residuals.push_back({at, n, line.offsetOf(at),
-                         noise * (variance(n, P, D) + line.offsetVariance(t) + slack),
-                         across - line.offsetLean(t), across.head<2>()});
+    LeanRow across = n.transpose() * view.derivativeAt(at - line.offsetOf(at) * n);
+    const Eigen::RowVector2d sway = across.head<2>();
+    double of_line = 0.0;
+    if (!jointly) {
+      across -= line.offsetLean(t);
+      of_line = line.offsetVariance(t);
+    }
+    across_line(
+        DriftResidual{at, n, line.offsetOf(at), noise * (variance(n, P, D) + of_line + slack), across, sway});
     const double gap = t - known.t_m;
     if (open || known.open || std::abs(gap) > max_end_shift_m) return;
     const LeanRow far = u.transpose() * view.derivativeAt(line.pointAt(known.t_m));
-    residuals.push_back({at, u, gap, end_noise * (variance(u, P, D) + known.variance_m2 + slack),
-                         far - known.d_lean, far.head<2>()});
+    along_line(DriftResidual{at, u, gap, end_noise * (variance(u, P, D) + known.variance_m2 + slack),
+                             far - known.d_lean, far.head<2>()});
   };
   add(observed.odom.a, observed.P_a, observed.D_a, observed.open_a, line.endA());
   add(observed.odom.b, observed.P_b, observed.D_b, observed.open_b, line.endB());
+}
+
+}  // namespace
+
+void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, const LeaningView& view,
+                       double slack_m, double noise, double end_doubt, double max_end_shift_m,
+                       std::vector<DriftResidual>& residuals) {
+  const auto add = [&](const DriftResidual& r) { residuals.push_back(r); };
+  compare(line, piece, view, slack_m, noise, end_doubt, max_end_shift_m, false, add, add);
+}
+
+void addJointResiduals(std::uint64_t id, const FloorLine& line, const FloorSegment& piece,
+                       const LeaningView& view, double slack_m, double noise, double end_doubt,
+                       double max_end_shift_m, std::vector<JointResidual>& residuals) {
+  compare(
+      line, piece, view, slack_m, noise, end_doubt, max_end_shift_m, true,
+      [&](const DriftResidual& r) {
+        residuals.push_back({r, id});
+      },
+      [&](const DriftResidual& r) {
+        residuals.push_back({r, 0});
+      });
 }
 
 void Rectilinearity::add(double direction_rad, double length_m) {
@@ -129,6 +155,33 @@ void addCourseResiduals(const std::vector<FloorSegment>& floor, const LeaningVie
                          own + params.sigma_rad * params.sigma_rad, d, d.head<2>(), known_rad ? 0.0 : 1.0,
                          known_rad ? 1.0 : 0.0});
   }
+}
+
+std::optional<CourseDeviation> courseDeviation(const std::vector<FloorSegment>& floor,
+                                               const LeaningView& view, const CourseParams& params,
+                                               double course_rad, double sway_rad) {
+  CourseParams wide = params;
+  wide.together_rad = params.slipped_rad;
+  std::vector<DriftResidual> residuals;
+  Lean about = Lean::Zero();
+  Eigen::Vector3d state = Eigen::Vector3d::Zero();  // sway, turn
+  Eigen::Matrix3d information;
+  for (int i = 0; i < 2; ++i) {
+    residuals.clear();
+    addCourseResiduals(floor, view, about, wide, course_rad, residuals);
+    if (residuals.empty()) return std::nullopt;
+    information = Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal();
+    information /= sway_rad * sway_rad;
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const DriftResidual& r : residuals) {
+      const Eigen::Vector3d h{-r.d_sway.x(), -r.d_sway.y(), 1.0};
+      information += h * h.transpose() / r.variance_m2;
+      right += h * r.residual_m / r.variance_m2;
+    }
+    state = information.ldlt().solve(right);
+    about.head<2>() = state.head<2>();
+  }
+  return CourseDeviation{state.z(), information.inverse()(2, 2)};
 }
 
 }  // namespace vismem

@@ -8,6 +8,7 @@
 #include "active_visual_memory/core/drift_alignment.h"
 #include "active_visual_memory/core/floor_line.h"
 #include "active_visual_memory/core/ground_projector.h"
+#include "active_visual_memory/core/joint_alignment.h"
 
 namespace vismem {
 
@@ -19,6 +20,16 @@ void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, const L
                        double slack_m, double noise, double end_doubt, double max_end_shift_m,
                        std::vector<DriftResidual>& residuals);
 
+/// The same against a line whose own error the filter estimates with the rest (JointAlignment).
+void addJointResiduals(std::uint64_t id, const FloorLine& line, const FloorSegment& piece,
+                       const LeaningView& view, double slack_m, double noise, double end_doubt,
+                       double max_end_shift_m, std::vector<JointResidual>& residuals);
+
+/// Variance along a direction without the camera's pitch and roll: they are common to the whole image, and
+/// what is solved for is no noise.
+double ownVariance(const Eigen::Vector2d& direction, const Eigen::Matrix2d& P, const FloorLean& D,
+                   double pitch_sigma_rad);
+
 struct CourseParams {
   /// Sigma of the angles between long straight lines that seem parallel or at right angles [rad]; 0: nothing
   /// is taken to be.
@@ -26,6 +37,7 @@ struct CourseParams {
   double least_m = 0.5;       ///< shorter lines may be chords of a curve
   double not_radial = 0.12;   ///< sine of the angle to the viewing ray, along which standing edges lie
   double together_rad = 0.1;  ///< lines that vote for one course
+  double slipped_rad = 0.2;   ///< how far those of an image may be off it when odometry slipped
   int least_lines = 4;        ///< so many remembered ones ..
   double least_share = 0.75;  ///< .. and of the length of all so much must have one course, for it to count
 };
@@ -63,5 +75,16 @@ double offCourse(double direction_rad, double course_rad);
 void addCourseResiduals(const std::vector<FloorSegment>& floor, const LeaningView& view, const Lean& about,
                         const CourseParams& params, const std::optional<double>& known_rad,
                         std::vector<DriftResidual>& residuals);
+
+struct CourseDeviation {
+  double turn_rad = 0.0;
+  double variance = 0.0;  ///< [rad^2]
+};
+
+/// How far the long lines of an image, if it has any, are turned against a known course, with what the body's
+/// sway may turn them: of this image alone, whatever else is remembered.
+std::optional<CourseDeviation> courseDeviation(const std::vector<FloorSegment>& floor,
+                                               const LeaningView& view, const CourseParams& params,
+                                               double course_rad, double sway_rad);
 
 }  // namespace vismem

@@ -112,9 +112,7 @@ void FloorLine::lean(const Lean& change) {
   const Eigen::Vector2d moved = J_ * change;
   origin_ += moved.x() * normal();
   turnTo(wrapAngle(direction_rad_ + moved.y()));
-  a_.t_m += a_.d_lean.dot(change);
-  b_.t_m += b_.d_lean.dot(change);
-  if (a_.t_m > b_.t_m) std::swap(a_, b_);
+  leanExtent(change);
 }
 
 void FloorLine::drift(double offset_sigma_m, double angle_sigma_rad) {
@@ -188,10 +186,37 @@ void FloorLine::fuse(const FloorSegment& observed, const Params& params) {
   updateOffset(ta, ya, varianceAlong(observed.P_a, n) + floor_variance, n.transpose() * observed.D_a);
   updateOffset(tb, yb, varianceAlong(observed.P_b, n) + floor_variance, n.transpose() * observed.D_b);
   applyCorrection();
+  fuseExtent(ta, tb, observed, params);
+}
+
+void FloorLine::fuseExtent(const FloorSegment& observed, const Params& params) {
+  fuseExtent(tOf(observed.odom.a), tOf(observed.odom.b), observed, params);
+}
+
+void FloorLine::fuseExtent(double ta, double tb, const FloorSegment& observed, const Params& params) {
   a_ = fuseEnds(a_, endAt(ta, observed.P_a, observed.D_a, observed.open_a), -1.0, params);
   b_ = fuseEnds(b_, endAt(tb, observed.P_b, observed.D_b, observed.open_b), +1.0, params);
   recentre();
   applyFloor(params);
+}
+
+void FloorLine::correct(const Eigen::Vector2d& reference, double offset_m, double turn_rad) {
+  correction_ = {offset_m - tOf(reference) * turn_rad, turn_rad};
+  applyCorrection();
+}
+
+void FloorLine::know(const Eigen::Vector2d& reference, const Eigen::Matrix2d& P,
+                     const Eigen::Matrix<double, 2, 4>& J) {
+  Eigen::Matrix2d to_origin;
+  to_origin << 1.0, -tOf(reference), 0.0, 1.0;
+  P_ = to_origin * P * to_origin.transpose();
+  J_ = to_origin * J;
+}
+
+void FloorLine::leanExtent(const Lean& change) {
+  a_.t_m += a_.d_lean.dot(change);
+  b_.t_m += b_.d_lean.dot(change);
+  if (a_.t_m > b_.t_m) std::swap(a_, b_);
 }
 
 void FloorLine::replaceKeepingExtent(const FloorSegment& observed, const Params& params) {

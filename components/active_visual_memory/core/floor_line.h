@@ -88,6 +88,13 @@ class FloorLine {
 
   /// Default fusion with an observation of the same line (directions within 90 degrees).
   void fuse(const FloorSegment& observed, const Params& params);
+  /// The extent alone: where the line lies is estimated elsewhere (JointAlignment), and told by ..
+  void fuseExtent(const FloorSegment& observed, const Params& params);
+  /// .. the change of its place, counted at a point beside it, ..
+  void correct(const Eigen::Vector2d& reference, double offset_m, double turn_rad);
+  /// .. how well that is known for a known lean, and how it follows the lean.
+  void know(const Eigen::Vector2d& reference, const Eigen::Matrix2d& P, const Eigen::Matrix<double, 2, 4>& J);
+  void leanExtent(const Lean& change);
   /// Fusion as the chapter has it: place and orientation of the newer, longest extent of both.
   void replaceKeepingExtent(const FloorSegment& observed, const Params& params);
   /// Takes in another estimate of the same line.
@@ -106,6 +113,7 @@ class FloorLine {
   FloorLean leanOf(const ExtentEnd& end) const;
   Eigen::Matrix2d covarianceAt(const ExtentEnd& end) const;
   void updateOffset(double t_m, double offset_m, double variance_m2, const LeanRow& d_lean);
+  void fuseExtent(double ta, double tb, const FloorSegment& observed, const Params& params);
   void turnTo(double direction_rad);
   void applyCorrection();
   void applyFloor(const Params& params);

@@ -30,13 +30,16 @@ double pixelAcross(const FloorSegment& segment, const Eigen::Vector2d& camera, d
 SegmentMemory::SegmentMemory(const Params& params)
     : params_(params),
       clock_(params.life.tick_us),
-      drift_(params.align ? DriftAlignment(params.lean) : DriftAlignment()) {}
+      drift_(params.align ? DriftAlignment(params.lean) : DriftAlignment()),
+      joint_(params.lean) {}
 
 void SegmentMemory::clear() {
   elements_.clear();
   clock_.reset();
   last_pose_.reset();
   drift_.reset();
+  joint_.reset();
+  slips_.reset();
   course_rad_.reset();
 }
 
@@ -44,7 +47,11 @@ void SegmentMemory::travel(const Pose2& T_odom_robot) {
   if (last_pose_) {
     travel_m_ += (T_odom_robot.position() - last_pose_->position()).norm();
     turn_rad_ += std::abs(angleDifference(T_odom_robot.theta, last_pose_->theta));
-    if (params_.align) moveAll(drift_.travel(*last_pose_, T_odom_robot, params_.alignment));
+    if (joint()) {
+      moveAll(joint_.travel(*last_pose_, T_odom_robot, jointParams()));
+    } else if (params_.align) {
+      moveAll(drift_.travel(*last_pose_, T_odom_robot, params_.alignment));
+    }
   }
   last_pose_ = T_odom_robot;
 }
@@ -79,6 +86,17 @@ bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment
   const double slack =
       params_.slack_m + params_.slack_share * distance_m + unseen_m + unseen_rad * distance_m;
   const double gate = params_.gate_sigmas;
+  if (joint() && joint_.knows(element.value.id)) {
+    // What the line may be off against the robot is known with the line.
+    const auto more = [&](const Eigen::Vector2d& p) {
+      return joint_.placeVariance(element.value.id, element.line.normal(), p) -
+             element.line.offsetVariance(element.line.tOf(p));
+    };
+    const double drift = std::max({0.0, more(observed.odom.a), more(observed.odom.b)});
+    const double least = params_.slack_m + params_.slack_share * distance_m;
+    return element.line.disagreement(observed, std::hypot(least, std::sqrt(drift)), leanCovariance()) <=
+           gate * gate;
+  }
   return element.line.disagreement(observed, slack, leanCovariance()) <= gate * gate;
 }
 
@@ -162,7 +180,11 @@ void SegmentMemory::take(MemoryElement& element, const FloorSegment& seen, const
   const FloorSegment observed = against ? reversed(seen) : seen;
   const double travelled = travel_m_ - element.seen_travel_m;
   const double turned = turn_rad_ - element.seen_turn_rad;
-  if (travelled > 0.0 || turned > 0.0) {
+  const bool jointly = joint() && joint_.knows(element.value.id);
+  if (jointly) {
+    element.seen_travel_m = travel_m_;
+    element.seen_turn_rad = turn_rad_;
+  } else if (travelled > 0.0 || turned > 0.0) {
     const double range = (observed.odom.middle() - view.camera).norm();
     double heading = params_.drift_per_rad * turned;
     double offset = std::hypot(params_.drift_per_m * travelled, heading * range);
@@ -185,6 +207,8 @@ void SegmentMemory::take(MemoryElement& element, const FloorSegment& seen, const
   confirm(element, observed, view);
   if (params_.fusion == Fusion::kChapter) {
     element.line.replaceKeepingExtent(observed, params_.line);
+  } else if (jointly) {
+    element.line.fuseExtent(observed, params_.line);
   } else {
     element.line.fuse(observed, params_.line);
   }
@@ -228,6 +252,11 @@ void SegmentMemory::begin(const FloorSegment& observed, const View& view) {
   confirm(element, observed, view);
   publish(element);
   look(element, view);
+  if (joint()) {
+    const double distance = (observed.odom.middle() - view.camera).norm();
+    joint_.begin(element.value.id, observed, {view.T_odom_camera, view.observation.T_odom_robot.theta},
+                 params_.align_noise * params_.align_noise, params_.slack_m + params_.slack_share * distance);
+  }
   elements_.push_back(std::move(element));
 }
 
@@ -288,6 +317,7 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
             {observation.frame.image, observation.frame.intrinsics, params_.evidence}};
 
   camera_height_m_ = view.height;
+  if (joint()) forgetLines();
 
   // An end that something hides is no end.
   for (FloorSegment& segment : floor) {
@@ -295,6 +325,7 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
     segment.open_a = segment.open_a || view.evidence.isHiddenBeyond(px, false);
     segment.open_b = segment.open_b || view.evidence.isHiddenBeyond(px, true);
   }
+  if (joint()) followSlip(view, floor);
   // A body that sways puts what it sees pixels beside where it is expected, and what then meets nothing would
   // be remembered once more.
   Meeting meeting = sways() ? meetSwaying(view, observed, floor) : meet(view, observed, floor, floor);

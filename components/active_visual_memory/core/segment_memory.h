@@ -12,11 +12,13 @@
 #include "active_visual_memory/core/floor_evidence.h"
 #include "active_visual_memory/core/floor_line.h"
 #include "active_visual_memory/core/ground_projector.h"
+#include "active_visual_memory/core/joint_alignment.h"
 #include "active_visual_memory/core/kidnap_detector.h"
 #include "active_visual_memory/core/life.h"
 #include "active_visual_memory/core/memory_element.h"
 #include "active_visual_memory/core/parallax.h"
 #include "active_visual_memory/core/primitive_memory.h"
+#include "active_visual_memory/core/slip_detector.h"
 #include "common/robot/observation.h"
 #include "common/visual_memory/memory_snapshot.h"
 
@@ -70,6 +72,8 @@ class SegmentMemory {
     /// The sway found in an image, and the drift followed with it, err by more than images can tell: their
     /// standard deviations times this, but never more than what is known beforehand.
     double sway_doubt = 4.0;
+    SlipDetector::Params slip;
+    bool joint = false;  ///< for a body that sways: drift, lean and lines in one filter (JointAlignment)
     double align_noise = 2.0;    ///< errors of neighbouring images are alike: standard deviations times this
     double aligned_m = 0.003;    ///< error of the alignment: of places ..
     double aligned_rad = 0.004;  ///< .. and of the heading
@@ -111,8 +115,10 @@ class SegmentMemory {
                        std::vector<FloorSegment> floor, double turn_rate_radps);
 
   /// What is believed of the camera's lean, and how well it is known [rad^2].
-  const Lean& lean() const { return drift_.lean(); }
-  LeanCovariance leanCovariance() const { return drift_.leanCovariance(); }
+  const Lean& lean() const { return joint() ? joint_.lean() : drift_.lean(); }
+  LeanCovariance leanCovariance() const {
+    return joint() ? joint_.leanCovariance() : drift_.leanCovariance();
+  }
 
   /// How the last image met what was well remembered (M10).
   const SceneAgreement& agreement() const { return agreement_; }
@@ -143,6 +149,15 @@ class SegmentMemory {
   void moveAll(const SmallMotion& motion);
   std::optional<double> courseOfAll() const;
   bool sways() const { return params_.align && params_.lean.sway_rad >= params_.sway_to_meet_twice_rad; }
+  bool joint() const { return params_.joint && sways(); }
+  JointAlignment::Params jointParams() const;
+  /// @param joint that learns of it; null: only what it would return.
+  std::optional<Correction> tellJointly(const Meeting& meeting, const View& view,
+                                        JointAlignment* joint) const;
+  void followLines();
+  void followSlip(const View& view, const std::vector<FloorSegment>& floor);
+  void forgetLines();
+  void join(MemoryElement& element, const MemoryElement& other);
   Meeting meet(const View& view, const std::vector<ImageSegment>& observed,
                const std::vector<FloorSegment>& floor, const std::vector<FloorSegment>& placed) const;
   Meeting meetSwaying(const View& view, const std::vector<ImageSegment>& observed,
@@ -196,6 +211,8 @@ class SegmentMemory {
   double travel_m_ = 0.0;
   double turn_rad_ = 0.0;
   DriftAlignment drift_;
+  JointAlignment joint_;
+  SlipDetector slips_;
   SceneAgreement agreement_;
   std::optional<StampUs> doubt_since_us_;
 };

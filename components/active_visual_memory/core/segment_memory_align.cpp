@@ -36,8 +36,13 @@ SegmentMemory::Meeting SegmentMemory::meet(const View& view, const std::vector<I
 SegmentMemory::Meeting SegmentMemory::meetSwaying(const View& view, const std::vector<ImageSegment>& observed,
                                                   const std::vector<FloorSegment>& floor) const {
   const Meeting first = meet(view, observed, floor, floor);
-  DriftAlignment trial = drift_;
-  const auto correction = tellDrift(first, floor, view, trial);
+  std::optional<Correction> correction;
+  if (joint()) {
+    correction = tellJointly(first, view, nullptr);
+  } else {
+    DriftAlignment trial = drift_;
+    correction = tellDrift(first, floor, view, trial);
+  }
   if (!correction) return first;
   View swayed = view;
   std::vector<FloorSegment> placed = floor;
@@ -118,11 +123,17 @@ void SegmentMemory::placeAnew(const Correction& correction, std::vector<FloorSeg
 }
 
 void SegmentMemory::alignTo(const Meeting& meeting, std::vector<FloorSegment>& floor, View& view) {
-  const auto correction = tellDrift(meeting, floor, view, drift_);
+  const auto correction =
+      joint() ? tellJointly(meeting, view, &joint_) : tellDrift(meeting, floor, view, drift_);
   if (!correction) return;
   moveAll(correction->motion);
+  if (joint()) followLines();
   for (MemoryElement& element : elements_) {
-    element.line.lean(correction->lean);
+    if (joint() && joint_.knows(element.value.id)) {
+      element.line.leanExtent(correction->lean);
+    } else {
+      element.line.lean(correction->lean);
+    }
     element.anchor_line.lean(correction->lean);
     element.parallax.lean(correction->lean);
   }
@@ -130,7 +141,7 @@ void SegmentMemory::alignTo(const Meeting& meeting, std::vector<FloorSegment>& f
   // and that do not average out.
   const double sway = params_.lean.sway_rad;
   const double found = correction->P_sway.diagonal().maxCoeff();
-  const double doubt = sways() ? params_.sway_doubt * params_.sway_doubt : 1.0;
+  const double doubt = sways() && !joint() ? params_.sway_doubt * params_.sway_doubt : 1.0;
   const Eigen::Matrix2d P_sway =
       (doubt * found <= sway * sway || !(found > 0.0) ? doubt : sway * sway / found) * correction->P_sway;
   for (FloorSegment& segment : floor) knowSway(segment, P_sway, params_.lean.sway_rad);

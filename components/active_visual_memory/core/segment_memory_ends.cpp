@@ -226,6 +226,7 @@ bool SegmentMemory::voteForGap(MemoryElement& element, const Segment2& place, co
   less.votes = {};
   vote(less, piece.label, (piece.odom.middle() - view.camera).norm());
   publish(other);
+  if (joint()) joint_.beginAs(other.value.id, element.value.id);
   parted_.push_back(std::move(other));
   return true;
 }

@@ -10,6 +10,7 @@ namespace vismem {
 namespace {
 
 constexpr double kMostOffCourse_rad = 0.2;
+constexpr double kNearJointly = 2.0;  // times as far copies of a line are joined when one filter knows both
 constexpr double kLeastInCourse_m = 0.03;  // what is shorter is a corner
 
 }  // namespace
@@ -51,7 +52,7 @@ void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
       }
       if (!samePolarity(whole->line.segment(), whole->strength, element.line.segment(), element.strength))
         continue;
-      absorb(*whole, element, params_.line);
+      join(*whole, element);
       absorbed.push_back(element.value.id);
     }
     if (whole) publish(*whole);
@@ -79,11 +80,13 @@ void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
       const Neighbourhood near = neighbourhood(a_longer ? sa : sb, a_longer ? sb : sa);
       if (near.angle_rad > params_.near_angle_rad || near.gap_m > params_.max_gap_m) continue;
       const double sigma = std::sqrt(a.line.offsetVariance(0.0) + b.line.offsetVariance(0.0));
-      if (near.distance_m > std::min(params_.near_distance_m, 0.02 + 3.0 * sigma)) continue;
+      // Lines that one filter knows are apart by what it knows.
+      const double reach = (joint() ? kNearJointly : 1.0) * params_.near_distance_m;
+      if (near.distance_m > std::min(reach, 0.02 + 3.0 * sigma)) continue;
       if (arePartedFrom(a.line, b.line)) continue;
       // Pieces that only meet end to end must continue each other well.
       if (near.gap_m > 0.0 && near.angle_rad > 0.5 * params_.near_angle_rad) continue;
-      absorb(a, b, params_.line);
+      join(a, b);
       gone[cached[n]] = true;
     }
   }
