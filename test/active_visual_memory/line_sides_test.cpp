@@ -52,6 +52,13 @@ TEST(LineSides, TellHowFarTheyLieToTheLeftOfEachOther) {
   EXPECT_FALSE(sideBySide(one, {{1.5, 0.5}, {0.5, 0.0}}, 0.1)) << "askew";
 }
 
+TEST(LineSides, FoundInOnePlaceAreSetApartHoweverNear) {
+  const auto segments = even(lineAt(1, 0.0, 0.05, kNear), lineAt(3, 3.0, 0.005, kNear));
+  EXPECT_NEAR(segments[1].odom.a.x(), 0.05, 1e-9) << "no side of another line moves";
+  EXPECT_NEAR(segments[2].odom.a.x(), 3.0025 - 0.025, 1e-6);
+  EXPECT_NEAR(segments[3].odom.a.x(), 3.0025 + 0.025, 1e-6);
+}
+
 TEST(LineSides, OfAFarLineAreAsFarApartAsThoseOfNearOnes) {
   // From afar both sides are found in its middle, even a little across each other.
   const auto segments = even(lineAt(1, 0.0, 0.05, kNear), lineAt(3, 3.0, -0.01, kFar));

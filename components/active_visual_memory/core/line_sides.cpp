@@ -170,6 +170,12 @@ LineWidths evenLineWidths(std::vector<MemorySegment>& segments, std::span<const 
   std::vector<Side> sides = sidesOf(segments, elements, params);
   std::vector<Pair> pairs = pairsOf(sides, params);
   LineWidths widths = knownWidths(sides, pairs, params);
+  // No line is so thin, from however near: its sides were found in one place when the image was too coarse.
+  for (const Pair& pair : pairs) {
+    Side& one = sides[pair.one];
+    Side& other = sides[pair.other];
+    if (std::abs(pair.beside.left_m) < params.min_width_m) one.fixed = other.fixed = false;
+  }
   // The longest first; what is put in its place by one line stays there for the others.
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const Pair& a, const Pair& b) { return a.overlap_m > b.overlap_m; });
