@@ -74,8 +74,9 @@ TEST(SyntheticVision, WithoutErrorsIsTheTruth) {
   VisionErrors none;
   none.found = 1.0;
   none.half_px = -1e3;
-  none.across_floor = none.across_upright = none.along_floor = none.along_upright = {};
-  none.along_floor_mean_px = none.along_upright_mean_px = none.border_px = 0.0;
+  none.across_floor = none.across_upright = none.along_upright = {};
+  none.along_floor = {};
+  none.along_floor_median_px = none.along_upright_mean_px = none.border_px = 0.0;
   none.floor_broken_every_px = none.upright_broken_every_px = none.unknown = none.false_per_image = 0.0;
   SyntheticVision vision(lines(), none, {}, 1);
   const auto image = vision.look(0.0, kIntrinsics, camera(), openFloor);
@@ -95,8 +96,9 @@ TEST(SyntheticVision, ItsErrorsAreThoseItWasAskedFor) {
   errors.soft_px = 1.0;
   errors.persistence = 0.0;
   errors.across_floor = {0.3, 0.4};
-  errors.along_floor = {1.2, 1.6};
-  errors.along_floor_mean_px = -1.0;
+  errors.along_floor = {{}, 0.36, 6.0};
+  errors.along_floor.scale_px.fill(0.6);
+  errors.along_floor_median_px = -1.0;
   errors.lasting_s = 2.0;
   errors.floor_broken_every_px = errors.upright_broken_every_px = 0.0;
   errors.unknown = 0.0;
@@ -113,12 +115,15 @@ TEST(SyntheticVision, ItsErrorsAreThoseItWasAskedFor) {
   EXPECT_NEAR(statistics.missedAgain(), statistics.missed(), 0.04);
   // The lasting part repeats over 2 s: 300 s hold some 150 independent values of each of it.
   EXPECT_NEAR(statistics.across(true).standardDeviation(), 0.5, 0.05);
-  EXPECT_NEAR(statistics.along(true).mean(), -1.0, 0.3);
-  EXPECT_NEAR(statistics.along(true).standardDeviation(), 2.0, 0.2);
   // 0.36 of the variance lasts, and e^-0.05 and e^-0.5 of that after 0.1 and 1 s.
-  EXPECT_NEAR(statistics.along(true).correlation(0), 0.34, 0.08);
-  EXPECT_NEAR(statistics.along(true).correlation(1), 0.22, 0.08);
-  EXPECT_NEAR(statistics.along(true).correlation(3), 0.0, 0.1);
+  EXPECT_NEAR(statistics.across(true).correlation(0), 0.34, 0.08);
+  EXPECT_NEAR(statistics.across(true).correlation(1), 0.22, 0.08);
+  EXPECT_NEAR(statistics.across(true).correlation(3), 0.0, 0.1);
+  // Of Student's t of two degrees of freedom half lie within 0.816, nine in ten within 2.92.
+  EXPECT_NEAR(statistics.along(true).mean(), -1.0, 0.2);
+  EXPECT_NEAR(statistics.along(true).within(0.5), 0.6 * 0.816, 0.05);
+  EXPECT_NEAR(statistics.along(true).within(0.9), 0.6 * 2.92, 0.25);
+  EXPECT_LE(statistics.along(true).within(1.0), 6.0 + 0.3);
   // Some false ones leave the image at once and become too short: a little less than asked.
   EXPECT_GT(statistics.falsePerImage(), 0.3);
   EXPECT_LT(statistics.falsePerImage(), 0.42);

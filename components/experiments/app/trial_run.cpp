@@ -269,6 +269,9 @@ nlohmann::json toJson(const VisionStatistics& statistics) {
   };
   const auto error = [](const LastingError& e) {
     nlohmann::json one{{"mean", e.mean()}, {"std", e.standardDeviation()}};
+    for (const double share : {0.5, 0.75, 0.9, 0.95, 0.99}) {
+      one["within"].push_back({{"share", share}, {"is", e.within(share)}});
+    }
     for (std::size_t lag = 0; lag < LastingError::kLags_s.size(); ++lag) {
       one["correlation"].push_back({{"after_s", LastingError::kLags_s[lag]}, {"is", e.correlation(lag)}});
     }
@@ -291,7 +294,9 @@ nlohmann::json toJson(const VisionStatistics& statistics) {
     json["by_length_px"].push_back(bin(VisionStatistics::kLengths_px[i], statistics.byLength()[i]));
   }
   for (std::size_t i = 0; i < statistics.byRange().size(); ++i) {
-    json["by_range_m"].push_back(bin(VisionStatistics::kRanges_m[i], statistics.byRange()[i]));
+    auto one = bin(VisionStatistics::kRanges_m[i], statistics.byRange()[i]);
+    one["along_floor_half_within_px"] = statistics.alongByRange()[i].within(0.5);
+    json["by_range_m"].push_back(std::move(one));
   }
   return json;
 }

@@ -8,6 +8,13 @@ namespace {
 
 constexpr double kAbout_s = 0.03;  // images come every 0.1 s
 
+double quantile(std::vector<double> values, double share) {
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 }  // namespace
 
 void LastingError::add(std::int64_t thing, double time_s, double error) {
@@ -23,6 +30,7 @@ void LastingError::add(std::int64_t thing, double time_s, double error) {
     pairs_[lag].sums += before->error + error;
   }
   past.push_back({time_s, error});
+  errors_.push_back(error);
   ++count_;
   sum_ += error;
   squares_ += error * error;
@@ -34,6 +42,15 @@ double LastingError::mean() const {
 
 double LastingError::standardDeviation() const {
   return count_ > 0 ? std::sqrt(std::max(0.0, squares_ / count_ - mean() * mean())) : 0.0;
+}
+
+double LastingError::within(double share) const {
+  if (errors_.empty()) return 0.0;
+  const double median = quantile(errors_, 0.5);
+  std::vector<double> off;
+  off.reserve(errors_.size());
+  for (const double error : errors_) off.push_back(std::abs(error - median));
+  return quantile(std::move(off), share);
 }
 
 double LastingError::correlation(std::size_t lag) const {

@@ -5,10 +5,11 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <vector>
 
 namespace vismem {
 
-/// Mean, spread and autocorrelation of an error over many things that are seen again and again.
+/// Mean, spread, tails and autocorrelation of an error over many things that are seen again and again.
 /// *Single-threaded*.
 class LastingError {
  public:
@@ -20,6 +21,8 @@ class LastingError {
   int count() const { return count_; }
   double mean() const;
   double standardDeviation() const;
+  /// So far from their median is this share of the errors at most: how heavy the tails are. 0 without errors.
+  double within(double share) const;
   /// Correlation of errors of one thing that lie kLags_s[lag] apart; 0 before there were any.
   double correlation(std::size_t lag) const;
 
@@ -35,6 +38,7 @@ class LastingError {
   };
   std::map<std::int64_t, std::deque<Seen>> past_;
   std::array<Pairs, kLags_s.size()> pairs_{};
+  std::vector<double> errors_;
   int count_ = 0;
   double sum_ = 0.0;
   double squares_ = 0.0;

@@ -21,6 +21,13 @@ constexpr double kLongestClutter_m = 1.5;
 /// Edges of average contrast.
 constexpr double kStrength = 40.0;
 
+/// Of Student's t of two degrees of freedom, the value that is as rare as this one of a standard normal.
+double studentOfTwo(double normal) {
+  const double below = 0.5 * std::erfc(-normal / std::numbers::sqrt2);
+  const double above = 0.5 * std::erfc(normal / std::numbers::sqrt2);
+  return (below - above) / std::sqrt(2.0 * below * above);
+}
+
 bool isOnFloor(const MapSegment& edge) {
   return std::abs(edge.world.a.z()) <= kOnFloor_m && std::abs(edge.world.b.z()) <= kOnFloor_m;
 }
@@ -84,10 +91,19 @@ void SyntheticVision::addPiece(double time_s, const CameraIntrinsics& intrinsics
   const auto& across_spread = on_floor ? errors_.across_floor : errors_.across_upright;
   const double aside_a = error(across_spread, state.across);
   const double aside_b = error(across_spread, state.across);
-  const auto& along_spread = on_floor ? errors_.along_floor : errors_.along_upright;
-  const double mean = on_floor ? errors_.along_floor_mean_px : errors_.along_upright_mean_px;
-  double beyond_a = mean + error(along_spread, state.along_a);
-  double beyond_b = mean + error(along_spread, state.along_b);
+  const auto alongFloor = [&](double lasting) {
+    const VisionErrors::HeavySpread& spread = errors_.along_floor;
+    const double normal = std::sqrt(spread.lasting_share) * lasting +
+                          std::sqrt(1.0 - spread.lasting_share) * standardNormal(engine_);
+    const double off_px = spread.scale_px[VisionStatistics::rangeBin(piece.range_m)] * studentOfTwo(normal);
+    return errors_.along_floor_median_px + std::clamp(off_px, -spread.most_px, spread.most_px);
+  };
+  const auto beyond = [&](double lasting) {
+    return on_floor ? alongFloor(lasting)
+                    : errors_.along_upright_mean_px + error(errors_.along_upright, lasting);
+  };
+  double beyond_a = beyond(state.along_a);
+  double beyond_b = beyond(state.along_b);
   if (isAtBorder(intrinsics, piece.px.a)) beyond_a = -errors_.border_px;
   if (isAtBorder(intrinsics, piece.px.b)) beyond_b = -errors_.border_px;
   const bool is_unknown = uniform(engine_, 0.0, 1.0) < errors_.unknown;

@@ -37,6 +37,10 @@ bool has(const std::vector<int>& sorted, int value) {
 
 }  // namespace
 
+std::size_t VisionStatistics::rangeBin(double range_m) {
+  return binOf(kRanges_m, range_m);
+}
+
 void VisionStatistics::add(double time_s, const CameraIntrinsics& intrinsics, const SegmentMap& edges,
                            const std::vector<VisiblePiece>& visible,
                            const std::vector<ImageSegment>& observed) {
@@ -93,6 +97,9 @@ void VisionStatistics::add(double time_s, const CameraIntrinsics& intrinsics, co
        : on_floor ? along_floor_
                   : along_upright_)
           .add(endOf(piece.edge, first), time_s, beyond);
+      if (on_floor && !is_cut) {
+        along_by_range_[rangeBin(piece.range_m)].add(endOf(piece.edge, first), time_s, beyond);
+      }
     }
     const auto count = [&](Bin& bin) {
       ++bin.pieces;
@@ -104,7 +111,7 @@ void VisionStatistics::add(double time_s, const CameraIntrinsics& intrinsics, co
     count(by_length_[binOf(kLengths_px, length)]);
     if (length < kFarFrom_px) continue;
     if (on_floor) {
-      count(by_range_[binOf(kRanges_m, piece.range_m)]);
+      count(by_range_[rangeBin(piece.range_m)]);
     }
     now_shown.push_back(piece.edge);
     if (!found) now_missed.push_back(piece.edge);

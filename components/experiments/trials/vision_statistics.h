@@ -18,6 +18,7 @@ class VisionStatistics {
   /// Of pieces on the floor and of at least kFarFrom_px, by range [m].
   static constexpr std::array<double, 6> kRanges_m{0, 1, 2, 3, 4, 6};
   static constexpr double kFarFrom_px = 20.0;
+  static std::size_t rangeBin(double range_m);
 
   struct Bin {
     int pieces = 0;
@@ -38,6 +39,8 @@ class VisionStatistics {
   /// ends inside the image, and for those where its border cuts the piece.
   const LastingError& across(bool on_floor) const { return on_floor ? across_floor_ : across_upright_; }
   const LastingError& along(bool on_floor) const { return on_floor ? along_floor_ : along_upright_; }
+  /// Those of `along` on the floor, by range.
+  const std::array<LastingError, kRanges_m.size()>& alongByRange() const { return along_by_range_; }
   const LastingError& atBorder() const { return at_border_; }
   /// Labelled segments of an image that belong to no piece of their label, and their share of the labelled.
   double falsePerImage() const { return images_ > 0 ? static_cast<double>(false_) / images_ : 0.0; }
@@ -62,6 +65,7 @@ class VisionStatistics {
   LastingError across_upright_;
   LastingError along_floor_;
   LastingError along_upright_;
+  std::array<LastingError, kRanges_m.size()> along_by_range_;
   LastingError at_border_;
   int labelled_ = 0;
   int false_ = 0;
