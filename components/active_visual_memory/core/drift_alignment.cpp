@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "active_visual_memory/core/drift_limits.h"
+
 namespace vismem {
 namespace {
 
@@ -13,9 +15,6 @@ Eigen::Vector2d turned90(const Eigen::Vector2d& v) {
 
 constexpr double kLeastVariance = 1e-12;  // [m^2], [rad^2]: of what cannot change
 constexpr double kCourse = 0.2;           // [rad] sigma of the first guess of the lines' course
-constexpr double kChanging = 0.5;         // share of the heading's drift that is no lasting rate
-constexpr double kMostRate = 3.0;         // times what odometry is said to drift: no rate is believed larger
-constexpr double kLeastRate = 0.1;        // of what odometry is said to drift: no rate counts as better known
 
 }  // namespace
 
@@ -48,7 +47,7 @@ SmallMotion DriftAlignment::travel(const Pose2& before, const Pose2& now, const 
   P_(0, 0) += P_(kTurn, kTurn) * way * way;
   P_(1, 1) += P_(kTurn, kTurn) * way * way;
   const double shift = params.shift_per_m * way + params.shift_per_rad * turn;
-  const double heading = kChanging * (params.turn_per_rad * turn + params.turn_per_m * way);
+  const double heading = kChangingDrift * (params.turn_per_rad * turn + params.turn_per_m * way);
   // Drift of the same cause goes on in the same direction for a while: standard deviations add up.
   const auto grow = [](double variance, double sigma) {
     const double grown = std::sqrt(variance) + sigma;
@@ -109,21 +108,12 @@ std::optional<Correction> DriftAlignment::solve(const Eigen::Vector2d& robot,
                         Lean::Zero(),
                         state.segment<2>(kSway),
                         known.block<2, 2>(kSway, kSway)};
-  const Lean most = lean_params_.most_sigmas * lean_params_.prior().diagonal().cwiseSqrt();
   const Lean before = lean_;
-  lean_ = (before + state.segment<4>(kLean)).cwiseMax(-most).cwiseMin(most);
+  lean_ += state.segment<4>(kLean);
+  keepWithin(lean_params_, lean_, P_.block<4, 4>(kLean, kLean));
   correction.lean = lean_ - before;
-  for (int i = 0; i < 4; ++i) {
-    const double least = std::min(lean_params_.floor_rad, most[i]);
-    P_(kLean + i, kLean + i) = std::max(P_(kLean + i, kLean + i), least * least);
-  }
-  const Eigen::Vector2d most_rates{params.turn_per_rad, params.turn_per_m};
-  rates_ =
-      (rates_ + state.segment<2>(kRates)).cwiseMax(-kMostRate * most_rates).cwiseMin(kMostRate * most_rates);
-  for (int i = 0; i < 2; ++i) {
-    const double least = kLeastRate * most_rates[i];
-    P_(kRates + i, kRates + i) = std::max(P_(kRates + i, kRates + i), least * least);
-  }
+  rates_ += state.segment<2>(kRates);
+  keepRatesWithin({params.turn_per_rad, params.turn_per_m}, rates_, P_.block<2, 2>(kRates, kRates));
   return correction;
 }
 

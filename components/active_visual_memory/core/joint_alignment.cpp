@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "active_visual_memory/core/drift_limits.h"
 #include "active_visual_memory/core/drift_residuals.h"
 #include "common/geometry/angles.h"
 
@@ -15,9 +16,6 @@ Eigen::Vector2d turned90(const Eigen::Vector2d& v) {
 }
 
 constexpr double kLeastVariance = 1e-12;  // [m^2], [rad^2]: of what cannot change
-constexpr double kChanging = 0.5;         // share of the heading's drift that is no lasting rate
-constexpr double kMostRate = 3.0;         // times what odometry is said to drift: no rate is believed larger
-constexpr double kLeastRate = 0.1;        // of that: no rate counts as better known
 constexpr double kFirstCourse = 0.2;      // [rad] sigma of the course of a place when it is first told
 constexpr double kMemory = 5.0;           // steps that odometry errs alike
 constexpr double kNothing = 1e12;         // variance of what does not count
@@ -104,7 +102,7 @@ SmallMotion JointAlignment::travel(const Pose2& before, const Pose2& now, const 
   grow(P_(0, 0), shift);
   grow(P_(1, 1), shift);
   P_(kTurn, kTurn) += params.turn_noise * params.turn_noise * (way + params.feet_per_rad_m * turn);
-  grow(P_(kTurn, kTurn), kChanging * (params.drift.turn_per_rad * turn + params.drift.turn_per_m * way));
+  grow(P_(kTurn, kTurn), kChangingDrift * (params.drift.turn_per_rad * turn + params.drift.turn_per_m * way));
   if (course_rad_) *course_rad_ += expected.turn_rad;
   for (Line& line : lines_) line.reference = expected.apply(line.reference);
   return expected;
@@ -257,7 +255,9 @@ std::optional<Correction> JointAlignment::solve(const Eigen::Vector2d& robot,
   const Lean before = lean_;
   lean_ += x.segment<4>(kLean);
   rates_ += x.segment<2>(kRates);
-  limit(params);
+  const Eigen::Vector2d most_rates{params.drift.turn_per_rad, params.drift.turn_per_m};
+  keepRatesWithin(most_rates, rates_, P_.block<2, 2>(kRates, kRates));
+  keepWithin(lean_params_, lean_, P_.block<4, 4>(kLean, kLean));
   correction.lean = lean_ - before;
   if (course_rad_) *course_rad_ += x[kTurn] + x[kCourse];
   const Eigen::Matrix4d lean_information = leanCovariance().inverse();
@@ -270,21 +270,6 @@ std::optional<Correction> JointAlignment::solve(const Eigen::Vector2d& robot,
     corrections_.push_back(line);
   }
   return correction;
-}
-
-void JointAlignment::limit(const Params& params) {
-  const Lean most = lean_params_.most_sigmas * lean_params_.prior().diagonal().cwiseSqrt();
-  lean_ = lean_.cwiseMax(-most).cwiseMin(most).eval();
-  for (int i = 0; i < 4; ++i) {
-    const double least = std::min(lean_params_.floor_rad, most[i]);
-    P_(kLean + i, kLean + i) = std::max(P_(kLean + i, kLean + i), least * least);
-  }
-  const Eigen::Vector2d most_rates{params.drift.turn_per_rad, params.drift.turn_per_m};
-  rates_ = rates_.cwiseMax(-kMostRate * most_rates).cwiseMin(kMostRate * most_rates).eval();
-  for (int i = 0; i < 2; ++i) {
-    const double least = kLeastRate * most_rates[i];
-    P_(kRates + i, kRates + i) = std::max(P_(kRates + i, kRates + i), least * least);
-  }
 }
 
 void JointAlignment::begin(std::uint64_t line, const FloorSegment& observed, const LeaningView& view,

@@ -135,7 +135,6 @@ class JointAlignment {
                   const Params& params);
   std::optional<Told> hear(const Eigen::Vector2d& robot, std::span<const JointResidual> residuals,
                            std::span<const LineDirection> directions, const Params& params);
-  void limit(const Params& params);
 
   LeanParams lean_params_;
   Lean lean_ = Lean::Zero();
