@@ -16,7 +16,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 /// Falls with the distance from (1, 2, pi), on the circle.
-double healthOf(const Pose2& pose) {
+double healthOf(const Pose2& pose, double = 0.0) {
   return std::max(0.0,
                   1.0 - std::hypot(pose.x - 1.0, pose.y - 2.0) - std::abs(angleDifference(pose.theta, kPi)));
 }
@@ -57,6 +57,66 @@ TEST(EvolutionProperty, TheEliteSurvivesAGenerationUnchanged) {
     for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(race.individuals[i].T_world_robot, before[i].T_world_robot);
   }
   EXPECT_GT(best, 0.95);
+}
+
+TEST(EvolutionProperty, HealthsUnderTheEliteNeedNotBeTold) {
+  const EvolutionParams params;
+  RandomEngine engine(7);
+  int spared = 0;
+  for (int round = 0; round < 200; ++round) {
+    const Pose2 around{uniform(engine, 0.5, 1.5), uniform(engine, 1.5, 2.5), kPi};
+    Race whole = foundRace({around}, params, engine);
+    // Equal healths too.
+    for (Individual& one : whole.individuals) {
+      if (uniform(engine, 0, 1) < 0.3) one = whole.individuals[pick(engine, whole.individuals.size())];
+    }
+    Race thrifty = whole;
+    std::vector<Individual> reference = whole.individuals;
+    for (Individual& one : reference) one.health = healthOf(one.T_world_robot);
+    std::stable_sort(reference.begin(), reference.end(),
+                     [](const Individual& a, const Individual& b) { return a.health > b.health; });
+    rateRace(whole, params, healthOf);
+    rateRace(thrifty, params, [&](const Pose2& pose, double least) {
+      const double health = healthOf(pose);
+      spared += health < least ? 1 : 0;
+      return health < least ? 0.0 : health;
+    });
+    ASSERT_EQ(whole.individuals.size(), thrifty.individuals.size());
+    for (std::size_t i = 0; i < whole.individuals.size(); ++i) {
+      ASSERT_EQ(whole.individuals[i].T_world_robot, thrifty.individuals[i].T_world_robot);
+      ASSERT_EQ(whole.individuals[i].health, thrifty.individuals[i].health);
+    }
+    EXPECT_EQ(whole.health, thrifty.health);
+    for (std::size_t i = 0; i < 6; ++i) {
+      EXPECT_EQ(whole.individuals[i].T_world_robot, reference[i].T_world_robot);
+      EXPECT_EQ(whole.individuals[i].health, reference[i].health);
+    }
+  }
+  EXPECT_GT(spared, 2000);
+}
+
+TEST(Evolution, TheEliteIsNotRatedAgainForTheSameObservation) {
+  const EvolutionParams params;
+  RandomEngine engine(8);
+  Race race = foundRace({{1, 2, kPi}}, params, engine);
+  int rated = 0;
+  const auto count = [&](const Pose2& pose, double) {
+    ++rated;
+    return healthOf(pose);
+  };
+  rateRace(race, params, count);
+  EXPECT_EQ(rated, 30);
+  evolveRace(race, params, engine);
+  rateRace(race, params, count);
+  EXPECT_EQ(rated, 54);
+  // As if all had been.
+  Race again = race;
+  for (Individual& one : again.individuals) one.is_rated = false;
+  rateRace(again, params, count);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(again.individuals[i].T_world_robot, race.individuals[i].T_world_robot);
+    EXPECT_EQ(again.individuals[i].health, race.individuals[i].health);
+  }
 }
 
 TEST(Evolution, MeansAreTakenOnTheCircle) {
@@ -110,6 +170,38 @@ TEST(Explorers, BestPlacesAreDistinctAndInOrder) {
   ASSERT_EQ(best.size(), 2u);
   EXPECT_DOUBLE_EQ(best[0].health, 0.9);
   EXPECT_DOUBLE_EQ(best[1].health, 0.8);
+}
+
+TEST(ExplorersProperty, WhatIsUnderTheBarWouldNotHaveBeenAmongTheBest) {
+  RandomEngine engine(9);
+  int spared = 0;
+  for (int round = 0; round < 300; ++round) {
+    // From so crowded that many are at one place to far apart.
+    const double side_m = std::pow(10.0, uniform(engine, -0.7, 1.5));
+    const int count = 1 + static_cast<int>(pick(engine, 7));
+    std::vector<Individual> all;
+    std::vector<Individual> told;
+    CandidateBar bar(count, 0.3, {});
+    for (int i = 0; i < 200; ++i) {
+      Individual one{{uniform(engine, 0, side_m), uniform(engine, 0, side_m), uniform(engine, -kPi, kPi)},
+                     0.05 * std::floor(uniform(engine, 0, 20))};  // equal ones too
+      all.push_back(one);
+      if (one.health < bar.least()) {
+        ++spared;
+        one.health = 0.0;
+      }
+      told.push_back(one);
+      bar.add(one);
+    }
+    const auto expected = bestPlaces(all, count, 0.3, {});
+    const auto best = bestPlaces(told, count, 0.3, {});
+    ASSERT_EQ(best.size(), expected.size());
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      ASSERT_EQ(best[i].T_world_robot, expected[i].T_world_robot) << "round " << round;
+      ASSERT_EQ(best[i].health, expected[i].health);
+    }
+  }
+  EXPECT_GT(spared, 20'000);
 }
 
 TEST(Explorers, ConstructedOnesLayASeenSegmentOnTheMap) {

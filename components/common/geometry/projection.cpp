@@ -4,9 +4,17 @@
 
 namespace vismem {
 
+/// Written out: health asks for thousands of points an iteration.
+Eigen::Vector3d SegmentProjector::toCamera(const Eigen::Vector3d& p) const {
+  const auto& m = T_camera_world_.matrix();
+  return {m(0, 0) * p.x() + m(0, 1) * p.y() + m(0, 2) * p.z() + m(0, 3),
+          m(1, 0) * p.x() + m(1, 1) * p.y() + m(1, 2) * p.z() + m(1, 3),
+          m(2, 0) * p.x() + m(2, 1) * p.y() + m(2, 2) * p.z() + m(2, 3)};
+}
+
 std::optional<Segment2> SegmentProjector::unbounded(const Segment3& segment_world) const {
-  Eigen::Vector3d a = T_camera_world_ * segment_world.a;
-  Eigen::Vector3d b = T_camera_world_ * segment_world.b;
+  Eigen::Vector3d a = toCamera(segment_world.a);
+  Eigen::Vector3d b = toCamera(segment_world.b);
   if (a.z() < kNearPlane_m && b.z() < kNearPlane_m) return std::nullopt;
   // Cut the end that lies before the near plane.
   if (a.z() < kNearPlane_m) {
@@ -19,6 +27,22 @@ std::optional<Segment2> SegmentProjector::unbounded(const Segment3& segment_worl
 
 std::optional<Segment2> SegmentProjector::inImage(const Segment2& unbounded) const {
   return clipToBox(unbounded, {-0.5, -0.5}, {intrinsics_.width - 0.5, intrinsics_.height - 0.5});
+}
+
+bool SegmentProjector::isInImage(const Segment2& unbounded) const {
+  const double right = intrinsics_.width - 0.5;
+  const double bottom = intrinsics_.height - 0.5;
+  const auto isInside = [&](const Eigen::Vector2d& px) {
+    return px.x() >= -0.5 && px.x() <= right && px.y() >= -0.5 && px.y() <= bottom;
+  };
+  const auto areBeyond = [](double a, double b, double low, double high) {
+    return (a < low && b < low) || (a > high && b > high);
+  };
+  const auto& [a, b] = unbounded;
+  // Most need no more.
+  if (isInside(a) || isInside(b)) return true;
+  if (areBeyond(a.x(), b.x(), -0.5, right) || areBeyond(a.y(), b.y(), -0.5, bottom)) return false;
+  return inImage(unbounded).has_value();
 }
 
 std::optional<Segment2> projectSegmentUnbounded(const CameraIntrinsics& intrinsics,

@@ -34,8 +34,12 @@ class SegmentProjector {
   std::optional<Segment2> unbounded(const Segment3& segment_world) const;
   /// The part of an unbounded projection that lies in the image; empty if none.
   std::optional<Segment2> inImage(const Segment2& unbounded) const;
+  /// True if there is such a part.
+  bool isInImage(const Segment2& unbounded) const;
 
  private:
+  Eigen::Vector3d toCamera(const Eigen::Vector3d& p_world) const;
+
   CameraIntrinsics intrinsics_;
   Pose3 T_camera_world_;
 };

@@ -40,16 +40,18 @@ class ChapterStrategy : public RaceStrategy {
   }
 
   void rate(Race& race) const override {
-    rateRace(race, params_.evolution, [this](const Pose2& pose) { return observation_.health(pose); });
-    race.P_stated.topLeftCorner<3, 3>() = eliteCovariance(race);
+    for (Individual& one : race.individuals) one.is_rated = false;
+    rateNew(race);
   }
 
   std::vector<Race> search(int explorers, const RaceTable& table, RandomEngine& engine) const override {
     std::vector<Individual> population;
     population.reserve(static_cast<std::size_t>(explorers));
+    CandidateBar bar(params_.explorers.candidates, params_.explorers.list_health, table.params());
     for (int i = 0; i < explorers; ++i) {
       const Pose2 pose = uniformExplorer(map_, params_.explorers.margin_m, engine);
-      population.push_back({pose, observation_.health(pose, params_.explorers.list_health)});
+      population.push_back({pose, observation_.health(pose, bar.least())});
+      bar.add(population.back());
     }
     std::vector<Race> races;
     for (const Individual& place : bestPlaces(population, params_.explorers.candidates,
@@ -70,7 +72,7 @@ class ChapterStrategy : public RaceStrategy {
 
   void evolve(Race& race, RandomEngine& engine) const override {
     evolveRace(race, params_.evolution, engine);
-    rate(race);
+    rateNew(race);
   }
 
   void choose(RaceTable& table, double reliability) const override {
@@ -123,6 +125,12 @@ class ChapterStrategy : public RaceStrategy {
   }
 
  private:
+  void rateNew(Race& race) const {
+    rateRace(race, params_.evolution,
+             [this](const Pose2& pose, double least) { return observation_.health(pose, least); });
+    race.P_stated.topLeftCorner<3, 3>() = eliteCovariance(race);
+  }
+
   Eigen::Matrix3d eliteCovariance(const Race& race) const {
     Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
     const int elite = std::min(eliteCount(params_.evolution), static_cast<int>(race.individuals.size()));

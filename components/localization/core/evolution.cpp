@@ -53,17 +53,33 @@ Race foundRace(const Individual& explorer, const EvolutionParams& params, Random
   race.health = explorer.health;
   race.individuals.push_back(explorer);
   while (static_cast<int>(race.individuals.size()) < params.individuals) {
-    race.individuals.push_back({withThermalNoise(explorer.T_world_robot, params, engine), 0.0});
+    race.individuals.push_back({withThermalNoise(explorer.T_world_robot, params, engine)});
   }
   return race;
 }
 
-void rateRace(Race& race, const EvolutionParams& params,
-              const std::function<double(const Pose2&)>& health_of) {
-  for (Individual& one : race.individuals) one.health = health_of(one.T_world_robot);
-  // Stable: equal healths keep their order, so that a run repeats exactly.
-  std::stable_sort(race.individuals.begin(), race.individuals.end(),
-                   [](const Individual& a, const Individual& b) { return a.health > b.health; });
+void rateRace(Race& race, const EvolutionParams& params, const HealthOf& health_of) {
+  const auto most = static_cast<std::size_t>(eliteCount(params));
+  std::vector<Individual>& all = race.individuals;
+  std::vector<std::size_t> elite;  // numbers of theirs, best first
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double least = elite.size() < most ? 0.0 : all[elite.back()].health;
+    if (!all[i].is_rated) all[i].health = health_of(all[i].T_world_robot, least);
+    all[i].is_rated = true;
+    const double health = all[i].health;
+    // Behind its equals: they keep their order, so that a run repeats exactly.
+    elite.insert(std::upper_bound(elite.begin(), elite.end(), health,
+                                  [&](double mine, std::size_t other) { return mine > all[other].health; }),
+                 i);
+    if (elite.size() > most) elite.pop_back();
+  }
+  std::vector<Individual> ordered;
+  ordered.reserve(all.size());
+  for (const std::size_t i : elite) ordered.push_back(all[i]);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (std::find(elite.begin(), elite.end(), i) == elite.end()) ordered.push_back({all[i].T_world_robot});
+  }
+  all = std::move(ordered);
   summarise(race, params);
 }
 
@@ -77,11 +93,11 @@ void evolveRace(Race& race, const EvolutionParams& params, RandomEngine& engine)
   for (std::size_t i = 0; i < crossed; ++i) {
     const Pose2& first = parents[pick(engine, parents.size())].T_world_robot;
     const Pose2& second = parents[pick(engine, parents.size())].T_world_robot;
-    next.push_back({meanPose(first, second), 0.0});
+    next.push_back({meanPose(first, second)});
   }
   while (static_cast<int>(next.size()) < params.individuals) {
     const Pose2& parent = parents[pick(engine, parents.size())].T_world_robot;
-    next.push_back({withThermalNoise(parent, params, engine), 0.0});
+    next.push_back({withThermalNoise(parent, params, engine)});
   }
   race.individuals = std::move(next);
 }

@@ -21,10 +21,13 @@ Pose2 meanPose(const Pose2& a, const Pose2& b);
 /// A race around an explorer: the explorer itself and thermally disturbed copies of it. Not yet rated.
 Race foundRace(const Individual& explorer, const EvolutionParams& params, RandomEngine& engine);
 
-/// Rates every individual, orders them best first, and sets the race's pose to the mean of its elite
-/// (headings on the circle) and its health to the elite's mean health.
-void rateRace(Race& race, const EvolutionParams& params,
-              const std::function<double(const Pose2&)>& health_of);
+/// Tells the health of a place. @param least what is certainly under it may be told as 0.
+using HealthOf = std::function<double(const Pose2&, double least)>;
+
+/// Rates the individuals that are not, finds the race's elite, puts it first, the best before the others, and
+/// sets the race's pose to its mean (headings on the circle) and the race's health to its mean health. The
+/// rest keep their order and no health: nothing asks who of them is better.
+void rateRace(Race& race, const EvolutionParams& params, const HealthOf& health_of);
 
 /// The next generation from a rated race: the elite unchanged, means of random pairs, disturbed copies of
 /// random individuals. The new ones have no health until the race is rated again.

@@ -87,6 +87,31 @@ int explorerCount(const ExplorerParams& params, double reliability, std::uint64_
   return is_reliable ? params.count_reliable : params.count_lost;
 }
 
+CandidateBar::CandidateBar(int count, double list_health, const RaceParams& races)
+    : count_(static_cast<std::size_t>(std::max(0, count))), least_(list_health), apart_(races) {
+  apart_.same_place_m *= 2.0;
+  apart_.same_place_rad *= 2.0;
+}
+
+// As many as are wanted, so far apart that each of bestPlaces can only stand for one of them: there are as
+// many of bestPlaces that are at least as good as the worst of these.
+void CandidateBar::add(const Individual& explorer) {
+  if (explorer.health < least_ || count_ == 0) return;
+  const auto isNear = [&](const Individual& other) {
+    return samePlace(explorer.T_world_robot, other.T_world_robot, apart_);
+  };
+  const auto near = std::find_if(best_.begin(), best_.end(), isNear);
+  if (near == best_.end()) {
+    best_.push_back(explorer);
+  } else if (explorer.health > near->health && std::none_of(near + 1, best_.end(), isNear)) {
+    *near = explorer;
+  }
+  if (best_.size() < count_) return;
+  const auto byHealth = [](const Individual& a, const Individual& b) { return a.health < b.health; };
+  if (best_.size() > count_) best_.erase(std::min_element(best_.begin(), best_.end(), byHealth));
+  least_ = std::min_element(best_.begin(), best_.end(), byHealth)->health;
+}
+
 std::vector<Individual> bestPlaces(std::vector<Individual>& explorers, int count, double list_health,
                                    const RaceParams& races) {
   std::stable_sort(explorers.begin(), explorers.end(),

@@ -51,6 +51,23 @@ int kldBound(int places, double error);
 /// L6: how many explorers this iteration sends out. @param iteration counts up by one.
 int explorerCount(const ExplorerParams& params, double reliability, std::uint64_t iteration);
 
+/// The health that an explorer needs to be among bestPlaces, as far as the explorers so far tell: others need
+/// not be rated in full. It grows while they come.
+class CandidateBar {
+ public:
+  CandidateBar(int count, double list_health, const RaceParams& races);
+
+  /// What is certainly under it is not among bestPlaces, whatever else comes.
+  double least() const { return least_; }
+  void add(const Individual& explorer);
+
+ private:
+  std::size_t count_;
+  double least_;
+  RaceParams apart_;
+  std::vector<Individual> best_;  // so far apart that no place is the same as two of them
+};
+
 /// The best `count` of the explorers that lie at different places, best first; healths under `list_health`
 /// are left out. Reorders the argument.
 std::vector<Individual> bestPlaces(std::vector<Individual>& explorers, int count, double list_health,

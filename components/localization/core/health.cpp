@@ -1,8 +1,10 @@
 #include "localization/core/health.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace vismem {
 namespace {
@@ -16,9 +18,19 @@ constexpr double kTruncation_m = 2.0;
 
 /// So many times what leaves too little health, however sums were rounded.
 constexpr double kCertainlyEnough = 1.000001;
+constexpr double kCertainlyLess = 0.999999;
+constexpr double kRounding_m = 1e-6;
 
-/// A point further than so many times the scale from its line ends the hope for a place, or nearly.
-constexpr double kFarScales = 1.5;
+/// Floor is searched so far in the image about points [scales of L4]: the least that is more than kFarMeans
+/// times the mean distance that a place may have, so that places without hope show it.
+constexpr std::array<double, 4> kFloorScales{0.2, 0.4, 0.8, 1.5};
+constexpr double kFarMeans = 1.5;
+constexpr double kMostFloor_m = 3.0;  // points whose floor would be wider are left to the tree
+
+/// Lines of the floor that are not on the disc are further from the pixel [px].
+double reachOf(const PixelFootprint& pixel, const FloorDisc& disc) {
+  return pixel.reach(disc.radius_m - (pixel.p_robot() - disc.middle).norm() - kRounding_m);
+}
 
 }  // namespace
 
@@ -84,7 +96,7 @@ void ProjectedLines::project(const std::vector<Segment3>& segments_world, const 
   lines_.clear();
   for (const Segment3& segment : segments_world) {
     const auto px = projector.unbounded(segment);
-    if (!px || !projector.inImage(*px)) continue;
+    if (!px || !projector.isInImage(*px)) continue;
     lines_.emplace_back(*px);
   }
 }
@@ -135,7 +147,6 @@ double memoryHealth(const std::vector<RememberedLine>& lines, const Pose2& T_wor
 void HealthObservation::set(const MemoryUpdate& update) {
   lines_.clear();
   points_.clear();
-  pixels_.clear();
   if (params_.source != HealthSource::kImage && update.snapshot) {
     const Pose2 T_robot_odom = inverse(update.snapshot->T_odom_robot);
     for (const MemorySegment& segment : update.snapshot->segments) {
@@ -158,53 +169,146 @@ void HealthObservation::set(const MemoryUpdate& update) {
     }
     std::stable_sort(points_.begin(), points_.end(),
                      [](const ImagePoint& a, const ImagePoint& b) { return a.label < b.label; });
-    for (const ImagePoint& point : points_) pixels_.push_back(point.px);
-    squares_.resize(pixels_.size());
+    prepareFloors();
   }
 }
 
-/// Calls with the tree and the pixels of each label until it says no.
-template <typename AddLabel>
-void HealthObservation::visitLabels(AddLabel add_label) const {
-  for (std::size_t first = 0; first < points_.size();) {
-    const int label = points_[first].label;
-    std::size_t after = first;
-    while (after < points_.size() && points_[after].label == label) ++after;
-    if (!add_label(*map_.tree(label), std::span(pixels_).subspan(first, after - first))) return;
-    first = after;
+double HealthObservation::imageScale() const {
+  return params_.image_scale_px * intrinsics_.width / kReferenceWidth_px;
+}
+
+/// What floor must be searched, so that most places need no more.
+void HealthObservation::prepareFloors() {
+  groups_.clear();
+  pixels_.clear();
+  std::vector<PixelFootprint> footprints;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    if (i == 0 || points_[i].label != groups_.back().label) groups_.push_back({points_[i].label, i, 0});
+    ++groups_.back().count;
+    pixels_.push_back(points_[i].px);
+    footprints.emplace_back(intrinsics_, T_robot_camera_, points_[i].px);
   }
+  squares_.resize(points_.size());
+  in_view_.assign(groups_.size(), false);
+  diagonal_px_ = std::hypot(intrinsics_.width, intrinsics_.height);
+  floors_.resize(kFloorScales.size());
+  for (std::size_t level = 0; level < floors_.size(); ++level) {
+    Floor& floor = floors_[level];
+    floor.within_px = kFloorScales[level] * imageScale();
+    floor.discs.assign(groups_.size(), {});
+    floor.reach_squares.assign(points_.size(), 0.0);
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      const Group& group = groups_[g];
+      const std::span of_group = std::span(footprints).subspan(group.first, group.count);
+      const bool is_floor = map_.floorCells(group.label) != nullptr;
+      if (is_floor) floor.discs[g] = floorWithin(of_group, floor.within_px, kMostFloor_m);
+      for (std::size_t i = 0; i < group.count; ++i) {
+        const double reach_px = is_floor ? reachOf(of_group[i], floor.discs[g]) : floor.within_px;
+        // With no line in view a point counts the diagonal.
+        const double most_px = std::min(reach_px, diagonal_px_);
+        floor.reach_squares[group.first + i] = kCertainlyLess * most_px * most_px;
+      }
+    }
+  }
+}
+
+/// Squared distances of a group's points to the lines on a disc of the floor. @return false if none is in
+/// view.
+bool HealthObservation::searchFloor(const Group& group, const FloorDisc& disc, const Pose2& T_world_robot,
+                                    const SegmentProjector& projector) const {
+  const std::span px = std::span(pixels_).subspan(group.first, group.count);
+  const std::span squares = std::span(squares_).subspan(group.first, group.count);
+  std::fill(squares.begin(), squares.end(), std::numeric_limits<double>::infinity());
+  if (disc.radius_m <= 0.0) return false;
+  bool is_in_view = false;
+  const auto measure = [&](const Segment2& line) {
+    const Segment3 world{{line.a.x(), line.a.y(), 0.0}, {line.b.x(), line.b.y(), 0.0}};
+    const auto unbounded = projector.unbounded(world);
+    if (!unbounded || !projector.isInImage(*unbounded)) return;
+    is_in_view = true;
+    const ProjectedLine projected(*unbounded);
+    for (std::size_t i = 0; i < px.size(); ++i) squares[i] = std::min(squares[i], projected.square(px[i]));
+  };
+  map_.floorCells(group.label)->visitNear(transform(T_world_robot, disc.middle), disc.radius_m, measure);
+  return is_in_view;
+}
+
+/// The same for the lines that are so near in the image. @return false if there are none.
+bool HealthObservation::searchNear(const Group& group, const TreeCamera& camera, double within_px) const {
+  const std::span px = std::span(pixels_).subspan(group.first, group.count);
+  const std::span squares = std::span(squares_).subspan(group.first, group.count);
+  const double most_square = within_px * within_px;
+  map_.tree(group.label)->nearestSquares(camera, px, squares, tree_room_, most_square);
+  bool is_near = false;
+  for (double& square : squares) {
+    is_near = is_near || square < most_square;
+    if (!(square < most_square)) square = std::numeric_limits<double>::infinity();
+  }
+  return is_near;
+}
+
+/// Puts the points that need a longer search into open_. @return false if there are none.
+bool HealthObservation::gatherOpen(const Group& group, std::span<const double> reach_squares) const {
+  open_.numbers.clear();
+  open_.pixels.clear();
+  open_.squares.clear();
+  for (std::size_t i = group.first; i < group.first + group.count; ++i) {
+    if (squares_[i] <= reach_squares[i]) continue;
+    open_.numbers.push_back(i);
+    open_.pixels.push_back(pixels_[i]);
+    open_.squares.push_back(squares_[i]);
+  }
+  return !open_.numbers.empty();
+}
+
+void HealthObservation::putBack() const {
+  for (std::size_t i = 0; i < open_.numbers.size(); ++i) squares_[open_.numbers[i]] = open_.squares[i];
 }
 
 /// What imageHealth gives; 0 where that is under `least`.
-double HealthObservation::healthByTrees(const Pose3& T_world_camera, double scale_px, double least) const {
-  const TreeCamera camera(intrinsics_, T_world_camera);
-  const double diagonal = std::hypot(intrinsics_.width, intrinsics_.height);
+double HealthObservation::healthByIndex(const Pose2& T_world_robot, const Pose3& T_world_camera,
+                                        double least) const {
+  const double scale_px = imageScale();
   const auto size = static_cast<double>(points_.size());
-  const double most_sum = kCertainlyEnough * (1.0 - least) * size * scale_px;
-  double sum = 0.0;
-  if (least > 0.0) {
-    // Most places show nothing near most points: no need to know how far it is.
-    // No further than what a label without a line in view counts.
-    const double far_px = std::min(kFarScales * scale_px, diagonal);
-    bool is_exact = true;
-    visitLabels([&](const SegmentTree& tree, std::span<const Eigen::Vector2d> px) {
-      tree.nearestSquares(camera, px, squares_, tree_room_, far_px * far_px);
-      for (std::size_t i = 0; i < px.size(); ++i) {
-        is_exact = is_exact && squares_[i] < far_px * far_px;
-        sum += std::sqrt(squares_[i]);
-      }
-      return sum <= most_sum;
-    });
-    if (sum > most_sum) return 0.0;
-    if (is_exact) return std::clamp(1.0 - sum / size / scale_px, 0.0, 1.0);
-    sum = 0.0;
-  }
-  visitLabels([&](const SegmentTree& tree, std::span<const Eigen::Vector2d> px) {
-    const bool is_in_view = tree.nearestSquares(camera, px, squares_, tree_room_);
-    for (std::size_t i = 0; i < px.size(); ++i) sum += is_in_view ? std::sqrt(squares_[i]) : diagonal;
-    return sum <= most_sum;
+  const double most_mean = (1.0 - least) * scale_px;
+  const double most_sum = kCertainlyEnough * size * most_mean;
+  const auto healthOf = [&](double sum) { return std::clamp(1.0 - sum / size / scale_px, 0.0, 1.0); };
+  const SegmentProjector projector(intrinsics_, T_world_camera);
+  const auto level = std::find_if(floors_.begin(), floors_.end() - 1, [&](const Floor& floor) {
+    return floor.within_px >= kFarMeans * most_mean;
   });
-  return sum > most_sum ? 0.0 : std::clamp(1.0 - sum / size / scale_px, 0.0, 1.0);
+  std::optional<TreeCamera> camera;
+  double sum = 0.0;
+  bool is_exact = true;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (map_.floorCells(groups_[g].label)) {
+      in_view_[g] = searchFloor(groups_[g], level->discs[g], T_world_robot, projector);
+    } else {
+      if (!camera) camera.emplace(intrinsics_, T_world_camera);
+      in_view_[g] = searchNear(groups_[g], *camera, level->within_px);
+    }
+    for (std::size_t i = groups_[g].first; i < groups_[g].first + groups_[g].count; ++i) {
+      is_exact = is_exact && squares_[i] <= level->reach_squares[i];
+      sum += std::sqrt(std::min(squares_[i], level->reach_squares[i]));
+    }
+    if (sum > most_sum) return 0.0;
+  }
+  if (is_exact) return healthOf(sum);
+  if (!camera) camera.emplace(intrinsics_, T_world_camera);
+  sum = 0.0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const Group& group = groups_[g];
+    if (gatherOpen(group, level->reach_squares)) {
+      in_view_[g] = map_.tree(group.label)->lowerSquares(*camera, open_.pixels, open_.squares, tree_room_) ||
+                    in_view_[g];
+      putBack();
+    }
+    for (std::size_t i = group.first; i < group.first + group.count; ++i) {
+      sum += in_view_[g] ? std::sqrt(squares_[i]) : diagonal_px_;
+    }
+    if (sum > most_sum) return 0.0;
+  }
+  return healthOf(sum);
 }
 
 double HealthObservation::health(const Pose2& T_world_robot, double least) const {
@@ -215,11 +319,10 @@ double HealthObservation::health(const Pose2& T_world_robot, double least) const
     ++functions;
   }
   if (!points_.empty()) {
-    const double scale_px = params_.image_scale_px * intrinsics_.width / kReferenceWidth_px;
     const Pose3 T_world_camera = toPose3(T_world_robot) * T_robot_camera_;
     sum += map_.tree(points_.front().label)
-               ? healthByTrees(T_world_camera, scale_px, functions == 0 ? least : 0.0)
-               : imageHealth(points_, intrinsics_, T_world_camera, map_, scale_px, room_);
+               ? healthByIndex(T_world_robot, T_world_camera, functions == 0 ? least : 0.0)
+               : imageHealth(points_, intrinsics_, T_world_camera, map_, imageScale(), room_);
     ++functions;
   }
   return functions == 0 ? 0.0 : sum / functions;

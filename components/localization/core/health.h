@@ -9,6 +9,7 @@
 #include "common/visual_memory/memory_snapshot.h"
 #include "localization/core/map_index.h"
 #include "localization/core/params.h"
+#include "localization/core/pixel_footprint.h"
 #include "localization/core/segment_tree.h"
 
 namespace vismem {
@@ -88,18 +89,45 @@ class HealthObservation {
   double health(const Pose2& T_world_robot, double least = 0.0) const;
 
  private:
-  template <typename AddLabel>
-  void visitLabels(AddLabel add_label) const;
-  double healthByTrees(const Pose3& T_world_camera, double scale_px, double least) const;
+  struct Group {  // of points with one label
+    int label = 0;
+    std::size_t first = 0;
+    std::size_t count = 0;
+  };
+  /// What a search of so much floor tells.
+  struct Floor {
+    double within_px = 0.0;             // all lines so near to points are there, but for some of the points
+    std::vector<FloorDisc> discs;       // of the groups
+    std::vector<double> reach_squares;  // of the points: lines elsewhere are further [px^2]
+  };
+  /// Points of a group of which a nearer line may be found, side by side.
+  struct Open {
+    std::vector<std::size_t> numbers;
+    std::vector<Eigen::Vector2d> pixels;
+    std::vector<double> squares;
+  };
+  double imageScale() const;  // of L4, for this image
+  void prepareFloors();
+  bool searchFloor(const Group& group, const FloorDisc& disc, const Pose2& T_world_robot,
+                   const SegmentProjector& projector) const;
+  bool searchNear(const Group& group, const TreeCamera& camera, double within_px) const;
+  bool gatherOpen(const Group& group, std::span<const double> reach_squares) const;
+  void putBack() const;
+  double healthByIndex(const Pose2& T_world_robot, const Pose3& T_world_camera, double least) const;
 
   const MapIndex& map_;
   HealthParams params_;
   std::vector<RememberedLine> lines_;
   std::vector<ImagePoint> points_;       ///< by label
   std::vector<Eigen::Vector2d> pixels_;  ///< of points_
+  std::vector<Group> groups_;            ///< of points_
+  std::vector<Floor> floors_;            ///< the smallest first
+  double diagonal_px_ = 0.0;
   mutable ProjectedLines room_;
   mutable SegmentTree::Room tree_room_;
-  mutable std::vector<double> squares_;
+  mutable std::vector<double> squares_;  ///< of points_, to the nearest line found [px^2]
+  mutable std::vector<bool> in_view_;    ///< of groups_: a line
+  mutable Open open_;
   CameraIntrinsics intrinsics_;
   Pose3 T_robot_camera_ = Pose3::Identity();
 };

@@ -23,6 +23,16 @@ std::optional<Segment2> touchingFloor(const Segment3& world) {
   return std::nullopt;
 }
 
+/// Empty if some are above the floor.
+std::optional<FloorCells> cellsOf(const std::vector<Segment3>& segments) {
+  std::vector<Segment2> lines;
+  for (const Segment3& segment : segments) {
+    if (segment.a.z() != 0.0 || segment.b.z() != 0.0) return std::nullopt;
+    lines.push_back(segment.floor());
+  }
+  return FloorCells(lines);
+}
+
 FieldSample sampleOf(const Eigen::Vector2d& p, const Segment2& segment) {
   const double fraction = std::clamp(projectionFraction(p, segment), 0.0, 1.0);
   const Eigen::Vector2d away = p - (segment.a + fraction * (segment.b - segment.a));
@@ -79,7 +89,10 @@ MapIndex::MapIndex(const SegmentMap& map, const Params& params) {
     }
   }
   if (params.build_trees) {
-    for (const auto& segments : by_label_) trees_.emplace_back(segments);
+    for (const auto& segments : by_label_) {
+      trees_.emplace_back(segments);
+      cells_.push_back(cellsOf(segments));
+    }
   }
   if (params.build_fields) fields_.emplace(std::move(items), params.reach_m, params.cell_m);
 }

@@ -13,6 +13,7 @@
 
 #include "common/geometry/segment.h"
 #include "common/segment_map/segment_map.h"
+#include "localization/core/floor_cells.h"
 #include "localization/core/segment_grid.h"
 #include "localization/core/segment_tree.h"
 
@@ -32,7 +33,7 @@ class MapIndex {
     /// there.
     double minimum_plan_length_m = 0.0;
     bool build_fields = true;
-    bool build_trees = false;  ///< to ask what is nearest in an image
+    bool build_trees = false;  ///< and cells, to ask what is nearest in an image
   };
 
   /// @param map expanded to edges (no widths).
@@ -51,6 +52,12 @@ class MapIndex {
   /// The same, to ask what is nearest in an image; null unless they were to be built.
   const SegmentTree* tree(int label) const {
     return trees_.empty() ? nullptr : &trees_[static_cast<std::size_t>(label)];
+  }
+  /// The same by the cells of the floor that they touch; null if some are above it.
+  const FloorCells* floorCells(int label) const {
+    return cells_.empty() || !cells_[static_cast<std::size_t>(label)]
+               ? nullptr
+               : &*cells_[static_cast<std::size_t>(label)];
   }
   /// What of them touches the floor: lines, and the feet of upright edges as segments without length.
   const std::vector<Segment2>& floor(int label) const { return floor_[static_cast<std::size_t>(label)]; }
@@ -108,7 +115,8 @@ class MapIndex {
   std::vector<std::vector<Segment2>> floor_;
   std::vector<std::vector<Segment2>> binned_;  // [label * bins_ + bin]
   std::optional<SegmentGrid> fields_;
-  std::vector<SegmentTree> trees_;  // by label, or none
+  std::vector<SegmentTree> trees_;                // by label, or none
+  std::vector<std::optional<FloorCells>> cells_;  // by label, or none
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d high_ = Eigen::Vector2d::Zero();
 };

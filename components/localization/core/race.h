@@ -19,6 +19,7 @@ using Matrix5d = Eigen::Matrix<double, 5, 5>;
 struct Individual {
   Pose2 T_world_robot;
   double health = 0.0;
+  bool is_rated = false;  ///< chapter mode: `health` is that of the last observation
 };
 
 /// A hypothesis. Chapter mode searches around it with individuals; the default mode keeps a covariance
@@ -30,7 +31,8 @@ struct Race {
   int victories = 0;           ///< 0..maximum_victories
   int age = 0;                 ///< iterations since birth; a candidate at the same place adds one more
   int since_best = 1'000'000;  ///< iterations since it was the best; large if it never was
-  std::vector<Individual> individuals;  ///< chapter mode: best first after rating
+  std::vector<Individual>
+      individuals;  ///< chapter mode: after rating the elite first, the best before the others
   /// Default mode: how far the camera leans from where the robot's kinematics put it, about the robot's y
   /// axis (positive looks down) and its x axis (positive drops the right side) [rad]. The lasting part of it;
   /// what changes from image to image is estimated with each image and forgotten.

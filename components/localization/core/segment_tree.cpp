@@ -18,6 +18,7 @@ constexpr double kRounding = 1e-3;  // of a box's place against the view's borde
 TreeCamera::TreeCamera(const CameraIntrinsics& intrinsics, const Pose3& T_world_camera)
     : intrinsics_(intrinsics),
       T_camera_world_(T_world_camera.inverse(Eigen::Isometry)),
+      centre_(T_world_camera.translation()),
       reach_(T_camera_world_.linear().cwiseAbs()),
       projector_(intrinsics, T_world_camera) {}
 
@@ -60,6 +61,11 @@ struct SegmentTree::Search {
 bool SegmentTree::nearestSquares(const TreeCamera& camera, std::span<const Eigen::Vector2d> px,
                                  std::span<double> squares, Room& room, double most_square) const {
   std::fill_n(squares.begin(), px.size(), most_square);
+  return lowerSquares(camera, px, squares, room);
+}
+
+bool SegmentTree::lowerSquares(const TreeCamera& camera, std::span<const Eigen::Vector2d> px,
+                               std::span<double> squares, Room& room) const {
   if (nodes_.empty()) return false;
   constexpr std::size_t kDeepest = 34;  // halved so often nothing is left
   room.resize(std::max(room.size(), px.size() * kDeepest));
@@ -68,52 +74,81 @@ bool SegmentTree::nearestSquares(const TreeCamera& camera, std::span<const Eigen
   return visit(search, 0, std::span(room).first(px.size()));
 }
 
+/// What its corners span in the image, and so all that is in it. All are before the near plane.
+/// @param middle in the camera's frame.
+SegmentTree::Box SegmentTree::projectedBox(const Node& node, const Eigen::Vector3d& middle,
+                                           const TreeCamera& camera) {
+  const auto& T = camera.T_camera_world_.matrix();
+  const CameraIntrinsics& image = camera.intrinsics_;
+  const Eigen::Vector3d x = T.col(0).head<3>() * node.half.x();
+  const Eigen::Vector3d y = T.col(1).head<3>() * node.half.y();
+  const Eigen::Vector3d z = T.col(2).head<3>() * node.half.z();
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d high = -low;
+  const auto add = [&](const Eigen::Vector3d& corner) {
+    const double per_depth = 1.0 / corner.z();
+    const Eigen::Vector2d px(corner.x() * per_depth, corner.y() * per_depth);
+    low = low.cwiseMin(px);
+    high = high.cwiseMax(px);
+  };
+  const auto addFace = [&](const Eigen::Vector3d& centre) {
+    add(centre - x - y);
+    add(centre - x + y);
+    add(centre + x - y);
+    add(centre + x + y);
+  };
+  addFace(middle - z);
+  if (node.half.z() > 0.0) addFace(middle + z);
+  const Eigen::Vector2d focal(image.fx, image.fy);
+  const Eigen::Vector2d centre(image.cx, image.cy);
+  const Eigen::Vector2d rounding = Eigen::Vector2d::Constant(kRounding);
+  return {centre + focal.cwiseProduct(low) - rounding, centre + focal.cwiseProduct(high) + rounding};
+}
+
 bool SegmentTree::visit(Search& search, std::uint32_t number, std::span<const std::uint32_t> asked) const {
   const Node& node = nodes_[number];
   const TreeCamera& camera = search.camera;
   const CameraIntrinsics& image = camera.intrinsics_;
-  const Eigen::Vector3d middle = camera.T_camera_world_ * node.middle;
+  const Eigen::Matrix4d& T = camera.T_camera_world_.matrix();
+  const Eigen::Vector3d middle = T.topLeftCorner<3, 3>() * node.middle + T.topRightCorner<3, 1>();
   const Eigen::Vector3d half = camera.reach_ * node.half;
   const double near = middle.z() - half.z();
   const double far = middle.z() + half.z();
   if (far < kNearPlane_m - kRounding) return false;
-  // Is it beyond one border of the view with all of its corners that the near plane leaves?
-  const auto most = [nearest = std::max(near, kNearPlane_m), far](double per_depth) {
-    return std::max(per_depth * nearest, per_depth * far);
-  };
-  if (image.fx * (middle.x() + half.x()) + most(image.cx + 0.5) < -kRounding ||
-      image.fx * (half.x() - middle.x()) + most(image.width - 0.5 - image.cx) < -kRounding ||
-      image.fy * (middle.y() + half.y()) + most(image.cy + 0.5) < -kRounding ||
-      image.fy * (half.y() - middle.y()) + most(image.height - 0.5 - image.cy) < -kRounding) {
-    return false;
-  }
   std::span<const std::uint32_t> left = asked;
   if (near > kNearPlane_m) {
-    const Eigen::Vector2d focal(image.fx, image.fy);
-    const Eigen::Vector2d centre(image.cx, image.cy);
-    const Eigen::Vector2d low = middle.head<2>() - half.head<2>();
-    const Eigen::Vector2d high = middle.head<2>() + half.head<2>();
-    const Eigen::Vector2d from =
-        centre + focal.cwiseProduct((low / near).cwiseMin(low / far)) - Eigen::Vector2d::Constant(kRounding);
-    const Eigen::Vector2d to = centre + focal.cwiseProduct((high / near).cwiseMax(high / far)) +
-                               Eigen::Vector2d::Constant(kRounding);
+    const Box box = projectedBox(node, middle, camera);
+    if (box.to.x() < -0.5 || box.from.x() > image.width - 0.5 || box.to.y() < -0.5 ||
+        box.from.y() > image.height - 0.5) {
+      return false;
+    }
     const std::span room(search.room.data() + (asked.data() - search.room.data()) + asked.size(),
                          asked.size());
     std::size_t count = 0;
     for (const std::uint32_t i : asked) {
       const Eigen::Vector2d& px = search.px[i];
-      const Eigen::Vector2d off = (from - px).cwiseMax(px - to).cwiseMax(Eigen::Vector2d::Zero());
+      const double x = std::max(std::max(box.from.x() - px.x(), px.x() - box.to.x()), 0.0);
+      const double y = std::max(std::max(box.from.y() - px.y(), px.y() - box.to.y()), 0.0);
       room[count] = i;
-      count += off.squaredNorm() < search.squares[i] ? 1 : 0;
+      count += x * x + y * y < search.squares[i] ? 1 : 0;
     }
     if (count == 0) return false;
     left = room.first(count);
+  } else {
+    // Is it beyond one border of the view with all of its corners that the near plane leaves?
+    const auto most = [far](double per_depth) { return std::max(per_depth * kNearPlane_m, per_depth * far); };
+    if (image.fx * (middle.x() + half.x()) + most(image.cx + 0.5) < -kRounding ||
+        image.fx * (half.x() - middle.x()) + most(image.width - 0.5 - image.cx) < -kRounding ||
+        image.fy * (middle.y() + half.y()) + most(image.cy + 0.5) < -kRounding ||
+        image.fy * (half.y() - middle.y()) + most(image.height - 0.5 - image.cy) < -kRounding) {
+      return false;
+    }
   }
   bool is_in_view = false;
   if (node.count > 0) {
     for (const Segment3& segment : std::span(segments_).subspan(node.second, node.count)) {
       const auto px = camera.projector_.unbounded(segment);
-      if (!px || !camera.projector_.inImage(*px)) continue;
+      if (!px || !camera.projector_.isInImage(*px)) continue;
       is_in_view = true;
       const ProjectedLine line(*px);
       for (const std::uint32_t i : left) {
@@ -124,7 +159,7 @@ bool SegmentTree::visit(Search& search, std::uint32_t number, std::span<const st
   }
   // The nearer child first: what lies before the camera fills the image, and the rest need not be looked at.
   const auto distance = [&](std::uint32_t child) {
-    return (camera.T_camera_world_ * nodes_[child].middle).squaredNorm();
+    return (nodes_[child].middle - camera.centre_).squaredNorm();
   };
   std::array<std::uint32_t, 2> children{number + 1, node.second};
   if (distance(children[1]) < distance(children[0])) std::swap(children[0], children[1]);

@@ -47,7 +47,8 @@ class TreeCamera {
   friend class SegmentTree;
   CameraIntrinsics intrinsics_;
   Pose3 T_camera_world_;
-  Eigen::Matrix3d reach_;  // of a box along the camera's axes, by its half sides
+  Eigen::Vector3d centre_;  // in the world
+  Eigen::Matrix3d reach_;   // of a box along the camera's axes, by its half sides
   SegmentProjector projector_;
 };
 
@@ -68,6 +69,10 @@ class SegmentTree {
   bool nearestSquares(const TreeCamera& camera, std::span<const Eigen::Vector2d> px,
                       std::span<double> squares, Room& room,
                       double most_square = std::numeric_limits<double>::infinity()) const;
+  /// The same where something is known already: lowers each of `squares` to which a line is nearer.
+  /// @return false if no line is in view; without meaning unless all are infinite.
+  bool lowerSquares(const TreeCamera& camera, std::span<const Eigen::Vector2d> px, std::span<double> squares,
+                    Room& room) const;
 
  private:
   struct alignas(64) Node {  // a box; its first child is the next node
@@ -76,7 +81,12 @@ class SegmentTree {
     std::uint32_t second = 0;  // child; of a leaf: its first segment
     std::uint32_t count = 0;   // of a leaf's segments; 0: has children
   };
+  struct Box {  // in the image [px]
+    Eigen::Vector2d from;
+    Eigen::Vector2d to;
+  };
   struct Search;
+  static Box projectedBox(const Node& node, const Eigen::Vector3d& middle, const TreeCamera& camera);
   void append(std::span<Segment3> segments, std::size_t first);
   /// @param asked pixels that may be nearer to what is in the node than to what was found.
   bool visit(Search& search, std::uint32_t number, std::span<const std::uint32_t> asked) const;
