@@ -187,6 +187,26 @@ TEST(Attention, RequestsEndAtTheirDeadlineAndWhenWithdrawn) {
   EXPECT_TRUE(pool.points().empty());
 }
 
+TEST(Attention, AnUrgentRequestGoesBeforeWhatNobodyAskedFor) {
+  AttentionPool pool(quiet());
+  pool.addScanningPoint();
+  for (int i = 0; i < 1000; ++i) pool.update(i * kTick, {}, {}, {}, {});
+  EXPECT_FALSE(pool.isUrgent());
+  GazeRequest request;
+  request.client = "c";
+  request.key = "k";
+  request.direction = PanTilt{};
+  request.deadline_us = 10'000 * kTick;
+  request.priority = kUrgentPriority - 1.0;
+  pool.request(request);
+  EXPECT_EQ(pool.mostSalient()->kind, AttentionKind::kScanning) << "it grows";
+  request.key = "urgent";
+  request.priority = kUrgentPriority;
+  pool.request(request);
+  EXPECT_EQ(pool.mostSalient()->kind, AttentionKind::kClient) << "at once";
+  EXPECT_TRUE(pool.isUrgent());
+}
+
 TEST(Attention, ALongWallIsLookedAtWhereItIsNear) {
   // A wall along x at y = 1 from -10 to 10, seen from the origin within 2 m: the middle of what is near.
   const Eigen::Vector3d p = focusOf({{-10, 1, 0}, {10, 1, 0}}, {0, 0}, 2.0);

@@ -227,6 +227,50 @@ TEST(GazeController, AnUrgentWishEndsTheVisitOfAnObjectAndOthersWait) {
   EXPECT_LT(waitOfAClient(kUrgentPriority), 1.5);        // the way alone
 }
 
+/// A head that looks about by itself, and a client that asks for a direction.
+struct Wishes : Bench {
+  Wishes() : Bench(AttentiveVisualMemoryParams::standard()) {
+    for (int i = 0; i < 10; ++i) step();
+  }
+  void ask(const char* key, double pan_rad, double priority = kUrgentPriority) {
+    pool.request({"client", key, std::nullopt, PanTilt{pan_rad, -0.2}, priority, now + 60 * kSecondUs});
+  }
+  std::optional<double> redirectedTo() {
+    const auto command = gaze.redirect(pool);
+    return command ? std::optional<double>(command->pan_rad) : std::nullopt;
+  }
+};
+
+TEST(GazeController, AnUrgentWishDoesNotWaitForTheNextImage) {
+  Wishes wishes;
+  EXPECT_FALSE(wishes.redirectedTo()) << "nobody asked";
+  wishes.ask("some day", 0.6, kUrgentPriority - 1.0);
+  EXPECT_FALSE(wishes.redirectedTo()) << "it is not urgent";
+  wishes.ask("now", 0.7);
+  EXPECT_EQ(wishes.redirectedTo(), 0.7);
+  EXPECT_FALSE(wishes.redirectedTo()) << "it was told already";
+  wishes.ask("now", -0.4);
+  EXPECT_EQ(wishes.redirectedTo(), -0.4) << "a wish that moves";
+  wishes.ask("another", 1.0);
+  EXPECT_FALSE(wishes.redirectedTo()) << "clients wait for each other";
+}
+
+TEST(GazeController, NobodyIsObeyedWhileTheImagesAreGone) {
+  Wishes wishes;
+  ASSERT_TRUE(wishes.gaze.hold());
+  wishes.ask("now", 0.7);
+  EXPECT_FALSE(wishes.redirectedTo());
+  wishes.step();
+  EXPECT_EQ(wishes.last.pan_rad, 0.7) << "they are back";
+}
+
+TEST(GazeController, AnUrgentWishOfTheLastImageIsFollowedByTheNext) {
+  Wishes wishes;
+  wishes.ask("now", 0.7);
+  wishes.step();
+  EXPECT_EQ(wishes.last.pan_rad, 0.7) << "not an image later";
+}
+
 TEST(GazeMailbox, RefusesWhatMakesNoSenseAndSaysWhy) {
   GazeMailbox mailbox;
   GazeRequest request;

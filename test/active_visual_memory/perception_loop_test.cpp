@@ -58,26 +58,36 @@ class Robot {
     void stop() override {}
     PortReply setVelocity(double, double) override { return PortReply::accepted(); }
     SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
-      std::unique_lock lock(robot_.mutex_);
-      const auto wentBack = [&] { return after_us > robot_.now_us_ + kSecondUs; };
-      robot_.changed_.wait_for(
-          lock, timeout, [&] { return robot_.has_odometry_ && (robot_.now_us_ > after_us || wentBack()); });
-      SampleBatch<OdometrySample> batch;
-      if (!robot_.has_odometry_) return batch;
-      const StampUs from_us = wentBack() ? robot_.begin_us_ - 1 : std::max(after_us, robot_.begin_us_ - 1);
-      for (StampUs t = robot_.begin_us_; t <= robot_.now_us_; t += kStep_us) {
-        if (t <= from_us) continue;
-        OdometrySample sample;
-        sample.stamp_us = t;
-        sample.seq = static_cast<std::uint64_t>(t / kStep_us);
-        batch.samples.push_back(sample);
-      }
-      if (!batch.samples.empty()) batch.state = SourceState::kRunning;
-      return batch;
+      return robot_.samplesSince<OdometrySample>(after_us, timeout);
     }
 
    private:
     Robot& robot_;
+  };
+
+  /// It looks ahead, whatever it is told.
+  class Head final : public PanTiltUnit {
+   public:
+    explicit Head(Robot& robot) : robot_(robot) {}
+    PanTiltLimits limits() const override { return {}; }
+    PortReply start() override { return PortReply::accepted(); }
+    void stop() override {}
+    PortReply command(const PanTiltCommand& command) override {
+      const std::scoped_lock lock(robot_.mutex_);
+      last_ = command;
+      return PortReply::accepted();
+    }
+    SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
+      return robot_.samplesSince<PanTiltSample>(after_us, timeout);
+    }
+    PanTiltCommand last() const {
+      const std::scoped_lock lock(robot_.mutex_);
+      return last_;
+    }
+
+   private:
+    Robot& robot_;
+    PanTiltCommand last_;
   };
 
   /// One image more.
@@ -105,9 +115,29 @@ class Robot {
 
   Camera camera{*this};
   Base base{*this};
+  Head head{*this};
 
  private:
-  std::mutex mutex_;
+  template <typename Sample>
+  SampleBatch<Sample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) {
+    std::unique_lock lock(mutex_);
+    const auto wentBack = [&] { return after_us > now_us_ + kSecondUs; };
+    changed_.wait_for(lock, timeout, [&] { return has_odometry_ && (now_us_ > after_us || wentBack()); });
+    SampleBatch<Sample> batch;
+    if (!has_odometry_) return batch;
+    const StampUs from_us = wentBack() ? begin_us_ - 1 : std::max(after_us, begin_us_ - 1);
+    for (StampUs t = begin_us_; t <= now_us_; t += kStep_us) {
+      if (t <= from_us) continue;
+      Sample sample;
+      sample.stamp_us = t;
+      sample.seq = static_cast<std::uint64_t>(t / kStep_us);
+      batch.samples.push_back(sample);
+    }
+    if (!batch.samples.empty()) batch.state = SourceState::kRunning;
+    return batch;
+  }
+
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   StampUs begin_us_ = 100 * kSecondUs;
   StampUs now_us_ = begin_us_;
@@ -118,12 +148,12 @@ class Robot {
 
 class PerceptionLoopTest : public testing::Test {
  protected:
-  PerceptionLoopTest() {
+  explicit PerceptionLoopTest(bool has_pan_tilt = false, double images_lost_s = 0.2) : gaze_(has_pan_tilt) {
     PerceptionLoop::Params params;
-    params.assembler.has_pan_tilt = false;
-    params.images_lost_s = 0.2;
-    loop_ = std::make_unique<PerceptionLoop>(params, nullptr, robot_.camera, nullptr, robot_.base, gaze_,
-                                             status_);
+    params.assembler.has_pan_tilt = has_pan_tilt;
+    params.images_lost_s = images_lost_s;
+    loop_ = std::make_unique<PerceptionLoop>(
+        params, nullptr, robot_.camera, has_pan_tilt ? &robot_.head : nullptr, robot_.base, gaze_, status_);
     status_.serving();
     loop_->start(
         [this](const RobotObservation& observation, const auto& result) {
@@ -148,7 +178,7 @@ class PerceptionLoopTest : public testing::Test {
   std::string reason() const { return status_.report().reason; }
 
   Robot robot_;
-  SharedGazeClient gaze_{false};
+  SharedGazeClient gaze_;
   std::ostringstream lines_;
   Logger log_{"memory", LogLevel::kInfo, lines_, [] { return "T"; }};
   StatusBoard status_{"memory", "1", log_};
@@ -205,6 +235,20 @@ TEST_F(PerceptionLoopTest, AThreadThatThrowsIsToldAtOnce) {
   ASSERT_TRUE(eventually([&] { return last_us_ > 100 * kSecondUs; }));
   robot_.fail();
   EXPECT_TRUE(eventually([&] { return failed_.load(); }, false));
+}
+
+/// Images that stay away are not missed for longer than any test lasts.
+class PerceptionLoopWithAHead : public PerceptionLoopTest {
+ protected:
+  PerceptionLoopWithAHead() : PerceptionLoopTest(true, 3600.0) {}
+};
+
+TEST_F(PerceptionLoopWithAHead, AnUrgentWishDoesNotWaitForAnImage) {
+  ASSERT_TRUE(eventually([&] { return last_us_ > 100 * kSecondUs; }));
+  const GazeRequest wish{"test",          "side",          std::nullopt, PanTilt{-1.0, -0.2},
+                         kUrgentPriority, 1000 * kSecondUs};
+  ASSERT_TRUE(gaze_.request(wish).ok());
+  EXPECT_TRUE(eventually([&] { return std::abs(robot_.head.last().pan_rad + 1.0) < 1e-9; }, false));
 }
 
 }  // namespace

@@ -201,7 +201,8 @@ void PerceptionLoop::run(const std::stop_token& stop) {
     status_.alive(name);
     Inbox inbox = takeInbox(stop);
     if (inbox.reset_wanted) pipeline_.memory().reset();
-    for (const auto& message_in : gaze_.take()) pipeline_.memory().gazeClient().post(message_in);
+    const auto mail = gaze_.take();
+    for (const auto& message_in : mail) pipeline_.memory().gazeClient().post(message_in);
     checkClocks(inbox, clocks);
     for (const OdometrySample& sample : inbox.odometry_samples) assembler.add(sample);
     for (const PanTiltSample& sample : inbox.pan_tilt_samples) assembler.add(sample);
@@ -209,9 +210,12 @@ void PerceptionLoop::run(const std::stop_token& stop) {
     for (Frame& frame : inbox.frames) assembler.add(std::move(frame));
     if (processAll(assembler, pipeline_)) {
       last_observation = Clock::now();
-    } else if (longAgo(last_observation)) {
-      tellBlind(inbox, !longAgo(last_image), assembler);
+      continue;
     }
+    if (!mail.empty()) {
+      if (const auto command = pipeline_.memory().redirect()) send(*command);
+    }
+    if (longAgo(last_observation)) tellBlind(inbox, !longAgo(last_image), assembler);
   }
   status_.ended(name);
 }

@@ -273,6 +273,13 @@ void AttentionPool::request(const GazeRequest& request) {
   entry.point.direction = request.direction;
   entry.rate = params_.client_rate * request.priority;
   entry.request = request;
+  if (request.priority >= kUrgentPriority) {
+    // What is urgent goes at once before all that nobody asked for.
+    for (const Entry& other : entries_) {
+      if (!other.request) entry.point.salience = std::max(entry.point.salience, other.point.salience);
+    }
+    entry.point.salience += params_.urgent_lead;
+  }
   entries_.push_back(std::move(entry));
 }
 

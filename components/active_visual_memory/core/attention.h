@@ -34,6 +34,7 @@ class AttentionPool {
     double hypothesis_rate = 2.0;
     double hypothesis_lead = 1.0;   ///< a new hypothesis starts this far above the most salient other
     double client_rate = 1.0;       ///< times the request's priority
+    double urgent_lead = 1.0;       ///< an urgent request starts this far above what no client asked for
     double visit_angle_rad = 0.26;  ///< a visit resets what lies this near to the axis (15 degrees)
     double forced_search_s = 2.5;   ///< A3: a scanning point every so long, times (1 + objects / 5)
     double forced_search_objects = 5.0;

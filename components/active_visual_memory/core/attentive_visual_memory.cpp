@@ -63,6 +63,11 @@ void AttentiveVisualMemory::readMail() {
   }
 }
 
+std::optional<PanTiltCommand> AttentiveVisualMemory::redirect() {
+  readMail();
+  return gaze_.redirect(pool_);
+}
+
 double AttentiveVisualMemory::turnRate(const RobotObservation& observation) {
   const Pose3 T_odom_camera = toPose3(observation.T_odom_robot) * observation.T_robot_camera;
   double rate = 0.0;

@@ -60,6 +60,9 @@ class AttentiveVisualMemory {
   /// A frame that is not analysed: time passes and the gaze goes on.
   StepResult glance(const RobotObservation& observation, StageProbe* probe = nullptr);
 
+  /// What clients asked for urgently since the last image is answered before the next one.
+  std::optional<PanTiltCommand> redirect();
+
   /// The images are gone for a while: what to tell the pan-tilt unit, once.
   std::optional<PanTiltCommand> imagesLost() { return gaze_.hold(); }
 

@@ -266,32 +266,16 @@ void GazeController::select(const RobotObservation& observation, AttentionPool& 
   }
 }
 
-std::optional<PanTiltCommand> GazeController::attend(const RobotObservation& observation,
-                                                     std::span<const MemorySegment> segments,
-                                                     AttentionPool& pool) {
+void GazeController::review(const RobotObservation& observation, std::span<const MemorySegment> segments,
+                            AttentionPool& pool) {
   const StampUs now = observation.frame.stamp_us;
   const PanTilt actual = *observation.pan_tilt;
-  if (state_ == GazeState::kSelect) select(observation, pool);
-
   GazeConditions conditions;
-  conditions.has_target = target_.has_value();
-  if (state_ != GazeState::kSelect && target_) {
-    if (const auto current = pool.find(target_->id)) {
-      target_ = current;
-    } else {
-      conditions.target_gone = true;
-    }
-  }
-  Aim aim;
-  if (target_ && !conditions.target_gone) {
-    if (target_->kind == AttentionKind::kClient && target_->p_odom) {
-      motion_.observe(target_->id, *target_->p_odom, now);
-    }
-    aim = aimAt(*target_, observation.T_odom_robot);
+  if (const auto current = pool.find(target_->id)) {
+    target_ = current;
+    const Aim aim = noteTarget(observation);
     const double in_state_s = toSeconds(now - entered_us_);
-    const PanTilt off{aim.clamped.pan_rad - actual.pan_rad, aim.clamped.tilt_rad - actual.tilt_rad};
-    noteError(target_->id, off, dt_s_);
-    const double error = std::max(std::abs(off.pan_rad), std::abs(off.tilt_rad));
+    const double error = std::max(std::abs(error_->pan_rad), std::abs(error_->tilt_rad));
     conditions.arrived = error <= params_.arrived_rad && error_rate_radps_ <= params_.quiet_radps;
     conditions.timed_out = !aim.reachable || in_state_s >= params_.saccade_timeout_s;
     conditions.analysed = in_state_s >= params_.analyse_s;
@@ -306,25 +290,66 @@ std::optional<PanTiltCommand> GazeController::attend(const RobotObservation& obs
         return s.id == *id && s.last_seen_us == now;
       });
     }
+  } else {
+    conditions.target_gone = true;
   }
-
-  const GazeState before = state_;
-  const GazeState next = nextGazeState(before, conditions);
-  if (next == GazeState::kSelect && before != GazeState::kSelect && target_) {
-    if (before == GazeState::kSaccade) {
-      if (!conditions.target_gone) {
-        pool.giveUp(target_->id);
-        ++given_up_;
-      }
-    } else {
+  const GazeState next = nextGazeState(state_, conditions);
+  if (next == GazeState::kSelect) {
+    if (state_ != GazeState::kSaccade) {
       pool.visited(target_->id, actual, observation.T_odom_robot, params_.mount);
       ++visits_;
+    } else if (!conditions.target_gone) {
+      pool.giveUp(target_->id);
+      ++given_up_;
     }
     target_.reset();
   }
   enter(next, now);
+}
+
+GazeController::Aim GazeController::noteTarget(const RobotObservation& observation) {
+  if (target_->kind == AttentionKind::kClient && target_->p_odom) {
+    motion_.observe(target_->id, *target_->p_odom, observation.frame.stamp_us);
+  }
+  const Aim aim = aimAt(*target_, observation.T_odom_robot);
+  const PanTilt actual = *observation.pan_tilt;
+  noteError(target_->id, {aim.clamped.pan_rad - actual.pan_rad, aim.clamped.tilt_rad - actual.tilt_rad},
+            dt_s_);
+  return aim;
+}
+
+std::optional<PanTiltCommand> GazeController::attend(const RobotObservation& observation,
+                                                     std::span<const MemorySegment> segments,
+                                                     AttentionPool& pool) {
+  const bool selects = state_ == GazeState::kSelect;
+  if (!selects) review(observation, segments, pool);
+  // An urgent wish that ended a visit does not wait for the next image.
+  if (selects || (state_ == GazeState::kSelect && pool.isUrgent())) {
+    select(observation, pool);
+    GazeConditions conditions;
+    conditions.has_target = target_.has_value();
+    enter(nextGazeState(state_, conditions), observation.frame.stamp_us);
+    if (target_) noteTarget(observation);
+  }
   if (!target_) return std::nullopt;
   return steer(*target_, observation);
+}
+
+std::optional<PanTiltCommand> GazeController::redirect(AttentionPool& pool) {
+  if (mode_ != GazeMode::kAttend || !last_angles_ || hold_sent_ || !pool.isUrgent()) return std::nullopt;
+  const std::optional<AttentionPoint> wish = pool.mostSalient();
+  RobotObservation last;
+  last.frame.stamp_us = last_stamp_us_;
+  last.pan_tilt = last_angles_;
+  last.T_odom_robot = last_pose_;
+  if (target_ && target_->kind == AttentionKind::kClient) {
+    const bool moved = target_->p_odom != wish->p_odom || target_->direction != wish->direction;
+    if (target_->id != wish->id || !moved) return std::nullopt;
+    target_ = wish;
+    noteTarget(last);
+    return steer(*target_, last);
+  }
+  return attend(last, {}, pool);
 }
 
 std::optional<PanTiltCommand> GazeController::step(const RobotObservation& observation,

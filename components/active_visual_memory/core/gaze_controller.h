@@ -121,6 +121,11 @@ class GazeController {
   std::optional<PanTiltCommand> step(const RobotObservation& observation,
                                      std::span<const MemorySegment> memory_segments, AttentionPool& pool);
 
+  /// Between two steps, after clients asked: turns to an urgent wish before the next image comes. A visit
+  /// that another client has goes on; nobody is obeyed while the images are gone.
+  /// @return the command to give now; empty when nothing is to be said.
+  std::optional<PanTiltCommand> redirect(AttentionPool& pool);
+
   /// The images are gone: stand still until they come back.
   std::optional<PanTiltCommand> hold();
 
@@ -146,6 +151,11 @@ class GazeController {
   std::optional<PanTiltCommand> steerByRates(const PanTilt& error) const;
   /// How far the axis is from the aim, and how fast that changes.
   void noteError(std::uint64_t point_id, const PanTilt& error, double dt_s);
+  /// Whether the visit of the target goes on.
+  void review(const RobotObservation& observation, std::span<const MemorySegment> memory_segments,
+              AttentionPool& pool);
+  /// Where the target is now, and how that changes.
+  Aim noteTarget(const RobotObservation& observation);
   std::optional<PanTiltCommand> attend(const RobotObservation& observation,
                                        std::span<const MemorySegment> segments, AttentionPool& pool);
   void enter(GazeState state, StampUs stamp_us);

@@ -217,6 +217,7 @@ struct TrialRun::Impl {
             const auto oracle =
                 options.gaze == TrialGaze::kOracle ? poseAt(trial.truth, stamp_us) : std::nullopt;
             seeker->steer(step.update, T_odom_robot_now, oracle, memory.memory().gazeClient(), trial);
+            if (const auto command = memory.memory().redirect()) simulation->panTilt().command(*command);
           }
         }
         if (visit) visit(step, memory.memory().gazeClient());

@@ -184,7 +184,7 @@ struct GazeAdvisorParams {
   double forget_s = 8.0;  ///< and is nearly new again after two or three times this
   double head_speed_radps = 150.0 * std::numbers::pi / 180.0;
   double head_acceleration_radps2 = 1000.0 * std::numbers::pi / 180.0;
-  double delay_s = 0.2;  ///< from the image until a new wish turns the head
+  double delay_s = 0.02;  ///< from the image until a new wish turns the head
 };
 
 /// B4: when localization asks for gaze.
