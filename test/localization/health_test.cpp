@@ -126,6 +126,82 @@ TEST(HealthProperty, FieldAndBruteForceGiveTheSameMemoryHealth) {
   }
 }
 
+/// Lines all over the floor; those of the second label stand among posts, of which only the feet are there.
+SegmentMap manyLines(RandomEngine& engine) {
+  SegmentMap map;
+  for (int i = 0; i < 3000; ++i) {
+    const Eigen::Vector3d a(uniform(engine, 0, 100), uniform(engine, 0, 100), 0.0);
+    const Eigen::Vector3d way(uniform(engine, -4, 4), uniform(engine, -4, 4), 0.0);
+    const bool is_post = i % 7 == 0;
+    map.segments.push_back({{a, is_post ? Eigen::Vector3d(a + 2.0 * Eigen::Vector3d::UnitZ()) : a + way},
+                            is_post || i % 3 == 0 ? "door" : "skirting",
+                            0.0});
+  }
+  return map;
+}
+
+TEST(HealthProperty, LargeMapsGiveTheMemoryHealthOfASearchOverAll) {
+  RandomEngine engine(17);
+  const SegmentMap map = manyLines(engine);
+  MapIndex::Params params = withFields(true);
+  params.reach_m = 2.0;
+  params.build_trees = true;
+  const MapIndex fields(map, params);
+  const MapIndex brute(map, withFields(false));
+  int good = 0;
+  int far = 0;
+  int spared = 0;
+  for (int round = 0; round < 60; ++round) {
+    const Pose2 truth{uniform(engine, 10, 90), uniform(engine, 10, 90), uniform(engine, -3, 3)};
+    std::vector<RememberedLine> lines;
+    for (int label = 0; label < 2; ++label) {
+      for (const Segment2& line : brute.floor(label)) {
+        if ((line.middle() - truth.position()).norm() > 6.0) continue;
+        lines.push_back({transform(inverse(truth), line), label});
+      }
+      // Something that the map does not have.
+      const Eigen::Vector2d a(uniform(engine, -4, 4), uniform(engine, -4, 4));
+      if (round % 2 == 0) lines.push_back({{a, a + Eigen::Vector2d(1, 0)}, label});
+    }
+    ASSERT_GT(lines.size(), 8u) << "more than are asked about at once";
+    for (int i = 0; i < 30; ++i) {
+      const double off = 0.01 * i;
+      Pose2 pose = truth * Pose2{off * uniform(engine, -1, 1), off, off * uniform(engine, -1, 1)};
+      if (i % 3 == 0) pose.x += uniform(engine, -150, 150);
+      // So wide that places far off the map have some health too.
+      const double scale_m = i % 2 == 0 ? 0.5 : 50.0;
+      const double health = memoryHealth(lines, pose, brute, scale_m);
+      ASSERT_NEAR(memoryHealth(lines, pose, fields, scale_m), health, 1e-12);
+      const double least = 0.1 * static_cast<double>(pick(engine, 10));
+      const double told = memoryHealth(lines, pose, fields, scale_m, least);
+      ASSERT_TRUE(std::abs(told - health) < 1e-12 || (told == 0.0 && health < least))
+          << told << ", " << health;
+      good += health > 0.3 && scale_m < 1.0 ? 1 : 0;
+      far += health < 0.9 && health > 0.0 && scale_m > 1.0 ? 1 : 0;
+      spared += told == 0.0 && health > 0.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(good, 20);
+  EXPECT_GT(far, 50);
+  EXPECT_GT(spared, 50);
+}
+
+TEST(MapIndexProperty, DistancesBeyondTheFieldsAreThoseOfASearchOverAll) {
+  RandomEngine engine(18);
+  const SegmentMap map = manyLines(engine);
+  MapIndex::Params params = withFields(true);
+  params.build_trees = true;
+  const MapIndex cells(map, params);
+  const MapIndex brute(map, withFields(false));
+  for (int i = 0; i < 500; ++i) {
+    const double side_m = i % 2 == 0 ? 100.0 : 3000.0;
+    const Eigen::Vector2d p(uniform(engine, -side_m, side_m), uniform(engine, -side_m, side_m));
+    for (int label = 0; label < 2; ++label) {
+      ASSERT_NEAR(cells.distance(label, p), brute.distance(label, p), 1e-9) << p.transpose();
+    }
+  }
+}
+
 TEST(HealthProperty, OneAtTheTruePlace) {
   test::CorridorParams params;
   params.end_noise_m = 0.0;

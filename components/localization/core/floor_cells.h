@@ -28,7 +28,7 @@ class FloorCells {
     if (lines_.empty()) return;
     const Eigen::Vector2d low = p.array() - reach_m;
     const Eigen::Vector2d high = p.array() + reach_m;
-    if ((low.array() > high_.array()).any() || (high.array() < low_.array()).any()) return;
+    if (!((low.array() <= high_.array()).all() && (high.array() >= low_.array()).all())) return;
     const std::size_t x_from = cellOf(low.x() - low_.x(), columns_);
     const std::size_t x_to = cellOf(high.x() - low_.x(), columns_);
     const std::size_t y_to = cellOf(high.y() - low_.y(), rows_);

@@ -27,6 +27,8 @@ constexpr std::array<double, 4> kFloorScales{0.2, 0.4, 0.8, 1.5};
 constexpr double kFarMeans = 1.5;
 constexpr double kMostFloor_m = 3.0;  // points whose floor would be wider are left to the tree
 
+constexpr std::size_t kLinesAtOnce = 8;  // of the memory
+
 /// Lines of the floor that are not on the disc are further from the pixel [px].
 double reachOf(const PixelFootprint& pixel, const FloorDisc& disc) {
   return pixel.reach(disc.radius_m - (pixel.p_robot() - disc.middle).norm() - kRounding_m);
@@ -121,25 +123,41 @@ double imageHealth(const std::vector<ImagePoint>& points, const CameraIntrinsics
 }
 
 double memoryHealth(const std::vector<RememberedLine>& lines, const Pose2& T_world_robot, const MapIndex& map,
-                    double scale_m) {
+                    double scale_m, double least) {
   const double most = 2.0 * static_cast<double>(lines.size()) * scale_m;  // with so much the health is 0
+  const double enough = kCertainlyEnough * (1.0 - least) * most;
+  const double cosine = std::cos(T_world_robot.theta);
+  const double sine = std::sin(T_world_robot.theta);
+  const auto toWorld = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
+    return {T_world_robot.x + cosine * p.x() - sine * p.y(), T_world_robot.y + sine * p.x() + cosine * p.y()};
+  };
   double sum = 0.0;
   // With fields first what is at least known of every end: most places need no more, and those that do need
   // few searches over the whole map.
   if (const auto reach = map.fieldReach()) {
-    double least = 0.0;
-    for (const RememberedLine& line : lines) {
-      const Segment2 world = transform(T_world_robot, line.robot);
-      for (const Eigen::Vector2d& end : {world.a, world.b}) {
-        const auto near = map.nearest(line.label, end, 0.0);
-        least += near ? near->distance_m : *reach;
+    std::array<SegmentGrid::Question, 2 * kLinesAtOnce> ends;
+    std::array<double, 2 * kLinesAtOnce> squares;
+    bool is_exact = true;
+    for (std::span<const RememberedLine> left = lines; !left.empty();) {
+      const std::size_t count = std::min(kLinesAtOnce, left.size());
+      for (std::size_t i = 0; i < count; ++i) {
+        ends[2 * i] = map.question(left[i].label, toWorld(left[i].robot.a), 0.0);
+        ends[2 * i + 1] = map.question(left[i].label, toWorld(left[i].robot.b), 0.0);
       }
-      if (least >= most) return 0.0;
+      map.nearestSquares(std::span(ends).first(2 * count), squares);
+      for (std::size_t i = 0; i < count; ++i) {
+        is_exact = is_exact && std::max(squares[2 * i], squares[2 * i + 1]) < *reach * *reach;
+        sum += std::sqrt(squares[2 * i]) + std::sqrt(squares[2 * i + 1]);
+      }
+      if (sum > enough) return 0.0;
+      left = left.subspan(count);
     }
+    if (is_exact) return std::clamp(1.0 - sum / most, 0.0, 1.0);
+    sum = 0.0;
   }
   for (const RememberedLine& line : lines) {
-    const Segment2 world = transform(T_world_robot, line.robot);
-    sum += map.distance(line.label, world.a) + map.distance(line.label, world.b);
+    sum += map.distance(line.label, toWorld(line.robot.a)) + map.distance(line.label, toWorld(line.robot.b));
+    if (sum > enough) return 0.0;
   }
   return std::clamp(1.0 - sum / most, 0.0, 1.0);
 }
@@ -312,20 +330,23 @@ double HealthObservation::healthByIndex(const Pose2& T_world_robot, const Pose3&
 }
 
 double HealthObservation::health(const Pose2& T_world_robot, double least) const {
+  const double functions = (lines_.empty() ? 0.0 : 1.0) + (points_.empty() ? 0.0 : 1.0);
+  if (functions == 0.0) return 0.0;
+  // Both must make up for what one lacks, and none is more than 1.
+  const double least_sum = functions * least;
   double sum = 0.0;
-  int functions = 0;
   if (!lines_.empty()) {
-    sum += memoryHealth(lines_, T_world_robot, map_, params_.memory_scale_m);
-    ++functions;
+    sum = memoryHealth(lines_, T_world_robot, map_, params_.memory_scale_m,
+                       std::max(0.0, least_sum - (functions - 1.0)));
   }
   if (!points_.empty()) {
     const Pose3 T_world_camera = toPose3(T_world_robot) * T_robot_camera_;
     sum += map_.tree(points_.front().label)
-               ? healthByIndex(T_world_robot, T_world_camera, functions == 0 ? least : 0.0)
+               ? healthByIndex(T_world_robot, T_world_camera, std::max(0.0, least_sum - sum))
                : imageHealth(points_, intrinsics_, T_world_camera, map_, imageScale(), room_);
-    ++functions;
   }
-  return functions == 0 ? 0.0 : sum / functions;
+  const double health = sum / functions;
+  return health < least ? 0.0 : health;
 }
 
 }  // namespace vismem

@@ -68,9 +68,9 @@ struct RememberedLine {
 };
 
 /// L5: `H = 1 - mean((d_js + d_je) / 2) / M`, clamped to 0..1, distances in plan view (the memory lies on
-/// the floor). @param lines must not be empty.
+/// the floor). @param lines must not be empty. @param least what is certainly under it may be told as 0.
 double memoryHealth(const std::vector<RememberedLine>& lines, const Pose2& T_world_robot, const MapIndex& map,
-                    double scale_m);
+                    double scale_m, double least = 0.0);
 
 /// One observation, ready to rate places with: the memory's lines, the image's points, or both. Segments
 /// labelled unknown or with a label that the map does not have say nothing about the place and are left out.

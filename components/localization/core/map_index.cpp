@@ -23,14 +23,8 @@ std::optional<Segment2> touchingFloor(const Segment3& world) {
   return std::nullopt;
 }
 
-/// Empty if some are above the floor.
-std::optional<FloorCells> cellsOf(const std::vector<Segment3>& segments) {
-  std::vector<Segment2> lines;
-  for (const Segment3& segment : segments) {
-    if (segment.a.z() != 0.0 || segment.b.z() != 0.0) return std::nullopt;
-    lines.push_back(segment.floor());
-  }
-  return FloorCells(lines);
+bool isOnFloor(const Segment3& segment) {
+  return segment.a.z() == 0.0 && segment.b.z() == 0.0;
 }
 
 FieldSample sampleOf(const Eigen::Vector2d& p, const Segment2& segment) {
@@ -89,9 +83,12 @@ MapIndex::MapIndex(const SegmentMap& map, const Params& params) {
     }
   }
   if (params.build_trees) {
-    for (const auto& segments : by_label_) {
+    for (std::size_t label = 0; label < by_label_.size(); ++label) {
+      const auto& segments = by_label_[label];
       trees_.emplace_back(segments);
-      cells_.push_back(cellsOf(segments));
+      cells_.emplace_back(floor_[label]);
+      is_above_.push_back(floor_[label].size() != segments.size() ||
+                          !std::all_of(segments.begin(), segments.end(), isOnFloor));
     }
   }
   if (params.build_fields) fields_.emplace(std::move(items), params.reach_m, params.cell_m);
@@ -124,7 +121,18 @@ double MapIndex::distance(int label, const Eigen::Vector2d& p) const {
     if (const auto sample = nearest(label, p, 0.0)) return sample->distance_m;
   }
   double nearest_m = std::numeric_limits<double>::infinity();
-  for (const Segment2& segment : floor(label)) nearest_m = std::min(nearest_m, distanceToSegment(p, segment));
+  const auto measure = [&](const Segment2& segment) {
+    nearest_m = std::min(nearest_m, distanceToSegment(p, segment));
+  };
+  if (cells_.empty() || floor(label).empty()) {
+    for (const Segment2& segment : floor(label)) measure(segment);
+    return nearest_m;
+  }
+  // In wider and wider squares, until nothing outside of one is nearer.
+  double within_m = fields_ ? fields_->reach() : 1.0;
+  for (; nearest_m > within_m; within_m *= 2.0) {
+    cells_[static_cast<std::size_t>(label)].visitNear(p, 2.0 * within_m, measure);
+  }
   return nearest_m;
 }
 

@@ -53,11 +53,11 @@ class MapIndex {
   const SegmentTree* tree(int label) const {
     return trees_.empty() ? nullptr : &trees_[static_cast<std::size_t>(label)];
   }
-  /// The same by the cells of the floor that they touch; null if some are above it.
+  /// The same by the cells of the floor; null if some of them are above it.
   const FloorCells* floorCells(int label) const {
-    return cells_.empty() || !cells_[static_cast<std::size_t>(label)]
+    return cells_.empty() || is_above_[static_cast<std::size_t>(label)]
                ? nullptr
-               : &*cells_[static_cast<std::size_t>(label)];
+               : &cells_[static_cast<std::size_t>(label)];
   }
   /// What of them touches the floor: lines, and the feet of upright edges as segments without length.
   const std::vector<Segment2>& floor(int label) const { return floor_[static_cast<std::size_t>(label)]; }
@@ -115,8 +115,9 @@ class MapIndex {
   std::vector<std::vector<Segment2>> floor_;
   std::vector<std::vector<Segment2>> binned_;  // [label * bins_ + bin]
   std::optional<SegmentGrid> fields_;
-  std::vector<SegmentTree> trees_;                // by label, or none
-  std::vector<std::optional<FloorCells>> cells_;  // by label, or none
+  std::vector<SegmentTree> trees_;  // by label, or none
+  std::vector<FloorCells> cells_;   // of floor_, or none
+  std::vector<bool> is_above_;      // by label: not all of by_label_ is in cells_
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d high_ = Eigen::Vector2d::Zero();
 };
