@@ -7,7 +7,7 @@
 namespace vismem {
 namespace {
 
-constexpr double kCell_m = 2.0;       // of a side, or more
+constexpr double kCell_m = 4.0;       // of a side, or more
 constexpr double kMostCells = 1e6;    // about
 constexpr double kRounding_m = 1e-6;  // a line this near a cell counts for it
 

@@ -191,6 +191,32 @@ void HealthObservation::set(const MemoryUpdate& update) {
   }
 }
 
+/// The camera at a place, reckoned when it is asked for: at many places there is nothing to project.
+class HealthObservation::PlacedCamera {
+ public:
+  PlacedCamera(const CameraIntrinsics& intrinsics, const Pose2& T_world_robot, const Pose3& T_robot_camera)
+      : intrinsics_(intrinsics), T_world_robot_(T_world_robot), T_robot_camera_(T_robot_camera) {}
+
+  const Pose2& T_world_robot() const { return T_world_robot_; }
+  const SegmentProjector& projector() {
+    if (!projector_) projector_.emplace(intrinsics_, T_world_camera());
+    return *projector_;
+  }
+  const TreeCamera& tree() {
+    if (!tree_) tree_.emplace(intrinsics_, T_world_camera());
+    return *tree_;
+  }
+
+ private:
+  Pose3 T_world_camera() const { return toPose3(T_world_robot_) * T_robot_camera_; }
+
+  const CameraIntrinsics& intrinsics_;
+  const Pose2& T_world_robot_;
+  const Pose3& T_robot_camera_;
+  std::optional<SegmentProjector> projector_;
+  std::optional<TreeCamera> tree_;
+};
+
 double HealthObservation::imageScale() const {
   return params_.image_scale_px * intrinsics_.width / kReferenceWidth_px;
 }
@@ -232,8 +258,7 @@ void HealthObservation::prepareFloors() {
 
 /// Squared distances of a group's points to the lines on a disc of the floor. @return false if none is in
 /// view.
-bool HealthObservation::searchFloor(const Group& group, const FloorDisc& disc, const Pose2& T_world_robot,
-                                    const SegmentProjector& projector) const {
+bool HealthObservation::searchFloor(const Group& group, const FloorDisc& disc, PlacedCamera& place) const {
   const std::span px = std::span(pixels_).subspan(group.first, group.count);
   const std::span squares = std::span(squares_).subspan(group.first, group.count);
   std::fill(squares.begin(), squares.end(), std::numeric_limits<double>::infinity());
@@ -241,13 +266,15 @@ bool HealthObservation::searchFloor(const Group& group, const FloorDisc& disc, c
   bool is_in_view = false;
   const auto measure = [&](const Segment2& line) {
     const Segment3 world{{line.a.x(), line.a.y(), 0.0}, {line.b.x(), line.b.y(), 0.0}};
+    const SegmentProjector& projector = place.projector();
     const auto unbounded = projector.unbounded(world);
     if (!unbounded || !projector.isInImage(*unbounded)) return;
     is_in_view = true;
     const ProjectedLine projected(*unbounded);
     for (std::size_t i = 0; i < px.size(); ++i) squares[i] = std::min(squares[i], projected.square(px[i]));
   };
-  map_.floorCells(group.label)->visitNear(transform(T_world_robot, disc.middle), disc.radius_m, measure);
+  map_.floorCells(group.label)
+      ->visitNear(transform(place.T_world_robot(), disc.middle), disc.radius_m, measure);
   return is_in_view;
 }
 
@@ -284,26 +311,23 @@ void HealthObservation::putBack() const {
 }
 
 /// What imageHealth gives; 0 where that is under `least`.
-double HealthObservation::healthByIndex(const Pose2& T_world_robot, const Pose3& T_world_camera,
-                                        double least) const {
+double HealthObservation::healthByIndex(const Pose2& T_world_robot, double least) const {
   const double scale_px = imageScale();
   const auto size = static_cast<double>(points_.size());
   const double most_mean = (1.0 - least) * scale_px;
   const double most_sum = kCertainlyEnough * size * most_mean;
   const auto healthOf = [&](double sum) { return std::clamp(1.0 - sum / size / scale_px, 0.0, 1.0); };
-  const SegmentProjector projector(intrinsics_, T_world_camera);
+  PlacedCamera place(intrinsics_, T_world_robot, T_robot_camera_);
   const auto level = std::find_if(floors_.begin(), floors_.end() - 1, [&](const Floor& floor) {
     return floor.within_px >= kFarMeans * most_mean;
   });
-  std::optional<TreeCamera> camera;
   double sum = 0.0;
   bool is_exact = true;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (map_.floorCells(groups_[g].label)) {
-      in_view_[g] = searchFloor(groups_[g], level->discs[g], T_world_robot, projector);
+      in_view_[g] = searchFloor(groups_[g], level->discs[g], place);
     } else {
-      if (!camera) camera.emplace(intrinsics_, T_world_camera);
-      in_view_[g] = searchNear(groups_[g], *camera, level->within_px);
+      in_view_[g] = searchNear(groups_[g], place.tree(), level->within_px);
     }
     for (std::size_t i = groups_[g].first; i < groups_[g].first + groups_[g].count; ++i) {
       is_exact = is_exact && squares_[i] <= level->reach_squares[i];
@@ -312,13 +336,13 @@ double HealthObservation::healthByIndex(const Pose2& T_world_robot, const Pose3&
     if (sum > most_sum) return 0.0;
   }
   if (is_exact) return healthOf(sum);
-  if (!camera) camera.emplace(intrinsics_, T_world_camera);
   sum = 0.0;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Group& group = groups_[g];
     if (gatherOpen(group, level->reach_squares)) {
-      in_view_[g] = map_.tree(group.label)->lowerSquares(*camera, open_.pixels, open_.squares, tree_room_) ||
-                    in_view_[g];
+      in_view_[g] =
+          map_.tree(group.label)->lowerSquares(place.tree(), open_.pixels, open_.squares, tree_room_) ||
+          in_view_[g];
       putBack();
     }
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
@@ -340,10 +364,10 @@ double HealthObservation::health(const Pose2& T_world_robot, double least) const
                        std::max(0.0, least_sum - (functions - 1.0)));
   }
   if (!points_.empty()) {
-    const Pose3 T_world_camera = toPose3(T_world_robot) * T_robot_camera_;
     sum += map_.tree(points_.front().label)
-               ? healthByIndex(T_world_robot, T_world_camera, std::max(0.0, least_sum - sum))
-               : imageHealth(points_, intrinsics_, T_world_camera, map_, imageScale(), room_);
+               ? healthByIndex(T_world_robot, std::max(0.0, least_sum - sum))
+               : imageHealth(points_, intrinsics_, toPose3(T_world_robot) * T_robot_camera_, map_,
+                             imageScale(), room_);
   }
   const double health = sum / functions;
   return health < least ? 0.0 : health;

@@ -106,14 +106,14 @@ class HealthObservation {
     std::vector<Eigen::Vector2d> pixels;
     std::vector<double> squares;
   };
+  class PlacedCamera;
   double imageScale() const;  // of L4, for this image
   void prepareFloors();
-  bool searchFloor(const Group& group, const FloorDisc& disc, const Pose2& T_world_robot,
-                   const SegmentProjector& projector) const;
+  bool searchFloor(const Group& group, const FloorDisc& disc, PlacedCamera& place) const;
   bool searchNear(const Group& group, const TreeCamera& camera, double within_px) const;
   bool gatherOpen(const Group& group, std::span<const double> reach_squares) const;
   void putBack() const;
-  double healthByIndex(const Pose2& T_world_robot, const Pose3& T_world_camera, double least) const;
+  double healthByIndex(const Pose2& T_world_robot, double least) const;
 
   const MapIndex& map_;
   HealthParams params_;
