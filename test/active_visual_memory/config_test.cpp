@@ -63,6 +63,23 @@ TEST(ActiveVisualMemoryConfig, AKeyOverridesThePreset) {
   EXPECT_DOUBLE_EQ(config.pipeline.memory.memory.life.maximum, 50.0);
 }
 
+TEST(ActiveVisualMemoryConfig, SlipsOfTheFeetAreToldByKeys) {
+  const SegmentMemory::Params p = parse(kPeers +
+                                        "ActiveVisualMemory.Memory.Align.TurnNoise_deg = 2\n"
+                                        "ActiveVisualMemory.Memory.Align.Slip.LeastImages = 4\n"
+                                        "ActiveVisualMemory.Memory.Align.Slip.Images = 8\n"
+                                        "ActiveVisualMemory.Memory.Align.Slip.Sigmas = 5\n"
+                                        "ActiveVisualMemory.Memory.Align.Slip.Least_deg = 3\n")
+                                      .pipeline.memory.memory;
+  EXPECT_DOUBLE_EQ(p.jointly.turn_noise, degToRad(2.0));
+  EXPECT_EQ(p.slip.least_images, 4);
+  EXPECT_EQ(p.slip.images, 8);
+  EXPECT_DOUBLE_EQ(p.slip.sigmas, 5.0);
+  EXPECT_DOUBLE_EQ(p.slip.least_rad, degToRad(3.0));
+  EXPECT_THAT(problemsOf(kPeers + "ActiveVisualMemory.Memory.Align.Slip.LeastImages = 11\n"),
+              Contains(AllOf(HasSubstr("Align.Slip.LeastImages"), HasSubstr("Align.Slip.Images"))));
+}
+
 TEST(ActiveVisualMemoryConfig, WithoutAPanTiltUnitTheGazeIsOff) {
   const auto config = parse(
       "ActiveVisualMemory.Camera.Proxy = cameraA:tcp -p 9999\n"

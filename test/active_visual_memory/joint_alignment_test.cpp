@@ -185,6 +185,26 @@ TEST(JointAlignment, TurnsByASlipAtOnceWhenTheWalkIsOver) {
   EXPECT_LT(with, 0.75 * without) << with << " " << without;
 }
 
+TEST(JointAlignment, ExpectsTheHeadingToErrAsItIsTold) {
+  // Of a robot that drives a metre: a line ahead of it, seen before, is as far off as the heading.
+  const auto after = [](double turn_noise) {
+    JointAlignment joint{LeanParams{}};
+    JointAlignment::Params params;
+    params.turn_noise = turn_noise;
+    params.drift.turn_per_rad = params.drift.turn_per_m = params.drift.shift_per_m = 0.0;
+    FloorSegment seen;
+    seen.odom = {{2.0, 0.0}, {3.0, 0.0}};
+    seen.P_a = seen.P_b = 1e-6 * Eigen::Matrix2d::Identity();
+    joint.solve({0.0, 0.0}, {}, std::nullopt, {}, params);
+    joint.begin(1, seen, {cameraPose(mount(), 0.0, -0.3), 0.0}, 1.0, 0.0);
+    const double before = joint.placeVariance(1, Eigen::Vector2d::UnitY(), {2.0, 0.0});
+    joint.travel({}, {1.0, 0.0, 0.0}, params);
+    joint.solve({1.0, 0.0}, {}, std::nullopt, {}, params);
+    return joint.placeVariance(1, Eigen::Vector2d::UnitY(), {2.0, 0.0}) - before;
+  };
+  EXPECT_NEAR(after(0.05) - after(0.0), 0.05 * 0.05, 1e-9);
+}
+
 TEST(JointAlignment, KnowsLinesByTheirNames) {
   JointAlignment joint{LeanParams{}};
   const LeaningView view(cameraPose(mount(), 0.0, -0.3), 0.0);

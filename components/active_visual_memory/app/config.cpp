@@ -91,6 +91,14 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   p.alignment.turn_per_m = r.angleDeg("Align.Turn_degpm", radToDeg(p.alignment.turn_per_m), 0.0, 90.0);
   p.compass = r.boolean("Align.Compass", p.compass);
   p.joint = r.boolean("Align.Joint", p.joint);
+  p.jointly.turn_noise = r.angleDeg("Align.TurnNoise_deg", radToDeg(p.jointly.turn_noise), 0.0, 90.0);
+  p.slip.least_images = static_cast<int>(r.integer("Align.Slip.LeastImages", p.slip.least_images, 1, 1000));
+  p.slip.images = static_cast<int>(r.integer("Align.Slip.Images", p.slip.images, 1, 1000));
+  p.slip.sigmas = r.real("Align.Slip.Sigmas", p.slip.sigmas, 0.5, 100.0);
+  p.slip.least_rad = r.angleDeg("Align.Slip.Least_deg", radToDeg(p.slip.least_rad), 0.0, 45.0);
+  if (p.slip.least_images > p.slip.images) {
+    r.problem("Align.Slip.LeastImages", "must not be more than " + r.key("Align.Slip.Images"));
+  }
   p.lean.mount_rad = r.angleDeg("Lean.Mount_deg", radToDeg(p.lean.mount_rad), 0.0, 10.0);
   p.lean.camera_rad = r.angleDeg("Lean.Camera_deg", radToDeg(p.lean.camera_rad), 0.0, 10.0);
   p.lean.sway_rad = r.angleDeg("Lean.Sway_deg", radToDeg(p.lean.sway_rad), 0.0, 10.0);

@@ -72,8 +72,9 @@ class SegmentMemory {
     /// The sway found in an image, and the drift followed with it, err by more than images can tell: their
     /// standard deviations times this, but never more than what is known beforehand.
     double sway_doubt = 4.0;
-    SlipDetector::Params slip;
     bool joint = false;  ///< for a body that sways: drift, lean and lines in one filter (JointAlignment)
+    JointAlignment::Params jointly;  ///< of that filter; `drift` and `together_rad` are taken from here
+    SlipDetector::Params slip;
     double align_noise = 2.0;    ///< errors of neighbouring images are alike: standard deviations times this
     double aligned_m = 0.003;    ///< error of the alignment: of places ..
     double aligned_rad = 0.004;  ///< .. and of the heading

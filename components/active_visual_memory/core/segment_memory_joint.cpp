@@ -7,7 +7,7 @@
 namespace vismem {
 
 JointAlignment::Params SegmentMemory::jointParams() const {
-  JointAlignment::Params params;
+  JointAlignment::Params params = params_.jointly;
   params.drift = params_.alignment;
   params.together_rad = params_.course.together_rad;
   return params;
