@@ -87,6 +87,8 @@ nlohmann::json compareVision(const ExperimentOptions& options) {
         trial_options.seed = kSeedsApart * options.seed + 1 + static_cast<std::uint64_t>(i);
         trial_options.rendered = rendered;
         trial_options.events = 2;
+        trial_options.map_seed = options.seed;
+        all.beginRun();
         TrialRun run(trial_options);
         run.measureVision(&all);
         run.record();

@@ -92,7 +92,8 @@ struct TrialRun::Impl {
         route(routeFromFile(projectFile("cfg/worlds/" + given.world + ".route"))),
         memory(params.pipeline, params.palette),
         assembler(params.assembler),
-        made_up(params.map_edges, given.errors, given.disturbance, subStream(given.seed, "made-up vision")),
+        made_up(params.map_edges, given.errors, given.disturbance, subStream(given.seed, "made-up vision"),
+                subStream(given.map_seed.value_or(given.seed), "made-up map")),
         places(subStream(given.seed, "places")),
         losses(subStream(given.seed, "losses")) {
     SimulationConfig robot = simulationConfig(evaluationOptions(options));
@@ -154,9 +155,13 @@ struct TrialRun::Impl {
       }
     }
     if (statistics != nullptr) {
-      statistics->add(toSeconds(observation.frame.stamp_us), observation.frame.intrinsics, params.map_edges,
-                      visiblePieces(params.map_edges, observation.frame.intrinsics, T_world_camera, cast),
-                      observed);
+      const CameraIntrinsics& intrinsics = observation.frame.intrinsics;
+      auto visible = visiblePieces(params.map_edges, intrinsics, T_world_camera, cast);
+      for (const VisiblePiece& outline :
+           visibleOutlines(params.map_edges, intrinsics, T_world_camera, cast)) {
+        visible.push_back(outline);
+      }
+      statistics->add(toSeconds(observation.frame.stamp_us), intrinsics, params.map_edges, visible, observed);
     }
     return attentive.step(observation, observed);
   }
@@ -270,22 +275,28 @@ nlohmann::json toJson(const VisionStatistics& statistics) {
   };
   const auto error = [](const LastingError& e) {
     nlohmann::json one{{"mean", e.mean()}, {"std", e.standardDeviation()}};
-    for (const double share : {0.5, 0.75, 0.9, 0.95, 0.99}) {
-      one["within"].push_back({{"share", share}, {"is", e.within(share)}});
-    }
+    for (const double share : ErrorQuantiles::kShares) one["quantiles"].push_back(e.quantile(share));
     for (std::size_t lag = 0; lag < LastingError::kLags_s.size(); ++lag) {
       one["correlation"].push_back({{"after_s", LastingError::kLags_s[lag]}, {"is", e.correlation(lag)}});
     }
+    one["correlation_between_runs"] = e.correlationBetweenRuns();
     return one;
   };
   nlohmann::json json{{"images", statistics.images()},
+                      {"quantiles_of", ErrorQuantiles::kShares},
                       {"across_floor_px", error(statistics.across(true))},
                       {"across_upright_px", error(statistics.across(false))},
                       {"along_floor_px", error(statistics.along(true))},
                       {"along_upright_px", error(statistics.along(false))},
+                      {"at_hidden_px", error(statistics.atHidden())},
+                      {"outline_foot_px", error(statistics.atOutline(true))},
+                      {"outline_top_px", error(statistics.atOutline(false))},
+                      {"outlines_found", statistics.outlinesFound()},
+                      {"outlines_per_image", statistics.outlinesPerImage()},
                       {"at_border_px", error(statistics.atBorder())},
                       {"false_per_image", statistics.falsePerImage()},
                       {"false_share", statistics.falseShare()},
+                      {"false_on_floor_share", statistics.falseOnFloorShare()},
                       {"false_length_px", statistics.falseLength_px()},
                       {"wrong_label_share", statistics.wrongLabelShare()},
                       {"wrong_side_share", statistics.wrongSideShare()},
@@ -296,7 +307,8 @@ nlohmann::json toJson(const VisionStatistics& statistics) {
   }
   for (std::size_t i = 0; i < statistics.byRange().size(); ++i) {
     auto one = bin(VisionStatistics::kRanges_m[i], statistics.byRange()[i]);
-    one["along_floor_half_within_px"] = statistics.alongByRange()[i].within(0.5);
+    one["across_floor_px"] = error(statistics.acrossByRange()[i]);
+    one["along_floor_px"] = error(statistics.alongByRange()[i]);
     json["by_range_m"].push_back(std::move(one));
   }
   return json;

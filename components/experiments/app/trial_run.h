@@ -32,6 +32,7 @@ struct TrialOptions {
   double event_s = 60.0;  ///< from one to the next
   bool rendered = false;  ///< images of the renderer and the whole vision; else segments made up
   VisionErrors errors;    ///< of those
+  std::optional<std::uint64_t> map_seed;  ///< of what errs in every image alike; empty: a map for each seed
   Disturbance disturbance;
   double blackout_from_s = 0.0;  ///< in each event: nothing is seen from then on ..
   double blackout_s = 0.0;       ///< .. for so long

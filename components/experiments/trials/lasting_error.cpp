@@ -2,20 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 
 namespace vismem {
 namespace {
 
 constexpr double kAbout_s = 0.03;  // images come every 0.1 s
+constexpr double kVarianceOfRanks = 1.0 / 3.0;
 
-double quantile(std::vector<double> values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+double meanOf(const std::vector<double>& values, const std::vector<std::size_t>& indices) {
+  double sum = 0.0;
+  for (const std::size_t index : indices) sum += values[index];
+  return sum / static_cast<double>(indices.size());
 }
 
 }  // namespace
+
+void LastingError::beginRun() {
+  past_.clear();
+  ++run_;
+}
 
 void LastingError::add(std::int64_t thing, double time_s, double error) {
   std::deque<Seen>& past = past_[thing];
@@ -25,39 +32,69 @@ void LastingError::add(std::int64_t thing, double time_s, double error) {
     const auto before = std::lower_bound(past.begin(), past.end(), at_s - kAbout_s,
                                          [](const Seen& one, double time) { return one.time_s < time; });
     if (before == past.end() || before->time_s > at_s + kAbout_s) continue;
-    ++pairs_[lag].count;
-    pairs_[lag].products += before->error * error;
-    pairs_[lag].sums += before->error + error;
+    pairs_[lag].emplace_back(before->index, errors_.size());
   }
-  past.push_back({time_s, error});
+  past.push_back({time_s, errors_.size()});
+  indices_[{thing, run_}].push_back(errors_.size());
   errors_.push_back(error);
-  ++count_;
   sum_ += error;
   squares_ += error * error;
 }
 
 double LastingError::mean() const {
-  return count_ > 0 ? sum_ / count_ : 0.0;
+  return errors_.empty() ? 0.0 : sum_ / count();
 }
 
 double LastingError::standardDeviation() const {
-  return count_ > 0 ? std::sqrt(std::max(0.0, squares_ / count_ - mean() * mean())) : 0.0;
+  return errors_.empty() ? 0.0 : std::sqrt(std::max(0.0, squares_ / count() - mean() * mean()));
 }
 
-double LastingError::within(double share) const {
+double LastingError::quantile(double share) const {
   if (errors_.empty()) return 0.0;
-  const double median = quantile(errors_, 0.5);
-  std::vector<double> off;
-  off.reserve(errors_.size());
-  for (const double error : errors_) off.push_back(std::abs(error - median));
-  return quantile(std::move(off), share);
+  std::vector<double> errors = errors_;
+  const auto at =
+      errors.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(errors.size() - 1));
+  std::nth_element(errors.begin(), at, errors.end());
+  return *at;
+}
+
+std::vector<double> LastingError::ranks() const {
+  std::vector<std::size_t> order(errors_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [this](std::size_t i, std::size_t j) { return errors_[i] < errors_[j]; });
+  std::vector<double> ranks(errors_.size());
+  const auto half = 0.5 * static_cast<double>(errors_.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    ranks[order[i]] = (static_cast<double>(i) + 0.5) / half - 1.0;
+  }
+  return ranks;
 }
 
 double LastingError::correlation(std::size_t lag) const {
-  const Pairs& pairs = pairs_.at(lag);
-  const double variance = standardDeviation() * standardDeviation();
-  if (pairs.count == 0 || !(variance > 0.0)) return 0.0;
-  return (pairs.products / pairs.count - mean() * pairs.sums / pairs.count + mean() * mean()) / variance;
+  const auto& pairs = pairs_.at(lag);
+  if (pairs.empty() || !(standardDeviation() > 0.0)) return 0.0;
+  const std::vector<double> rank = ranks();
+  double products = 0.0;
+  for (const auto& [before, after] : pairs) products += rank[before] * rank[after];
+  return products / static_cast<double>(pairs.size()) / kVarianceOfRanks;
+}
+
+double LastingError::correlationBetweenRuns() const {
+  if (!(standardDeviation() > 0.0)) return 0.0;
+  const std::vector<double> rank = ranks();
+  double products = 0.0;
+  double weights = 0.0;
+  for (auto one = indices_.begin(); one != indices_.end(); ++one) {
+    for (auto other = std::next(one); other != indices_.end() && other->first.thing == one->first.thing;
+         ++other) {
+      const auto weight = std::min(one->second.size(), other->second.size());
+      if (weight < kOftenSeen) continue;
+      products += static_cast<double>(weight) * meanOf(rank, one->second) * meanOf(rank, other->second);
+      weights += static_cast<double>(weight);
+    }
+  }
+  return weights > 0.0 ? products / weights / kVarianceOfRanks : 0.0;
 }
 
 }  // namespace vismem

@@ -21,11 +21,9 @@ constexpr double kLongestClutter_m = 1.5;
 /// Edges of average contrast.
 constexpr double kStrength = 40.0;
 
-/// Of Student's t of two degrees of freedom, the value that is as rare as this one of a standard normal.
-double studentOfTwo(double normal) {
-  const double below = 0.5 * std::erfc(-normal / std::numbers::sqrt2);
-  const double above = 0.5 * std::erfc(normal / std::numbers::sqrt2);
-  return (below - above) / std::sqrt(2.0 * below * above);
+/// Of a standard normal, the share of values below this one.
+double shareBelow(double normal) {
+  return 0.5 * std::erfc(-normal / std::numbers::sqrt2);
 }
 
 bool isOnFloor(const MapSegment& edge) {
@@ -35,15 +33,23 @@ bool isOnFloor(const MapSegment& edge) {
 }  // namespace
 
 SyntheticVision::SyntheticVision(const SegmentMap& edges, const VisionErrors& errors,
-                                 const Disturbance& disturbance, std::uint64_t seed)
+                                 const Disturbance& disturbance, std::uint64_t seed, std::uint64_t map_seed)
     : edges_(edges), errors_(errors), disturbance_(disturbance), engine_(seed) {
   for (const MapSegment& edge : edges_.segments) {
-    if (isOnFloor(edge) && edge.label != kAnyLabel) floor_labels_.push_back(edge.label);
+    if (edge.label != kAnyLabel) (isOnFloor(edge) ? floor_labels_ : upright_labels_).push_back(edge.label);
+  }
+  RandomEngine map_engine(map_seed);
+  map_errors_.resize(edges_.segments.size());
+  for (MapError& error : map_errors_) {
+    for (double* value : {&error.across, &error.along_a, &error.along_b}) {
+      *value = standardNormal(map_engine);
+    }
   }
 }
 
-const Label& SyntheticVision::anyLabel() {
-  return floor_labels_.empty() ? kUnknownLabel : floor_labels_[pick(engine_, floor_labels_.size())];
+const Label& SyntheticVision::anyLabel(bool on_floor) {
+  const std::vector<Label>& labels = on_floor || upright_labels_.empty() ? floor_labels_ : upright_labels_;
+  return labels.empty() ? kUnknownLabel : labels[pick(engine_, labels.size())];
 }
 
 Eigen::Vector2d SyntheticVision::anyPixel(const CameraIntrinsics& intrinsics) {
@@ -59,6 +65,9 @@ std::vector<ImageSegment> SyntheticVision::look(double time_s, const CameraIntri
   for (const VisiblePiece& piece : visiblePieces(edges_, intrinsics, T_world_camera, cast)) {
     addPiece(time_s, intrinsics, piece, image);
   }
+  for (const VisiblePiece& outline : visibleOutlines(edges_, intrinsics, T_world_camera, cast)) {
+    addPiece(time_s, intrinsics, outline, image);
+  }
   double expected = errors_.false_per_image;
   for (; uniform(engine_, 0.0, 1.0) < expected; expected -= 1.0) addFalse(intrinsics, image);
   addClutter(time_s, intrinsics, T_world_camera, image);
@@ -66,53 +75,75 @@ std::vector<ImageSegment> SyntheticVision::look(double time_s, const CameraIntri
   return image;
 }
 
-void SyntheticVision::addPiece(double time_s, const CameraIntrinsics& intrinsics, const VisiblePiece& piece,
-                               std::vector<ImageSegment>& image) {
-  EdgeState& state = states_[piece.edge];
+void SyntheticVision::age(double time_s, bool on_floor, EdgeState& state) {
   const double past_s = time_s - state.time_s;
+  state.time_s = time_s;
   const auto goOn = [this](double& value, double kept) {
     value = kept * value + std::sqrt(1.0 - kept * kept) * standardNormal(engine_);
   };
   goOn(state.luck, past_s > kForgotten_s ? 0.0 : std::pow(errors_.persistence, past_s / kImage_s));
-  for (double* value : {&state.across, &state.along_a, &state.along_b}) {
-    goOn(*value, std::exp(-past_s / errors_.lasting_s));
+  const double across_s = on_floor ? errors_.across_floor.same.lasts_s : errors_.upright_lasts_s;
+  const double along_s = on_floor ? errors_.along_floor.same.lasts_s : errors_.upright_lasts_s;
+  for (EndState* end : {&state.a, &state.b}) {
+    goOn(end->across, std::exp(-past_s / across_s));
+    goOn(end->along, std::exp(-past_s / along_s));
+    goOn(end->hidden, std::exp(-past_s / errors_.hidden_end_same.lasts_s));
   }
-  state.time_s = time_s;
-  const MapSegment& edge = edges_.segments[static_cast<std::size_t>(piece.edge)];
-  const bool on_floor = isOnFloor(edge);
-  const double length = piece.px.length();
-  const double p_found = errors_.found / (1.0 + std::exp((errors_.half_px - length) / errors_.soft_px));
-  // Of a standard normal, the share below its value is uniform.
-  const double luck = 0.5 * std::erfc(-state.luck / std::numbers::sqrt2);
-  // Drawn in any case: one more or less must not change all that follows.
-  const auto error = [this](const VisionErrors::Spread& spread, double lasting) {
+}
+
+double SyntheticVision::fresh(const VisionErrors::Lasting& same, double always, double lasting) {
+  return std::sqrt(same.always) * always + std::sqrt(same.lasting) * lasting +
+         std::sqrt(1.0 - same.always - same.lasting) * standardNormal(engine_);
+}
+
+Eigen::Vector2d SyntheticVision::endError(const CameraIntrinsics& intrinsics, const VisiblePiece& piece,
+                                          bool first, bool on_floor, const EndState& state) {
+  // All are drawn in any case: one more or less must not change all that follows.
+  const MapError& map = map_errors_[static_cast<std::size_t>(piece.edge)];
+  const std::size_t range = VisionStatistics::rangeBin(piece.range_m);
+  const auto& by_range = errors_.along_floor;
+  const double across = fresh(errors_.across_floor.same, map.across, state.across);
+  const double along = fresh(by_range.same, first ? map.along_a : map.along_b, state.along);
+  const double hidden = fresh(errors_.hidden_end_same, 0.0, state.hidden);
+  const double outline_end = standardNormal(engine_);
+  const double outline_side = standardNormal(engine_);
+  const bool is_hidden = first ? piece.hidden_a : piece.hidden_b;
+  const auto upright = [this](const VisionErrors::Spread& spread, double lasting) {
     return spread.lasting_px * lasting + spread.fresh_px * standardNormal(engine_);
   };
-  const auto& across_spread = on_floor ? errors_.across_floor : errors_.across_upright;
-  const double aside_a = error(across_spread, state.across);
-  const double aside_b = error(across_spread, state.across);
-  const auto alongFloor = [&](double lasting) {
-    const VisionErrors::HeavySpread& spread = errors_.along_floor;
-    const double normal = std::sqrt(spread.lasting_share) * lasting +
-                          std::sqrt(1.0 - spread.lasting_share) * standardNormal(engine_);
-    const double off_px = spread.scale_px[VisionStatistics::rangeBin(piece.range_m)] * studentOfTwo(normal);
-    return errors_.along_floor_median_px + std::clamp(off_px, -spread.most_px, spread.most_px);
-  };
-  const auto beyond = [&](double lasting) {
-    return on_floor ? alongFloor(lasting)
-                    : errors_.along_upright_mean_px + error(errors_.along_upright, lasting);
-  };
-  double beyond_a = beyond(state.along_a);
-  double beyond_b = beyond(state.along_b);
-  if (isAtBorder(intrinsics, piece.px.a)) beyond_a = -errors_.border_px;
-  if (isAtBorder(intrinsics, piece.px.b)) beyond_b = -errors_.border_px;
+  Eigen::Vector2d error(upright(errors_.across_upright, state.across),
+                        errors_.along_upright_mean_px + upright(errors_.along_upright, state.along));
+  if (on_floor) {
+    error.x() = errors_.across_floor.px[range].at(shareBelow(across));
+    error.y() =
+        is_hidden ? errors_.hidden_end.at(shareBelow(hidden)) : by_range.px[range].at(shareBelow(along));
+  }
+  if (piece.is_outline) {
+    error.x() = errors_.outline_across.at(shareBelow(outline_side));
+    error.y() = (is_hidden ? errors_.outline_top : errors_.outline_foot).at(shareBelow(outline_end));
+  }
+  if (isAtBorder(intrinsics, first ? piece.px.a : piece.px.b)) error.y() = -errors_.border_px;
+  return error;
+}
+
+void SyntheticVision::addPiece(double time_s, const CameraIntrinsics& intrinsics, const VisiblePiece& piece,
+                               std::vector<ImageSegment>& image) {
+  const MapSegment& edge = edges_.segments[static_cast<std::size_t>(piece.edge)];
+  const bool on_floor = isOnFloor(edge) && !piece.is_outline;
+  EdgeState& state = (piece.is_outline ? outline_states_ : states_)[piece.edge];
+  age(time_s, on_floor, state);
+  const double length = piece.px.length();
+  const double most = piece.is_outline ? errors_.outlines_found : errors_.found;
+  const double p_found = most / (1.0 + std::exp((errors_.half_px - length) / errors_.soft_px));
+  const Eigen::Vector2d error_a = endError(intrinsics, piece, true, on_floor, state.a);
+  const Eigen::Vector2d error_b = endError(intrinsics, piece, false, on_floor, state.b);
   const bool is_unknown = uniform(engine_, 0.0, 1.0) < errors_.unknown;
-  if (luck > p_found) return;
+  if (shareBelow(state.luck) > p_found) return;
 
   const Eigen::Vector2d along = (piece.px.b - piece.px.a) / length;
   const Eigen::Vector2d across(along.y(), -along.x());
-  const Segment2 found{piece.px.a - beyond_a * along + aside_a * across,
-                       piece.px.b + beyond_b * along + aside_b * across};
+  const Segment2 found{piece.px.a - error_a.y() * along + error_a.x() * across,
+                       piece.px.b + error_b.y() * along + error_b.x() * across};
   if ((found.b - found.a).dot(along) < errors_.least_px) return;
   const Label& label = is_unknown ? kUnknownLabel : edge.label;
   const double broken_every_px = on_floor ? errors_.floor_broken_every_px : errors_.upright_broken_every_px;
@@ -135,7 +166,7 @@ void SyntheticVision::addFalse(const CameraIntrinsics& intrinsics, std::vector<I
   const Eigen::Vector2d a = anyPixel(intrinsics);
   const double direction = uniform(engine_, -std::numbers::pi, std::numbers::pi);
   const double length = uniform(engine_, kShortestFalse_px, errors_.longest_false_px);
-  const Label& label = anyLabel();
+  const Label& label = anyLabel(uniform(engine_, 0.0, 1.0) < errors_.false_on_floor);
   const auto inside =
       clipToBox({a, a + length * Eigen::Vector2d(std::cos(direction), std::sin(direction))},
                 Eigen::Vector2d::Zero(), Eigen::Vector2d(intrinsics.width - 1.0, intrinsics.height - 1.0));
@@ -171,7 +202,7 @@ void SyntheticVision::addClutter(double time_s, const CameraIntrinsics& intrinsi
     if (!floor) continue;
     const Eigen::Vector3d half =
         0.5 * length * Eigen::Vector3d(std::cos(direction), std::sin(direction), 0.0);
-    clutter_.push_back({{*floor - half, *floor + half}, anyLabel(), time_s + lasts});
+    clutter_.push_back({{*floor - half, *floor + half}, anyLabel(true), time_s + lasts});
     show(clutter_.back());
   }
 }

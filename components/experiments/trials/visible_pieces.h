@@ -27,6 +27,11 @@ struct VisiblePiece {
   int edge = 0;          ///< index into the map's segments
   Segment2 px;           ///< ideal pixels; the brighter side lies to the left of a -> b (see ImageSegment)
   double range_m = 0.0;  ///< of its middle from the camera
+  /// The edge goes on beyond that end, behind something nearer; an outline, before something else.
+  bool hidden_a = false;
+  bool hidden_b = false;
+  /// Not the edge, but the upright outline of a wall above its end (visibleOutlines).
+  bool is_outline = false;
 };
 
 struct VisiblePiecesParams {
@@ -42,5 +47,12 @@ bool isAtBorder(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px);
 std::vector<VisiblePiece> visiblePieces(const SegmentMap& edges, const CameraIntrinsics& intrinsics,
                                         const Pose3& T_world_camera, const CastRay& cast,
                                         const VisiblePiecesParams& params = {});
+
+/// Upright outlines of walls above the ends of floor edges, as far as floor is seen behind them: the same
+/// colours meet there as at the edge, so a detector gives them its label, though no such line lies on the
+/// floor. Ends above which the map has an upright edge of its own are left out.
+std::vector<VisiblePiece> visibleOutlines(const SegmentMap& edges, const CameraIntrinsics& intrinsics,
+                                          const Pose3& T_world_camera, const CastRay& cast,
+                                          const VisiblePiecesParams& params = {});
 
 }  // namespace vismem

@@ -9,7 +9,6 @@ namespace {
 /// A segment belongs to a piece when both its ends are this near to the piece's line, and its middle beside
 /// the piece.
 constexpr double kOnLine_px = 3.0;
-constexpr double kBeyondEnd_px = 8.0;
 constexpr double kFoundShare = 0.5;
 constexpr double kOnFloor_m = 0.02;
 
@@ -20,11 +19,20 @@ bool liesOn(const Segment2& segment, const Segment2& piece) {
   return distanceToSegment(segment.middle(), piece) <= kOnLine_px;
 }
 
+bool isOnFloor(const MapSegment& edge) {
+  return std::abs(edge.world.a.z()) <= kOnFloor_m && std::abs(edge.world.b.z()) <= kOnFloor_m;
+}
+
 template <std::size_t N>
 std::size_t binOf(const std::array<double, N>& borders, double value) {
   std::size_t bin = 0;
   while (bin + 1 < N && value >= borders[bin + 1]) ++bin;
   return bin;
+}
+
+/// @param covered parts of the piece as fractions of its length, in order; not empty.
+double beyondEnd(const std::vector<std::pair<double, double>>& covered, bool first, double length) {
+  return first ? -covered.front().first * length : (covered.back().second - 1.0) * length;
 }
 
 std::int64_t endOf(int edge, bool first) {
@@ -41,6 +49,18 @@ std::size_t VisionStatistics::rangeBin(double range_m) {
   return binOf(kRanges_m, range_m);
 }
 
+void VisionStatistics::beginRun() {
+  for (LastingError* error : {&across_floor_, &across_upright_, &along_floor_, &along_upright_, &at_hidden_,
+                              &outline_foot_, &outline_top_, &at_border_}) {
+    error->beginRun();
+  }
+  for (auto* errors : {&across_by_range_, &along_by_range_}) {
+    for (LastingError& error : *errors) error.beginRun();
+  }
+  last_missed_.clear();
+  last_shown_.clear();
+}
+
 void VisionStatistics::add(double time_s, const CameraIntrinsics& intrinsics, const SegmentMap& edges,
                            const std::vector<VisiblePiece>& visible,
                            const std::vector<ImageSegment>& observed) {
@@ -52,8 +72,7 @@ void VisionStatistics::add(double time_s, const CameraIntrinsics& intrinsics, co
   for (const VisiblePiece& piece : visible) {
     const MapSegment& edge = edges.segments[static_cast<std::size_t>(piece.edge)];
     const double length = piece.px.length();
-    const bool on_floor =
-        std::abs(edge.world.a.z()) <= kOnFloor_m && std::abs(edge.world.b.z()) <= kOnFloor_m;
+    const bool on_floor = isOnFloor(edge);
     const Eigen::Vector2d along = (piece.px.b - piece.px.a) / length;
     const Eigen::Vector2d left(along.y(), -along.x());
     std::vector<std::pair<double, double>> covered;
@@ -67,11 +86,14 @@ void VisionStatistics::add(double time_s, const CameraIntrinsics& intrinsics, co
       if (!explained[i]) ++right_;
       explained[i] = true;
       ++fragments;
-      if (length >= kFarFrom_px) {
+      if (length >= kFarFrom_px && !piece.is_outline) {
         for (const bool first : {true, false}) {
           const Eigen::Vector2d& end = first ? segment.px.a : segment.px.b;
-          (on_floor ? across_floor_ : across_upright_)
-              .add(endOf(piece.edge, first), time_s, left.dot(end - piece.px.a));
+          const double beside = left.dot(end - piece.px.a);
+          (on_floor ? across_floor_ : across_upright_).add(endOf(piece.edge, first), time_s, beside);
+          if (on_floor) {
+            across_by_range_[rangeBin(piece.range_m)].add(endOf(piece.edge, first), time_s, beside);
+          }
         }
       }
       double from = projectionFraction(segment.px.a, piece.px);
@@ -87,18 +109,34 @@ void VisionStatistics::add(double time_s, const CameraIntrinsics& intrinsics, co
       reached = std::max(reached, std::min(1.0, to));
     }
     const bool found = sum >= kFoundShare;
+    if (piece.is_outline) {
+      if (length < kFarFrom_px) continue;
+      ++outlines_;
+      if (!found) continue;
+      ++outlines_found_;
+      for (const bool first : {true, false}) {
+        if (isAtBorder(intrinsics, first ? piece.px.a : piece.px.b)) continue;
+        const double beyond = beyondEnd(covered, first, length);
+        if (beyond < -kShort_px || beyond > kBeyond_px) continue;
+        const bool is_top = first ? piece.hidden_a : piece.hidden_b;
+        (is_top ? outline_top_ : outline_foot_).add(endOf(piece.edge, first), time_s, beyond);
+      }
+      continue;
+    }
     for (const bool first : {true, false}) {
       if (!found || length < kFarFrom_px) break;
-      // An edge that goes on as another of the same label is found as one with it: not an error of the end.
-      const double beyond = first ? -covered.front().first * length : (covered.back().second - 1.0) * length;
-      if (std::abs(beyond) > kBeyondEnd_px) continue;
-      const bool is_cut = isAtBorder(intrinsics, first ? piece.px.a : piece.px.b);
-      (is_cut     ? at_border_
-       : on_floor ? along_floor_
-                  : along_upright_)
-          .add(endOf(piece.edge, first), time_s, beyond);
-      if (on_floor && !is_cut) {
-        along_by_range_[rangeBin(piece.range_m)].add(endOf(piece.edge, first), time_s, beyond);
+      const double beyond = beyondEnd(covered, first, length);
+      if (beyond < -kShort_px || beyond > kBeyond_px) continue;
+      const std::int64_t end = endOf(piece.edge, first);
+      if (isAtBorder(intrinsics, first ? piece.px.a : piece.px.b)) {
+        at_border_.add(end, time_s, beyond);
+      } else if (!on_floor) {
+        along_upright_.add(end, time_s, beyond);
+      } else if (first ? piece.hidden_a : piece.hidden_b) {
+        at_hidden_.add(end, time_s, beyond);
+      } else {
+        along_floor_.add(end, time_s, beyond);
+        along_by_range_[rangeBin(piece.range_m)].add(end, time_s, beyond);
       }
     }
     const auto count = [&](Bin& bin) {
@@ -124,6 +162,11 @@ void VisionStatistics::add(double time_s, const CameraIntrinsics& intrinsics, co
       }
     }
   }
+  const auto isLabelOfFloor = [&edges](const Label& label) {
+    return std::any_of(edges.segments.begin(), edges.segments.end(), [&](const MapSegment& edge) {
+      return isOnFloor(edge) && labelFitsMap(label, edge.label);
+    });
+  };
   for (std::size_t i = 0; i < observed.size(); ++i) {
     const bool labelled = observed[i].label != kUnknownLabel;
     if (labelled) ++labelled_;
@@ -133,6 +176,7 @@ void VisionStatistics::add(double time_s, const CameraIntrinsics& intrinsics, co
     }
     if (labelled && !explained[i]) {
       ++false_;
+      if (isLabelOfFloor(observed[i].label)) ++false_on_floor_;
       false_length_ += observed[i].px.length();
     }
   }

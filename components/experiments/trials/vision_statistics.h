@@ -18,6 +18,8 @@ class VisionStatistics {
   /// Of pieces on the floor and of at least kFarFrom_px, by range [m].
   static constexpr std::array<double, 6> kRanges_m{0, 1, 2, 3, 4, 6};
   static constexpr double kFarFrom_px = 20.0;
+  static constexpr double kBeyond_px = 40.0;
+  static constexpr double kShort_px = 8.0;
   static std::size_t rangeBin(double range_m);
 
   struct Bin {
@@ -27,7 +29,9 @@ class VisionStatistics {
     int fragments = 0;   ///< segments on the pieces found
   };
 
-  /// @param edges of the map. @param visible of this image. @param observed likewise.
+  /// What follows is of another run, whose time begins anew.
+  void beginRun();
+  /// @param edges of the map. @param visible of this image, outlines too. @param observed likewise.
   void add(double time_s, const CameraIntrinsics& intrinsics, const SegmentMap& edges,
            const std::vector<VisiblePiece>& visible, const std::vector<ImageSegment>& observed);
 
@@ -35,16 +39,33 @@ class VisionStatistics {
   const std::array<Bin, kLengths_px.size()>& byLength() const { return by_length_; }
   const std::array<Bin, kRanges_m.size()>& byRange() const { return by_range_; }
   /// Of segments on pieces of kFarFrom_px or longer, by whether the edge lies on the floor: how far an end
-  /// lies beside the line, and how much beyond (positive) or short of the piece's end [px]; the latter for
-  /// ends inside the image, and for those where its border cuts the piece.
+  /// lies beside the line, to the brighter side [px] ..
   const LastingError& across(bool on_floor) const { return on_floor ? across_floor_ : across_upright_; }
+  /// .. and how much beyond (positive) or short of the edge's end [px]. An edge that was taken to go on as
+  /// something else counts up to kBeyond_px; what is missing by more than kShort_px counts as a break
+  /// instead.
   const LastingError& along(bool on_floor) const { return on_floor ? along_floor_ : along_upright_; }
-  /// Those of `along` on the floor, by range.
+  /// Those on the floor, by range.
+  const std::array<LastingError, kRanges_m.size()>& acrossByRange() const { return across_by_range_; }
   const std::array<LastingError, kRanges_m.size()>& alongByRange() const { return along_by_range_; }
+  /// The same for ends where something nearer hides what follows of an edge on the floor, and for those
+  /// where the image's border cuts an edge.
+  const LastingError& atHidden() const { return at_hidden_; }
+  /// How far the foot and the upper end of a wall's outline (visibleOutlines) that was found with its label
+  /// lie beyond or short of what rays tell, and how many of those of kFarFrom_px were found.
+  const LastingError& atOutline(bool foot) const { return foot ? outline_foot_ : outline_top_; }
+  double outlinesFound() const {
+    return outlines_ > 0 ? static_cast<double>(outlines_found_) / outlines_ : 0.0;
+  }
+  double outlinesPerImage() const { return images_ > 0 ? static_cast<double>(outlines_) / images_ : 0.0; }
   const LastingError& atBorder() const { return at_border_; }
-  /// Labelled segments of an image that belong to no piece of their label, and their share of the labelled.
+  /// Labelled segments of an image that belong to no piece of their label, their share of the labelled, and
+  /// the share of those that have a label of the floor's edges.
   double falsePerImage() const { return images_ > 0 ? static_cast<double>(false_) / images_ : 0.0; }
   double falseShare() const { return labelled_ > 0 ? static_cast<double>(false_) / labelled_ : 0.0; }
+  double falseOnFloorShare() const {
+    return false_ > 0 ? static_cast<double>(false_on_floor_) / false_ : 0.0;
+  }
   double falseLength_px() const { return false_ > 0 ? false_length_ / false_ : 0.0; }
   /// Of the segments that lie on a piece, the share without a label or with another one.
   double wrongLabelShare() const {
@@ -66,9 +87,16 @@ class VisionStatistics {
   LastingError along_floor_;
   LastingError along_upright_;
   std::array<LastingError, kRanges_m.size()> along_by_range_;
+  std::array<LastingError, kRanges_m.size()> across_by_range_;
+  LastingError at_hidden_;
+  LastingError outline_foot_;
+  LastingError outline_top_;
   LastingError at_border_;
   int labelled_ = 0;
   int false_ = 0;
+  int false_on_floor_ = 0;
+  int outlines_ = 0;
+  int outlines_found_ = 0;
   double false_length_ = 0.0;
   int on_piece_ = 0;
   int wrong_label_ = 0;
