@@ -378,6 +378,45 @@ TEST(HealthProperty, TreesGiveTheImageHealthOfASearchOverTheWholeMap) {
   EXPECT_GT(spared, 100);
 }
 
+TEST(HealthProperty, ByBothOnlyWhatIsUnderTheLeastIsToldAsNothing) {
+  RandomEngine engine(41);
+  const SegmentMap map = test::corridorMap();
+  LocalizerParams params = localizerPreset(LocalizationMode::kChapter);
+  params.health.source = HealthSource::kBoth;
+  const MapIndex index(map, chapterIndex(params));
+  test::CorridorWorld world({}, 3);
+  MemoryUpdate update;
+  for (int i = 0; i < 50; ++i) update = world.next();
+  CameraMount mount;
+  mount.T_robot_pantilt = poseFromXyzRpy(0.1, 0, 0.8, 0, 0, 0);
+  auto analysis = std::make_shared<ImageAnalysis>();
+  analysis->intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+  analysis->T_robot_camera = cameraPose(mount, 0.0, degToRad(-30));
+  for (const MapSegment& segment : map.segments) {
+    const auto px = projectSegment(analysis->intrinsics, toPose3(world.truth()) * analysis->T_robot_camera,
+                                   segment.world);
+    if (px) analysis->observed.push_back({*px, segment.label, 30.0});
+  }
+  HealthObservation both(index, params.health);
+  both.set({update.snapshot, analysis});
+  int enough = 0;
+  int spared = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double off = 0.001 * i;
+    const Pose2 pose = world.truth() * Pose2{off * uniform(engine, -1, 1), off * uniform(engine, -1, 1),
+                                             off * uniform(engine, -1, 1)};
+    const double health = both.health(pose);
+    const double least = uniform(engine, 0, 1);
+    const double told = both.health(pose, least);
+    ASSERT_TRUE(told == health || (told == 0.0 && health < least))
+        << told << " for " << health << ", " << least;
+    enough += health >= least ? 1 : 0;
+    spared += told != health ? 1 : 0;
+  }
+  EXPECT_GT(enough, 200);
+  EXPECT_GT(spared, 200);
+}
+
 TEST(HealthObservation, UnknownLabelsSayNothing) {
   const MapIndex index(test::corridorMap(), withFields(true));
   auto snapshot = std::make_shared<MemorySnapshot>();
