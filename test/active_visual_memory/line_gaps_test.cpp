@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
 #include <random>
 
 #include "active_visual_memory/core/floor_evidence.h"
@@ -91,6 +92,70 @@ TEST(LineGaps, WhereAnEdgeEndsIsNoGap) {
   cv::Mat image = edgeImage();
   image(cv::Rect(250, 0, 70, 240)).setTo(kRobot);
   EXPECT_TRUE(gapsOf(image).empty());
+}
+
+/// A blurred line of 2 px along the row, its middle at y = 119.5, with bumps of `height_px` on rows from
+/// 120.5 on.
+cv::Mat thinLine(double height_px, int from, int length, const cv::Scalar& colour = kPaint) {
+  constexpr int kFine = 10;
+  cv::Mat fine(240 * kFine, 320, CV_8UC3, kGrass);
+  fine.rowRange(119 * kFine, 121 * kFine).setTo(kPaint);
+  if (height_px > 0.0) {
+    const int height = static_cast<int>(height_px * kFine);
+    fine(cv::Rect(from, 121 * kFine, length, height)).setTo(colour);
+  }
+  cv::Mat image;
+  cv::resize(fine, image, {320, 240}, 0, 0, cv::INTER_AREA);
+  cv::GaussianBlur(image, image, {}, 0.8);
+  return image;
+}
+
+/// Its lower edge, with the line above (on its left).
+std::vector<LineGap> bumpsOf(const cv::Mat& image) {
+  return findLineBumps(image, camera(), {{60, 120.5}, {260, 120.5}}, false);
+}
+
+TEST(LineBumps, ALineThatIsThickNowhereHasNone) {
+  EXPECT_TRUE(bumpsOf(thinLine(0.0, 0, 0)).empty());
+  EXPECT_TRUE(bumpsOf(cv::Mat(240, 320, CV_8UC3, kGrass)).empty()) << "no line at all";
+  EXPECT_TRUE(bumpsOf({}).empty()) << "no image";
+}
+
+TEST(LineBumps, LessThanAPixelOfPaintPartsTheEdgeOfAThinLine) {
+  for (const double height_px : {0.6, 1.0, 2.0}) {
+    const auto bumps = bumpsOf(thinLine(height_px, 150, 8));
+    ASSERT_EQ(bumps.size(), 1u) << height_px;
+    EXPECT_NEAR(bumps[0].from_px, 89.5, 0.6) << height_px;
+    EXPECT_NEAR(bumps[0].to_px, 97.5, 0.6) << height_px;
+  }
+}
+
+TEST(LineBumps, TheEdgeOnTheOtherSideStaysWhole) {
+  const cv::Mat image = thinLine(1.0, 150, 8);
+  EXPECT_TRUE(findLineBumps(image, camera(), {{60, 118.5}, {260, 118.5}}, true).empty());
+}
+
+TEST(LineBumps, AnotherColourOnTheLineIsNoPaint) {
+  EXPECT_TRUE(bumpsOf(thinLine(2.0, 150, 8, kRobot)).empty());
+}
+
+TEST(LineBumps, NoiseMakesNone) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0.0, 6.0);
+  int found = 0;
+  for (int image_of = 0; image_of < 20; ++image_of) {
+    cv::Mat image = thinLine(0.0, 0, 0);
+    for (int v = 110; v < 130; ++v) {
+      for (int u = 0; u < image.cols; ++u) {
+        for (int c = 0; c < 3; ++c) {
+          auto& value = image.at<cv::Vec3b>(v, u)[c];
+          value = cv::saturate_cast<unsigned char>(value + noise(random));
+        }
+      }
+    }
+    found += static_cast<int>(bumpsOf(image).size());
+  }
+  EXPECT_EQ(found, 0);
 }
 
 }  // namespace

@@ -80,6 +80,19 @@ TEST(LineSides, StayWhereNearLinesHaveNoCommonWidth) {
   EXPECT_NEAR(segments[5].odom.a.x(), 3.03, 1e-9);
 }
 
+TEST(LineSides, MarksTellNoWidth) {
+  // Opposite sides of crosses, of which there are more than lines here.
+  std::vector<MemoryElement> near = lineAt(1, 0.0, 0.05, kNear);
+  for (const std::uint64_t id : {5u, 7u}) {
+    const double y = static_cast<double>(id);
+    near.push_back(seen(id, {{0.0, y + 0.05}, {0.0, y}}, kNear));
+    near.push_back(seen(id + 1, {{0.10, y}, {0.10, y + 0.05}}, kNear));
+  }
+  const auto segments = even(near, lineAt(3, 3.0, 0.005, kFar));
+  EXPECT_NEAR(segments[6].odom.a.x(), 3.0025 - 0.025, 1e-6);
+  EXPECT_NEAR(segments[7].odom.a.x(), 3.0025 + 0.025, 1e-6);
+}
+
 TEST(LineSides, ThatAreFarTooFarApartAreNotMoved) {
   const auto segments = even(lineAt(1, 0.0, 0.03, kNear), lineAt(3, 3.0, 0.125, kFar));
   EXPECT_NEAR(segments[2].odom.a.x(), 3.0, 1e-9);

@@ -40,7 +40,9 @@ LineWidths knownWidths(const std::vector<Side>& sides, const std::vector<Pair>& 
     const Side& one = sides[pair.one];
     const Side& other = sides[pair.other];
     if (!one.near || !other.near || !one.told->confirmed || !other.told->confirmed) continue;
-    if (std::abs(pair.beside.left_m) < params.min_width_m) continue;
+    const double width = std::abs(pair.beside.left_m);
+    // What is hardly longer than wide is a mark, and no line.
+    if (width < params.min_width_m || pair.overlap_m < params.least_length_widths * width) continue;
     told[one.told->label].push_back(pair.beside.left_m);
   }
   LineWidths known;

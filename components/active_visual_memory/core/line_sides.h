@@ -28,10 +28,11 @@ struct LineWidthParams {
   bool enabled = true;
   double min_width_m = 0.02;
   double max_width_m = 0.13;
-  double max_angle_rad = 0.10;  ///< between both sides
-  double min_overlap = 0.5;     ///< of the shorter side
-  double near_sigma_m = 0.02;   ///< an end of each side was seen so well: such lines tell the width ..
-  double agree_m = 0.015;       ///< .. if most of them agree within this
+  double max_angle_rad = 0.10;       ///< between both sides
+  double min_overlap = 0.5;          ///< of the shorter side
+  double near_sigma_m = 0.02;        ///< an end of each side was seen so well: such lines tell the width ..
+  double least_length_widths = 3.0;  ///< .. which are so many times longer than wide, at least ..
+  double agree_m = 0.015;            ///< .. if most of them agree within this
   double agree_share = 0.7;
   double most_shift_m = 0.04;  ///< no end of a side is moved further ..
   /// .. or than so many pixels of its best view; so much further apart than lines are wide, at most, sides of

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "active_visual_memory/core/association.h"
+#include "active_visual_memory/core/floor_edge.h"
 #include "active_visual_memory/core/floor_matching.h"
 #include "active_visual_memory/core/line_gaps.h"
 #include "active_visual_memory/core/segment_memory_view.h"
@@ -25,14 +26,17 @@ constexpr double kStandsThere_rad = 0.2;
 // Of a line that is a pixel or two wide noise and blur look like gaps.
 constexpr double kThin_px = 4.0;
 constexpr double kThinGap_px = 4.0;
+// A mark on a line, or a line that joins, is hardly wider than lines are.
+constexpr double kMostMark_m = 0.15;
 
-/// Does another edge run beside it, against it?
-bool isThin(const Segment2& px, const std::vector<ImageSegment>& observed) {
-  return std::any_of(observed.begin(), observed.end(), [&](const ImageSegment& other) {
-    return (other.px.b - other.px.a).dot(px.b - px.a) < 0.0 &&
-           lineAngleDifference(other.px.direction(), px.direction()) <= kStraight_rad &&
-           distanceToSegment(other.px.middle(), px) <= kThin_px;
+/// The other edge of a thin line: it runs beside it, against it.
+const ImageSegment* otherSideOf(const Segment2& px, const std::vector<ImageSegment>& observed) {
+  const auto other = std::find_if(observed.begin(), observed.end(), [&](const ImageSegment& s) {
+    return (s.px.b - s.px.a).dot(px.b - px.a) < 0.0 &&
+           lineAngleDifference(s.px.direction(), px.direction()) <= kStraight_rad &&
+           distanceToSegment(s.px.middle(), px) <= kThin_px;
   });
+  return other != observed.end() ? &*other : nullptr;
 }
 
 double bearingDifference(const Eigen::Vector2d& at, const Eigen::Vector2d& one,
@@ -137,9 +141,17 @@ void SegmentMemory::reviewGaps(MemoryElement& element, const std::vector<const F
   for (const FloorSegment& piece : pieces) {
     const Segment2& px = observed[static_cast<std::size_t>(piece.observed)].px;
     const Eigen::Vector2d along = (px.b - px.a).normalized();
-    const double least_px = isThin(px, observed) ? kThinGap_px : 0.0;
-    for (const LineGap& gap : findLineGaps(view.observation.frame.image, k, px)) {
-      if (gap.to_px - gap.from_px < least_px) continue;
+    std::vector<LineGap> gaps = findLineGaps(view.observation.frame.image, k, px);
+    std::vector<LineGap> bumps;
+    if (const ImageSegment* other = otherSideOf(px, observed)) {
+      std::erase_if(gaps, [](const LineGap& gap) { return gap.to_px - gap.from_px < kThinGap_px; });
+      const bool outward_left = cross(along, other->px.middle() - px.a) > 0.0;
+      bumps = findLineBumps(view.observation.frame.image, k, px, outward_left);
+    }
+    const std::size_t of_gaps = gaps.size();
+    gaps.insert(gaps.end(), bumps.begin(), bumps.end());
+    for (std::size_t i = 0; i < gaps.size(); ++i) {
+      const LineGap& gap = gaps[i];
       const GapShows shows = view.evidence.gap(px, gap.from_px, gap.to_px);
       if (shows == GapShows::kCovered) continue;
       const auto a =
@@ -148,6 +160,7 @@ void SegmentMemory::reviewGaps(MemoryElement& element, const std::vector<const F
           backProjectToGround(k, view.T_odom_camera, px.a + gap.to_px * along, params_.max_range_m);
       if (!a || !b) continue;
       Segment2 place{a->head<2>(), b->head<2>()};
+      if (i >= of_gaps && place.length() > kMostMark_m) continue;
       if (u.dot(place.b - place.a) < 0.0) std::swap(place.a, place.b);
       if (voteForGap(element, place, piece, piece, false, view)) return;
     }
