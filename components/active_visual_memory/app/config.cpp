@@ -153,6 +153,7 @@ void readShapeEdges(ConfigReader r, ShapeEdges::Params& p) {
     p.corners.most_reach_m = p.junctions.most_reach_m = 0.25;
     p.line_widths.blur_px = 1.0;
     p.junctions.by_one_side = true;
+    p.crosses.enabled = true;
   }
   p.junctions.enabled = r.boolean("PartAtJunctions", p.junctions.enabled);
   p.line_widths.enabled = r.boolean("EvenLineWidths", p.line_widths.enabled);

@@ -295,6 +295,10 @@ void ShapeEdges::complete(std::vector<MemorySegment>& segments, std::span<const 
       return idOf({circle, static_cast<std::uint64_t>(chord), rim}, new_id);
     });
   }
+  tellCrossMarks(segments, elements, of_near, params_.course, params_.crosses,
+                 [&](std::uint64_t oldest, int n) {
+                   return idOf({oldest, 1, -2 - n}, new_id);
+                 });
   withdrawShadows(segments, elements, params_.shadows);
   addLineEnds(segments, elements, new_id);
   const LineWidths widths = evenLineWidths(segments, elements, params_.line_widths);

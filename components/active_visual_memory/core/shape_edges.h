@@ -11,6 +11,7 @@
 
 #include "active_visual_memory/core/circle_rims.h"
 #include "active_visual_memory/core/corners.h"
+#include "active_visual_memory/core/cross_marks.h"
 #include "active_visual_memory/core/junctions.h"
 #include "active_visual_memory/core/line_sides.h"
 #include "active_visual_memory/core/memory_element.h"
@@ -45,6 +46,8 @@ class ShapeEdges {
     JunctionParams junctions;
     ShadowParams shadows;
     CircleRimParams circles;
+    CrossMarkParams crosses;
+    CourseParams course;
   };
   using NewId = std::function<std::uint64_t()>;
 
