@@ -200,7 +200,6 @@ TEST(Attention, AnUrgentRequestGoesBeforeWhatNobodyAskedFor) {
   request.priority = kUrgentPriority - 1.0;
   pool.request(request);
   EXPECT_EQ(pool.mostSalient()->kind, AttentionKind::kScanning) << "it grows";
-  request.key = "urgent";
   request.priority = kUrgentPriority;
   pool.request(request);
   EXPECT_EQ(pool.mostSalient()->kind, AttentionKind::kClient) << "at once";

@@ -153,12 +153,12 @@ TEST(GazeController, OffSaysNothingAndHoldSpeaksOnce) {
   bench.gaze.setMode(GazeMode::kOff);
   for (int i = 0; i < 30; ++i) bench.step();
   EXPECT_EQ(bench.most_pan, 0.0);
-  EXPECT_FALSE(bench.gaze.hold());
+  EXPECT_FALSE(bench.gaze.imagesLost());
   bench.head = {0.4, -0.2};
   bench.gaze.setMode(GazeMode::kHold);
   bench.step();
   EXPECT_DOUBLE_EQ(bench.last.pan_rad, 0.4);
-  EXPECT_FALSE(bench.gaze.hold());
+  EXPECT_FALSE(bench.gaze.imagesLost());
 }
 
 TEST(GazeController, SaysNothingWithoutAPanTiltUnit) {
@@ -168,7 +168,7 @@ TEST(GazeController, SaysNothingWithoutAPanTiltUnit) {
   RobotObservation o;
   o.frame.stamp_us = 1;
   EXPECT_FALSE(gaze.step(o, {}, pool));
-  EXPECT_FALSE(gaze.hold());
+  EXPECT_FALSE(gaze.imagesLost());
 }
 
 TEST(GazeController, VisitsTenObjectsEvenly) {
@@ -250,16 +250,21 @@ TEST(GazeController, AnUrgentWishDoesNotWaitForTheNextImage) {
   EXPECT_EQ(wishes.redirectedTo(), 0.7);
   EXPECT_FALSE(wishes.redirectedTo()) << "it was told already";
   wishes.ask("now", -0.4);
-  EXPECT_EQ(wishes.redirectedTo(), -0.4) << "a wish that moves";
+  EXPECT_EQ(wishes.redirectedTo(), -0.4) << "a wish that jumps";
+  wishes.ask("now", -0.41);
+  EXPECT_FALSE(wishes.redirectedTo()) << "one that moves on is followed from image to image";
   wishes.ask("another", 1.0);
   EXPECT_FALSE(wishes.redirectedTo()) << "clients wait for each other";
 }
 
 TEST(GazeController, NobodyIsObeyedWhileTheImagesAreGone) {
   Wishes wishes;
-  ASSERT_TRUE(wishes.gaze.hold());
+  ASSERT_TRUE(wishes.gaze.imagesLost());
   wishes.ask("now", 0.7);
   EXPECT_FALSE(wishes.redirectedTo());
+  wishes.gaze.setMode(GazeMode::kHold);
+  wishes.gaze.setMode(GazeMode::kAttend);
+  EXPECT_FALSE(wishes.redirectedTo()) << "whatever mode they come to";
   wishes.step();
   EXPECT_EQ(wishes.last.pan_rad, 0.7) << "they are back";
 }

@@ -102,6 +102,10 @@ class Robot {
     now_us_ = begin_us_ = stamp_us;
     changed_.notify_all();
   }
+  StampUs now() const {
+    const std::scoped_lock lock(mutex_);
+    return now_us_;
+  }
   void setOdometry(bool there) {
     const std::scoped_lock lock(mutex_);
     has_odometry_ = there;
@@ -245,6 +249,7 @@ class PerceptionLoopWithAHead : public PerceptionLoopTest {
 
 TEST_F(PerceptionLoopWithAHead, AnUrgentWishDoesNotWaitForAnImage) {
   ASSERT_TRUE(eventually([&] { return last_us_ > 100 * kSecondUs; }));
+  ASSERT_TRUE(eventually([&] { return last_us_ == robot_.now(); }, false)) << "no image is on its way";
   const GazeRequest wish{"test",          "side",          std::nullopt, PanTilt{-1.0, -0.2},
                          kUrgentPriority, 1000 * kSecondUs};
   ASSERT_TRUE(gaze_.request(wish).ok());

@@ -256,31 +256,28 @@ void AttentionPool::addScanningPoint() {
 }
 
 void AttentionPool::request(const GazeRequest& request) {
-  for (Entry& entry : entries_) {
-    if (!entry.request || entry.request->client != request.client || entry.request->key != request.key)
-      continue;
-    // The wish is renewed, its waiting so far counts.
-    entry.request = request;
-    entry.point.p_odom = request.p_odom;
-    entry.point.direction = request.direction;
-    entry.rate = params_.client_rate * request.priority;
-    return;
+  auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) {
+    return e.request && e.request->client == request.client && e.request->key == request.key;
+  });
+  if (entry == entries_.end()) {
+    Entry fresh;
+    fresh.point.id = next_id_++;
+    fresh.point.kind = AttentionKind::kClient;
+    entry = entries_.insert(entries_.end(), std::move(fresh));
   }
-  Entry entry;
-  entry.point.id = next_id_++;
-  entry.point.kind = AttentionKind::kClient;
-  entry.point.p_odom = request.p_odom;
-  entry.point.direction = request.direction;
-  entry.rate = params_.client_rate * request.priority;
-  entry.request = request;
-  if (request.priority >= kUrgentPriority) {
-    // What is urgent goes at once before all that nobody asked for.
-    for (const Entry& other : entries_) {
-      if (!other.request) entry.point.salience = std::max(entry.point.salience, other.point.salience);
-    }
-    entry.point.salience += params_.urgent_lead;
+  // A wish that is renewed keeps its id, and its waiting so far counts.
+  const bool was_urgent = entry->request && entry->request->priority >= kUrgentPriority;
+  entry->request = request;
+  entry->point.p_odom = request.p_odom;
+  entry->point.direction = request.direction;
+  entry->rate = params_.client_rate * request.priority;
+  if (was_urgent || request.priority < kUrgentPriority) return;
+  // What is urgent goes at once before all that nobody asked for.
+  double highest = entry->point.salience;
+  for (const Entry& other : entries_) {
+    if (!other.request) highest = std::max(highest, other.point.salience);
   }
-  entries_.push_back(std::move(entry));
+  entry->point.salience = highest + params_.urgent_lead;
 }
 
 void AttentionPool::withdraw(const std::string& client, const std::string& key) {

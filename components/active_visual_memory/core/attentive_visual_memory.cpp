@@ -14,6 +14,12 @@ SegmentMemory::Params memoryParams(const AttentiveVisualMemoryParams& params) {
   return memory;
 }
 
+ShapeEdges::Params shapeParams(const AttentiveVisualMemoryParams& params) {
+  ShapeEdges::Params shapes = params.shape_edges;
+  shapes.course = params.memory.course;
+  return shapes;
+}
+
 }  // namespace
 
 AttentiveVisualMemory::AttentiveVisualMemory(const Params& params)
@@ -22,7 +28,7 @@ AttentiveVisualMemory::AttentiveVisualMemory(const Params& params)
       projector_(params.projector),
       memory_(memoryParams(params)),
       primitives_(params.primitives),
-      shape_edges_(params.shape_edges),
+      shape_edges_(shapeParams(params)),
       kidnap_(params.kidnap),
       pool_(params.attention),
       gaze_(params.gaze) {}

@@ -64,7 +64,7 @@ class AttentiveVisualMemory {
   std::optional<PanTiltCommand> redirect();
 
   /// The images are gone for a while: what to tell the pan-tilt unit, once.
-  std::optional<PanTiltCommand> imagesLost() { return gaze_.hold(); }
+  std::optional<PanTiltCommand> imagesLost() { return gaze_.imagesLost(); }
 
   /// Sets the memory aside and begins anew.
   void reset();

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "active_visual_memory/core/association.h"
+#include "active_visual_memory/core/life.h"
 
 namespace vismem {
 namespace {
@@ -120,8 +121,13 @@ void tellEnds(const Cross& cross, const std::vector<Piece>& fitted, const Eigen:
   const MemorySegment* newest = &fitted.front().element->value;
   std::uint64_t oldest = newest->id;
   bool on_floor = false;
+  double life = newest->life;
+  double variance = 0.0;
   for (const Piece& piece : fitted) {
     const MemorySegment& value = piece.element->value;
+    life = std::min(life, value.life);
+    const double both = (value.P_a + value.P_b).topLeftCorner<2, 2>().trace();
+    variance += 0.25 * both / static_cast<double>(fitted.size());
     if (value.last_seen_us > newest->last_seen_us) newest = &value;
     oldest = std::min(oldest, value.id);
     on_floor = on_floor || piece.element->on_floor;
@@ -133,6 +139,14 @@ void tellEnds(const Cross& cross, const std::vector<Piece>& fitted, const Eigen:
     const Eigen::Vector2d half =
         (bright ? 0.5 : -0.5) * cross.width_m * Eigen::Vector2d(-outward.y(), outward.x());
     MemorySegment end = *newest;
+    end.life = life;
+    end.uncertainty = uncertaintyOf(life);
+    // It does not lie along that edge: as uncertain to all sides as what the cross was told from.
+    for (Eigen::Matrix3d* P : {&end.P_a, &end.P_b}) {
+      P->topLeftCorner<2, 2>() = variance * Eigen::Matrix2d::Identity();
+      P->topRightCorner<2, 1>().setZero();
+      P->bottomLeftCorner<1, 2>().setZero();
+    }
     end.confirmed = on_floor;
     end.id = id_of(oldest, n);
     end.odom.a.head<2>() = to_course.inverse() * (middle - half);
@@ -146,7 +160,7 @@ void tellEnds(const Cross& cross, const std::vector<Piece>& fitted, const Eigen:
 void tellCrossMarks(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
                     const LineWidths& widths, const CourseParams& course, const CrossMarkParams& params,
                     const std::function<std::uint64_t(std::uint64_t, int)>& id_of) {
-  if (!params.enabled || widths.empty()) return;
+  if (!params.enabled || widths.empty() || course.sigma_rad <= 0.0) return;
   Rectilinearity place(course);
   for (const MemorySegment& segment : segments) {
     const Segment2 floor = segment.odom.floor();
@@ -188,7 +202,13 @@ void tellCrossMarks(std::vector<MemorySegment>& segments, std::span<const Memory
       });
       if (!alone) continue;
       tellEnds(*cross, fitted, to_course, bright, id_of, told);
-      for (const Piece& piece : near) told.replaced.push_back(piece.element->value.id);
+      // Those that were left out as lying elsewhere stay, unless they lie on it.
+      for (const Piece& piece : near) {
+        const bool is_of_it = std::any_of(fitted.begin(), fitted.end(),
+                                          [&](const Piece& f) { return f.element == piece.element; });
+        const bool lies_on_it = (piece.middle - cross->centre).cwiseAbs().maxCoeff() <= cross->arm_m;
+        if (is_of_it || lies_on_it) told.replaced.push_back(piece.element->value.id);
+      }
     }
     std::erase_if(segments, [&](const MemorySegment& s) {
       return std::find(told.replaced.begin(), told.replaced.end(), s.id) != told.replaced.end();

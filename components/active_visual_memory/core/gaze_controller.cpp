@@ -234,6 +234,11 @@ void GazeController::noteError(std::uint64_t point_id, const PanTilt& error, dou
   error_id_ = point_id;
 }
 
+std::optional<PanTiltCommand> GazeController::imagesLost() {
+  blind_ = true;
+  return hold();
+}
+
 std::optional<PanTiltCommand> GazeController::hold() {
   if (!last_angles_ || mode_ == GazeMode::kOff || hold_sent_) return std::nullopt;
   hold_sent_ = true;
@@ -336,25 +341,31 @@ std::optional<PanTiltCommand> GazeController::attend(const RobotObservation& obs
 }
 
 std::optional<PanTiltCommand> GazeController::redirect(AttentionPool& pool) {
-  if (mode_ != GazeMode::kAttend || !last_angles_ || hold_sent_ || !pool.isUrgent()) return std::nullopt;
-  const std::optional<AttentionPoint> wish = pool.mostSalient();
+  if (mode_ != GazeMode::kAttend || !last_angles_ || blind_) return std::nullopt;
   RobotObservation last;
   last.frame.stamp_us = last_stamp_us_;
   last.pan_tilt = last_angles_;
   last.T_odom_robot = last_pose_;
-  if (target_ && target_->kind == AttentionKind::kClient) {
-    const bool moved = target_->p_odom != wish->p_odom || target_->direction != wish->direction;
-    if (target_->id != wish->id || !moved) return std::nullopt;
-    target_ = wish;
-    noteTarget(last);
-    return steer(*target_, last);
+  if (!target_ || target_->kind != AttentionKind::kClient) {
+    return pool.isUrgent() ? attend(last, {}, pool) : std::nullopt;
   }
-  return attend(last, {}, pool);
+  const auto current = pool.find(target_->id);
+  if (!current) return std::nullopt;
+  // Followed from image to image while it moves on; one that jumps is another place.
+  const PanTilt before = aimAt(*target_, last_pose_).clamped;
+  const PanTilt now = aimAt(*current, last_pose_).clamped;
+  const bool jumps = std::max(std::abs(now.pan_rad - before.pan_rad),
+                              std::abs(now.tilt_rad - before.tilt_rad)) > params_.saccade_rad;
+  if (!jumps) return std::nullopt;
+  target_ = current;
+  noteTarget(last);
+  return steer(*target_, last);
 }
 
 std::optional<PanTiltCommand> GazeController::step(const RobotObservation& observation,
                                                    std::span<const MemorySegment> segments,
                                                    AttentionPool& pool) {
+  blind_ = false;
   if (!observation.pan_tilt) return std::nullopt;
   const StampUs now = observation.frame.stamp_us;
   const PanTilt actual = *observation.pan_tilt;

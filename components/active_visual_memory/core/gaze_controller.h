@@ -121,13 +121,14 @@ class GazeController {
   std::optional<PanTiltCommand> step(const RobotObservation& observation,
                                      std::span<const MemorySegment> memory_segments, AttentionPool& pool);
 
-  /// Between two steps, after clients asked: turns to an urgent wish before the next image comes. A visit
-  /// that another client has goes on; nobody is obeyed while the images are gone.
+  /// Between two steps, after clients asked: turns to an urgent wish, or to where the wish that is being
+  /// looked at has jumped, before the next image comes. A visit that another client has goes on; nobody is
+  /// obeyed while the images are gone.
   /// @return the command to give now; empty when nothing is to be said.
   std::optional<PanTiltCommand> redirect(AttentionPool& pool);
 
   /// The images are gone: stand still until they come back.
-  std::optional<PanTiltCommand> hold();
+  std::optional<PanTiltCommand> imagesLost();
 
   void setMode(GazeMode mode);
   void fixate(const Eigen::Vector3d& p_odom);
@@ -149,6 +150,8 @@ class GazeController {
   PanTilt aimAhead(const AttentionPoint& point, const RobotObservation& observation, double ahead_s) const;
   std::optional<PanTiltCommand> steer(const AttentionPoint& point, const RobotObservation& observation);
   std::optional<PanTiltCommand> steerByRates(const PanTilt& error) const;
+  /// Keeps the angles, said once.
+  std::optional<PanTiltCommand> hold();
   /// How far the axis is from the aim, and how fast that changes.
   void noteError(std::uint64_t point_id, const PanTilt& error, double dt_s);
   /// Whether the visit of the target goes on.
@@ -184,6 +187,7 @@ class GazeController {
   std::optional<PanTilt> sent_;
   StampUs sent_us_ = 0;
   bool hold_sent_ = false;
+  bool blind_ = false;  ///< the images are gone
 };
 
 }  // namespace vismem

@@ -40,8 +40,8 @@ struct GazeStatus {
   std::uint64_t given_up = 0;  ///< targets not reached in time (A6)
 };
 
-/// A wish of at least this priority begins above all that no client asked for, and as the most salient point it
-/// ends the visit of an object at once.
+/// A wish of at least this priority begins above all that no client asked for, and as the most salient point
+/// it ends the visit of an object at once (what lies within that visit's angle was looked at with it).
 inline constexpr double kUrgentPriority = 50.0;
 
 /// A client's wish: look at a place or a direction, more likely the higher the priority, until the deadline.

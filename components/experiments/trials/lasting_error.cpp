@@ -65,8 +65,12 @@ std::vector<double> LastingError::ranks() const {
                    [this](std::size_t i, std::size_t j) { return errors_[i] < errors_[j]; });
   std::vector<double> ranks(errors_.size());
   const auto half = 0.5 * static_cast<double>(errors_.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    ranks[order[i]] = (static_cast<double>(i) + 0.5) / half - 1.0;
+  for (std::size_t i = 0; i < order.size();) {
+    // Equals share the middle of their ranks: in order of time they would seem to last.
+    std::size_t end = i + 1;
+    while (end < order.size() && errors_[order[end]] == errors_[order[i]]) ++end;
+    const double rank = 0.5 * static_cast<double>(i + end) / half - 1.0;
+    for (; i < end; ++i) ranks[order[i]] = rank;
   }
   return ranks;
 }

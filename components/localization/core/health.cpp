@@ -12,8 +12,8 @@ namespace {
 constexpr double kReferenceWidth_px = 320.0;  // the size of image that the chapter's pixel values are for
 constexpr double kReferenceHeight_px = 240.0;
 
-/// Beyond a map of 20 m the fields pay for themselves only where something is near: searching goes on by
-/// brute force outside, so the truncation changes speed alone.
+/// Beyond a map of 20 m the fields pay for themselves only where something is near: searching goes on in
+/// cells outside, so the truncation changes speed alone.
 constexpr double kTruncation_m = 2.0;
 
 /// So many times what leaves too little health, however sums were rounded.

@@ -55,7 +55,8 @@ class ProjectedLines {
 /// L4: `H = 1 - mean(d_i) / M`, clamped to 0..1.
 /// d_i: distance in the image to the nearest map line of the label of which any part is in view; lines are
 /// clipped at the near plane, not at the border; a label without a line in view counts the image's diagonal.
-/// Over all segments of the map: the reference for HealthObservation, which asks trees if the map has them.
+/// Over all segments of the map: the reference for HealthObservation, which asks cells of the floor and trees
+/// if the map has them.
 /// @param scale_px M for this image. @param points must not be empty; quickest with those of a label
 /// together.
 double imageHealth(const std::vector<ImagePoint>& points, const CameraIntrinsics& intrinsics,

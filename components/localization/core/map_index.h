@@ -33,7 +33,7 @@ class MapIndex {
     /// there.
     double minimum_plan_length_m = 0.0;
     bool build_fields = true;
-    bool build_trees = false;  ///< and cells, to ask what is nearest in an image
+    bool build_trees = false;  ///< and cells, to ask what is nearest in an image, or far away on the floor
   };
 
   /// @param map expanded to edges (no widths).
@@ -94,7 +94,8 @@ class MapIndex {
                                                double direction_rad) const {
     return nearestBruteForce(question(label, p, direction_rad));
   }
-  /// Distance without truncation: by the field where it reaches, else over all segments.
+  /// Distance without truncation: by the field where it reaches, else by the cells (without: over all
+  /// segments).
   /// @param label one that floorLabelId gave.
   double distance(int label, const Eigen::Vector2d& p) const;
 
