@@ -229,6 +229,76 @@ TEST(JointAlignment, KnowsLinesByTheirNames) {
   EXPECT_FALSE(joint.knows(99 + 2 * JointAlignment::kMostLines));
 }
 
+/// A line that lies across the view.
+FloorSegment across(double x, double slope) {
+  FloorSegment seen;
+  seen.odom = {{x, -0.5}, {x + slope, 0.5}};
+  seen.P_a = seen.P_b = 1e-4 * x * Eigen::Matrix2d::Identity();
+  return seen;
+}
+
+TEST(JointAlignment, ForgetsALineAndNothingOfTheOthers) {
+  JointAlignment joint{LeanParams{}};
+  const LeaningView view(cameraPose(mount(), 0.0, -0.3), 0.0);
+  joint.solve({0.0, 0.0}, {}, std::nullopt, {}, {});
+  for (int id = 1; id <= 5; ++id) {
+    joint.begin(static_cast<std::uint64_t>(id), across(0.5 + 0.3 * id, 0.1 * id), view, 1.0, 0.0);
+  }
+  const auto variance = [&](std::uint64_t id) {
+    return joint.placeVariance(id, Eigen::Vector2d{1.0, -0.2}.normalized(), {1.5, 0.4});
+  };
+  const double first = variance(1);
+  const double fourth = variance(4);
+  const double last = variance(5);
+  EXPECT_NE(first, fourth);
+  joint.forget(2);
+  joint.keepIf([](std::uint64_t id) { return id != 3; });
+  EXPECT_EQ(variance(1), first);
+  EXPECT_EQ(variance(4), fourth);
+  EXPECT_EQ(variance(5), last);
+  joint.forget(5);
+  EXPECT_EQ(variance(4), fourth);
+  EXPECT_EQ(variance(5), 0.0) << "it is unknown";
+}
+
+TEST(JointAlignment, LooksWithoutLearning) {
+  JointAlignment joint{LeanParams{}};
+  const LeaningView view(cameraPose(mount(), 0.0, -0.3), 0.0);
+  const JointAlignment::Params params;
+  joint.solve({0.0, 0.0}, {}, std::nullopt, {}, params);
+  joint.begin(1, across(1.0, 0.0), view, 1.0, 0.0);
+  joint.begin(2, across(2.0, 0.1), view, 1.0, 0.0);
+  joint.travel({}, {0.1, 0.0, 0.2}, params);
+  const Eigen::Vector2d robot{0.1, 0.0};
+  std::vector<JointResidual> residuals(2);
+  residuals[0].line = 1;
+  residuals[1].line = 2;
+  for (JointResidual& residual : residuals) {
+    residual.common.p = {1.0, 0.3};
+    residual.common.residual_m = 0.01;
+    residual.common.variance_m2 = 1e-4;
+    residual.common.d_lean = {0.1, 1.0, 0.2, 0.9};
+    residual.common.d_sway = {0.1, 1.0};
+  }
+  const std::vector<LineDirection> directions{{1, 1.55}};
+  const double before = joint.placeVariance(1, Eigen::Vector2d::UnitX(), {1.0, 0.3});
+  const auto looked = joint.look(robot, residuals, 0.01, directions, params);
+  ASSERT_TRUE(looked);
+  EXPECT_GT(looked->motion.shift.norm(), 1e-4);
+  EXPECT_EQ(joint.placeVariance(1, Eigen::Vector2d::UnitX(), {1.0, 0.3}), before);
+  EXPECT_FALSE(joint.course());
+  EXPECT_EQ(joint.lean(), Lean::Zero());
+  const auto solved = joint.solve(robot, residuals, 0.01, directions, params);
+  ASSERT_TRUE(solved);
+  EXPECT_EQ(looked->motion.shift, solved->motion.shift);
+  EXPECT_EQ(looked->motion.turn_rad, solved->motion.turn_rad);
+  EXPECT_EQ(looked->lean, solved->lean);
+  EXPECT_EQ(looked->sway, solved->sway);
+  EXPECT_EQ(looked->P_sway, solved->P_sway);
+  EXPECT_LT(joint.placeVariance(1, Eigen::Vector2d::UnitX(), {1.0, 0.3}), before);
+  EXPECT_TRUE(joint.course());
+}
+
 TEST(SlipDetector, BelievesSeveralImagesAndNoSingleOne) {
   const SlipDetector::Params params;
   const double sigma = degToRad(2.5);

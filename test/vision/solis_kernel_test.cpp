@@ -2,10 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdlib>
 #include <cstring>
-#include <new>
 #include <opencv2/core.hpp>
 #include <random>
 #include <string>
@@ -16,33 +14,8 @@
 #include "common/vision/edge_rows.h"
 #include "common/vision/line_runs.h"
 #include "common/vision/segment_detector.h"
+#include "support/allocations.h"
 #include "vision/support/synthetic.h"
-
-namespace {
-std::atomic<long> allocations{0};
-}
-
-// Every allocation of the program is counted.
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-void* operator new[](std::size_t size) {
-  return operator new(size);
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace vismem {
 namespace {
@@ -231,9 +204,9 @@ TEST(SolisDetector, AllocatesNothingForAFrame) {
     out.reserve(1000);
     detector->detect(frames[0], out);
     ASSERT_FALSE(out.empty());
-    const long before = allocations;
+    const long before = test::allocations();
     for (const cv::Mat& frame : frames) detector->detect(frame, out);
-    EXPECT_EQ(allocations - before, 0);
+    EXPECT_EQ(test::allocations() - before, 0);
   }
 }
 

@@ -3,9 +3,8 @@
 /// robotics", 1990 (EKF-SLAM).
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <cmath>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -40,7 +39,8 @@ struct LineCorrection {
 /// As DriftAlignment, for a body that sways by more than its camera errs otherwise: lines that were seen in
 /// one image share the error of its sway, and what is compared with them later does so, too. As independent
 /// lines they would seem to tell the lean, and the heading, far better than they do. So their errors are kept
-/// with those of drift and lean in one covariance. *Single-threaded value.*
+/// with those of drift and lean in one covariance. *Single-threaded value*, `look` too: it has its workspace
+/// here. Nothing is allocated after construction.
 class JointAlignment {
  public:
   static constexpr int kMostLines = 128;  ///< beyond it the one that was unseen for longest gives way
@@ -78,7 +78,7 @@ class JointAlignment {
   /// @return the motion of the memory.
   SmallMotion slip(const Eigen::Vector2d& robot, double turn_rad, double sigma_rad);
 
-  bool knows(std::uint64_t line) const { return slotOf(line) >= 0; }
+  bool knows(std::uint64_t line) const { return state_.slotOf(line) >= 0; }
   /// A line that is seen for the first time, after the image was solved for. @param noise factor of
   /// variances.
   void begin(std::uint64_t line, const FloorSegment& observed, const LeaningView& view, double noise,
@@ -90,15 +90,15 @@ class JointAlignment {
   void forget(std::uint64_t line);
   template <typename Predicate>
   void keepIf(Predicate keep) {
-    for (std::size_t i = lines_.size(); i-- > 0;) {
-      if (!keep(lines_[i].id)) remove(static_cast<int>(i));
+    for (std::size_t i = state_.lines.size(); i-- > 0;) {
+      if (!keep(state_.lines[i].id)) remove(static_cast<int>(i));
     }
   }
 
   const Lean& lean() const { return lean_; }
-  LeanCovariance leanCovariance() const { return P_.block<4, 4>(kLean, kLean); }
+  LeanCovariance leanCovariance() const { return state_.P.block<4, 4>(kLean, kLean); }
   /// That the lines were told to have, in -45..45 degrees from the frame's axes [rad].
-  const std::optional<double>& course() const { return course_rad_; }
+  const std::optional<double>& course() const { return state_.course_rad; }
   /// Of the place of a known line at p along n, against the robot: of drift and line together [m^2].
   double placeVariance(std::uint64_t line, const Eigen::Vector2d& n, const Eigen::Vector2d& p) const;
   void reset();
@@ -110,17 +110,9 @@ class JointAlignment {
   static constexpr int kCourse = 9;
   static constexpr int kSway = 10;   ///< roll and pitch, then the shift that goes with them
   static constexpr int kLines = 14;  ///< offset and turn of each
+  static constexpr int kMostUnknowns = kLines + 2 * kMostLines;
   using Matrix = Eigen::MatrixXd;
 
-  /// What an image tells of the state, and the state it tells of.
-  struct Told {
-    Matrix H;
-    Eigen::VectorXd residual;
-    Eigen::VectorXd variance;
-    Matrix PHt;
-    Eigen::LDLT<Matrix> S;
-    Eigen::VectorXd x;
-  };
   struct Line {
     std::uint64_t id = 0;
     Eigen::Vector2d reference = Eigen::Vector2d::Zero();
@@ -128,24 +120,74 @@ class JointAlignment {
     int unseen = 0;          ///< images
   };
 
-  int slotOf(std::uint64_t line) const;
-  int size() const { return kLines + 2 * static_cast<int>(lines_.size()); }
+  /// What an image is compared with.
+  struct State {
+    State();
+    int size() const { return kLines + 2 * static_cast<int>(lines.size()); }
+    /// The covariance of what there is.
+    Eigen::Block<Matrix> known() { return P.topLeftCorner(size(), size()); }
+    int slotOf(std::uint64_t line) const;
+    void copy(const State& other);
+
+    std::vector<Line> lines;
+    Matrix P;  ///< as large as it may become; undefined beyond `size()`
+    std::optional<double> course_rad;
+    Eigen::Vector2d pivot = Eigen::Vector2d::Zero();  ///< the robot in the last image
+    Eigen::Matrix2d P_sway = Eigen::Matrix2d::Zero();
+  };
+
+  /// One coordinate that an image tells, and the few unknowns that it follows.
+  struct Row {
+    void add(int unknown, double factor);
+    template <typename Vector>
+    double dot(const Vector& v) const {
+      double sum = 0.0;
+      for (int k = 0; k < count; ++k) sum += factors[k] * v[unknowns[k]];
+      return sum;
+    }
+
+    static constexpr int kMost = 13;
+    std::array<int, kMost> unknowns{};
+    std::array<double, kMost> factors{};
+    int count = 0;
+    double residual = 0.0;
+    double variance = 0.0;
+  };
+
+  /// What an image tells of n unknowns in m rows, H, and the change x of the unknowns. The matrices are as
+  /// large as they may become; their first rows and columns count.
+  struct Told {
+    Told();
+
+    std::vector<Row> rows;
+    Matrix PHt;         ///< n x m
+    Matrix spread;      ///< H P H^T, m x m, its lower triangle
+    Matrix L;           ///< Cholesky's factor of H P H^T + R, m x m
+    Matrix LiHP;        ///< L^-1 H P, m x n
+    Eigen::VectorXd y;  ///< m
+    Eigen::VectorXd x;  ///< n
+  };
+
   void remove(int slot);
-  void beginImage(const Eigen::Vector2d& robot, const std::optional<double>& course_rad,
-                  const Params& params);
-  std::optional<Told> hear(const Eigen::Vector2d& robot, std::span<const JointResidual> residuals,
-                           std::span<const LineDirection> directions, const Params& params);
+  void beginImage(State& state, const Eigen::Vector2d& robot, const std::optional<double>& course_rad,
+                  const Params& params) const;
+  /// Sets the rows of `told_`.
+  void list(State& state, const Eigen::Vector2d& robot, std::span<const JointResidual> residuals,
+            std::span<const LineDirection> directions, const Params& params) const;
+  /// @return whether anything tells: then `told_` is filled, of LiHP only the columns of the body's sway.
+  bool hear(State& state, const Eigen::Vector2d& robot, std::span<const JointResidual> residuals,
+            std::span<const LineDirection> directions, const Params& params) const;
+  /// The covariance after what was heard.
+  void learn();
 
   LeanParams lean_params_;
   Lean lean_ = Lean::Zero();
   Eigen::Vector2d rates_ = Eigen::Vector2d::Zero();
   bool moved_ = false;
-  std::optional<double> course_rad_;
-  Eigen::Vector2d pivot_ = Eigen::Vector2d::Zero();  ///< the robot in the last image
-  Eigen::Matrix2d P_sway_ = Eigen::Matrix2d::Zero();
-  std::vector<Line> lines_;
+  State state_;
   std::vector<LineCorrection> corrections_;
-  Matrix P_;
+  mutable State trial_;  ///< of `look`
+  mutable Told told_;
 };
 
 }  // namespace vismem
