@@ -162,14 +162,11 @@ std::vector<LineGap> findLineBumps(const cv::Mat& image, const CameraIntrinsics&
     if (end + beside_px > count) break;
     double around = 0.0;
     Eigen::Vector3d beside = Eigen::Vector3d::Zero();
-    bool stands_alone = true;
     for (int k = 0; k < beside_px; ++k) {
-      stands_alone = stands_alone && height[i - 1 - k] < least && height[end + k] < least;
       around += (height[i - 1 - k] + height[end + k]) / (2.0 * beside_px);
       beside += (profiles[i - 1 - k].beside + profiles[end + k].beside) / (2.0 * beside_px);
     }
     i = end;
-    if (!stands_alone) continue;
     const Eigen::Vector3d more = profiles[top].beside - beside;
     const bool of_line = contrast.dot(more) >= params.same_colour * contrast.norm() * more.norm();
     if (!of_line || height[top] - around < params.least_height_px) continue;
