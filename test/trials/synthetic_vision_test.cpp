@@ -36,6 +36,12 @@ SegmentMap lines() {
   return map;
 }
 
+/// A post covers the middle third of the cross line at x = 2: rays with |y / x| < 0.0833 end at 1.5 m.
+std::optional<SeenSurface> floorBehindAPost(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+  if (std::abs(direction.y() / direction.x()) < 1.0 / 12.0) return SeenSurface{1.5, 0.5};
+  return openFloor(origin, direction);
+}
+
 TEST(VisiblePieces, AreTheProjectionsOfWhatIsInViewBrightSideLeft) {
   const auto pieces = visiblePieces(lines(), kIntrinsics, camera(), openFloor);
   ASSERT_EQ(pieces.size(), 2u);  // the third line lies behind
@@ -55,15 +61,9 @@ TEST(VisiblePieces, TurnSoThatTheBrighterSideIsLeft) {
 }
 
 TEST(VisiblePieces, EndWhereSomethingStandsBeforeThem) {
-  // A post covers the middle third of the cross line at x = 2: rays with |y / x| < 0.0833 end at 1.5 m.
-  const CastRay post = [](const Eigen::Vector3d& origin,
-                          const Eigen::Vector3d& direction) -> std::optional<SeenSurface> {
-    if (std::abs(direction.y() / direction.x()) < 1.0 / 12.0) return SeenSurface{1.5, 0.5};
-    return openFloor(origin, direction);
-  };
   SegmentMap cross;
   cross.segments = {lines().segments[1]};
-  const auto pieces = visiblePieces(cross, kIntrinsics, camera(), post);
+  const auto pieces = visiblePieces(cross, kIntrinsics, camera(), floorBehindAPost);
   ASSERT_EQ(pieces.size(), 2u);
   const auto whole = projectSegment(kIntrinsics, camera(), cross.segments[0].world);
   const double third = whole->length() / 3.0;
@@ -275,15 +275,9 @@ TEST(SyntheticVision, ErrorsLastAsLongAsAskedAndThoseOfTheMapInEveryRun) {
 }
 
 TEST(SyntheticVision, AnEndThatIsHiddenErrsAsHiddenEndsDo) {
-  // A post stands before the cross line's middle.
-  const CastRay post = [](const Eigen::Vector3d& origin,
-                          const Eigen::Vector3d& direction) -> std::optional<SeenSurface> {
-    if (std::abs(direction.y() / direction.x()) < 1.0 / 12.0) return SeenSurface{1.5, 0.5};
-    return openFloor(origin, direction);
-  };
   SegmentMap cross;
   cross.segments = {lines().segments[1]};
-  const VisionStatistics statistics = statisticsOf(cross, withoutMisses(), 1, 3000, post);
+  const VisionStatistics statistics = statisticsOf(cross, withoutMisses(), 1, 3000, floorBehindAPost);
   EXPECT_EQ(statistics.atHidden().count(), 6000);
   EXPECT_EQ(statistics.along(true).count(), 6000);
   EXPECT_NEAR(statistics.atHidden().quantile(0.5), kMeasuredHidden.at(0.5), 0.2);

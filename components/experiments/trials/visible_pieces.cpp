@@ -70,6 +70,16 @@ std::vector<Part> visibleParts(double length_px, double step_px, const IsVisible
   return parts;
 }
 
+/// Of a line in the image, as it runs; whose it is, how far and which side is brighter are not known yet.
+VisiblePiece pieceOf(const Segment2& px, const Part& part) {
+  VisiblePiece piece;
+  piece.px.a = px.a + part.begin * (px.b - px.a);
+  piece.px.b = px.a + part.end * (px.b - px.a);
+  piece.hidden_a = part.begin > 0.0;
+  piece.hidden_b = part.end < 1.0;
+  return piece;
+}
+
 void turnRound(VisiblePiece& piece) {
   std::swap(piece.px.a, piece.px.b);
   std::swap(piece.hidden_a, piece.hidden_b);
@@ -121,12 +131,8 @@ std::vector<VisiblePiece> visiblePieces(const SegmentMap& edges, const CameraInt
       return !seen || seen->distance_m >= range - kTolerance_m;
     };
     for (const Part& part : visibleParts(px->length(), params.step_px, isVisible)) {
-      VisiblePiece piece;
+      VisiblePiece piece = pieceOf(*px, part);
       piece.edge = static_cast<int>(i);
-      piece.px.a = px->a + part.begin * (px->b - px->a);
-      piece.px.b = px->a + part.end * (px->b - px->a);
-      piece.hidden_a = part.begin > 0.0;
-      piece.hidden_b = part.end < 1.0;
       if (piece.px.length() < params.least_px) continue;
       piece.range_m = pointShown(intrinsics, a, b, piece.px.middle()).norm();
       if (!brighterOnTheLeft(intrinsics, T_world_camera, cast, piece.px)) turnRound(piece);
@@ -180,13 +186,9 @@ std::vector<VisiblePiece> visibleOutlines(const SegmentMap& edges, const CameraI
                (left == Seen::kWall && right == Seen::kFloor);
       };
       for (const Part& part : visibleParts(px->length(), params.step_px, isOutline)) {
-        VisiblePiece piece;
+        VisiblePiece piece = pieceOf(*px, part);
         piece.edge = static_cast<int>(i);
         piece.is_outline = true;
-        piece.px.a = px->a + part.begin * (px->b - px->a);
-        piece.px.b = px->a + part.end * (px->b - px->a);
-        piece.hidden_a = part.begin > 0.0;
-        piece.hidden_b = part.end < 1.0;
         if (piece.px.length() < params.least_px) continue;
         piece.range_m = pointShown(intrinsics, a, b, piece.px.middle()).norm();
         if (!brighterOnTheLeft(intrinsics, T_world_camera, cast, piece.px)) turnRound(piece);
