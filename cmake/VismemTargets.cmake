@@ -1,4 +1,4 @@
-# How every library, program and test of the project is declared, so that they all agree.
+# Declarations of all libraries, programs and tests of the project.
 find_package(Threads REQUIRED)
 find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
@@ -27,23 +27,23 @@ function(vismem_program name)
   target_link_libraries(${name} PRIVATE ${A_LIBRARIES} project_warnings)
 endfunction()
 
-# Building tests_LABEL builds the tests of one label and nothing that they do not need.
-set(VISMEM_TEST_LABELS unit property golden contract component system faults hwkernel)
+# Target tests_LABEL: the tests of one label with their dependencies only.
+set(VISMEM_TEST_LABELS unit property golden contract component system faults hwkernel browser)
 foreach(label IN LISTS VISMEM_TEST_LABELS)
   add_custom_target(tests_${label})
 endforeach()
 
-# What sanitizers shall know in every test.
+# Options of the sanitizers in every test.
 set(sanitizer_options
   "TSAN_OPTIONS=ignore_noninstrumented_modules=1 suppressions=${PROJECT_SOURCE_DIR}/cmake/tsan.supp"
   "UBSAN_OPTIONS=print_stacktrace=1")
 
-# vismem_test(NAME LABEL unit|property|golden|contract|component|system|faults|hwkernel SOURCES file... LIBRARIES lib...
+# vismem_test(NAME LABEL unit|property|golden|contract|component|system|faults|hwkernel|browser SOURCES file... LIBRARIES lib...
 #             [TIMEOUT seconds] [PROGRAMS target...] [EMULATED_DEVICES] [SHARDS n])
-# One CTest entry per test program. TIMEOUT (default 120) tells a hang, not a busy machine. PROGRAMS are built first: tests
+# One CTest entry per test program. TIMEOUT (default 120) detects a hang, also on a busy machine. PROGRAMS are built first: tests
 # that start real processes name them.
-# EMULATED_DEVICES: it runs under umockdev, which puts its own devices in the place of the machine's.
-# SHARDS: its tests run in so many processes at once, because they wait more than they work.
+# EMULATED_DEVICES: it runs under umockdev, which replaces the machine's devices by its own.
+# SHARDS: number of parallel processes for its tests, for tests that wait most of the time.
 # VISMEM_SOURCE_DIR and VISMEM_BIN_DIR are defined for tests that need test/data, cfg/ or the programs.
 function(vismem_test name)
   cmake_parse_arguments(A "EMULATED_DEVICES" "LABEL;TIMEOUT;SHARDS" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
@@ -79,7 +79,7 @@ function(vismem_test name)
   set_tests_properties(${name} PROPERTIES LABELS "${A_LABEL}" TIMEOUT ${A_TIMEOUT}
                        ENVIRONMENT "${sanitizer_options}")
   if(A_EMULATED_DEVICES)
-    # What umockdev preloads comes before the runtime of the address sanitizer, which is no harm.
+    # umockdev's library is loaded before the runtime of the address sanitizer, which is harmless.
     set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT "ASAN_OPTIONS=verify_asan_link_order=0")
   endif()
 endfunction()
@@ -104,7 +104,7 @@ endfunction()
 # vismem_fuzzer(NAME SOURCES file... LIBRARIES lib...)
 # A libFuzzer target (its sources define LLVMFuzzerTestOneInput). Under the preset `fuzz` it is the program
 # behind `scripts/fuzz NAME`; in every other build it is a unit test that runs the target over its seeds,
-# test/fuzz/seeds/NAME/, so that a crash once found stays fixed.
+# test/fuzz/seeds/NAME/, as a regression test of earlier crashes.
 function(vismem_fuzzer name)
   cmake_parse_arguments(A "" "" "SOURCES;LIBRARIES" ${ARGN})
   set(target fuzz_${name})

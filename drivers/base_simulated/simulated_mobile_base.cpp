@@ -13,7 +13,7 @@ namespace {
 
 constexpr char kStopped[] = "the simulated base is stopped";
 constexpr char kNotStarted[] = "the simulated base is not started";
-/// stop() looks this often whether the base stands already.
+/// Period at which stop() checks whether the base stands.
 constexpr std::chrono::milliseconds kLook{5};
 
 }  // namespace

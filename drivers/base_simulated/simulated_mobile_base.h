@@ -1,5 +1,5 @@
-/// @file A mobile base that exists in this process only: a simulated differential drive that moves in real
-/// time on an empty floor.
+/// @file A mobile base without hardware: a simulated differential drive that moves in real time on an empty
+/// floor.
 #pragma once
 
 #include <chrono>
@@ -16,9 +16,9 @@
 namespace vismem {
 
 /// Speeds within limits of speed and acceleration, a watchdog that brakes, wheel odometry with its errors. A
-/// thread gives samples with stamps of CLOCK_REALTIME; the motion follows the steady clock, so it is right
-/// however late the thread is. It begins at the origin of odom and keeps its pose from stop() to start().
-/// *Thread-safe*.
+/// thread delivers samples with stamps of CLOCK_REALTIME. The motion follows the steady clock and does not
+/// depend on delays of the thread. The base begins at the origin of odom and keeps its pose from stop() to
+/// start(). *Thread-safe*.
 class SimulatedMobileBase : public MobileBase {
  public:
   struct Params {
@@ -35,7 +35,7 @@ class SimulatedMobileBase : public MobileBase {
   PortReply start() override;
   PortReply setVelocity(double v_mps, double w_radps) override;
   SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override;
-  /// Brakes as the watchdog does and returns when it stands; the last sample says so.
+  /// Brakes as the watchdog does and returns when it stands; the last sample has speed 0.
   void stop() override;
 
  private:
@@ -43,7 +43,7 @@ class SimulatedMobileBase : public MobileBase {
 
   void round();
   void moveLocked();
-  /// Up to when it has moved, as the base counts time.
+  /// Time up to which the base has moved, in its own clock.
   StampUs nowLocked_us() const;
   void giveSampleLocked();
 
@@ -54,10 +54,10 @@ class SimulatedMobileBase : public MobileBase {
   const Clock::time_point made_ = Clock::now();
   Clock::time_point moved_until_ = made_;
   bool running_ = false;
-  bool braking_ = false;  ///< for stop(): takes no command any more
+  bool braking_ = false;  ///< for stop(): accepts no more commands
   std::uint64_t samples_given_ = 0;
   SampleBuffer<OdometrySample> samples_;
-  PeriodicThread thread_;  ///< last: ends before the rest goes
+  PeriodicThread thread_;  ///< last member: joined before the others are destroyed
 };
 
 /// Reads Rate_hz, Seed, and the keys of readBaseParams and (group Odometry) readOdometryErrorParams. Problems

@@ -12,7 +12,7 @@
 namespace vismem {
 namespace {
 
-/// Messages must not grow without bound while nobody takes a frame.
+/// Maximum length of a message of losses while no frame is taken.
 constexpr std::size_t kMaxLostText = 500;
 
 void append(std::string& text, const std::string& more) {
@@ -129,7 +129,7 @@ bool FileCamera::Session::awaitDue(const Picture& picture, const std::stop_token
   if (own_pace_ && picture.own_us && last_own_us_)
     step_us = std::max<StampUs>(1, *picture.own_us - *last_own_us_);
   if (own_pace_ && picture.own_us) last_own_us_ = picture.own_us;
-  // The first of all comes at once. A thread that was held up goes on from now: it does not hurry after.
+  // The first image is due at once. A delayed thread continues from now, without catching up.
   due_ = due_ == Clock::time_point{} ? now : std::max(due_ + std::chrono::microseconds(step_us), now);
   ++in_pass_;
   return pauseUntil(due_, stop);
@@ -151,7 +151,7 @@ void FileCamera::Session::deliver(Picture picture) {
   known_.height = frame->intrinsics.height;
   known_.rate_hz = rate_hz_;
   frame_ = std::move(frame);
-  // After a frame that nobody took, its losses are told with this one.
+  // The losses of a frame that was not taken are reported with this one.
   if (!losing_.empty()) append(lost_, std::exchange(losing_, {}));
   why_.clear();
   changed_.notify_all();
@@ -160,7 +160,7 @@ void FileCamera::Session::deliver(Picture picture) {
 std::optional<Frame> FileCamera::Session::frameOf(Picture& picture, std::string& problem) {
   const cv::Size own(picture.width(), picture.height());
   if (size_.empty()) size_ = fittingSize(own, {request_.width, request_.height});
-  // The same shape within half a pixel of rounding and a per cent of what cameras call the same.
+  // The same aspect ratio within half a pixel of rounding and 1 %.
   const double stretch =
       static_cast<double>(own.width) * size_.height / (static_cast<double>(own.height) * size_.width);
   if (std::abs(stretch - 1.0) > 0.01 + 0.5 / std::min(size_.width, size_.height)) {
@@ -195,11 +195,11 @@ StampUs FileCamera::Session::stampOf(const Picture& picture) {
   const StampUs last_us = reached_.stamp_us;
   if (params_.stamps == Stamps::kHost || source_->isLive()) {
     const StampUs now_us = hostClock_us();
-    // A clock that was set back a little is outwaited; one that was set back far begins a new epoch.
+    // A small setback of the clock is waited for; a large one begins a new epoch.
     return now_us <= last_us && last_us - now_us < kSecondUs ? last_us + 1 : now_us;
   }
   const StampUs own_us = picture.own_us ? *picture.own_us : (in_pass_ - 1) * period_us();
-  // A new pass, or a session after another, goes on where the last one ended.
+  // A new pass or session continues at the end of the last one.
   if (reached_.seq > 0 && own_us + own_offset_us_ <= last_us) own_offset_us_ = last_us + period_us() - own_us;
   return own_us + own_offset_us_;
 }
@@ -214,7 +214,7 @@ void FileCamera::Session::away(const std::string& why, const std::stop_token& st
     why_ = why;
   }
   due_ = {};
-  size_ = {};  // what comes back may be another
+  size_ = {};  // a source that returns may have another size
   pauseUntil(Clock::now() + pause_, stop);
   pause_ = std::min(2 * pause_, params_.longest_pause);
 }

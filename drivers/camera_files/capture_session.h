@@ -1,4 +1,4 @@
-/// @file One run of a file camera, from start() to stop(): the thread that reads and the frame it holds.
+/// @file One session of a file camera, from start() to stop(): its reading thread and the newest frame.
 #pragma once
 
 #include <atomic>
@@ -28,7 +28,7 @@ class FileCamera::Session {
   FrameResult next(std::chrono::milliseconds timeout);
   void stop();
   bool hasEnded() const { return ended_; }
-  /// Size and rate as far as they are known.
+  /// Known size and rate.
   FrameCapabilities known() const;
   Begin reached() const;
 
@@ -36,9 +36,11 @@ class FileCamera::Session {
   using Clock = std::chrono::steady_clock;
 
   void run(const std::stop_token& stop);
-  /// One pass through the source. @return false if the camera is at its end.
+  /// One pass through the source.
+  /// @return false if the camera is at its end.
   bool playOnce(const std::stop_token& stop);
-  /// Holds the thread until the picture is due. @return false if told to stop.
+  /// Waits until the image is due.
+  /// @return false after a stop request.
   bool awaitDue(const Picture& picture, const std::stop_token& stop);
   void deliver(Picture picture);
   std::optional<Frame> frameOf(Picture& picture, std::string& problem);
@@ -46,7 +48,7 @@ class FileCamera::Session {
   StampUs period_us() const;
   void lose(const std::string& what);
   void away(const std::string& why, const std::stop_token& stop);
-  /// @return false if told to stop.
+  /// @return false after a stop request.
   bool pauseUntil(Clock::time_point until, const std::stop_token& stop);
 
   const std::unique_ptr<PictureSource> source_;
@@ -57,7 +59,7 @@ class FileCamera::Session {
   // Of the thread.
   cv::Size size_;  ///< of all frames; empty before the first picture
   std::chrono::milliseconds pause_;
-  double rate_hz_ = 0.0;  ///< the pace where the source has none of its own
+  double rate_hz_ = 0.0;  ///< rate for a source without a rate of its own
   bool own_pace_ = false;
   std::int64_t in_pass_ = 0;  ///< pictures so far
   Clock::time_point due_;     ///< of the last picture
@@ -69,8 +71,8 @@ class FileCamera::Session {
   std::condition_variable_any wake_;  ///< the thread's pauses
   std::condition_variable changed_;   ///< for the consumer
   std::optional<Frame> frame_;        ///< the newest, not yet taken
-  std::string lost_;                  ///< what was lost before it
-  std::string why_;                   ///< nothing comes; empty: all is well
+  std::string lost_;                  ///< losses before it
+  std::string why_;                   ///< reason why there are no frames; empty: none
   bool finished_ = false;
   bool stopped_ = false;
   FrameCapabilities known_;

@@ -20,7 +20,7 @@ struct Look {
   double own_rate_hz = 0.0;
 };
 
-/// Of the first picture that can be read; empty if there is none yet.
+/// Size and rate of the first readable image; empty if there is none yet.
 Look lookAt(PictureSource& source) {
   Look look;
   if (!source.open().empty()) return look;
@@ -54,7 +54,7 @@ bool isVideoName(const std::filesystem::path& file) {
   return kEndings.contains(ending);
 }
 
-/// What is not there yet is told by its name: without an ending it will be a folder.
+/// The kind of an absent source follows from its name: a name without an ending is a folder.
 std::unique_ptr<PictureSource> openerOf(const std::string& source, const NetworkStream::Timeouts& timeouts) {
   if (isAddress(source)) return std::make_unique<NetworkStream>(source, timeouts);
   const std::filesystem::path path = source;
@@ -72,7 +72,7 @@ cv::Size fittingSize(cv::Size own, cv::Size asked) {
   if (asked.width <= 0 && asked.height <= 0) return own;
   const double across = asked.width > 0 ? static_cast<double>(asked.width) / own.width : 1e9;
   const double down = asked.height > 0 ? static_cast<double>(asked.height) / own.height : 1e9;
-  // What rounds to the size asked for is that size.
+  // A size that rounds to the requested one becomes the requested one.
   if (std::abs(across / down - 1.0) < 0.01) return asked;
   const double scale = std::min(across, down);
   const auto scaled = [scale](int side) { return std::max(1, static_cast<int>(std::lround(side * scale))); };
@@ -109,7 +109,7 @@ PortReply FileCamera::configure(const FrameRequest& request) {
   }
   std::vector<std::string> changes;
   Look look;
-  // A stream may take its time to open: what it gives shows when it runs.
+  // A stream may open slowly: its size and rate are known only while it runs.
   if (!live_) look = lookAt(*make_source_());
   const bool size_asked = request.width > 0 || request.height > 0;
   cv::Size size;

@@ -1,4 +1,4 @@
-/// @file A camera whose pictures are files or a stream. SPEC C1.
+/// @file A camera with images from files or a stream. See C1.
 #pragma once
 
 #include <chrono>
@@ -15,16 +15,16 @@
 
 namespace vismem {
 
-/// Gives the pictures of a source at their pace, the newest if the consumer is slow, as a camera does. One
-/// thread of its own reads; it is there from start() to stop(). What is not there yet, or goes away, is
-/// waited for; a picture that cannot be read is named in the message of the next frame and passed over.
+/// Delivers the images of a source at their rate, the newest to a slow consumer, as a camera does. A thread
+/// of its own reads from start() to stop(). It waits for an absent source. An unreadable image is skipped and
+/// named in the message of the next frame.
 ///
-/// Stamps: of kHost the host's CLOCK_REALTIME when a picture fell due or arrived; of kOwn the source's time
-/// line (stamp file, position in a video, else number over rate from 0), which goes on over a loop. Streams
-/// have kHost only.
-/// Size: pictures are scaled to the size asked for if their shape allows, else to the largest of their shape
-/// inside it ("adjusted"). All of a session have one size: others are scaled if of the same shape, else lost.
-/// Lens: unknown; frames carry the nominal one of kNominalView_deg until somebody knows better.
+/// Stamps of kHost: the host's CLOCK_REALTIME when an image was due or arrived. Stamps of kOwn: the source's
+/// time line (stamp file, position in a video, else number over rate from 0), which continues over a loop.
+/// Streams have kHost only. Size: images are scaled to the requested size if the aspect ratio fits, else to
+/// the largest size of their own aspect ratio inside it ("adjusted"). All images of a session have one size:
+/// others are scaled if of the same aspect ratio, else lost. Lens: unknown; frames carry a nominal field of
+/// view of kNominalView_deg until a calibration replaces it.
 ///
 /// *Thread-safe*: one consumer, and stop() from any thread ends its wait. The destructor waits for a stream
 /// that is being opened or read: its time-outs at most.
@@ -34,9 +34,9 @@ class FileCamera : public FrameSource {
   struct Params {
     Stamps stamps = Stamps::kHost;
     bool loop = true;
-    /// Of pictures without a time line of their own, unless a rate is asked for.
+    /// Rate of images without a time line of their own, unless a rate is requested [Hz].
     double default_rate_hz = 10.0;
-    /// Between two tries to open what is away; doubles with every failure.
+    /// Pause between attempts to open an absent source; doubles with every failure.
     std::chrono::milliseconds first_pause{100};
     std::chrono::milliseconds longest_pause{1000};
   };
@@ -51,12 +51,12 @@ class FileCamera : public FrameSource {
 
   /// Size and rate are 0 until they are known.
   FrameCapabilities capabilities() const override;
-  /// Looks at the first picture of files, to answer truly. Rejected while running.
+  /// Reads the first image of files for its size. Rejected while running.
   PortReply configure(const FrameRequest& request) override;
-  /// Accepted also when there is nothing yet.
+  /// Accepted also for an absent source.
   PortReply start() override;
   FrameResult next(std::chrono::milliseconds timeout) override;
-  /// Returns at once; a stream that is just being opened or read is left to its time-outs.
+  /// Returns at once; a stream that is being opened or read ends after its time-outs.
   void stop() override;
 
  private:
@@ -76,7 +76,7 @@ class FileCamera : public FrameSource {
   StampUs last_stamp_us_ = 0;
 };
 
-/// The size of pictures of one size when another is asked for; sides of 0 are left open.
+/// The size for a request of another size; sides of 0 are free.
 cv::Size fittingSize(cv::Size own, cv::Size asked);
 
 /// The driver "files": keys Source (folder, image, video, or an address such as rtsp://...), Loop, Stamps

@@ -96,7 +96,7 @@ std::string ImageFolder::open() {
     std::error_code ignored;
     if (it->is_regular_file(ignored)) entries_.push_back({file, std::nullopt});
   }
-  // It may go between the two looks at it.
+  // It may disappear between the two checks.
   if (error == std::errc::no_such_file_or_directory) return missing;
   if (error) return path_.string() + ": " + error.message();
   std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
@@ -136,7 +136,7 @@ PictureResult ImageFolder::read() {
     }
     return result;
   }
-  // Beginning again at once would go round without end.
+  // A restart without any readable image would be an endless loop.
   if (read_ == 0) return PictureResult::away(path_.string() + ": none of its images can be read");
   return PictureResult::end();
 }

@@ -9,18 +9,19 @@
 
 namespace vismem {
 
-/// Whether the name ends as an image's: .jpg .jpeg .png .bmp .pgm .ppm .pnm .tif .tiff .webp, in any case.
+/// Whether the name has the ending of an image: .jpg .jpeg .png .bmp .pgm .ppm .pnm .tif .tiff .webp, in any
+/// case.
 bool isImageName(const std::filesystem::path& file);
 
-/// A folder's images, hidden files and subfolders left out. If it holds `stamps.txt`, that says which images
-/// there are, in which order, and when each was taken: lines "SECONDS FILE" (as TUM's rgb.txt), '#' begins a
-/// comment, stamps rise. A file instead of a folder is one image.
+/// A folder's images, hidden files and subfolders left out. If it holds `stamps.txt`, that file lists the
+/// images in their order with their stamps: lines "SECONDS FILE" (as TUM's rgb.txt), '#' begins a comment,
+/// stamps increase. A file instead of a folder is one image.
 class ImageFolder : public PictureSource {
  public:
   explicit ImageFolder(std::filesystem::path path) : path_(std::move(path)) {}
 
   std::string name() const override;
-  /// Looks at the folder anew: images may have come or gone.
+  /// Lists the folder again, because images may have been added or removed.
   std::string open() override;
   PictureResult read() override;
   void close() override { entries_.clear(); }
@@ -36,7 +37,7 @@ class ImageFolder : public PictureSource {
   const std::filesystem::path path_;
   std::vector<Entry> entries_;
   std::size_t next_ = 0;
-  std::size_t read_ = 0;  ///< of this pass, those that could be read
+  std::size_t read_ = 0;  ///< readable images of this pass
 };
 
 }  // namespace vismem

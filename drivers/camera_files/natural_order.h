@@ -1,4 +1,4 @@
-/// @file The order of file names that people expect. Pure.
+/// @file Natural order of file names. Pure.
 #pragma once
 
 #include <string_view>

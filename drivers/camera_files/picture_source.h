@@ -1,4 +1,4 @@
-/// @file Where a file camera takes its pictures from, one after the other: a folder, a video, a stream.
+/// @file The source of a file camera's images: a folder, a video, a stream.
 #pragma once
 
 #include <memory>
@@ -23,8 +23,8 @@ struct Picture {
 struct PictureResult {
   enum class Kind {
     kPicture,
-    kLost,  ///< this one cannot be had, the next may; `message` names it and says why
-    kAway,  ///< nothing can be had for now; close and open again later
+    kLost,  ///< this image is unreadable, the next may be readable; `message` has its name and the reason
+    kAway,  ///< no images for now; close and open again later
     kEnd,   ///< of a pass; open again for the next
   };
   Kind kind = Kind::kAway;
@@ -36,16 +36,17 @@ struct PictureResult {
   static PictureResult end() { return {Kind::kEnd, {}, {}}; }
 };
 
-/// Blocking; never throws. *Single-threaded* (owner: the thread of a file camera, or whoever looks at a first
-/// picture before that begins).
+/// Blocking; never throws. *Single-threaded* (owner: the thread of a file camera, or the reader of a first
+/// image before that thread starts).
 class PictureSource {
  public:
   virtual ~PictureSource() = default;
   /// For people: "image folder data/walk".
   virtual std::string name() const = 0;
-  /// Pictures come when they come, and stamps are those of their arrival: no pace is kept, there is no end.
+  /// Images are delivered at their arrival, which is their stamp: the source has no rate and no end.
   virtual bool isLive() const { return false; }
-  /// At the beginning. @return why it cannot be had now; empty if it can.
+  /// Opens the source at its beginning.
+  /// @return the reason of a failure; empty without one.
   virtual std::string open() = 0;
   virtual PictureResult read() = 0;
   virtual void close() = 0;

@@ -9,8 +9,8 @@
 namespace vismem {
 namespace {
 
-/// FFmpeg writes about every failure to stderr, several lines a try; what matters comes back as a reason. Who
-/// wants them all sets the variable. Must come before OpenCV opens its first video.
+/// FFmpeg writes several lines about every failed attempt to stderr; the reason is returned anyway. Setting
+/// the variable shows all lines. To be called before OpenCV opens its first video.
 void quietFfmpeg() {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -19,7 +19,7 @@ void quietFfmpeg() {
   });
 }
 
-/// What OpenCV says of a video's rate may be nonsense.
+/// OpenCV may report an implausible rate of a video.
 double plausibleRate(double rate_hz) {
   return std::isfinite(rate_hz) && rate_hz > 0.01 && rate_hz <= 1000.0 ? rate_hz : 0.0;
 }
@@ -67,7 +67,7 @@ PictureResult VideoFile::read() {
   } catch (const cv::Exception& failure) {
     return PictureResult::away(path_.string() + ": " + failure.err);
   }
-  // The position of this picture; some formats do not know it, and then the rate has to do.
+  // The position of this image; formats without positions use the rate.
   StampUs own_us = static_cast<StampUs>(std::llround(capture_.get(cv::CAP_PROP_POS_MSEC) * 1e3));
   if (last_us_ && own_us <= *last_us_) {
     own_us = *last_us_ + (rate_hz_ > 0.0 ? toStampUs(1.0 / rate_hz_) : 1);

@@ -27,7 +27,8 @@ class VideoFile : public PictureSource {
   std::optional<StampUs> last_us_;
 };
 
-/// rtsp://, http:// and what else FFmpeg knows. A request that is not answered in time counts as away.
+/// Streams of rtsp://, http:// and other protocols of FFmpeg. A server without an answer in time counts as
+/// away.
 class NetworkStream : public PictureSource {
  public:
   struct Timeouts {
@@ -37,10 +38,10 @@ class NetworkStream : public PictureSource {
 
   NetworkStream(std::string url, const Timeouts& timeouts) : url_(std::move(url)), timeouts_(timeouts) {}
 
-  /// Without user name and password, which an address may carry.
+  /// The address without user name and password.
   std::string name() const override;
   bool isLive() const override { return true; }
-  /// Waits up to open_s, and for the name service as long as that takes.
+  /// Waits up to open_s, and for the name service without a limit.
   std::string open() override;
   /// Waits up to read_s.
   PictureResult read() override;

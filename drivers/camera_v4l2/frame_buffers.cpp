@@ -9,7 +9,7 @@
 namespace vismem::v4l2 {
 namespace {
 
-/// One being filled, one filled, and two for a thread that was held up.
+/// One being filled, one filled, and two for delays of the thread.
 constexpr unsigned kBuffers = 4;
 
 v4l2_buffer bufferOf(unsigned index) {
@@ -23,7 +23,7 @@ v4l2_buffer bufferOf(unsigned index) {
 }  // namespace
 
 std::string FrameBuffers::lost(const std::string& what, int error) const {
-  // A camera that was pulled out answers ENODEV, or EINVAL or EIO while its buffers are being taken away.
+  // An unplugged camera answers ENODEV, or EINVAL or EIO while its buffers are being removed.
   return device_.isThere() ? device_.failed(what, error) : device_.failed("was unplugged");
 }
 
@@ -48,7 +48,7 @@ std::string FrameBuffers::begin() {
   }
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   const int error = device_.request(VIDIOC_STREAMON, &type);
-  // USB has a bandwidth that cameras share, and this is how the kernel says that it is used up.
+  // Cameras share the bandwidth of the USB bus; the kernel reports with ENOSPC that it is exhausted.
   if (error == ENOSPC) return device_.failed("the USB bus has no bandwidth left for this size and rate");
   return error == 0 ? std::string() : lost("does not begin to stream", error);
 }

@@ -17,7 +17,7 @@ class FrameBuffers {
   struct Filled {
     unsigned index = 0;
     std::span<const std::uint8_t> bytes;
-    std::uint32_t sequence = 0;     ///< of the camera; gaps are pictures that nobody took
+    std::uint32_t sequence = 0;     ///< of the camera; gaps are images that were not read in time
     std::int64_t monotonic_us = 0;  ///< by CLOCK_MONOTONIC; 0 if the kernel's stamp is of no known clock
     bool damaged = false;
   };
@@ -28,10 +28,11 @@ class FrameBuffers {
   FrameBuffers(const FrameBuffers&) = delete;
   FrameBuffers& operator=(const FrameBuffers&) = delete;
 
-  /// @return empty, or why not.
+  /// @return empty, or the reason of the failure.
   std::string begin();
   void end();
-  /// The oldest filled buffer, to be given back. kLost: `why` says that the stream has ended.
+  /// The oldest filled buffer, to be returned to the camera. kLost: the stream has ended, with the reason in
+  /// `why`.
   Taken take(Filled& filled, std::string& why);
   std::string giveBack(const Filled& filled);
 

@@ -36,7 +36,7 @@ std::optional<std::size_t> walkHeader(const std::vector<std::uint8_t>& bytes, Vi
   return std::nullopt;
 }
 
-/// The standard's tables as segments: those with which an encoder writes that does not choose its own.
+/// The standard Huffman tables as segments, which encoders without tables of their own use.
 const std::vector<std::uint8_t>& standardTables() {
   static const std::vector<std::uint8_t> tables = [] {
     const std::vector<std::uint8_t> file = encodeJpeg(cv::Mat::zeros(16, 16, CV_8UC3), 90);

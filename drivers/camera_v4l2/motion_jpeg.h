@@ -1,4 +1,4 @@
-/// @file What cameras call JPEG, made into files that every reader of JPEG takes. Pure.
+/// @file Conversion of motion JPEG into standard JPEG files. Pure.
 #pragma once
 
 #include <cstdint>
@@ -6,9 +6,8 @@
 
 namespace vismem::v4l2 {
 
-/// Cuts off what a camera left in its buffer behind the picture, and puts in the Huffman tables of the
-/// standard (ITU T.81 annex K) where the camera left them out, as those of motion JPEG may. A picture that is
-/// a whole file stays byte for byte as it is; so does what is none.
+/// Removes bytes behind the image in a camera's buffer. Inserts the standard Huffman tables (ITU T.81 annex
+/// K) that motion JPEG may omit. Complete files, and bytes that are no JPEG, remain unchanged.
 void completeJpeg(std::vector<std::uint8_t>& bytes);
 
 }  // namespace vismem::v4l2

@@ -8,7 +8,7 @@
 namespace vismem::v4l2 {
 namespace {
 
-/// More than any camera has; a device that never ends its lists must not hold us up.
+/// Above the number of entries of any camera; bounds the endless lists of a faulty device.
 constexpr unsigned kMostEntries = 256;
 
 Mode withRates(const V4l2Device& device, Mode mode) {
@@ -72,7 +72,7 @@ std::string listed(const std::vector<std::string>& names) {
   return text.empty() ? "none" : text;
 }
 
-/// @return the rate that it has then [Hz]; 0 if it does not tell.
+/// @return the resulting rate [Hz]; 0 if the camera does not report it.
 double setRate(const V4l2Device& device, const Interval& interval) {
   v4l2_streamparm parameters{};
   parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;

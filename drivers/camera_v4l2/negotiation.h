@@ -1,4 +1,4 @@
-/// @file Agrees with a camera on format, size and rate.
+/// @file Negotiation of format, size and rate with a camera.
 #pragma once
 
 #include <string>
@@ -12,20 +12,21 @@
 namespace vismem::v4l2 {
 
 struct Agreement {
-  /// Rejected: the camera can never give what is asked. Otherwise accepted or adjusted, unless `away`.
+  /// Rejected: the camera does not support the request. Otherwise accepted or adjusted, unless `away`.
   PortReply reply;
-  /// Why nothing could be agreed on now, but may be later; then nothing else is set.
+  /// Reason of a temporary failure; then nothing else is set.
   std::string away;
   PictureLayout layout;
-  double rate_hz = 0.0;  ///< 0: the camera does not tell
+  double rate_hz = 0.0;  ///< 0: not reported by the camera
 };
 
-/// Sets the open device to the mode that comes nearest to the request, and reads back what became of it.
-/// @param format the only one to be taken; nullptr: whichever does best.
+/// Sets the open device to the mode nearest to the request, and reads the result back.
+/// @param format the only accepted format; nullptr: the best one.
 Agreement negotiate(const V4l2Device& device, const FrameRequest& request, const PixelFormat* format);
 
-/// What the device offers of the formats that we read; sizes in steps appear once, as near to the request as
-/// they come. @param others gets the names of formats that we do not read.
+/// The modes of the device in supported formats; sizes in steps appear once, as near to the request as they
+/// come.
+/// @param others gets the names of formats that we do not read.
 std::vector<Mode> offeredModes(const V4l2Device& device, const FrameRequest& request,
                                std::vector<std::string>& others);
 

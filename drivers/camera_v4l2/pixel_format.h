@@ -1,4 +1,4 @@
-/// @file The pixel formats of V4L2 that we read, and a buffer of one as a picture. Pure.
+/// @file The supported pixel formats of V4L2, and the conversion of a buffer into an image. Pure.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +18,14 @@ struct PixelFormat {
   bool swaps_red_and_blue = false;
 };
 
-/// Colour before grey, raw before compressed: of formats that do equally well the first is taken.
+/// Colour before grey, raw before compressed: of equally good formats the first is selected.
 std::span<const PixelFormat> pixelFormats();
-/// @return nullptr for one that we do not read.
+/// @return nullptr for an unsupported format.
 const PixelFormat* formatOf(std::uint32_t fourcc);
 /// "YUYV" for 0x56595559, for people.
 std::string fourccText(std::uint32_t fourcc);
 
-/// How the pictures of a running camera lie in its buffers.
+/// Layout of a running camera's images in its buffers.
 struct PictureLayout {
   PixelFormat format;
   int width = 0;   ///< [px]
@@ -33,9 +33,9 @@ struct PictureLayout {
   int stride = 0;  ///< from row to row [bytes]; 0: without a gap
 };
 
-/// A copy of a buffer's bytes as a picture that anyone can read: BGR becomes RGB, a motion JPEG a whole JPEG
-/// file (motion_jpeg.h); all else is byte for byte as captured.
-/// @param problem what is wrong with a picture that is not whole: "has 100 bytes of 614400".
+/// A copy of a buffer as an image in a standard format: BGR becomes RGB, motion JPEG a complete JPEG file
+/// (motion_jpeg.h). Other formats remain unchanged.
+/// @param problem the defect of an incomplete image: "has 100 bytes of 614400".
 /// @return nullptr then.
 std::shared_ptr<const NativeImage> pictureOf(const PictureLayout& layout, std::span<const std::uint8_t> bytes,
                                              std::string& problem);

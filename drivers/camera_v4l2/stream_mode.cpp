@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kSameRate_hz = 1e-6;
 
-/// How far sizes are apart, in factors.
+/// Distance of two sizes, as a ratio.
 double distance(double is, double asked) {
   return asked > 0.0 ? std::abs(std::log(is / asked)) : 0.0;
 }
@@ -47,11 +47,11 @@ Choice chooseMode(const std::vector<Mode>& modes, const FrameRequest& request) {
            formats.begin();
   };
   const auto cost = [&](const Mode& mode) {
-    // Where one side was left open the shape is the camera's usual one.
+    // With one side free, the aspect ratio is the camera's usual one.
     const double shape = width == 0 || height == 0 ? distance(mode.width * 3.0, mode.height * 4.0) : 0.0;
     const double size = distance(mode.width, width) + distance(mode.height, height);
     const Interval interval = nearestInterval(mode, rate_hz);
-    // A camera that does not tell its rates is trusted to reach them.
+    // A camera that does not report its rates is assumed to reach them.
     const double slow =
         interval.numerator == 0 ? 0.0 : std::max(0.0, rate_hz - interval.rate_hz() - kSameRate_hz);
     const double fast =

@@ -1,4 +1,4 @@
-/// @file Which of the modes that a camera offers comes nearest to what is asked. Pure.
+/// @file Selection of the camera mode nearest to a request. Pure.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace vismem::v4l2 {
 
-/// Seconds from picture to picture as a fraction, which is how devices have it.
+/// Period of the images as a fraction, as devices report it [s].
 struct Interval {
   std::uint32_t numerator = 0;  ///< 0: unknown
   std::uint32_t denominator = 0;
@@ -20,7 +20,7 @@ struct Interval {
   }
 };
 
-/// One format and size with its rates: single ones, all between two, or neither if the camera does not tell.
+/// One format and size with its rates: single ones, an interval, or none if the camera does not report them.
 struct Mode {
   PixelFormat format;
   int width = 0;
@@ -32,23 +32,23 @@ struct Mode {
 
 struct Choice {
   Mode mode;
-  Interval interval;  ///< unknown (0) if the camera does not tell its rates and none was asked for
+  Interval interval;  ///< unknown (0) if the camera does not report its rates and none was requested
 };
 
-/// Taken where a request leaves it open.
+/// Size for a request without one.
 constexpr int kUsualWidth_px = 640;
 constexpr int kUsualHeight_px = 480;
 constexpr double kUsualRate_hz = 30.0;
 
-/// The nearest size; of formats that have it, one that reaches the rate, the first of pixelFormats(). So
-/// raw pictures are taken unless only compressed ones come fast enough.
+/// The nearest size; of its formats, the first of pixelFormats() that reaches the rate. Raw formats are
+/// therefore preferred unless only compressed ones reach the rate.
 /// @param modes not empty.
 Choice chooseMode(const std::vector<Mode>& modes, const FrameRequest& request);
 
-/// One side of a size that a camera offers in steps, nearest to what is asked.
+/// The side nearest to the request, for a camera with sizes in steps.
 int nearestInSteps(int asked, int minimum, int maximum, int step);
 
-/// What became of a request: accepted, or adjusted with what it is instead.
+/// The reply to a request: accepted, or adjusted with the actual values.
 PortReply replyTo(const FrameRequest& request, int width, int height, double rate_hz);
 
 }  // namespace vismem::v4l2

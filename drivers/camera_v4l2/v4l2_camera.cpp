@@ -16,9 +16,9 @@ using v4l2::Agreement;
 using v4l2::FrameBuffers;
 
 constexpr char kStopped[] = "the camera is stopped";
-/// Where a device says that it has a picture and has none, it is asked again after this.
+/// Pause before the next read of a device that reports an image and has none.
 constexpr auto kAskAgain = 2ms;
-/// Messages must not grow without bound while nobody takes a frame.
+/// Maximum length of a message of losses while no frame is taken.
 constexpr std::size_t kMaxLostText = 500;
 
 void append(std::string& text, const std::string& more) {
@@ -96,7 +96,7 @@ PortReply V4l2Camera::start() {
     running_ = true;
     newest_.reset();
   }
-  // A camera that is there begins to stream within this time; whether it does is told by next().
+  // A present camera starts to stream within this time; next() reports a failure.
   static_cast<void>(thread_.start(2s));
   return PortReply::accepted();
 }
@@ -143,7 +143,7 @@ FrameResult V4l2Camera::next(std::chrono::milliseconds timeout) {
       frame.image = std::move(decoded.image);
       return {SourceState::kRunning, std::move(frame), std::move(lost)};
     }
-    // A JPEG whose data are broken: told with the next.
+    // A defective JPEG: reported with the next frame.
     const std::lock_guard lock(mutex_);
     append(lost, params_.device + ": a picture " + decoded.error);
     append(lost, lost_);
@@ -209,7 +209,7 @@ StampUs V4l2Camera::stampLocked(std::int64_t monotonic_us) const {
   const StampUs age_us = monotonicNow_us() - monotonic_us;
   const bool sane = monotonic_us > 0 && age_us >= 0 && age_us < 10 * kSecondUs;
   const StampUs stamp_us = now_us - (sane ? age_us : 0) - params_.delay.count();
-  // A clock that was set back a little is outwaited; one that was set back far begins a new epoch.
+  // A small setback of the clock is waited for; a large one begins a new epoch.
   return stamp_us <= last_stamp_us_ && last_stamp_us_ - stamp_us < kSecondUs ? last_stamp_us_ + 1 : stamp_us;
 }
 
@@ -219,7 +219,7 @@ void V4l2Camera::deliver(const FrameBuffers::Filled& filled, const Agreement& ag
   {
     const std::lock_guard lock(mutex_);
     if (!running_) return;
-    // Also pictures that are lost count.
+    // Lost images count too.
     const std::uint32_t step = last_sequence_ ? filled.sequence - *last_sequence_ : 1;
     last_seq_ += step > 0 && step < 0x8000'0000U ? step : 1;
     last_sequence_ = filled.sequence;

@@ -1,4 +1,4 @@
-/// @file A camera of the Linux kernel (V4L2), such as those by USB. SPEC C1.
+/// @file A camera of the Linux kernel (V4L2), such as a USB camera. See C1.
 #pragma once
 
 #include <chrono>
@@ -20,20 +20,19 @@
 
 namespace vismem {
 
-/// A thread takes the pictures as they come; next() has the newest, and decodes only what is taken and only
-/// for those who did not ask for it as captured. A camera that is absent, unplugged or silent is opened again
-/// until it is there.
-/// Stamps: the kernel's (CLOCK_MONOTONIC) as CLOCK_REALTIME, less `delay`.
-/// Lens: unknown; frames carry the nominal one of kNominalView_deg until somebody knows better.
-/// *Thread-safe*: one consumer, and stop() from any thread ends its wait.
+/// A thread reads the images at their arrival. next() returns the newest and decodes only that one, unless
+/// the consumer accepts the native format. An absent, unplugged or silent camera is opened again until it
+/// delivers. Stamps: the kernel's (CLOCK_MONOTONIC) as CLOCK_REALTIME, less `delay`. Lens: unknown; frames
+/// carry a nominal field of view of kNominalView_deg until a calibration replaces it. *Thread-safe*: one
+/// consumer, and stop() from any thread ends its wait.
 class V4l2Camera : public FrameSource {
  public:
   struct Params {
     std::string device;
-    const v4l2::PixelFormat* format = nullptr;  ///< nullptr: whichever does best
+    const v4l2::PixelFormat* format = nullptr;  ///< nullptr: the best one
     std::vector<ControlSetting> controls;
     std::chrono::microseconds delay{0};
-    /// Without a picture for so long, or for five periods if that is more, the camera is opened anew.
+    /// The camera is opened again after this time without an image, or after five periods if that is longer.
     std::chrono::milliseconds silent_after{3000};
   };
   static constexpr double kNominalView_deg = 60.0;
@@ -42,8 +41,8 @@ class V4l2Camera : public FrameSource {
   ~V4l2Camera() override;
 
   FrameCapabilities capabilities() const override;
-  /// Opens the camera if it is there, to answer truly; else what it will give is not known yet ("adjusted").
-  /// Rejected while running, and if the camera has not the format that is configured.
+  /// Opens a present camera for its actual mode; the mode of an absent one is unknown ("adjusted"). Rejected
+  /// while running, and if the camera does not have the configured format.
   PortReply configure(const FrameRequest& request) override;
   PortReply start() override;
   FrameResult next(std::chrono::milliseconds timeout) override;

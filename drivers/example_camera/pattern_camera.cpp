@@ -50,7 +50,7 @@ FrameResult PatternCamera::next(std::chrono::milliseconds timeout) {
     stopped_.wait_until(lock, std::min(due, Clock::now() + timeout), [this] { return !running_; });
   }
   if (!running_) return {SourceState::kWaiting, std::nullopt, "the camera is stopped"};
-  // Pictures that nobody asked for in time are passed over: the newest wins.
+  // Images that were not read in time are skipped; the newest is delivered.
   const std::int64_t number = newest();
   if (number <= given_) return {SourceState::kWaiting, std::nullopt, {}};
   given_ = number;

@@ -1,5 +1,5 @@
-/// @file A camera that draws its pictures: the worked example of docs/writing-a-driver.md, and a stand-in
-/// where no device is at hand. It is simulated and says so.
+/// @file A camera that draws its images: the worked example of docs/writing-a-driver.md, and a substitute for
+/// a device. Its name says that it is simulated.
 #pragma once
 
 #include <condition_variable>
@@ -11,23 +11,23 @@
 
 namespace vismem {
 
-/// A bright bar that walks over a grey ramp. Pictures are due at whole periods from start(); each is stamped
-/// with the host's CLOCK_REALTIME at which it was due. *Thread-safe*: one consumer, and stop() from any
-/// thread ends its wait.
+/// A bright bar that moves over a grey ramp. Images are due at whole periods from start(); each is stamped
+/// with the host's CLOCK_REALTIME of its due time. *Thread-safe*: one consumer, and stop() from any thread
+/// ends its wait.
 class PatternCamera : public FrameSource {
  public:
   static constexpr int kMinSide_px = 16;
   static constexpr int kMaxSide_px = 4096;
   static constexpr double kMinRate_hz = 0.01;
   static constexpr double kMaxRate_hz = 200.0;
-  /// Nobody calibrates a drawing.
+  /// Field of view of the drawing.
   static constexpr double kHorizontalView_deg = 60.0;
 
   /// @param bars 2..64 places for the bar, from left to right.
   explicit PatternCamera(int bars);
 
   FrameCapabilities capabilities() const override;
-  /// Any size and rate within the limits; others are brought inside ("adjusted").
+  /// Any size and rate within the limits; others are clamped to them ("adjusted").
   PortReply configure(const FrameRequest& request) override;
   PortReply start() override;
   FrameResult next(std::chrono::milliseconds timeout) override;

@@ -1,4 +1,4 @@
-/// @file A pan-tilt unit that exists in this process only: simulated joints that turn in real time.
+/// @file A pan-tilt unit without hardware: simulated joints that turn in real time.
 #pragma once
 
 #include <chrono>
@@ -13,9 +13,9 @@
 
 namespace vismem {
 
-/// Two joints with limits of angle, rate and acceleration; the angles are exact. A thread gives samples with
-/// stamps of CLOCK_REALTIME; the motion follows the steady clock, so it is right however late the thread is.
-/// It begins at 0, 0 and keeps its angles from stop() to start(). *Thread-safe*.
+/// Two joints with limits of angle, rate and acceleration; the angles are exact. A thread delivers samples
+/// with stamps of CLOCK_REALTIME. The motion follows the steady clock and does not depend on delays of the
+/// thread. The unit begins at 0, 0 and keeps its angles from stop() to start(). *Thread-safe*.
 class SimulatedPanTiltUnit : public PanTiltUnit {
  public:
   struct Params {
@@ -30,7 +30,7 @@ class SimulatedPanTiltUnit : public PanTiltUnit {
   PortReply start() override;
   PortReply command(const PanTiltCommand& command) override;
   SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override;
-  /// The joints stand at once.
+  /// Stops the joints at once.
   void stop() override;
 
  private:
@@ -46,7 +46,7 @@ class SimulatedPanTiltUnit : public PanTiltUnit {
   bool running_ = false;
   std::uint64_t samples_given_ = 0;
   SampleBuffer<PanTiltSample> samples_;
-  PeriodicThread thread_;  ///< last: ends before the rest goes
+  PeriodicThread thread_;  ///< last member: joined before the others are destroyed
 };
 
 /// Reads Rate_hz and the keys of readPanTiltParams. Problems stay in the reader.

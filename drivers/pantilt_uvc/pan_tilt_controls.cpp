@@ -40,7 +40,7 @@ class Absolute : public PanTiltControls {
     std::int32_t tilt = 0;
     int error = readControl(device_, V4L2_CID_PAN_ABSOLUTE, pan);
     if (error == 0) error = readControl(device_, V4L2_CID_TILT_ABSOLUTE, tilt);
-    if (error != 0) return device_.failed("does not tell where it looks", error);
+    if (error != 0) return device_.failed("does not report its angles", error);
     now = {pan, tilt};
     return {};
   }
@@ -51,13 +51,13 @@ class Absolute : public PanTiltControls {
   const AxisRange tilt_;
 };
 
-/// 63610682-5070-49ab-b8cc-b3855e8d2256, Logitech's motors, as it lies in descriptors.
+/// 63610682-5070-49ab-b8cc-b3855e8d2256, Logitech's motors, in the byte order of descriptors.
 constexpr std::array<std::uint8_t, 16> kMotors{0x82, 0x06, 0x61, 0x63, 0x70, 0x50, 0xab, 0x49,
                                                0xb8, 0xcc, 0xb3, 0x85, 0x5e, 0x8d, 0x22, 0x56};
 constexpr std::uint8_t kRelative = 1;
 constexpr std::uint8_t kReset = 2;
 constexpr std::int64_t kStepsPerDegree = 64;
-/// More than the camera can turn at all; a single command holds 16 bits.
+/// Above the whole range of the camera; a single command holds 16 bits.
 constexpr std::int64_t kMostAtOnce = 100 * kStepsPerDegree;
 
 class Orbit : public PanTiltControls {
@@ -68,7 +68,7 @@ class Orbit : public PanTiltControls {
   bool ranges(AxisRange&, AxisRange&) const override { return false; }
   bool needsReset() const override { return true; }
   std::string reset() override {
-    // One after the other: of both at once the camera does only one.
+    // One after the other: of two simultaneous resets the camera executes only one.
     int error = writeControl(device_, V4L2_CID_PAN_RESET, 1);
     if (error == 0) error = writeControl(device_, V4L2_CID_TILT_RESET, 1);
     counted_ = {};
@@ -86,7 +86,7 @@ class Orbit : public PanTiltControls {
   }
   std::string at(Steps& now) override {
     now = counted_;
-    // Counting goes on for a camera that is gone.
+    // Counting continues for an absent camera.
     return device_.isThere() ? std::string() : device_.failed("was unplugged");
   }
 
@@ -96,8 +96,8 @@ class Orbit : public PanTiltControls {
 };
 
 /// @return 0 or the errno.
-int tellKernel(const V4l2Device& device, std::uint32_t id, const char* name, std::uint8_t selector,
-               std::uint8_t bits, std::uint8_t first_bit, bool is_button) {
+int registerExtension(const V4l2Device& device, std::uint32_t id, const char* name, std::uint8_t selector,
+                      std::uint8_t bits, std::uint8_t first_bit, bool is_button) {
   uvc_xu_control_mapping mapping{};
   mapping.id = id;
   std::strncpy(reinterpret_cast<char*>(mapping.name), name, sizeof mapping.name - 1);
@@ -121,10 +121,10 @@ std::unique_ptr<PanTiltControls> makeAbsoluteControls(const V4l2Device& device) 
 
 std::unique_ptr<PanTiltControls> makeOrbitControls(const V4l2Device& device) {
   const bool known =
-      tellKernel(device, V4L2_CID_PAN_RELATIVE, "Pan (relative)", kRelative, 16, 0, false) == 0 &&
-      tellKernel(device, V4L2_CID_TILT_RELATIVE, "Tilt (relative)", kRelative, 16, 16, false) == 0 &&
-      tellKernel(device, V4L2_CID_PAN_RESET, "Pan Reset", kReset, 1, 0, true) == 0 &&
-      tellKernel(device, V4L2_CID_TILT_RESET, "Tilt Reset", kReset, 1, 1, true) == 0;
+      registerExtension(device, V4L2_CID_PAN_RELATIVE, "Pan (relative)", kRelative, 16, 0, false) == 0 &&
+      registerExtension(device, V4L2_CID_TILT_RELATIVE, "Tilt (relative)", kRelative, 16, 16, false) == 0 &&
+      registerExtension(device, V4L2_CID_PAN_RESET, "Pan Reset", kReset, 1, 0, true) == 0 &&
+      registerExtension(device, V4L2_CID_TILT_RESET, "Tilt Reset", kReset, 1, 1, true) == 0;
   return known ? std::make_unique<Orbit>(device) : nullptr;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A camera that rests this long away from where it was sent does not follow.
+/// A camera that stands this long away from its commanded position is blocked.
 constexpr auto kFollows = 2000ms;
 constexpr double kThere_rad = 0.035;
 
@@ -66,7 +66,7 @@ std::string UvcPanTilt::learnRanges() {
   uvc::AxisRange tilt;
   if (controls_->ranges(pan, tilt)) {
     if (pan.minimum >= pan.maximum || tilt.minimum >= tilt.maximum) {
-      return device_.failed("tells a range without sense");
+      return device_.failed("reports an invalid range");
     }
     pan_range_ = pan;
     tilt_range_ = tilt;
@@ -107,7 +107,7 @@ std::string UvcPanTilt::connect(const std::stop_token& stop) {
     if (!device_.isThere()) return device_.failed("was unplugged");
     const std::string card = " (\"" + device_.identity().card + "\")";
     return device_.failed(params_.kind == Kind::kOrbit      ? "has not the motors of an Orbit" + card
-                          : params_.kind == Kind::kAbsolute ? "cannot be told an angle" + card
+                          : params_.kind == Kind::kAbsolute ? "has no control of absolute angles" + card
                                                             : "cannot turn" + card);
   }
   std::string why = learnRanges();
@@ -134,7 +134,7 @@ std::string UvcPanTilt::obey(const PanTiltCommand& command) {
       way.rate_radps = std::abs(rate_radps);
     }
   };
-  // What was gone until now was gone at the rates before.
+  // The motion until now had the previous rates.
   std::string why = poll();
   begin(pan_, command.pan_rad, command.pan_rate_radps, bounds.min_pan_rad, bounds.max_pan_rad,
         bounds.max_pan_rate_radps);
@@ -158,7 +158,7 @@ std::string UvcPanTilt::poll() {
   const StampUs asked_us = hostClock_us();
   uvc::Steps is;
   if (std::string why = controls_->at(is); !why.empty()) return why;
-  tell(conditionOf(is, now));
+  setCondition(conditionOf(is, now));
   give(asked_us, angle(params_.pan, is.pan), angle(params_.tilt, is.tilt));
   return {};
 }
@@ -180,7 +180,7 @@ std::string UvcPanTilt::conditionOf(const uvc::Steps& is, Clock::time_point now)
 }
 
 void UvcPanTilt::disconnect(bool) {
-  // It was never sent further than it was to be by now.
+  // It was never sent beyond its present position.
   controls_.reset();
   device_.close();
 }

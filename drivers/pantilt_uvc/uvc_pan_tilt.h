@@ -1,4 +1,4 @@
-/// @file A camera that turns by itself (UVC) as a pan-tilt unit. SPEC C1.
+/// @file A camera with pan-tilt motors (UVC) as a pan-tilt unit. See C1.
 #pragma once
 
 #include <chrono>
@@ -14,14 +14,15 @@
 
 namespace vismem {
 
-/// Such cameras know positions only, and go there as fast as they like: here they are led along the way at
-/// the commanded rate, `rate_hz` times a second. They may be streamed from meanwhile. *Thread-safe*.
+/// Such cameras accept positions only and move at a speed of their own. The driver therefore commands
+/// intermediate positions at the commanded rate, `rate_hz` times a second. Streaming is possible meanwhile.
+/// *Thread-safe*.
 class UvcPanTilt : public DevicePanTilt {
  public:
   enum class Kind { kAuto, kAbsolute, kOrbit };
   struct Axis {
     double minimum_rad = 0.0, maximum_rad = 0.0, rate_radps = 0.0;
-    double zero_rad = 0.0;  ///< our angle at the device's 0
+    double zero_rad = 0.0;  ///< angle of the unit at the device's 0
     double sign = 1.0;      ///< -1 where the device counts to the right, or down
   };
   struct Params {
@@ -29,25 +30,25 @@ class UvcPanTilt : public DevicePanTilt {
     Kind kind = Kind::kAuto;
     Axis pan, tilt;
     double rate_hz = 20.0;
-    /// How long a reset takes; nothing tells its end.
+    /// Duration of a reset; the device does not report its end.
     std::chrono::milliseconds reset_takes{4000};
   };
 
   explicit UvcPanTilt(const Params& params);
   ~UvcPanTilt() override;
 
-  /// Those of the configuration; once the camera was reached, what of them it can do.
+  /// Limits of the configuration; once the camera was reached, within its own limits.
   PanTiltLimits limits() const override;
 
  protected:
   std::string connect(const std::stop_token& stop) override;
   std::string obey(const PanTiltCommand& command) override;
   std::string poll() override;
-  /// The camera stays where it was led.
+  /// The camera keeps its position.
   void disconnect(bool halt) override;
 
  private:
-  /// One axis on its way.
+  /// The motion of one axis.
   struct Way {
     double at_rad = 0.0;
     double target_rad = 0.0;
@@ -66,11 +67,11 @@ class UvcPanTilt : public DevicePanTilt {
   // Of the thread.
   V4l2Device device_;
   std::unique_ptr<uvc::PanTiltControls> controls_;
-  uvc::AxisRange pan_range_, tilt_range_;  ///< as narrow as the limits
+  uvc::AxisRange pan_range_, tilt_range_;  ///< within the limits
   Way pan_, tilt_;
   uvc::Steps sent_;
   Clock::time_point moved_at_;    ///< the ways
-  Clock::time_point arrived_at_;  ///< when it was last on the way, or where it should be
+  Clock::time_point arrived_at_;  ///< time when it last moved, or was at its target
 
   mutable std::mutex mutex_;
   PanTiltLimits limits_;

@@ -21,7 +21,7 @@ constexpr std::uint8_t kNegative = 0x1B;
 constexpr double kHeadingUnit_rad = 2.0 * std::numbers::pi / 4096.0;
 constexpr unsigned kCounterMask = 0x7FFF;
 
-/// Reads little-endian fields one after the other; what is not there is 0 and makes it incomplete.
+/// Reads little-endian fields in sequence; a missing field is 0 and marks the packet as incomplete.
 class Fields {
  public:
   explicit Fields(BytesView data) : data_(data) {}
@@ -39,7 +39,7 @@ class Fields {
     return low + 256 * byte();
   }
   std::int16_t signedWord() { return static_cast<std::int16_t>(word()); }
-  /// Up to a NUL, which must be there.
+  /// Text up to a NUL, which is required.
   std::string text() {
     std::string text;
     for (int c = byte(); complete_ && c != 0; c = byte()) text.push_back(static_cast<char>(c));
@@ -56,7 +56,7 @@ class Fields {
   bool complete_ = true;
 };
 
-/// How far a counter of 15 bits went, the short way round.
+/// Difference of a counter of 15 bits, the shorter way round.
 int counted(std::uint16_t to, std::uint16_t from) {
   const int up = static_cast<int>((static_cast<unsigned>(to) - static_cast<unsigned>(from)) & kCounterMask);
   return up > static_cast<int>(kCounterMask / 2) ? up - static_cast<int>(kCounterMask) - 1 : up;
@@ -119,7 +119,7 @@ std::optional<Bytes> PacketReader::next() {
     const BytesView data(pending_.data() + kBeforeData, length - kChecksumBytes);
     const unsigned sum = 256U * pending_[kBeforeData + data.size()] + pending_[kBeforeData + data.size() + 1];
     if (sum != checksum(data)) {
-      // Its length may be what was damaged: the next packet may begin within what looked like this one.
+      // The length field may be damaged: the next packet may begin within this one.
       ++wrong_checksums_;
       drop(1);
       continue;
@@ -170,7 +170,7 @@ std::optional<Sip> parseSip(BytesView data) {
   fields.byte();  // compass
   fields.skip(3 * static_cast<std::size_t>(fields.byte()));
   if (!fields.complete()) return std::nullopt;
-  // Gripper and digital inputs; then, with ARCOS, the battery with more digits than 25.5 V have room for.
+  // Gripper and digital inputs; then, with ARCOS, the battery as a 16-bit value, for more than 25.5 V.
   constexpr std::size_t kInputs = 5;
   if (fields.left() >= kInputs + 2) {
     fields.skip(kInputs);
@@ -211,7 +211,7 @@ std::optional<Scale> scaleOf(std::string_view subclass) {
 Pose2 Odometry::add(const Sip& sip) {
   const Counters now{sip.x, sip.y, sip.heading};
   if (last_) {
-    // The step in the robot's own frame, so that it does not matter which way that frame lies in odom.
+    // The step in the robot's own frame, so that it does not depend on the heading in odom.
     const double heading_rad = last_->heading * kHeadingUnit_rad;
     const double dx_m = 1e-3 * scale_.mm_per_unit * counted(now.x, last_->x);
     const double dy_m = 1e-3 * scale_.mm_per_unit * counted(now.y, last_->y);

@@ -4,7 +4,7 @@
 /// Both ways: 0xFA 0xFB, N = number of bytes that follow, data, checksum (most significant byte first).
 /// Numbers in the data are little endian. A host's data is a command's number and at most one argument; a
 /// robot's begins with the packet's type. Sources: the Pioneer 2 operations manual, and the public drivers of
-/// Player and AriaCoda, against whose bytes the tests hold this.
+/// Player and AriaCoda, whose bytes the tests compare with.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ using Bytes = std::vector<std::uint8_t>;
 using BytesView = std::span<const std::uint8_t>;
 
 enum class Command : std::uint8_t {
-  kPulse = 0,  ///< does nothing but keep the robot's watchdog content
+  kPulse = 0,  ///< only resets the robot's watchdog
   kOpen = 1,
   kClose = 2,
   kEnable = 4,                ///< motors: 1 on, 0 off
@@ -45,7 +45,7 @@ constexpr std::uint8_t kStandingType = 0x32;  ///< a Sip while the wheels stand
 constexpr std::uint8_t kMovingType = 0x33;    ///< a Sip while they turn
 constexpr std::uint8_t kConfigType = 0x20;
 
-/// Of data that is this long at most, so that the whole packet keeps to the protocol's 200 bytes.
+/// Maximum length of data [bytes], for the protocol's maximum of 200 bytes per packet.
 constexpr std::size_t kMaxData = 195;
 
 /// Sum of the big-endian 16-bit words modulo 65536; the last byte of an odd number is then XORed.
@@ -57,13 +57,13 @@ Bytes command(Command command);
 Bytes command(Command command, int argument);
 Bytes sync(int step);
 
-/// Finds packets in a stream of bytes, whatever lies between them, and drops those whose checksum is wrong.
+/// Finds packets in a stream of bytes, ignores bytes between them, and drops packets with a wrong checksum.
 class PacketReader {
  public:
   void add(BytesView bytes);
   /// The data of the next whole packet.
   std::optional<Bytes> next();
-  /// As if nothing had come yet.
+  /// Resets the reader to its initial state.
   void reset();
 
   std::size_t garbageBytes() const { return garbage_; }  ///< that belong to no packet
@@ -75,7 +75,7 @@ class PacketReader {
   std::size_t wrong_checksums_ = 0;
 };
 
-/// What the robot answers to the last step of the handshake.
+/// The robot's answer to the last step of the handshake.
 struct Identity {
   std::string name;
   std::string robot_class;  ///< "Pioneer"
@@ -100,10 +100,10 @@ struct Sip {
   bool motors_on = false;
   bool stop_button = false;
 };
-/// @return empty for other packets and for those that end too soon.
+/// @return empty for other packets and for truncated ones.
 std::optional<Sip> parseSip(BytesView data);
 
-/// What the robot tells of its own settings.
+/// The robot's own settings.
 struct RobotConfig {
   std::string type;
   std::string subtype;
@@ -113,25 +113,26 @@ struct RobotConfig {
   int max_speed_mmps = 0;
   int sip_cycle_ms = 0;
   double low_battery_V = 0.0;
-  int watchdog_ms = 0;  ///< without a packet for so long the robot stops by itself
+  int watchdog_ms = 0;  ///< the robot stops by itself this long after the last packet
 };
-/// @return empty for other packets and for those that end too soon.
+/// @return empty for other packets and for truncated ones.
 std::optional<RobotConfig> parseConfig(BytesView data);
 
-/// From a model's units to ours.
+/// Conversion of a model's units to SI units.
 struct Scale {
   double mm_per_unit = 1.0;        ///< of x and y
   double radps_per_mmps = 0.0056;  ///< turn rate per half the difference of the wheels' speeds
 };
-/// @param subclass as the robot names it: "p2dx". @return empty for a model whose scales are not known here.
+/// @param subclass name from the robot: "p2dx".
+/// @return empty for an unknown model.
 std::optional<Scale> scaleOf(std::string_view subclass);
 
-/// A pose from counters that roll over. It goes on from where it was when the robot begins to count anew.
+/// Dead reckoning from counters that roll over. The pose continues when the robot's counters restart.
 class Odometry {
  public:
   explicit Odometry(const Scale& scale = {}) : scale_(scale) {}
   void setScale(const Scale& scale) { scale_ = scale; }
-  /// The robot's counters have nothing to do with those before: the next are where the pose is now.
+  /// To be called after a restart of the robot's counters: the next ones belong to the present pose.
   void restart() { last_.reset(); }
   /// @return T_odom_robot, which begins at the origin.
   Pose2 add(const Sip& sip);

@@ -9,12 +9,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A packet of the handshake takes 50 ms at 9600 bit/s at most; a USB adapter holds bytes back for 16 ms.
+/// A packet of the handshake takes at most 50 ms at 9600 bit/s; a USB adapter delays bytes by 16 ms.
 constexpr auto kAnswer = 300ms;
-/// A robot that has been told to close falls silent within a packet's length.
+/// A robot is silent within the duration of a packet after the command to close.
 constexpr auto kQuiet = 40ms;
 constexpr auto kQuietAtMost = 400ms;
-/// Packets are short; a line that takes none for so long is blocked.
+/// Packets are short; a line that accepts none for this time is blocked.
 constexpr auto kWrite = 500ms;
 constexpr int kTries = 3;
 
@@ -28,7 +28,8 @@ std::string Link::send(const Bytes& packet) {
 }
 
 std::string Link::sendHalt() {
-  // Stop first: the packet that wakes an old speed up shall be the one that ends it, of both wheels at once.
+  // Stop first: the first packet reactivates an old speed, so it must be the one that ends it, for both
+  // wheels at once.
   for (const Bytes& packet :
        {command(Command::kStop), command(Command::kSpeed, 0), command(Command::kTurnRate, 0)}) {
     if (std::string why = send(packet); !why.empty()) return why;
@@ -64,12 +65,12 @@ void Link::readUntilQuiet() {
 }
 
 Link::Answer Link::handshake(const std::function<bool()>& given_up, std::string& why) {
-  // The first packet is what an old session might wake up by.
+  // The first packet may reactivate an old session.
   why = sendHalt();
   if (why.empty()) why = send(command(Command::kClose));
   if (!why.empty()) return Answer::kNothing;
   readUntilQuiet();
-  if (given_up()) return Answer::kNothing;  // which may have been said meanwhile
+  if (given_up()) return Answer::kNothing;  // which may have been set meanwhile
   for (int step = 0; step < kSyncSteps; ++step) {
     why = send(sync(step));
     if (!why.empty()) return Answer::kNothing;
@@ -114,13 +115,13 @@ std::string Link::connect(const std::function<bool()>& given_up) {
       const Answer answer = handshake(given_up, why);
       if (!why.empty()) break;
       if (answer == Answer::kSession) {
-        // Found: first the next time.
+        // Found: tried first the next time.
         std::stable_partition(bauds_bps_.begin(), bauds_bps_.end(), [&](int b) { return b == baud; });
         return {};
       }
       garbage = garbage || answer == Answer::kGarbage;
       old_session = answer == Answer::kOldSession;
-      // Silence and garbage stay so at this rate.
+      // No valid answer at this rate: retries would not change that.
       if (answer != Answer::kOldSession && i > 0) break;
     }
     if (!why.empty() || old_session || given_up()) break;
@@ -134,7 +135,7 @@ std::string Link::connect(const std::function<bool()>& given_up) {
 
 void Link::disconnect() {
   if (!port_.isOpen()) return;
-  // As far as the line still takes it.
+  // As far as the line still accepts bytes.
   if (sendHalt().empty()) static_cast<void>(send(command(Command::kClose)));
   port_.close();
 }

@@ -18,29 +18,29 @@ class Link {
 
   struct Received {
     std::optional<Bytes> data;  ///< of a packet
-    std::string lost;           ///< why there will be no more; empty while all is well
+    std::string lost;           ///< reason why the line is lost; empty otherwise
   };
 
-  /// @param bauds_bps tried in this order, the one that worked last first.
+  /// @param bauds_bps baud rates in the order of trial; the last successful one is tried first [bit/s].
   Link(std::string path, std::vector<int> bauds_bps);
 
-  /// Opens the port and begins a session. Whatever session a program before this one has left is closed,
-  /// after its speeds were set to 0: for a robot whose watchdog has stopped it goes on at its last speed with
-  /// the next packet, whichever that is. @param given_up is asked between steps. @return empty when the robot
-  /// has told its identity, else why not.
+  /// Opens the port and begins a session. A session of an earlier program is closed after its speeds were set
+  /// to 0, because a robot that its watchdog has stopped resumes its last speed with any next packet.
+  /// @param given_up called between steps.
+  /// @return empty after the robot's identity was received, else the reason of the failure.
   std::string connect(const std::function<bool()>& given_up);
   const Identity& identity() const { return identity_; }
-  /// In use; the first of the list before connect().
+  /// Baud rate in use; the first of the list before connect().
   int baud_bps() const { return bauds_bps_.front(); }
 
   /// Sends speeds of 0, ends the session and closes the port.
   void disconnect();
-  /// Closes the port as it is.
+  /// Closes the port without ending the session.
   void drop() { port_.close(); }
 
-  /// @return empty, or why the line is lost.
+  /// @return empty, or the reason why the line is lost.
   std::string send(const Bytes& packet);
-  /// Sends that the robot shall stand, whatever it was told before.
+  /// Sends a stop command.
   std::string sendHalt();
   /// The next packet; none at the deadline, and after wake().
   Received receive(Clock::time_point deadline);

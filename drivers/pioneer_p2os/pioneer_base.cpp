@@ -17,18 +17,18 @@ using p2os::Command;
 using p2os::command;
 
 constexpr char kStopped[] = "the base is stopped";
-/// The wire has room for so many commands at 9600 bit/s: 18 bytes each.
+/// Shortest interval of commands at 9600 bit/s: 18 bytes each.
 constexpr auto kShortestInterval = 25ms;
-/// A speed is sent again, should the line have swallowed it.
+/// A speed is repeated, in case the line lost it.
 constexpr auto kRepeatSpeed = 200ms;
 constexpr auto kRepeatHalt = 100ms;
 constexpr auto kRepeatEnable = 300ms;
-/// Robots stop by themselves after 2 s by default without a packet.
+/// Robots stop by themselves 2 s (default) after the last packet.
 constexpr auto kPulse = 400ms;
-/// Motors that are told to come on do so within this time.
+/// Motors are on within this time after the command.
 constexpr auto kEnabling = 1000ms;
 constexpr auto kBrakePatience = 2000ms;
-/// Motors that went off want a pause or a 0 before they are switched on again.
+/// Motors that went off are switched on again only after a pause of commands or a command of 0.
 constexpr auto kFreshStart = 1000ms;
 
 int rounded(double value) {
@@ -119,7 +119,7 @@ std::string PioneerBase::beginSession() {
   odometry_.setScale(scale_);
   odometry_.restart();
   {
-    // A robot that comes back begins anew as after a stop button.
+    // A robot that returns is treated as after a stop button.
     const std::lock_guard lock(mutex_);
     order_.reset();
     motors_on_ = false;
@@ -185,7 +185,7 @@ void PioneerBase::handle(const p2os::Bytes& data) {
 
 void PioneerBase::heard(const p2os::Sip& sip, std::size_t bytes) {
   heard_at_ = Clock::now();
-  // It was measured before its bytes went over the line, 10 bits each, with header and checksum.
+  // The measurement precedes the transmission of its bytes, 10 bits each, with header and checksum.
   const StampUs on_the_way_us = static_cast<StampUs>(bytes + 5) * 10 * kSecondUs / link_.baud_bps();
   stands_ = sent_ == Speeds{} && sip.left_mmps == 0 && sip.right_mmps == 0;
   bool ready = false;
@@ -193,7 +193,7 @@ void PioneerBase::heard(const p2os::Sip& sip, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
     watchMotorsLocked(sip);
     samples_.setCondition(conditionLocked(sip));
-    // Once the motors are on, or somebody keeps them off.
+    // Ready once the motors are on, or kept off by a button.
     ready = motors_on_ || stop_button_ || was_lost_ || enabled_at_ + kEnabling < heard_at_;
   }
   samples_.add({hostClock_us() - on_the_way_us, samples_given_++, odometry_.add(sip), p2os::forwardSpeed(sip),
@@ -246,7 +246,7 @@ std::string PioneerBase::sendDue() {
     enable = !motors_on_ && !stop_button_ && may_enable_ && order_ && order_->speeds != Speeds{};
   }
   if (enable && now - enabled_at_ >= kRepeatEnable) {
-    // Not the speed that the motors went off at.
+    // Stops first: the motors must not resume their old speed.
     if (std::string why = link_.sendHalt(); !why.empty()) return why;
     enabled_at_ = now;
     return link_.send(command(Command::kEnable, 1));

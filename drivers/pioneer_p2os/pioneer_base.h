@@ -1,4 +1,4 @@
-/// @file A Pioneer robot (P2OS or ARCOS) on a serial line as a mobile base. SPEC C1.
+/// @file A Pioneer robot (P2OS or ARCOS) on a serial line as a mobile base. See C1.
 #pragma once
 
 #include <chrono>
@@ -18,14 +18,14 @@
 
 namespace vismem {
 
-/// A thread holds the session, finds the robot again when it was away, and sends the speeds; a command only
-/// leaves it what to send. What makes it safe:
-/// - a speed is sent while its command is younger than the watchdog; then the robot is told to stand, again
-///   and again until it says that it does, and only then it is kept content with pulses. So a process that
-///   was frozen, or a line that was pulled out, never revives an old speed;
-/// - motors that went off (stop button, motors button) are switched on only for a command that begins anew:
-///   after one of 0, or after a second without any;
-/// - stop() returns when the robot stands (or has said nothing for a while).
+/// A thread owns the session, reconnects after a loss of the robot, and sends the speeds of the last command.
+/// Safety rules:
+/// - a speed is sent while its command is younger than the watchdog. Then stop commands are repeated until
+///   the robot reports that it stands; only then pulses keep its watchdog reset. A frozen process or a
+///   disconnected line therefore never resumes an old speed;
+/// - motors that went off (stop button, motors button) are switched on only after a command of 0, or after a
+///   second without commands;
+/// - stop() returns when the robot stands, or after a time without packets.
 /// Speeds go out in whole mm/s and whole degrees/s. Stamps are the host's clock when the packet began to
 /// arrive. *Thread-safe*.
 class PioneerBase : public MobileBase {
@@ -39,9 +39,10 @@ class PioneerBase : public MobileBase {
     double turn_acceleration_radps2 = 3.5;
     double turn_deceleration_radps2 = 17.5;
     double low_battery_V = 11.5;
-    /// Those of the model that the robot names, unless set.
+    /// Unit scales; empty: those of the model that the robot reports.
     std::optional<p2os::Scale> scale;
-    /// Information comes every 100 ms: so long without it and the robot counts as silent, then as lost.
+    /// The robot sends its state every 100 ms. After this time without it the robot counts as silent, later
+    /// as lost.
     std::chrono::milliseconds silent_after{1000};
     std::chrono::milliseconds lost_after{2500};
   };
@@ -50,7 +51,7 @@ class PioneerBase : public MobileBase {
   ~PioneerBase() override;
 
   BaseLimits limits() const override { return params_.limits; }
-  /// Waits for a robot that is there (a second); adjusted with what is waited for if there is none.
+  /// Waits 1 s for the robot; adjusted with the reason if it is absent.
   PortReply start() override;
   PortReply setVelocity(double v_mps, double w_radps) override;
   SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override;
@@ -58,7 +59,7 @@ class PioneerBase : public MobileBase {
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// As it goes over the line.
+  /// Speeds in the units of the line.
   struct Speeds {
     int v_mmps = 0;
     int w_degps = 0;
@@ -69,7 +70,7 @@ class PioneerBase : public MobileBase {
     Clock::time_point at;
   };
 
-  /// From the handshake to the loss of the robot, or to its standing after a stop.
+  /// From the handshake to the loss of the robot, or to its standstill after a stop.
   std::string session(const std::stop_token& stop);
   std::string beginSession();
   /// @return why the robot was lost; empty after a stop.
@@ -79,7 +80,8 @@ class PioneerBase : public MobileBase {
   void heard(const p2os::Sip& sip, std::size_t bytes);
   void watchMotorsLocked(const p2os::Sip& sip);
   std::string conditionLocked(const p2os::Sip& sip) const;
-  /// Sends what is due. @return why the line is lost.
+  /// Sends all due packets.
+  /// @return the reason why the line is lost.
   std::string sendDue();
   Speeds wantedLocked(Clock::time_point now);
   void lost(const std::string& why);
@@ -95,8 +97,8 @@ class PioneerBase : public MobileBase {
   Clock::time_point enabled_at_;
   Clock::time_point heard_at_;
   bool was_lost_ = false;                   ///< since the start
-  bool stands_ = false;                     ///< the robot says so, and was told so
-  std::optional<p2os::RobotConfig> robot_;  ///< what it told of itself in this session
+  bool stands_ = false;                     ///< commanded and reported by the robot
+  std::optional<p2os::RobotConfig> robot_;  ///< its settings in this session
   std::uint64_t samples_given_ = 0;
 
   std::mutex mutex_;  ///< of what follows
@@ -104,10 +106,10 @@ class PioneerBase : public MobileBase {
   Clock::time_point moved_at_;  ///< of the last command other than 0, refused ones included
   bool motors_on_ = false;
   bool stop_button_ = false;
-  bool may_enable_ = true;  ///< commands have begun anew since the motors went off
+  bool may_enable_ = true;  ///< a pause or a command of 0 has followed since the motors went off
 
   SampleBuffer<OdometrySample> samples_;
-  DeviceThread thread_;  ///< last: ends before the rest goes
+  DeviceThread thread_;  ///< last member: joined before the others are destroyed
 };
 
 /// Reads the keys that drivers/pioneer_p2os/README.md documents. Problems stay in the reader.

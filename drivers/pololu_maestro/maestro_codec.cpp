@@ -19,7 +19,7 @@ constexpr std::uint8_t kSetTarget = 0x85;
 constexpr std::uint8_t kClearErrors = 0x86;
 constexpr std::uint8_t kGetServoSettings = 0x87;
 
-/// Of a Micro Maestro's variables, before its servos.
+/// Size of a Micro Maestro's variables, before its servos [bytes].
 constexpr std::size_t kMicroHeader = 98;
 constexpr std::size_t kMicroErrors = 2;
 constexpr std::size_t kServoBytes = 7;

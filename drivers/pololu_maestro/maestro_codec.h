@@ -18,7 +18,7 @@ struct Model {
   int channels = 0;
   bool micro = false;
 };
-/// @return nullptr if a product of this number is no Maestro.
+/// @return nullptr if the ids are not those of a Maestro.
 const Model* modelOf(std::uint16_t vendor, std::uint16_t product);
 
 /// A control transfer to or from the device; `length` bytes are read, none are written.
@@ -30,9 +30,9 @@ struct Request {
   std::uint16_t length = 0;
 };
 
-/// Where the pulse shall go [quarter microseconds]; 0 switches the servo off.
+/// Commands a pulse length [quarter microseconds]; 0 switches the servo off.
 Request setTarget(int channel, int target_qus);
-/// @param speed [25 us/s], 1..16383; 0 is as fast as the servo can.
+/// @param speed [25 us/s], 1..16383; 0: the servo's maximum.
 Request setSpeed(int channel, int speed);
 /// The state of all servos.
 Request getServos(const Model& model);
@@ -45,7 +45,7 @@ struct Servo {
 };
 struct State {
   std::vector<Servo> servos;
-  unsigned errors = 0;  ///< bits; only a Micro Maestro tells them here
+  unsigned errors = 0;  ///< bits; reported by a Micro Maestro only
 };
 /// @return empty if the answer to getServos is too short.
 std::optional<State> parseServos(const Model& model, std::span<const std::uint8_t> bytes);
@@ -54,14 +54,14 @@ std::optional<State> parseServos(const Model& model, std::span<const std::uint8_
 constexpr double kSpeedUnit_usps = 25.0;
 constexpr int kFastest = 16383;
 
-/// From a pulse to the angle of the joint that it turns.
+/// Conversion of a pulse length to the angle of its joint.
 struct Pulse {
   double centre_us = 1500.0;
   double us_per_rad = 0.0;  ///< negative where a longer pulse turns right, or down
 
   double angle(int position_qus) const { return (0.25 * position_qus - centre_us) / us_per_rad; }
   int target_qus(double angle_rad) const;
-  /// Of the speed that is nearest, at least 1.
+  /// The nearest speed in units of kSpeedUnit_usps, at least 1.
   int speed(double rate_radps) const;
   double slowest_radps() const { return kSpeedUnit_usps / (us_per_rad < 0 ? -us_per_rad : us_per_rad); }
 };

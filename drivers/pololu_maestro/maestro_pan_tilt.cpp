@@ -50,7 +50,7 @@ std::string MaestroPanTilt::connect(const std::stop_token&) {
 
 void MaestroPanTilt::disconnect(bool halt) {
   if (halt && usb_.isOpen()) {
-    // What cannot be told any more is lost: the way that it was sent ends at the limits by itself.
+    // A stop that cannot be sent is not needed: the motion ends at the limits by itself.
     if (stay(params_.pan).empty()) static_cast<void>(stay(params_.tilt));
   }
   usb_.close();
@@ -62,7 +62,7 @@ std::string MaestroPanTilt::stay(const Joint& joint) {
 }
 
 std::string MaestroPanTilt::move(const Joint& joint, double target_rad, double rate_radps) {
-  // The speed first, so that the way never begins at the one before.
+  // The speed first, so that the motion never starts at the previous speed.
   if (std::string why = usb_.transfer(maestro::setSpeed(joint.channel, joint.pulse.speed(rate_radps)));
       !why.empty()) {
     return why;
@@ -104,7 +104,7 @@ std::string MaestroPanTilt::poll() {
   } else if (state_.errors != 0) {
     condition << "the Maestro reports errors, bits 0x" << std::hex << state_.errors;
   }
-  tell(condition.str());
+  setCondition(condition.str());
   if (pan_qus != 0 && tilt_qus != 0) {
     give(asked_us, params_.pan.pulse.angle(pan_qus), params_.tilt.pulse.angle(tilt_qus));
   }

@@ -1,4 +1,4 @@
-/// @file Two servos on a Pololu Maestro as a pan-tilt unit. SPEC C1.
+/// @file Two servos on a Pololu Maestro as a pan-tilt unit. See C1.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,9 @@
 
 namespace vismem {
 
-/// A thread holds the device: it sends the last command and reads the pulses, `rate_hz` times a second. The
-/// angles are those of the pulses, which the Maestro moves at the commanded speed: servos tell nothing back,
-/// and a jam is not seen. Servos that are off at the beginning are sent to 0, at which they jump.
-/// *Thread-safe*.
+/// A thread owns the device: it sends the last command and reads the pulses, `rate_hz` times a second. The
+/// angles are those of the pulses, which the Maestro moves at the commanded speed. Servos have no feedback,
+/// so a jam is not detected. Servos that are off at the beginning jump to 0. *Thread-safe*.
 class MaestroPanTilt : public DevicePanTilt {
  public:
   struct Joint {
@@ -39,15 +38,15 @@ class MaestroPanTilt : public DevicePanTilt {
   std::string connect(const std::stop_token& stop) override;
   std::string obey(const PanTiltCommand& command) override;
   std::string poll() override;
-  /// The servos stay where they are, under power.
+  /// The servos keep their position under power.
   void disconnect(bool halt) override;
-  /// One below the slowest becomes that, or 0, whichever is nearer.
+  /// A velocity below the slowest becomes the slowest or 0, whichever is nearer.
   void adjustVelocity(PanTiltCommand& command, PortReply& reply) const override;
 
  private:
   std::string readState();
   std::string move(const Joint& joint, double target_rad, double rate_radps);
-  /// Where the pulse of this moment is.
+  /// Stops a joint at its present pulse.
   std::string stay(const Joint& joint);
   const maestro::Servo& servo(const Joint& joint) const {
     return state_.servos[static_cast<std::size_t>(joint.channel)];

@@ -43,8 +43,8 @@ void Usb::close() {
 
 std::string Usb::open(const std::string& serial) {
   close();
-  // Anew each time: a context's list of devices is kept by events, which a machine without udev does not
-  // have.
+  // A new context each time: a context updates its list of devices by events of udev, which some machines do
+  // not have.
   if (const int error = libusb_init(&handles_->context); error != 0) {
     handles_->context = nullptr;
     return std::string("no USB here: ") + libusb_strerror(error);

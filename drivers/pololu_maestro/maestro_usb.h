@@ -1,4 +1,4 @@
-/// @file A Maestro found and asked through libusb. Failures are returned with words for people.
+/// @file Access to a Maestro through libusb. Failures are returned as messages for people.
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,16 @@ class Usb {
   Usb();
   ~Usb();
 
-  /// Opens the Maestro with this serial number; any, if there is one and `serial` is empty. @return empty, or
-  /// why not: "no Maestro is connected", "no permission for ...".
+  /// Opens the Maestro with this serial number, or the only one if `serial` is empty.
+  /// @return empty, or the reason of the failure: "no Maestro is connected", "no permission for ...".
   std::string open(const std::string& serial);
   bool isOpen() const;
   void close();
-  /// Of an open one.
+  /// Model of the open device.
   const Model& model() const { return *model_; }
 
-  /// @param answer of requests that read. @return empty, or why not: "the Maestro was unplugged".
+  /// @param answer result of read requests.
+  /// @return empty, or the reason of the failure: "the Maestro was unplugged".
   std::string transfer(const Request& request, std::vector<std::uint8_t>& answer);
   std::string transfer(const Request& request);
 

@@ -8,7 +8,7 @@
 namespace vismem::ptu46 {
 namespace {
 
-/// Of a reply; what is longer is garbage that happens to begin like one.
+/// Longest reply [bytes]; longer bytes are garbage with the begin of a reply.
 constexpr std::size_t kLongestReply = 200;
 
 char letter(Axis axis) {
@@ -55,7 +55,7 @@ std::optional<Reply> ReplyReader::next() {
       pending_.erase(0, 1);
       continue;
     }
-    // The limit switches speak into sentences too.
+    // Messages of limit switches may occur within sentences.
     for (const auto& [mark, kind] :
          {std::pair{"!P", Reply::Kind::kPanLimit}, {"!T", Reply::Kind::kTiltLimit}}) {
       const auto at = pending_.find(mark, 1);

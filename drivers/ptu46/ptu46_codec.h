@@ -1,9 +1,8 @@
 /// @file The ASCII commands of Directed Perception's pan-tilt units (PTU-46, D46) and their replies. Pure.
 ///
 /// A command ends with a blank. It is answered by "*", "* RESULT" or "! MESSAGE" up to the end of the line;
-/// "!P" and
-/// "!T" may come at any time and mean that an axis has run into its limit switch. Until told otherwise the
-/// unit may echo what it hears and answer in sentences. Source: the PTU-D46 user's manual 2.14.
+/// "!P" and "!T" may come at any time: an axis has run into its limit switch. By default the unit may echo
+/// its input and answer in sentences. Source: the PTU-D46 user's manual 2.14.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +14,7 @@ namespace vismem::ptu46 {
 
 enum class Axis { kPan, kTilt };
 
-/// "PP", "TS": the axis' letter and what of it.
+/// "PP", "TS": the letters of axis and quantity.
 std::string query(Axis axis, char what);
 /// "PP-500 ".
 std::string set(Axis axis, char what, long value);
@@ -34,7 +33,7 @@ struct Reply {
   std::string text;  ///< result or message, without the blanks around it
 };
 
-/// Finds replies in what comes, whatever echo lies between them.
+/// Finds replies in the received bytes and ignores echo between them.
 class ReplyReader {
  public:
   void add(std::span<const std::uint8_t> bytes);
@@ -48,19 +47,19 @@ class ReplyReader {
   std::size_t other_ = 0;
 };
 
-/// The number in a result, which may be a sentence: "* Current Pan position is -12". @return empty unless
-/// there is exactly one.
+/// The number in a result, which may be a sentence: "* Current Pan position is -12".
+/// @return empty unless there is exactly one.
 std::optional<double> numberIn(const std::string& text);
 
-/// What an axis can do, in the unit's steps.
+/// Range of an axis, in the unit's steps.
 struct AxisRange {
   double step_rad = 0.0;
   long minimum = 0, maximum = 0;
   long slowest = 0, fastest = 0;
 };
 
-/// Between our angles and the unit's steps: ours are 0 at `zero_rad` of the unit, and go the other way where
-/// it is `inverted`.
+/// Conversion between angles and the unit's steps: angle 0 is `zero_rad` of the unit; `inverted` reverses the
+/// sign.
 struct AxisFrame {
   double zero_rad = 0.0;
   bool inverted = false;

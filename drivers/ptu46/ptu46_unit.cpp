@@ -17,9 +17,9 @@ using ptu46::Axis;
 using ptu46::Reply;
 
 constexpr double kArcSecond_rad = std::numbers::pi / 180.0 / 3600.0;
-/// A reply takes some 10 ms at 9600 bit/s; a USB adapter holds bytes back for 16 ms.
+/// A reply takes about 10 ms at 9600 bit/s; a USB adapter delays bytes by 16 ms.
 constexpr auto kAnswer = 500ms;
-/// Both axes search their ends.
+/// Duration of a reset: both axes move to their ends.
 constexpr auto kReset = 30'000ms;
 constexpr auto kQuiet = 60ms;
 constexpr auto kQuietAtMost = 600ms;
@@ -129,7 +129,7 @@ std::string Ptu46Unit::learnRanges() {
                                           std::lround(values[1]), std::lround(values[2]),
                                           std::lround(values[3])};
     if (arc_seconds <= 0.0 || values[0] >= values[1] || values[3] <= 0.0) {
-      return params_.port + ": the unit tells a range without sense";
+      return params_.port + ": the unit reports an invalid range";
     }
   }
   {
@@ -147,11 +147,11 @@ std::string Ptu46Unit::begin() {
   if (std::string why = port_.open(params_.port, params_.baud_bps); !why.empty()) return why;
   limit_hit_.clear();
   refused_.clear();
-  // The first blank ends whatever half a command the unit may have heard; it may answer that with an error.
+  // The first blank ends an incomplete earlier command; the unit may answer it with an error.
   const std::array<std::uint8_t, 1> blank{' '};
   if (std::string why = port_.write(blank, Clock::now() + kAnswer); !why.empty()) return why;
   readUntilQuiet();
-  // Terse, without echo, positions, at once; and it stands. What comes before all is echo.
+  // Terse mode, no echo, position control, immediate execution; and stop. Bytes before the replies are echo.
   std::string why = ask("ED FT ", kAnswer);
   if (!why.empty() && port_.isOpen() && replies_.empty() && !stop_.stop_requested()) {
     const bool garbage = reader_.otherBytes() > 0;
@@ -164,7 +164,7 @@ std::string Ptu46Unit::begin() {
   if (params_.reset && !reset_done_) {
     refuseBecause(params_.port + ": the pan-tilt unit finds its zero");
     if (why = ask("R ", kReset); !why.empty()) return why;
-    limit_hit_.clear();  // that is how it finds it
+    limit_hit_.clear();  // the reset uses the limit switches
     reset_done_ = true;
   }
   return learnRanges();
@@ -177,7 +177,7 @@ std::string Ptu46Unit::connect(const std::stop_token& stop) {
 }
 
 std::string Ptu46Unit::pauseUntil(Clock::time_point until, const std::stop_token&) {
-  // Nothing is due to come: what does are the limit switches, or the end of the line.
+  // No reply is due: bytes are messages of limit switches, or the line has ended.
   const auto input = port_.read(until);
   if (input.kind == SerialPort::Input::Kind::kGone) return input.why;
   if (input.kind == SerialPort::Input::Kind::kBytes) reader_.add(input.bytes);
@@ -191,7 +191,7 @@ std::string Ptu46Unit::unlessOnce(std::string why) {
   }
   const bool gone = why.find("says nothing") == std::string::npos;
   if (gone || ++silent_ >= kSilentRounds) return why;
-  // What comes late is not mixed up with what is asked next.
+  // Late replies must not be taken for those to the next commands.
   readUntilQuiet();
   return {};
 }
@@ -253,10 +253,11 @@ std::string Ptu46Unit::sample() {
     readUntilQuiet();
     refused_ =
         "the unit answered \"" + replies_[0].text + "\" and \"" + replies_[1].text + "\" for its angles";
-    tell(refused_);
+    setCondition(refused_);
     return {};
   }
-  tell(limit_hit_.empty() ? refused_ : limit_hit_ + " ran into its limit switch: its zero may be lost");
+  setCondition(limit_hit_.empty() ? refused_
+                                  : limit_hit_ + " ran into its limit switch: its zero may be lost");
   give(asked_us, params_.pan.frame.angle(*pan, ranges[0].step_rad),
        params_.tilt.frame.angle(*tilt, ranges[1].step_rad));
   return {};

@@ -1,4 +1,4 @@
-/// @file A Directed Perception PTU-46 or D46 on a serial line as a pan-tilt unit. SPEC C1.
+/// @file A Directed Perception PTU-46 or D46 on a serial line as a pan-tilt unit. See C1.
 #pragma once
 
 #include <array>
@@ -18,10 +18,10 @@
 
 namespace vismem {
 
-/// A thread holds the session: it sends the last command and asks for the angles, `rate_hz` times a second. A
-/// velocity is sent as the way to the limit in its direction at its speed, which units of every age know; so
-/// it ends at the limits by itself. The motors step without feedback: a jam cannot be seen, but a limit
-/// switch that is run into is told as a condition. *Thread-safe*.
+/// A thread owns the session: it sends the last command and polls the angles, `rate_hz` times a second. A
+/// velocity is sent as a motion to the limit in its direction, which units of every age support; it therefore
+/// ends at the limits. The stepper motors have no feedback: a jam is not detected, but a reached limit switch
+/// is reported as a condition. *Thread-safe*.
 class Ptu46Unit : public DevicePanTilt {
  public:
   struct AxisParams {
@@ -34,13 +34,13 @@ class Ptu46Unit : public DevicePanTilt {
     AxisParams pan{-2.7, 2.7, 1.7, {}};
     AxisParams tilt{-0.78, 0.52, 1.7, {}};
     double rate_hz = 20.0;
-    bool reset = false;  ///< it shall find its zero at the first connection
+    bool reset = false;  ///< finds its zero at the first connection
   };
 
   explicit Ptu46Unit(const Params& params);
   ~Ptu46Unit() override;
 
-  /// Those of the configuration; once the unit was reached, what of them it can do.
+  /// Limits of the configuration; once the unit was reached, within its own limits.
   PanTiltLimits limits() const override;
 
  protected:
@@ -50,17 +50,19 @@ class Ptu46Unit : public DevicePanTilt {
   void disconnect(bool halt) override;
   std::string pauseUntil(Clock::time_point until, const std::stop_token& stop) override;
   void wake() override { port_.wake(); }
-  /// One below the unit's slowest becomes that, or 0, whichever is nearer.
+  /// A velocity below the unit's slowest becomes the slowest or 0, whichever is nearer.
   void adjustVelocity(PanTiltCommand& command, PortReply& reply) const override;
 
  private:
   using Ranges = std::array<ptu46::AxisRange, 2>;
 
   std::string begin();
-  /// One reply may be lost on the wire. @return empty also for the first of several silences.
+  /// Tolerates the loss of one reply.
+  /// @return `why`, or empty for the first of several silences.
   std::string unlessOnce(std::string why);
   std::string learnRanges();
-  /// Sends and waits for as many replies as it has commands. @return why the line is lost or silent.
+  /// Sends commands and waits for one reply each.
+  /// @return the reason why the line is lost or silent.
   std::string ask(const std::string& commands, std::chrono::milliseconds patience);
   std::string askNumber(ptu46::Axis axis, char what, double& value);
   std::string sendCommand(const PanTiltCommand& command);
@@ -78,9 +80,9 @@ class Ptu46Unit : public DevicePanTilt {
   ptu46::ReplyReader reader_;
   std::vector<ptu46::Reply> replies_;  ///< to the last ask()
   bool reset_done_ = false;
-  std::string refused_;  ///< what the unit did not do of the last command
+  std::string refused_;  ///< the part of the last command that the unit refused
   std::string limit_hit_;
-  int silent_ = 0;  ///< rounds in a row
+  int silent_ = 0;  ///< consecutive periods without a reply
 
   mutable std::mutex mutex_;
   Ranges ranges_;  ///< step_rad 0 before the unit was reached

@@ -10,7 +10,7 @@
 
 namespace vismem::testing {
 
-/// A floor with shapes far enough apart to be told apart, and what a memory holds of it.
+/// A floor with shapes far enough apart to be distinguished, and what a memory holds of it.
 class SyntheticShapes {
  public:
   struct Noise {

@@ -1,4 +1,4 @@
-// base_commander PROXY V_MPS W_RADPS: drives a base with these speeds, 20 commands a second, until it is
+// base_commander PROXY V_MPS W_RADPS: drives a base with these speeds, 20 commands per second, until it is
 // killed.
 #include <Ice/Ice.h>
 

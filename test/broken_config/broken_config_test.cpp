@@ -1,4 +1,4 @@
-// Every component against wrong configurations: exact messages, and an exit code that tells (STYLE 7).
+// Every component against wrong configurations: exact messages and exit codes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -75,7 +75,7 @@ class Folder {
   const fs::path path_;
 };
 
-/// A port of the loopback that somebody listens at.
+/// A port of the loopback with a listener.
 class PortInUse {
  public:
   PortInUse() : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {

@@ -1,4 +1,4 @@
-/// @file What a wrong configuration must be answered with. To add a case, add an entry to one of the tables.
+/// @file Expected messages for invalid configurations. To add a case, add an entry to one of the tables.
 #pragma once
 
 #include <string>
@@ -20,7 +20,7 @@ struct BrokenConfig {
   /// follow below them, so line numbers count from these.
   std::vector<std::string> lines;
   /// Line by line; HERE stands for the folder and PORT for a port that is in use. A run-time failure (exit
-  /// code 1) is a line of the log: without its stamp and name, and without what is not an error.
+  /// code 1) is a line of the log, without its stamp and name; other lines than errors are ignored.
   std::vector<std::string> expected;
   int exit_code = 2;
   std::vector<std::string> without = {};    ///< keys of the valid configuration that are left out

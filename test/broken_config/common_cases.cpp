@@ -124,7 +124,7 @@ std::vector<BrokenConfig> filesAndLines() {
       {"KeyOfAnotherComponent",
        l,
        {"Simulator.Speed = 5"},
-       {"broken.cfg:1: unknown key \"Simulator.Speed\" (must begin with Localization.)"}},
+       {"broken.cfg:1: unknown key \"Simulator.Speed\" (must begin with Localization. or Robot.)"}},
       {"UnknownKeyOfIce",
        l,
        {"Ice.MesageSizeMax = 5"},
@@ -317,10 +317,37 @@ std::vector<BrokenConfig> proxiesAndEndpoints() {
        1},
       {"PortInUseOfMemory",
        m,
-       {"ActiveVisualMemory.Endpoints = tcp -h 127.0.0.1 -p 0:ws -h 127.0.0.1 -p PORT"},
-       {"cannot serve at ActiveVisualMemory.Endpoints = tcp -h 127.0.0.1 -p 0:ws -h 127.0.0.1 -p PORT "
-        "(adapter ActiveVisualMemoryAdapter): Address already in use"},
+       {"ActiveVisualMemory.WebEndpoints = ws -h 127.0.0.1 -p PORT", "Robot.Token = 0123456789abcdef"},
+       {"cannot serve at ActiveVisualMemory.WebEndpoints = ws -h 127.0.0.1 -p PORT (adapter "
+        "ActiveVisualMemoryWebAdapter): Address already in use"},
        1},
+      {"WebSocketAmongPlainEndpoints",
+       l,
+       {"Localization.Endpoints = tcp -h 127.0.0.1 -p 9971:ws -h 127.0.0.1 -p 11005"},
+       {"broken.cfg:1: Localization.Endpoints = tcp -h 127.0.0.1 -p 9971:ws -h 127.0.0.1 -p 11005 (must be "
+        "endpoints "
+        "such as tcp -h 127.0.0.1 -p 9999: ws and wss belong into the key WebEndpoints, where clients need a "
+        "token)"}},
+      {"WebSocketByDefaultProtocol",
+       l,
+       {"Localization.Endpoints = default -h 127.0.0.1 -p 9971", "Ice.Default.Protocol = ws"},
+       {"broken.cfg:1: Localization.Endpoints = default -h 127.0.0.1 -p 9971 (must be endpoints such as tcp "
+        "-h "
+        "127.0.0.1 -p 9999: ws and wss belong into the key WebEndpoints, where clients need a token)"}},
+      {"PlainEndpointForWebPages",
+       l,
+       {"Localization.WebEndpoints = tcp -h 127.0.0.1 -p 11005"},
+       {"broken.cfg:1: Localization.WebEndpoints = tcp -h 127.0.0.1 -p 11005 (must be endpoints such as ws "
+        "-h "
+        "127.0.0.1 -p 11000: only ws and wss belong here)"}},
+      {"TokenThatIsShort",
+       l,
+       {"Robot.Token = 0123456789"},
+       {"broken.cfg:1: Robot.Token = *** (must be 16..100 letters, digits, '-' or '_')"}},
+      {"RobotNameWithADot",
+       l,
+       {"Robot.Name = robot.7"},
+       {"broken.cfg:1: Robot.Name = robot.7 (must be 1..40 letters, digits, '-' or '_')"}},
       {"AddressOfAnotherHost",
        l,
        {"Localization.Endpoints = tcp -h 192.0.2.1 -p 9971"},

@@ -293,7 +293,7 @@ std::vector<BrokenConfig> recordings() {
       {"RecordingIsAFolder",
        r,
        {"ReplayServer.File = ."},
-       {"broken.cfg:1: ReplayServer.File = . (is a folder, must be a recording: ROS 1 bag)"}},
+       {"broken.cfg:1: ReplayServer.File = . (is a folder without a recording, must hold NAME.bag)"}},
       {"RecordingEmpty",
        r,
        {},
@@ -304,7 +304,7 @@ std::vector<BrokenConfig> recordings() {
       {"RecordingOfAnotherFormat",
        r,
        {},
-       {"log.bag: not a ROS 1 bag: begins with \".MCAP0...\" (expected \"#ROSBAG V2.0\")"},
+       {"log.bag: not a ROS 1 bag: begins with \".MCAP0..\" (expected \"#ROSBAG V2.0\")"},
        2,
        {},
        bag("\x89MCAP0\r\n\x01")},
@@ -318,16 +318,16 @@ std::vector<BrokenConfig> recordings() {
       {"RecordingCutAfterItsFirstLine",
        r,
        {},
-       {"log.bag: cannot be read: Error reading from file: wanted 4 bytes, read 0 bytes (expected a complete "
-        "ROS 1 bag; one that was cut off can be repaired with \"rosbag reindex\")"},
+       {"log.bag: its index is missing or damaged, and none of its 13 bytes holds a message"},
        2,
        {},
        bag("#ROSBAG V2.0\n")},
       {"RecordingOfNoise",
        r,
        {},
-       {"log.bag: cannot be read: Error reading from file: wanted 2812782503 bytes, read 4092 bytes "
-        "(expected a complete ROS 1 bag; one that was cut off can be repaired with \"rosbag reindex\")"},
+       {"log.bag: its index is missing or damaged, and none of its 4109 bytes holds a message (log.bag: 4096 "
+        "bytes "
+        "at byte 13 are no record of a bag: left out)"},
        2,
        {},
        bag("#ROSBAG V2.0\n" + std::string(4096, '\xa7'))},

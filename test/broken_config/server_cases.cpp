@@ -135,8 +135,9 @@ std::vector<BrokenConfig> servers() {
         "broken.cfg:2: BaseServer.Watchdog_s = -1 (must be 0.05..60)"}},
       {"BasePortInUse",
        b,
-       {"BaseServer.Endpoints = ws -h 127.0.0.1 -p PORT"},
-       {"cannot serve at BaseServer.Endpoints = ws -h 127.0.0.1 -p PORT (adapter BaseServerAdapter): Address "
+       {"BaseServer.Endpoints = tcp -h 127.0.0.1 -p PORT"},
+       {"cannot serve at BaseServer.Endpoints = tcp -h 127.0.0.1 -p PORT (adapter BaseServerAdapter): "
+        "Address "
         "already in use"},
        1},
   };

@@ -1,4 +1,4 @@
-// The parts of camera_server without Ice: calibration files, turned pictures, lens, health, configuration.
+// The parts of camera_server without Ice: calibration files, rotated images, lens, health, configuration.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -138,7 +138,7 @@ TEST(Orientation, TheCameraModelTurnsWithThePicture) {
   for (int turns = 0; turns < 4; ++turns) {
     for (const bool mirror : {false, true}) {
       const Orientation orientation{turns, mirror};
-      // Where a point shows, moved with the picture step by step ...
+      // The pixel of a point, moved with the image step by step ...
       Eigen::Vector2d px = distortPixel(k, *projectToIdeal(k, p));
       Eigen::Vector3d direction = p;
       int width = k.width, height = k.height;
@@ -243,7 +243,7 @@ class CameraHealthTest : public testing::Test {
   SteadyTime now_ = SteadyTime{} + 100s;
 };
 
-TEST_F(CameraHealthTest, TellsWhatIsWrongAndThatItIsOver) {
+TEST_F(CameraHealthTest, ReportsWhatIsWrongAndThatItIsOver) {
   status_.serving();
   hear({SourceState::kWaiting, std::nullopt, "/dev/video0: no such file"});
   EXPECT_EQ(status_.report().state, RunState::kDegraded);

@@ -1,4 +1,5 @@
-// The process camera_server over Ice: several cameras, formats, cameras that come and go (SPEC C1, C3, C4).
+// The process camera_server over Ice: several cameras, formats, cameras that disappear and return.
+// Tests C1, C3, C4.
 #include <avm/component.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,6 +10,7 @@
 #include <iterator>
 #include <thread>
 
+#include "common/geometry/angles.h"
 #include "common/robot_ice/camera_ice.h"
 #include "support/ice_client.h"
 #include "support/mjpeg_server.h"
@@ -69,7 +71,7 @@ TEST(CameraServer, ServesSeveralCamerasAndEndsOnSigterm) {
   RemoteFrameSource rear(ice.find<avm::CameraPrx>(server, "rear"), FrameFormat::kYuy2);
   const Frame turned = awaitFrame(rear);
   EXPECT_EQ(turned.image.size(), cv::Size(120, 160));
-  EXPECT_EQ(turned.intrinsics, intrinsicsFromFieldOfView(120, 160, 50.0 * 3.14159265358979323846 / 180.0));
+  EXPECT_EQ(turned.intrinsics, intrinsicsFromFieldOfView(120, 160, degToRad(50.0)));
 
   const auto status = ice.find<avm::ComponentPrx>(server, "camera_server/component");
   const auto report = status->getStatus();
@@ -114,7 +116,7 @@ TEST(CameraServer, ACameraThatIsAwayDegradesItAloneAndComesBack) {
   RemoteFrameSource front(ice.find<avm::CameraPrx>(server, "cameraA"));
   RemoteFrameSource rear(ice.find<avm::CameraPrx>(server, "rear"));
   awaitFrame(rear);
-  EXPECT_THAT(front.next(3s).message, HasSubstr("no such file or folder")) << "the client is told why";
+  EXPECT_THAT(front.next(3s).message, HasSubstr("no such file or folder")) << "the client gets the reason";
 
   std::filesystem::create_directories(absent);
   writePicture((absent / "1.png").string(), 10);

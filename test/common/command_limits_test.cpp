@@ -1,4 +1,4 @@
-// The rule for commands that ask too much, in the words that people read.
+// Limits of commands, with their exact messages.
 #include "common/robot/command_limits.h"
 
 #include <gtest/gtest.h>

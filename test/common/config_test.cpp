@@ -1,4 +1,4 @@
-// Units of common/config: the strict reader of property files (DESIGN 14, STYLE 7).
+// Units of common/config: the strict reader of property files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -243,6 +243,39 @@ TEST(ConfigReader, UnknownKeysAreThoseOfThePrefixOrAllButThoseOfIce) {
   EXPECT_THAT(problemsOf(whole), ElementsAre("a.cfg:2: unknown key \"Q.A\" (did you mean \"P.A\"?)"));
 }
 
+TEST(ConfigReader, AcceptsTheOldNameOfAKeyAndNamesTheNewOne) {
+  const auto properties = Properties::parse("P.Old=3\nP.New2=4\n", "a.cfg");
+  ConfigReader config(properties, "P");
+  config.alias("Old", "New");
+  config.alias("Old2", "New2");
+  EXPECT_TRUE(config.isSet("New"));
+  EXPECT_EQ(config.integer("New", 1, 0, 9), 3);
+  EXPECT_EQ(config.integer("New2", 1, 0, 9), 4);
+  EXPECT_THAT(problemsOf(config), IsEmpty());
+  ASSERT_EQ(config.renamedKeys().size(), 1u);
+  EXPECT_EQ(config.renamedKeys()[0].text(),
+            "a.cfg:1: key \"P.Old\" is now called \"P.New\" (the old name ends with release 0.3.0)");
+  EXPECT_EQ(config.effective()[0].key, "P.New");
+  EXPECT_EQ(config.effective()[0].value, "3");
+}
+
+TEST(ConfigReader, RefusesABadValueUnderTheNameThatStandsThere) {
+  const auto properties = Properties::parse("P.Old=77\n", "a.cfg");
+  ConfigReader config(properties, "P");
+  config.alias("Old", "New");
+  config.integer("New", 1, 0, 9);
+  EXPECT_THAT(problemsOf(config), ElementsAre("a.cfg:1: P.Old = 77 (must be 0..9)"));
+}
+
+TEST(ConfigReader, RefusesAKeyUnderBothItsNames) {
+  const auto properties = Properties::parse("P.New=1\nP.Old=2\n", "a.cfg");
+  ConfigReader config(properties, "P");
+  config.alias("Old", "New");
+  config.integer("New", 1, 0, 9);
+  EXPECT_THAT(problemsOf(config),
+              ElementsAre("a.cfg:2: key \"P.Old\" is the old name of \"P.New\", which is set too"));
+}
+
 TEST(ConfigReader, ListsChildren) {
   const auto properties =
       Properties::parse("P.Obstacle.b.X=1\nP.Obstacle.a.X=1\nP.Obstacle.a.Y=1\nP.Obstacles=1\n", "a.cfg");
@@ -280,7 +313,7 @@ TEST_F(ConfigPaths, RelativePathsCountFromTheWorkingDirectoryThenFromTheFile) {
   const auto properties =
       Properties::parse("P.Map=beside.csv\nP.Out=out/new\nP.Absolute=/usr\n", folder_ / "a.cfg");
   ConfigReader config(properties, "P");
-  EXPECT_EQ(config.requirePath("Map", "a map"), folder_ / "beside.csv");
+  EXPECT_EQ(config.requireFile("Map", "a map"), folder_ / "beside.csv");
   EXPECT_EQ(config.path("Out"), "out/new") << "what does not exist yet belongs to the working directory";
   EXPECT_EQ(config.existingPath("Absolute"), "/usr");
   EXPECT_EQ(config.existingPath("Unset"), "");
@@ -291,10 +324,10 @@ TEST_F(ConfigPaths, AbsentFilesAreNamedWithThePlacesSearched) {
   const auto file = (folder_ / "a.cfg").string();
   const auto properties = Properties::parse("P.Map=other.csv\nP.World=/no/world\nP.Palette=\n", file);
   ConfigReader config(properties, "P");
-  config.requirePath("Map", "a map");
+  config.requireFile("Map", "a map");
   config.existingPath("World");
-  config.requirePath("Palette", "a palette file");
-  config.requirePath("Robot", "a robot file");
+  config.requireFile("Palette", "a palette file");
+  config.requireFile("Robot", "a robot file");
   EXPECT_THAT(problemsOf(config),
               ElementsAre(file + ": missing key \"P.Robot\" (must be a robot file)",
                           file + ":1: P.Map = other.csv (no such file or folder in " +

@@ -1,4 +1,5 @@
-// Units of common/geometry: angles, poses, segments, camera, projection (SPEC G1, G2).
+// Units of common/geometry: angles, poses, segments, camera, projection.
+// Tests G1, G2.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +9,7 @@
 
 #include "common/geometry/angles.h"
 #include "common/geometry/camera.h"
+#include "common/geometry/plane.h"
 #include "common/geometry/pose.h"
 #include "common/geometry/projection.h"
 #include "common/geometry/segment.h"
@@ -80,6 +82,19 @@ TEST(Pose, PlanarAndSpatialFormsAgree) {
   EXPECT_NEAR(planar.x, spatial.x, 1e-12);
   EXPECT_NEAR(planar.y, spatial.y, 1e-12);
   EXPECT_NEAR(angleDifference(planar.theta, spatial.theta), 0.0, 1e-12);
+}
+
+TEST(Plane, TheQuarterTurnIsCounterClockwiseAndKeepsTheLength) {
+  EXPECT_EQ(turned90(Eigen::Vector2d(1, 0)), Eigen::Vector2d(0, 1));
+  EXPECT_EQ(turned90(Eigen::Vector2d(0, 2)), Eigen::Vector2d(-2, 0));
+}
+
+TEST(Plane, TheCrossProductIsPositiveToTheLeftAndTheAreaOfTheParallelogram) {
+  const Eigen::Vector2d a(2, 1);
+  EXPECT_EQ(cross2(a, turned90(a)), a.squaredNorm());
+  EXPECT_EQ(cross2(a, -turned90(a)), -a.squaredNorm());
+  EXPECT_EQ(cross2(a, 3.0 * a), 0.0);
+  EXPECT_EQ(cross2({3, 0}, {5, 4}), 12.0);
 }
 
 TEST(Segment, ClipsToBoxAndKeepsDirection) {
@@ -231,6 +246,14 @@ TEST(Projection, ClipsAtTheNearPlaneAndTheBorder) {
   EXPECT_NEAR(px->a.x(), 159.5, 1e-9);
   EXPECT_NEAR(px->a.y(), 239.5, 1e-9);
   EXPECT_FALSE(projectSegment(testCamera(), T, {{-2.0, 0.0, 0.0}, {-1.0, 0.0, 0.0}}));
+}
+
+TEST(PanTilt, AngleBetweenDirectionsOfAHead) {
+  EXPECT_NEAR(angleBetween({0.3, 0.0}, {-0.2, 0.0}), 0.5, 1e-12);
+  EXPECT_NEAR(angleBetween({1.0, 0.4}, {1.0, -0.1}), 0.5, 1e-12);
+  // Looking straight up, pan turns about the axis of view.
+  EXPECT_NEAR(angleBetween({0.0, 0.5 * std::numbers::pi}, {2.0, 0.5 * std::numbers::pi}), 0.0, 1e-7);
+  EXPECT_NEAR(angleBetween({0.0, 0.0}, {std::numbers::pi, 0.0}), std::numbers::pi, 1e-7);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Pictures to pixels and back: YUY2 by hand, JPEG headers, wrong sizes (DESIGN 5, common/image_codec).
+// Encoding and decoding of images: YUY2 by hand, JPEG headers, wrong sizes (common/image_codec).
 #include "common/image_codec/image_codec.h"
 
 #include <gmock/gmock.h>
@@ -107,7 +107,7 @@ TEST(ImageCodec, EncodingLeavesThePixelsAsTheyAre) {
   EXPECT_EQ(cv::norm(picture, before, cv::NORM_INF), 0.0);
 }
 
-TEST(ImageCodec, JpegHeaderTellsTheSize) {
+TEST(ImageCodec, JpegHeaderHasTheSize) {
   const Bytes jpeg = encodeJpeg(smoothPicture(31, 17), 80);
   const JpegHeader header = readJpegHeader(jpeg);
   EXPECT_EQ(header.error, "");

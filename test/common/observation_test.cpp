@@ -1,4 +1,5 @@
-// Units of common/robot: histories that interpolate and the assembler of observations (SPEC G3).
+// Units of common/robot: histories that interpolate and the assembler of observations.
+// Tests G3.
 #include "common/robot/observation.h"
 
 #include <gtest/gtest.h>

@@ -141,5 +141,15 @@ TEST(SimulatedOperator, RefusesBadParameters) {
   EXPECT_THROW(SimulatedOperator(Route{{{0, 0}}, true}, {}), std::invalid_argument);
 }
 
+TEST(ParseRoute, RefusesPlacesThatNoWorldHas) {
+  try {
+    parseRoute("open\nx_m,y_m\n0,0\n1e30,0\n", "far.route");
+    FAIL() << "accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(error.problems(),
+              std::vector<std::string>{"far.route:4: \"1e30,0\" (must be within 100 km of the origin)"});
+  }
+}
+
 }  // namespace
 }  // namespace vismem

@@ -1,4 +1,4 @@
-// Reading what people wrote, and showing what strangers wrote.
+// Reading of text files, and escaping of untrusted text.
 #include "common/config/text_file.h"
 
 #include <gmock/gmock.h>
@@ -63,7 +63,7 @@ TEST(Shown, CutsTheMiddleBetweenCharacters) {
             1000u + std::string("[... 9999000 bytes ...]").size());
 }
 
-TEST(ConfigErrorText, IsShortAndTellsHowMuchIsLeftOut) {
+TEST(ConfigErrorText, IsShortAndReportsHowMuchIsLeftOut) {
   std::vector<std::string> problems(100, "x.cfg:1: \"\x1b\" (must be y)");
   const ConfigError error(problems);
   EXPECT_EQ(error.problems().size(), 100u);

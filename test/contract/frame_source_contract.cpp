@@ -1,4 +1,4 @@
-// The contract of FrameSource. Each test is run for every implementation (STYLE 3, 9).
+// The contract of FrameSource. Each test is run for every implementation.
 #include "contract/frame_source_contract.h"
 
 #include <gmock/gmock.h>
@@ -64,7 +64,7 @@ TEST_P(FrameSourceContract, FramesAreWholeAndAlike) {
     const Frame frame = i == 0 ? first : take();
     ASSERT_FALSE(frame.image.empty());
     EXPECT_TRUE(frame.image.type() == CV_8UC3 || frame.image.type() == CV_8UC1) << frame.image.type();
-    EXPECT_EQ(frame.native, nullptr) << "nobody asked for it";
+    EXPECT_EQ(frame.native, nullptr) << "not requested";
     EXPECT_EQ(checkIntrinsics(frame.intrinsics), "");
     EXPECT_EQ(frame.intrinsics.width, frame.image.cols);
     EXPECT_EQ(frame.intrinsics.height, frame.image.rows);
@@ -106,7 +106,7 @@ TEST_P(FrameSourceContract, TheNewestFrameWins) {
   source().configure({});
   source().start();
   const Frame first = take();
-  // A consumer that is busy for five periods; in lock-step, five steps that nobody looks at.
+  // A consumer that is busy for five periods; in lock-step, five steps without a read.
   const auto busy_until = Clock::now() + std::chrono::duration<double>(5.5 * rig_->period_s());
   if (rig_->waits()) {
     std::this_thread::sleep_until(busy_until);
@@ -125,7 +125,7 @@ TEST_P(FrameSourceContract, KeepsTheTimeout) {
   source().start();
   take();
   rig_->hush();
-  // What was on its way before it fell silent.
+  // Frames from before its silence.
   while (source().next(300ms).frame) continue;
   for (const auto timeout : {0ms, 150ms}) {
     const auto began = Clock::now();

@@ -1,5 +1,5 @@
-/// @file What every camera promises (common/robot/ports.h), for each implementation in turn. A test program
-/// lists frame_source_contract.cpp and its own files, in which it says
+/// @file Contract tests of every camera (common/robot/ports.h). A test program lists
+/// frame_source_contract.cpp and its own files, which contain
 ///
 ///   INSTANTIATE_TEST_SUITE_P(MyCamera, FrameSourceContract,
 ///                            testing::Values(FrameSourceCase{"name", [](Supply supply) {
@@ -17,13 +17,13 @@
 
 namespace vismem {
 
-/// How the pictures of a camera come while it is tested.
+/// Supply of images to a tested camera.
 enum class Supply {
   kSteady,  ///< at 20..100 Hz
   kOne,     ///< one at the start, then none for a minute or more (after hush())
 };
 
-/// One camera with all it needs to deliver: its files, its world, its server. Not configured, not started.
+/// One camera with its source of images: files, a world, a server. Not configured, not started.
 class FrameSourceRig {
  public:
   virtual ~FrameSourceRig() = default;
@@ -56,7 +56,7 @@ class FrameSourceContract : public testing::TestWithParam<FrameSourceCase> {
  protected:
   void open(Supply supply = Supply::kSteady) { rig_ = GetParam().make(supply); }
   FrameSource& source() { return rig_->source(); }
-  /// The next frame, waited for as long as that may take on a busy machine.
+  /// Waits for the next frame, with a timeout for a busy machine.
   Frame take();
 
   std::unique_ptr<FrameSourceRig> rig_;

@@ -1,4 +1,4 @@
-// The Ice client of a served camera under the contract of FrameSource, for each format that may travel.
+// The Ice client of a served camera under the contract of FrameSource, for each format on the wire.
 #include "common/robot_ice/camera_ice.h"
 #include "contract/frame_source_contract.h"
 #include "drivers/example_camera/pattern_camera.h"

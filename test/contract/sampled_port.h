@@ -1,5 +1,4 @@
-/// @file What the ports of a robot's moving parts promise about their samples, whatever the part. Used by the
-/// suites of PanTiltUnit and MobileBase.
+/// @file Contract tests of samples, shared by the suites of PanTiltUnit and MobileBase.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,12 +19,12 @@ using namespace std::chrono_literals;
 using Steady = std::chrono::steady_clock;
 
 constexpr StampUs kEverything = std::numeric_limits<StampUs>::min();
-/// Nothing takes that long unless something is wrong.
+/// Timeout of a test, far above all regular waits.
 constexpr auto kPatience = 20s;
-/// What a busy machine may add to a wait.
+/// Additional wait on a busy machine.
 constexpr auto kSlack = 2s;
 
-/// One implementation of a port, ready to be started, with what it stands on.
+/// One implementation of a port, ready to start, with its environment.
 template <typename Port>
 class Subject {
  public:
@@ -78,8 +77,8 @@ class Follower {
     return {};
   }
 
-  /// The first sample that fulfils the condition, before the patience ends. @param each is done before each
-  /// look.
+  /// The first sample that fulfils the condition, before the patience ends.
+  /// @param each is done before each look.
   std::optional<Sample> until(
       const std::function<bool(const Sample&)>& condition, const std::function<void()>& each = [] {}) {
     const auto deadline = Steady::now() + kPatience;
@@ -122,7 +121,7 @@ void startsAndStopsAsOftenAsOneLikes(Subject<Port>& subject) {
     EXPECT_FALSE(follower.next().empty());
     port.stop();
     port.stop();
-    // Nobody is kept waiting by a port that is stopped.
+    // A stopped port ends all waits at once.
     const auto asked = Steady::now();
     port.samplesSince(std::numeric_limits<StampUs>::max(), 10s);
     EXPECT_LT(Steady::now() - asked, kSlack);
@@ -159,7 +158,7 @@ void givesWhatIsNewerAndStillHeld(Subject<Port>& subject) {
 }
 
 template <typename Port>
-void waitsAsLongAsTold(Subject<Port>& subject) {
+void waitsForItsWholeTimeout(Subject<Port>& subject) {
   Port& port = subject.port();
   ASSERT_TRUE(port.start().ok());
   Follower<Port> follower(subject);

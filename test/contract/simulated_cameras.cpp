@@ -1,4 +1,4 @@
-// The simulator's camera under the contract of FrameSource: in lock-step and by the clock.
+// The simulator's camera under the contract of FrameSource: in lock-step and in real time.
 #include "contract/frame_source_contract.h"
 #include "simulator/app/real_time_simulation.h"
 #include "simulator/core/simulation.h"

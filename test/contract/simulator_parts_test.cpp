@@ -1,4 +1,4 @@
-// Pan-tilt unit and base of the simulator: in lock-step, and by the clock on a thread of its own.
+// Pan-tilt unit and base of the simulator: in lock-step, and in real time on a thread of its own.
 #include "contract/mobile_base_contract.h"
 #include "contract/pantilt_contract.h"
 #include "simulator/app/real_time_simulation.h"

@@ -1,4 +1,4 @@
-// The driver of cameras that turn by themselves under the contract of PanTiltUnit, with cameras on umockdev.
+// The driver of cameras with pan-tilt motors under the contract of PanTiltUnit, with cameras on umockdev.
 #include <linux/videodev2.h>
 
 #include "contract/pantilt_contract.h"

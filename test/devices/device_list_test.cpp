@@ -1,5 +1,4 @@
-// list_devices: what it finds of cameras on umockdev, and of Maestros and serial ports in folders like /sys
-// and /dev.
+// list_devices: cameras on umockdev, and Maestros and serial ports in folders like /sys and /dev.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
@@ -34,7 +33,8 @@ class Computer {
     fs::create_directories(path.parent_path());
     fs::create_symlink(folder_.path() / target, path);
   }
-  /// A Maestro on the USB bus, with what the kernel tells of it. @return its folder.
+  /// A Maestro on the USB bus, with its entries in /sys.
+  /// @return its folder.
   std::string maestro(const std::string& product, const std::string& device_number) const {
     const std::string device = "sys/bus/usb/devices/1-2";
     file(device + "/idVendor", "1ffb");
@@ -122,7 +122,7 @@ TEST(Permissions, AreMissedByName) {
   EXPECT_EQ(ports[0].problem, "no permission (serial ports belong to the group dialout)");
 }
 
-TEST(Cameras, TellWhatTheyOfferAndWhetherTheyTurn) {
+TEST(Cameras, ReportTheirModesAndWhetherTheyTurn) {
   EmulatedCamera::Description turning;
   turning.card = "Turning Camera";
   turning.modes = {{"YUYV", 640, 480, {30, 15}}, {"H264", 1920, 1080, {30}}};

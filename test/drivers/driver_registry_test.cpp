@@ -1,4 +1,4 @@
-// The registry of drivers: names, unknown names, each driver's own keys (STYLE 3).
+// The registry of drivers: names, unknown names, each driver's own keys.
 #include "common/drivers/driver_registry.h"
 
 #include <gmock/gmock.h>

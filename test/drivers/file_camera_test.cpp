@@ -1,4 +1,5 @@
-// The file camera beyond its contract: order, stamps, sizes, what is missing, broken or gone (SPEC C1).
+// The file camera beyond its contract: order, stamps, sizes, missing and defective files.
+// Tests C1.
 #include "drivers/camera_files/file_camera.h"
 
 #include <gmock/gmock.h>
@@ -82,7 +83,7 @@ TEST(NaturalOrder, NumbersCountAsNumbers) {
   EXPECT_FALSE(naturallyBefore("frame10.png", "frame2.png"));
   EXPECT_TRUE(naturallyBefore("a9b2", "a10b1"));
   EXPECT_TRUE(naturallyBefore("007", "8"));
-  EXPECT_TRUE(naturallyBefore("08", "8")) << "told apart by their text";
+  EXPECT_TRUE(naturallyBefore("08", "8")) << "ordered as text";
   EXPECT_FALSE(naturallyBefore("8", "08"));
   EXPECT_TRUE(naturallyBefore("a", "a1"));
   EXPECT_FALSE(naturallyBefore("x", "x"));

@@ -1,5 +1,5 @@
-// The Maestro: its requests, and its driver against a controller on umockdev's USB with each failure in its
-// words.
+// The Maestro: its requests, and its driver with a controller on umockdev's USB, with the message of each
+// failure.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -98,7 +98,7 @@ class MaestroTest : public testing::Test {
   std::unique_ptr<PanTiltUnit> unit_;
 };
 
-TEST_F(MaestroTest, GoesWhereItIsToldAndStaysWhenStopped) {
+TEST_F(MaestroTest, GoesToItsCommandAndStaysWhenStopped) {
   ASSERT_EQ(unit("Pan.Channel=4\nTilt.Channel=2\nTilt.Inverted=yes\nTilt.Centre_us=1400\n").start().message,
             "");
   EXPECT_EQ(device.position_qus(4), 6000) << "a servo that was off goes to 0";
@@ -129,7 +129,7 @@ TEST_F(MaestroTest, ComesBackAfterItWasPulledOut) {
   EXPECT_TRUE(eventually([&] { return device.position_qus(0) == 4 * 1600; }));
 }
 
-TEST_F(MaestroTest, TellsATransferThatItWasUnplugged) {
+TEST_F(MaestroTest, ReportsATransferThatItWasUnplugged) {
   maestro::Usb usb;
   ASSERT_EQ(usb.open(""), "");
   ASSERT_EQ(usb.transfer(maestro::setTarget(0, 6000)), "");
@@ -169,7 +169,7 @@ TEST_F(MaestroTest, SaysWhatTheDeviceDoesNotDo) {
   EXPECT_EQ(unit("Tilt.Channel=7\n").start().message, "a Micro Maestro 6 has no channel 7 (they are 0..5)");
 }
 
-TEST_F(MaestroTest, TellsRefusalsSilenceAndShortAnswers) {
+TEST_F(MaestroTest, ReportsRefusalsSilenceAndShortAnswers) {
   ASSERT_EQ(unit().start().message, "");
   device.refuse(0x83);
   EXPECT_TRUE(eventually([&] { return waitingFor() == "the Maestro refuses request 0x83"; })) << waitingFor();
@@ -187,7 +187,7 @@ TEST_F(MaestroTest, TellsRefusalsSilenceAndShortAnswers) {
   EXPECT_TRUE(eventually([&] { return position(1.0, 1.0).ok(); }));
 }
 
-TEST_F(MaestroTest, TellsConditionsOfTheDevice) {
+TEST_F(MaestroTest, ReportsConditionsOfTheDevice) {
   ASSERT_EQ(unit().start().message, "");
   EXPECT_EQ(condition(), "");
   device.setErrors(0x11);

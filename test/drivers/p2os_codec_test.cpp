@@ -1,5 +1,4 @@
-// The packets of P2OS against bytes that Player and AriaCoda send and understand, and against damaged
-// streams.
+// The packets of P2OS: comparison with bytes of Player and AriaCoda, and damaged streams.
 #include "drivers/pioneer_p2os/p2os_codec.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// The Pioneer's driver against a robot on a pseudo terminal: its session, what keeps it from ever reviving an
-// old speed, and each failure with its words.
+// The Pioneer's driver with a robot on a pseudo terminal: its session, the safety rules against resuming an
+// old speed, and the message of each failure.
 #include "drivers/pioneer_p2os/pioneer_base.h"
 
 #include <gmock/gmock.h>
@@ -58,7 +58,8 @@ class PioneerTest : public testing::Test {
   std::string waitingFor() { return base().samplesSince(std::numeric_limits<StampUs>::max(), 0ms).message; }
   std::string condition() { return base().samplesSince(kEverything, 100ms).message; }
   bool standing() const { return robot->speed_mmps() == 0.0 && robot->turnRate_degps() == 0.0; }
-  /// Follows the robot for a while. @return the highest speed [mm/s].
+  /// Follows the robot for a while.
+  /// @return the highest speed [mm/s].
   double fastestDuring(std::chrono::milliseconds time) {
     robot->fastest_mmps();
     std::this_thread::sleep_for(time);
@@ -170,7 +171,7 @@ TEST_F(PioneerTest, WaitsForARobotThatIsNotThereYet) {
   ASSERT_TRUE(drive(0.2));
 }
 
-TEST_F(PioneerTest, SaysWhenNobodyAnswers) {
+TEST_F(PioneerTest, ReportsAMissingAnswer) {
   robot->change([](Faults& f) { f.deaf = true; });
   const auto began = Clock::now();
   auto& pioneer = base([](PioneerBase::Params& p) { p.bauds_bps = {9600, 38400}; });
@@ -210,7 +211,7 @@ TEST_F(PioneerTest, StopsARobotThatSaysNothingAndTakesNoCommandsForIt) {
   }));
   EXPECT_EQ(reply.message, robot->path() + ": the robot says nothing any more");
   EXPECT_EQ(waitingFor(), reply.message);
-  // It hears: so it was told to stand.
+  // It receives: so it got a stop command.
   ASSERT_TRUE(eventually([&] { return standing(); }));
   ASSERT_TRUE(
       eventually([&] { return waitingFor() == robot->path() + ": no robot answers (tried 9600 bit/s)"; }));
@@ -251,11 +252,11 @@ TEST_F(PioneerTest, TakesAPauseForAFreshStartToo) {
   robot->switchMotorsOff();
   ASSERT_TRUE(eventually([&] { return !base().setVelocity(0.2, 0.0).ok(); }));
   std::this_thread::sleep_for(1100ms);
-  EXPECT_FALSE(robot->motorsOn()) << "nobody asked for them";
+  EXPECT_FALSE(robot->motorsOn()) << "not commanded";
   ASSERT_TRUE(drive(0.2));
 }
 
-TEST_F(PioneerTest, TellsConditionsOfTheRobot) {
+TEST_F(PioneerTest, ReportsConditionsOfTheRobot) {
   ASSERT_TRUE(base().start().ok());
   EXPECT_EQ(condition(), "");
   robot->change([](Faults& f) { f.left_stalled = true; });
@@ -273,7 +274,7 @@ TEST_F(PioneerTest, TellsConditionsOfTheRobot) {
 
 TEST_F(PioneerTest, WarnsOfARobotWithoutAWatchdog) {
   P2osRobot::Traits traits;
-  traits.told_watchdog_ms = 0;
+  traits.reported_watchdog_ms = 0;
   use(traits);
   ASSERT_TRUE(base().start().ok());
   EXPECT_TRUE(eventually([&] { return condition().starts_with("the robot's own watchdog is off"); }));

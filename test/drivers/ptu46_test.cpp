@@ -1,4 +1,4 @@
-// The PTU-46: its replies, and its driver against a unit on a pseudo terminal with each failure in its words.
+// The PTU-46: its replies, and its driver with a unit on a pseudo terminal, with the message of each failure.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -49,17 +49,18 @@ TEST(Ptu46Codec, FindsRepliesHoweverTheyAreCut) {
       "!T!T!P!P*\r\n";
   for (std::size_t piece = 1; piece <= stream.size(); ++piece) {
     const auto replies = repliesIn(stream, piece);
-    std::vector<std::string> told;
+    std::vector<std::string> texts;
     int pan_limits = 0;
     int tilt_limits = 0;
     for (const Reply& reply : replies) {
       pan_limits += reply.kind == Reply::Kind::kPanLimit;
       tilt_limits += reply.kind == Reply::Kind::kTiltLimit;
-      if (reply.kind == Reply::Kind::kDone) told.push_back("done " + reply.text);
-      if (reply.kind == Reply::Kind::kError) told.push_back("error " + reply.text);
+      if (reply.kind == Reply::Kind::kDone) texts.push_back("done " + reply.text);
+      if (reply.kind == Reply::Kind::kError) texts.push_back("error " + reply.text);
     }
-    EXPECT_THAT(told, testing::ElementsAre("done Current Pan position is -12",
-                                           "error Maximum allowable Tilt position is 604", "done 7", "done "))
+    EXPECT_THAT(texts,
+                testing::ElementsAre("done Current Pan position is -12",
+                                     "error Maximum allowable Tilt position is 604", "done 7", "done "))
         << "in pieces of " << piece;
     EXPECT_EQ(pan_limits, 3);
     EXPECT_EQ(tilt_limits, 3);
@@ -114,7 +115,7 @@ class Ptu46Test : public testing::Test {
   std::unique_ptr<Ptu46Unit> unit_;
 };
 
-TEST_F(Ptu46Test, GoesWhereItIsToldInTheUnitsSteps) {
+TEST_F(Ptu46Test, GoesToItsCommandInTheUnitsSteps) {
   ASSERT_EQ(unit().start().kind, PortReply::Kind::kAccepted);
   EXPECT_NEAR(unit().limits().max_pan_rad, 2.7, 1e-12);
   ASSERT_TRUE(position(1000 * kStep_rad, -500 * kStep_rad).ok());
@@ -163,7 +164,7 @@ TEST_F(Ptu46Test, FindsItsZeroFirstWhenAsked) {
   EXPECT_EQ(condition(), "") << "the limit switches of the search are none";
 }
 
-TEST_F(Ptu46Test, TellsLimitSwitchesAndRefusals) {
+TEST_F(Ptu46Test, ReportsLimitSwitchesAndRefusals) {
   ASSERT_TRUE(unit().start().ok());
   device.refuse("PP", "Pan axis is disabled");
   // Its own questions for the angle are refused too: that is what it answers.
@@ -191,7 +192,7 @@ TEST_F(Ptu46Test, ComesBackAfterItWasPulledOut) {
   EXPECT_TRUE(eventually([&] { return device.position()[0] > 100.0; }));
 }
 
-TEST_F(Ptu46Test, SaysWhenNobodyAnswersOrSomebodyElse) {
+TEST_F(Ptu46Test, ReportsMissingAnswersAndThoseOfOtherDevices) {
   device.change([](Faults& f) { f.deaf = true; });
   EXPECT_EQ(unit().start().message, device.path() + ": no pan-tilt unit answers (9600 bit/s)");
   device.change([](Faults& f) {
@@ -227,9 +228,9 @@ TEST_F(Ptu46Test, KeepsOnThroughGarbageOnTheLine) {
   }));
 }
 
-TEST_F(Ptu46Test, TellsARangeThatMakesNoSense) {
+TEST_F(Ptu46Test, ReportsAnInvalidRange) {
   device.change([](Faults& f) { f.no_range = true; });
-  EXPECT_EQ(unit().start().message, device.path() + ": the unit tells a range without sense");
+  EXPECT_EQ(unit().start().message, device.path() + ": the unit reports an invalid range");
   device.change([](Faults& f) { f.no_range = false; });
   EXPECT_TRUE(eventually([&] { return unit().command({}).ok(); }));
 }

@@ -1,5 +1,5 @@
-// What drivers share: samples for readers, over jumps of the clock; the pace of their thread; long times in
-// fine steps.
+// Shared parts of drivers: samples for readers, over jumps of the clock; the period of their thread; long
+// times in fine steps.
 #include "common/drivers/sample_buffer.h"
 
 #include <gmock/gmock.h>
@@ -64,7 +64,7 @@ TEST(SampleBuffer, SurvivesAClockThatIsSetBack) {
   EXPECT_EQ(buffer.newest(), 3600 * kSecondUs + 10'000);
 }
 
-TEST(SampleBuffer, NobodyWaitsOnceItIsClosed) {
+TEST(SampleBuffer, WaitsEndOnceItIsClosed) {
   SampleBuffer<PanTiltSample> buffer("");
   buffer.add(at(1000));
   buffer.close("stopped");

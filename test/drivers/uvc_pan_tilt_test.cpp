@@ -1,4 +1,4 @@
-// The driver of cameras that turn by themselves, against cameras on umockdev, with each failure in its words.
+// The driver of cameras with pan-tilt motors, with cameras on umockdev, and the message of each failure.
 #include "drivers/pantilt_uvc/uvc_pan_tilt.h"
 
 #include <gmock/gmock.h>
@@ -65,7 +65,7 @@ TEST_F(UvcPanTiltTest, BeginsWhereTheCameraLooks) {
   EXPECT_NEAR(radToDeg(unit().limits().min_tilt_rad), -20.0, 1e-9);
 }
 
-TEST_F(UvcPanTiltTest, LeadsTheCameraWhereItIsTold) {
+TEST_F(UvcPanTiltTest, LeadsTheCameraToItsCommand) {
   EmulatedCamera camera(absolute());
   ASSERT_EQ(unit().start().message, "");
   ASSERT_TRUE(position(30.0, 10.0).ok());
@@ -96,7 +96,7 @@ TEST_F(UvcPanTiltTest, StandsWhenStopped) {
   EXPECT_EQ(position(1.0, 1.0).message, "the pan-tilt unit is stopped");
 }
 
-TEST_F(UvcPanTiltTest, TellsACameraThatDoesNotFollow) {
+TEST_F(UvcPanTiltTest, ReportsACameraThatDoesNotFollow) {
   EmulatedCamera camera(absolute());
   ASSERT_EQ(unit().start().message, "");
   camera.jam(true);
@@ -152,7 +152,7 @@ TEST_F(UvcPanTiltTest, SaysWhatCannotTurn) {
   EXPECT_EQ(unit().start().message, "/dev/video0: cannot turn (\"Emulated Camera\")");
   unit_.reset();
   EXPECT_EQ(unit("Motors=absolute\n").start().message,
-            "/dev/video0: cannot be told an angle (\"Emulated Camera\")");
+            "/dev/video0: has no control of absolute angles (\"Emulated Camera\")");
   unit_.reset();
   EXPECT_EQ(unit("Motors=orbit\n").start().message,
             "/dev/video0: has not the motors of an Orbit (\"Emulated Camera\")");
@@ -163,7 +163,7 @@ TEST_F(UvcPanTiltTest, SaysWhatIsWrongWithItsRanges) {
   description.controls[0].maximum = description.controls[0].minimum;
   {
     EmulatedCamera camera(description);
-    EXPECT_EQ(unit().start().message, "/dev/video0: tells a range without sense");
+    EXPECT_EQ(unit().start().message, "/dev/video0: reports an invalid range");
     unit_.reset();
   }
   EmulatedCamera camera(absolute());
@@ -171,12 +171,12 @@ TEST_F(UvcPanTiltTest, SaysWhatIsWrongWithItsRanges) {
             "/dev/video0: nothing of the configured limits is within the camera's own");
 }
 
-TEST_F(UvcPanTiltTest, TellsErrorsOfTheCamera) {
+TEST_F(UvcPanTiltTest, ReportsErrorsOfTheCamera) {
   EmulatedCamera camera(absolute());
   ASSERT_EQ(unit().start().message, "");
   camera.fail(VIDIOC_G_CTRL, EIO);
   EXPECT_TRUE(eventually([&] {
-    return waitingFor() == "/dev/video0: does not tell where it looks: Input/output error";
+    return waitingFor() == "/dev/video0: does not report its angles: Input/output error";
   })) << waitingFor();
   camera.fail(VIDIOC_G_CTRL, 0);
   EXPECT_TRUE(eventually([&] { return position(20.0, 0.0).ok(); }));

@@ -1,5 +1,4 @@
-// The driver of V4L2's cameras against cameras on umockdev: what it agrees on, what it gives, and each
-// failure in its words.
+// The driver of V4L2 cameras with cameras on umockdev: negotiation, images, and the message of each failure.
 #include "drivers/camera_v4l2/v4l2_camera.h"
 
 #include <gmock/gmock.h>
@@ -60,10 +59,10 @@ class V4l2CameraTest : public testing::Test {
   }
 
   std::unique_ptr<FrameSource> source_;
-  std::string lost_;  ///< told with the last frame
+  std::string lost_;  ///< message of the last frame
 };
 
-TEST_F(V4l2CameraTest, TellsWhatItAgreesOn) {
+TEST_F(V4l2CameraTest, ReportsWhatItAgreesOn) {
   EmulatedCamera camera;
   EXPECT_EQ(source().configure({320, 240, 30.0}).kind, PortReply::Kind::kAccepted);
   EXPECT_EQ(source().capabilities().name, "/dev/video0 (Emulated Camera, YUYV)");
@@ -103,7 +102,7 @@ TEST_F(V4l2CameraTest, KeepsToSizesInSteps) {
   EXPECT_EQ(take().image.size(), cv::Size(160, 112));
 }
 
-TEST_F(V4l2CameraTest, TellsWhenTheCameraDoesNotKeepWhatItLists) {
+TEST_F(V4l2CameraTest, ReportsWhenTheCameraDoesNotKeepWhatItLists) {
   EmulatedCamera camera;
   camera.overrideSize(176, 144);
   EXPECT_EQ(source().configure({320, 240, 0.0}).message, "176x144, the nearest that the camera offers");
@@ -176,7 +175,7 @@ TEST_F(V4l2CameraTest, MakesWholeFilesOfBareJpeg) {
   EXPECT_EQ(decodeImage(*frame.native).error, "");
 }
 
-TEST_F(V4l2CameraTest, TellsOfPicturesThatWereLost) {
+TEST_F(V4l2CameraTest, ReportsOfPicturesThatWereLost) {
   EmulatedCamera camera;
   source().configure({320, 240, 50.0});
   source().start();
@@ -218,7 +217,7 @@ TEST_F(V4l2CameraTest, SetsControlsEachTimeTheCameraComes) {
   EXPECT_EQ(camera.control(V4L2_CID_GAIN), 20);
 }
 
-TEST_F(V4l2CameraTest, TellsControlsThatCannotBe) {
+TEST_F(V4l2CameraTest, ReportsControlsThatCannotBe) {
   const std::pair<std::string, std::string> cases[] = {
       {"Control.gian=5\n", "no control gian (it has gain, auto_exposure, exposure_time_absolute)"},
       {"Control.gain=300\n", "gain = 300 (must be 0..255)"},
@@ -282,7 +281,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Failure{"Unplugged", VIDIOC_DQBUF, ENODEV, "was unplugged"}),
     [](const auto& which) { return which.param.name; });
 
-TEST_P(V4l2Failures, AreToldAndOvercome) {
+TEST_P(V4l2Failures, AreReportedAndOvercome) {
   EmulatedCamera camera;
   const auto source = makeSource(std::string("Device=") + kPath + "\n");
   source->start();
@@ -290,7 +289,7 @@ TEST_P(V4l2Failures, AreToldAndOvercome) {
   const std::string expected = std::string(kPath) + ": " + GetParam().message;
   std::string message;
   EXPECT_TRUE(eventually([&] {
-    // Where it streams already, requests of its beginning come again only after it was lost.
+    // Requests of the start occur again only after a loss of the running stream.
     const FrameResult result = source->next(20ms);
     if (result.frame) {
       source->stop();

@@ -1,4 +1,4 @@
-// What is pure of the driver of V4L2's cameras: formats, the choice of a mode, motion JPEG.
+// The pure parts of the driver of V4L2 cameras: formats, the choice of a mode, motion JPEG.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
@@ -171,7 +171,7 @@ TEST(MotionJpeg, OfAnotherSizeOrCutShortIsNoPicture) {
   EXPECT_THAT(problem, testing::HasSubstr("cut short"));
 }
 
-/// What a usual webcam by USB 2 offers: large raw pictures only slowly.
+/// The modes of a usual USB 2 webcam: large raw images at low rates only.
 std::vector<Mode> webcam() {
   return {mode(V4L2_PIX_FMT_MJPEG, 1280, 720, {30, 15}), mode(V4L2_PIX_FMT_MJPEG, 640, 480, {30}),
           mode(V4L2_PIX_FMT_YUYV, 640, 480, {30, 15}), mode(V4L2_PIX_FMT_YUYV, 1280, 720, {10, 5}),

@@ -14,10 +14,14 @@ int main(int argc, char** argv) {
     const Ice::CommunicatorHolder ice(Ice::initialize());
     const auto base =
         Ice::uncheckedCast<avm::BasePrx>(ice->stringToProxy(argv[1])->ice_invocationTimeout(1000));
-    for (bool told = false;; std::this_thread::sleep_for(std::chrono::milliseconds(50))) {
-      base->setVelocity(std::atof(argv[2]), std::atof(argv[3]));
-      if (!told) std::cout << "commander ready: drives" << std::endl;
-      told = true;
+    for (bool reported = false;; std::this_thread::sleep_for(std::chrono::milliseconds(50))) {
+      try {
+        base->setVelocity(std::atof(argv[2]), std::atof(argv[3]));
+      } catch (const avm::LeaseRefused&) {
+        continue;  // the lease of the commander before lasts for up to a second
+      }
+      if (!reported) std::cout << "commander ready: drives" << std::endl;
+      reported = true;
     }
   } catch (const std::exception& failure) {
     std::cerr << failure.what() << std::endl;

@@ -55,7 +55,7 @@ void expectWhole(Application& application, const std::string& what, std::chrono:
   if (whole) {
     report(what + ": whole after " + seconds(*whole));
   } else {
-    application.waitUntilWhole(20s);  // What follows shall tell of itself.
+    application.waitUntilWhole(20s);  // The next fault shall show by itself.
   }
 }
 
@@ -67,7 +67,7 @@ void expectOthersSaySo(Application& application, const std::string& victim, cons
         << victim << " is away";
   }
   if (!dependents.empty()) {
-    report(victim + " away: told by those who use it after " +
+    report(victim + " away: reported by its clients after " +
            seconds(std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begin)));
   }
   for (const auto& name : unconcerned) {

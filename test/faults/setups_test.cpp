@@ -1,5 +1,5 @@
-// Every component of every setup by itself, and the quick version of what faults_test does at length (SPEC
-// C2, C3).
+// Every component of every setup by itself, and the short version of faults_test.
+// Tests C2, C3.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-// Segment detectors, labelling and merging on images of any size, stride, content and parameters (SPEC
-// V1-V4). What must hold for every image: finite ends inside it, minimum length, the same result again, on a
-// new object, after images of other sizes, and in memory laid out otherwise.
+// Segment detectors, labelling and merging on images of any size, stride, content and parameters (see V1-V4).
+// Required for every image: finite ends inside it, minimum length, and the same result again, on a new
+// object, after images of other sizes, and with another memory layout.
 #include <sanitizer/asan_interface.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Configuration files of any bytes: a list of problems or keys, whatever stands there.
+// Configuration files of any bytes: the result is a list of problems or keys.
 #include <cstdint>
 #include <stdexcept>
 #include <string_view>

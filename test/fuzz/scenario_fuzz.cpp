@@ -1,4 +1,4 @@
-// Scenarios of any bytes; what can be read must be usable.
+// Scenarios of any bytes; every accepted one must be playable.
 #include <cstdint>
 #include <stdexcept>
 #include <string_view>

@@ -1,4 +1,4 @@
-/// @file A machine in QEMU with Debian's kernel, whose files are the host's.
+/// @file A virtual machine of QEMU with Debian's kernel and the host's files.
 #pragma once
 
 #include <map>
@@ -11,16 +11,17 @@
 
 namespace vismem {
 
-/// Emulated down to the instruction (TCG), which needs neither root nor KVM. The machine sees this one's
-/// whole file system, read-only, and so its programs; it ends with this object. *Single-threaded*.
+/// Emulated in software (TCG), without root and KVM. The machine has read-only access to the host's whole
+/// file system, with its programs; it ends with this object. *Single-threaded*.
 class Guest {
  public:
-  /// @param boot folder with vmlinuz and initrd.gz (make_boot). @param ports inside.
+  /// @param boot folder with vmlinuz and initrd.gz (make_boot).
+  /// @param ports inside.
   Guest(const std::string& boot, const std::vector<int>& ports);
 
   /// @return whether it has come up.
   bool waitUntilReady() const;
-  /// What it wrote to its console.
+  /// Output on its console.
   std::string console() const { return machine_->out() + machine_->error(); }
 
   struct Result {

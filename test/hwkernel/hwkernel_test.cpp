@@ -1,5 +1,6 @@
-// The hardware servers on real drivers of the kernel, in a machine of QEMU's; their clients out here, over
-// Ice. Which devices, and what is done to them: README.md. It needs what `scripts/test --hwkernel` prepares.
+// The hardware servers on real drivers of the kernel, in a virtual machine of QEMU; their clients run on the
+// host, over Ice. Devices and faults: README.md. Run by `scripts/test --hwkernel`, which prepares the
+// machine.
 #include <Ice/Ice.h>
 #include <avm/camera.h>
 #include <avm/component.h>
@@ -176,7 +177,7 @@ class HwKernel : public testing::Test {
 
 std::unique_ptr<Guest> HwKernel::guest;
 
-// What has to do with camera_server comes last: its many libraries take it longest to load in there.
+// Tests of camera_server come last: its many libraries take the longest to load in the machine.
 TEST_F(HwKernel, AMaestroTurnsAndReturnsAfterItWasPulledOut) {
   ASSERT_TRUE(turn(kMaestro, 30.0, -20.0));
   // 10 us a degree, in quarters.

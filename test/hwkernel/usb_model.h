@@ -1,4 +1,4 @@
-/// @file A USB device that is made of software, for the kernel's virtual host (vhci).
+/// @file A USB device in software, for the kernel's virtual host (vhci).
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace vismem {
 
-/// What the host asks of a device on its control pipe and its bulk pipe. *Single-threaded*.
+/// The requests of the host on a device's control pipe and bulk pipe. *Single-threaded*.
 class UsbModel {
  public:
   using Clock = std::chrono::steady_clock;
@@ -27,12 +27,13 @@ class UsbModel {
   /// Bytes for a bulk transfer from the device, at most so many; empty: not yet.
   virtual std::optional<std::vector<std::uint8_t>> bulkIn(std::size_t) { return std::nullopt; }
   virtual bool isHighSpeed() const = 0;
-  /// What became of it so far, in a line: written to a file whenever it changes.
+  /// Its state in one line: written to a file at every change.
   virtual std::string state() = 0;
 };
 
-/// Plugs it into a port of the virtual host and serves it until the kernel lets go of it or this process
-/// ends, which is an unplug. @throw std::runtime_error if there is no such host.
+/// Connects it to a port of the virtual host and serves it until the kernel releases it or this process ends,
+/// which unplugs it.
+/// @throw std::runtime_error if there is no such host.
 void serveOnVhci(UsbModel& model, int port, const std::string& state_file);
 
 }  // namespace vismem

@@ -1,4 +1,4 @@
-/// @file A camera by USB (UVC 1.0, bulk) that can turn, as software.
+/// @file A USB camera (UVC 1.0, bulk) with pan-tilt motors, in software.
 #pragma once
 
 #include <map>

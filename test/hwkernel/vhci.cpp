@@ -138,7 +138,7 @@ class Session {
     const std::string state = model_.state();
     if (state == last_state_) return;
     last_state_ = state;
-    // Whole or not at all for whoever reads it.
+    // Atomic for readers.
     std::ofstream(state_file_ + ".new") << state << "\n";
     std::filesystem::rename(state_file_ + ".new", state_file_);
   }

@@ -1,4 +1,5 @@
-// The wire contract of JdeRobot 5.6.7: type ids, and the order of class members as bytes (SPEC C4).
+// The wire contract of JdeRobot 5.6.7: type ids, and the order of class members as bytes.
+// Tests C4.
 #include <Ice/Ice.h>
 #include <avm/base.h>
 #include <avm/camera.h>
@@ -116,6 +117,7 @@ TEST_F(Wire, OwnInterfacesAreJdeRobotsToo) {
     std::shared_ptr<jderobot::Pose3DData> getPose3DData(const Ice::Current&) override { return nullptr; }
     int setPose3DData(std::shared_ptr<jderobot::Pose3DData>, const Ice::Current&) override { return -1; }
     avm::PoseEstimate latest(const Ice::Current&) override { return {}; }
+    avm::MapContents getMap(const Ice::Current&) override { return {}; }
     void nextAsync(long long, std::function<void(const avm::EstimateResult&)>,
                    std::function<void(std::exception_ptr)>, const Ice::Current&) override {}
     avm::CommandReply setPose(avm::Pose2, const Ice::Current&) override { return {}; }

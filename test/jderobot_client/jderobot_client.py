@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A client that knows JdeRobot's interfaces and nothing else (SPEC C4): its stubs are made from interfaces/jderobot
+"""A client that knows JdeRobot's interfaces and nothing else (see C4): its stubs are made from interfaces/jderobot
 when it starts. It asks real servers, and checks what they answer against physics and against the other answers.
 
   jderobot_client.py INTERFACES camera CAMERA WIDTH HEIGHT OUT_FOLDER
@@ -189,7 +189,7 @@ def turn_to(motors, encoders, pan_deg, tilt_deg, speed_degps=0.0):
     def there():
         e = encoders.getPTEncodersData()
         return abs(e.panAngle - pan_deg) < 0.05 and abs(e.tiltAngle - tilt_deg) < 0.05
-    until(f"the encoders to tell {pan_deg}, {tilt_deg} deg", there)
+    until(f"the encoders to report {pan_deg}, {tilt_deg} deg", there)
 
 
 def first_reading(read):
@@ -236,7 +236,7 @@ def check_pan_tilt(client, text, z):
     near("Pose3DMotors z [m]", data.z, z, 1e-6)
     data.pan, data.tilt, data.panSpeed, data.tiltSpeed = -25.0, 12.0, 100.0, 100.0
     check(pose_motors.setPose3DMotorsData(data) == 0, "Pose3DMotors refused -25, 12")
-    until("Pose3DEncoders to tell -25, 12 deg",
+    until("Pose3DEncoders to report -25, 12 deg",
           lambda: abs(pose_encoders.getPose3DEncodersData().pan + 25) < 0.05
           and abs(pose_encoders.getPose3DEncodersData().tilt - 12) < 0.05)
     near("PTEncoders pan [deg]", encoders.getPTEncodersData().panAngle, -25.0, 0.05)
@@ -358,7 +358,7 @@ def check_base(client, motors_text, encoders_text, camera_text=None):
         near("robotcos", reading.robotcos, math.cos(math.radians(reading.robottheta)), 1e-4)
         near("robotsin", reading.robotsin, math.sin(math.radians(reading.robottheta)), 1e-4)
 
-    # It tells what it was told, brought to what it can.
+    # It reports the command, clamped to its limits.
     check(motors.setV(9.0) == 0, "too fast is refused")
     near("getV() after setV(9) [m/s]", motors.getV(), 0.6, 1e-6)
     motors.setV(0.0)
@@ -381,15 +381,15 @@ def check_base(client, motors_text, encoders_text, camera_text=None):
 # --- localization's pose --------------------------------------------------------------------------------
 
 def check_pose(client, text, motors_text, x, y, heading_deg):
-    """The robot is told where it is, finds itself there, and drives half a metre ahead."""
+    """The localization gets the true pose, reports it, and follows a drive of half a metre."""
     pose3d = client.find(jderobot.Pose3DPrx, text)
     motors = client.find(jderobot.MotorsPrx, motors_text)
     x, y, heading = float(x), float(y), math.radians(float(heading_deg))
     q0, q3 = math.cos(heading / 2), math.sin(heading / 2)
-    told = jderobot.Pose3DData(x, y, 0.0, 1.0, q0, 0.0, 0.0, q3)
+    wanted = jderobot.Pose3DData(x, y, 0.0, 1.0, q0, 0.0, 0.0, q3)
     check(pose3d.setPose3DData(jderobot.Pose3DData(x, y, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)) == -1,
           "a quaternion of zeros is taken")
-    check(pose3d.setPose3DData(told) == 0, "the pose is refused")
+    check(pose3d.setPose3DData(wanted) == 0, "the pose is refused")
 
     def distance(p, px, py):
         return math.hypot(p.x - px, p.y - py)
@@ -399,7 +399,7 @@ def check_pose(client, text, motors_text, x, y, heading_deg):
     p = until(f"localization to find the robot at {x}, {y}", found)
     near("|q|", math.sqrt(p.q0 ** 2 + p.q1 ** 2 + p.q2 ** 2 + p.q3 ** 2), 1.0, 1e-4)
     # q and -q are the same rotation.
-    near("angle of the quaternion to what was told", abs(p.q0 * q0 + p.q3 * q3), 1.0, 0.004)
+    near("angle of the quaternion to the commanded one", abs(p.q0 * q0 + p.q3 * q3), 1.0, 0.004)
     near("q1, q2", abs(p.q1) + abs(p.q2), 0.0, 0.0)
 
     goal = x + 0.5 * math.cos(heading), y + 0.5 * math.sin(heading)

@@ -1,6 +1,6 @@
-// JdeRobot 5.6.7's clients work with our servers unchanged (SPEC C4): a Python program that knows
-// interfaces/jderobot and nothing else grabs images, turns the pan-tilt unit, drives the base, reads encoders
-// and poses, and plays a recording.
+// Clients of JdeRobot 5.6.7 work unchanged: a Python program that uses only interfaces/jderobot grabs images,
+// turns the pan-tilt unit, drives the base, reads encoders and poses, and plays a recording.
+// Tests C4.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -71,7 +71,7 @@ std::unique_ptr<ComponentProcess> simulator(std::vector<std::string> more = {}) 
 void grabInEachFormat(const ComponentProcess& server) {
   const Folder out;
   ASSERT_TRUE(client({"camera", server.proxy("cameraA"), "320", "240", out / ""}));
-  // What Python cannot decode: the JPEG shows the same picture.
+  // Checked here, because Python cannot decode it: the JPEG has the same content.
   const auto jpeg = bytesOf(out / "JPEG");
   const cv::Mat decoded = cv::imdecode(jpeg, cv::IMREAD_COLOR);
   auto rgb = bytesOf(out / "RGB8");
@@ -139,7 +139,7 @@ TEST(JdeRobotClient, SetsAndReadsThePoseInTheWorld) {
   const auto localization = serve("localization", "sim/localization.cfg", "Localization",
                                   {"--Localization.VisualMemory.Proxy=" + memory->proxy("VisualMemory")});
   ASSERT_TRUE(localization->waitUntilReady());
-  // Where cfg/sim/simulator.cfg puts the robot.
+  // The start pose of cfg/sim/simulator.cfg.
   EXPECT_TRUE(
       client({"pose", localization->proxy("Localization"), robot->proxy("Motors"), "3", "2.25", "180"}))
       << localization->error();

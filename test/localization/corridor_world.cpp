@@ -38,7 +38,7 @@ void addWall(SegmentMap& map, const Eigen::Vector2d& a, const Eigen::Vector2d& b
   add(at, (b - a).norm(), "skirting");
 }
 
-/// Pose on the centre line; corners are turned on the spot over 0.3 m of way.
+/// Pose on the centre line; at corners the robot turns on the spot during 0.3 m of path.
 Pose2 onRing(double along_m, double direction) {
   double s = std::fmod(along_m, kRing_m);
   if (s < 0.0) s += kRing_m;
@@ -119,7 +119,7 @@ void CorridorWorld::drive(double dt_s) {
   moved.y *= scale_;
   moved.theta += gaussian(engine_, params_.odometry_turn_noise * std::sqrt(way));
   T_odom_robot_ = T_odom_robot_ * moved;
-  pan_rad_ = 2.2 * std::sin(time_s_ * 2.0 * kPi / 8.0);  // looks about once in 8 s
+  pan_rad_ = 2.2 * std::sin(time_s_ * 2.0 * kPi / 8.0);  // a period of 8 s
 }
 
 bool CorridorWorld::isVisible(const Eigen::Vector2d& p_world) const {
@@ -128,7 +128,7 @@ bool CorridorWorld::isVisible(const Eigen::Vector2d& p_world) const {
   if (range > params_.range_m || range < 0.4) return false;
   const double bearing = std::atan2(p_robot.y(), p_robot.x());
   if (std::abs(angleDifference(bearing, pan_rad_)) > 0.5 * params_.fov_rad) return false;
-  // A little in front of the point, so that its own wall does not hide it.
+  // Slightly in front of the point, so that its own wall does not occlude it.
   const Eigen::Vector2d target = T_world_robot_.position() + 0.98 * (p_world - T_world_robot_.position());
   return std::none_of(map_.segments.begin(), map_.segments.end(), [&](const MapSegment& wall) {
     return cross(T_world_robot_.position(), target, wall.world.floor());

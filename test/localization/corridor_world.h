@@ -26,7 +26,7 @@ struct CorridorParams {
   double fov_rad = 1.05;
 };
 
-/// Drives along the ring's centre line, looks about, and remembers what came into view.
+/// Drives along the ring's centre line with a panning camera and remembers the segments in view.
 class CorridorWorld {
  public:
   CorridorWorld(const CorridorParams& params, std::uint64_t seed);
@@ -36,7 +36,7 @@ class CorridorWorld {
   /// At the last update.
   const Pose2& truth() const { return T_world_robot_; }
   double seconds() const { return time_s_; }
-  /// Puts the robot elsewhere on the ring; odometry does not notice, the memory begins anew.
+  /// Displaces the robot on the ring without odometry; the memory starts a new epoch.
   void kidnap();
 
  private:

@@ -1,4 +1,5 @@
-// The process pantilt_server over Ice: position, velocity, its end, its messages (SPEC C1, C3).
+// The process pantilt_server over Ice: position, velocity, its end, its messages.
+// Tests C1, C3.
 #include <avm/component.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ using testing::HasSubstr;
 const std::string kConfig = "--Ice.Config=" VISMEM_SOURCE_DIR "/cfg/files/pantilt_server.cfg";
 const std::string kEndpoint = "--PanTiltServer.Endpoints=tcp -h 127.0.0.1 -p 0";
 
-TEST(PanTiltServer, TurnsTellsHowItIsAndEndsOnSigterm) {
+TEST(PanTiltServer, TurnsReportsItsStatusAndEndsOnSigterm) {
   ComponentProcess server("pantilt_server", {kConfig, kEndpoint});
   ASSERT_TRUE(server.waitUntilReady());
   IceClient ice;
@@ -35,7 +36,7 @@ TEST(PanTiltServer, TurnsTellsHowItIsAndEndsOnSigterm) {
     if (!batch.samples.empty()) last = batch.samples.back();
   }
   EXPECT_NEAR(toSeconds(last.stamp_us - hostClock_us()), 0.0, 1.0);
-  // Where the axes cross, as the configuration says.
+  // The crossing point of the axes from the configuration.
   EXPECT_FLOAT_EQ(ice.find<jderobot::Pose3DEncodersPrx>(server, "PanTilt")->getPose3DEncodersData()->z,
                   0.45F);
 

@@ -1,4 +1,5 @@
-// Has a child and waits to be killed: the middle process of the test that a child dies with its owner.
+// Starts a child and waits until it is killed: the middle process of the test that a child dies with its
+// owner.
 #include <unistd.h>
 
 #include <iostream>

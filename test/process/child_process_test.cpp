@@ -27,7 +27,7 @@ TEST(ChildProcess, GivesExitCodeAndBothStreams) {
 TEST(ChildProcess, WaitsForALineThatContainsTheText) {
   auto child = shell("echo starting; echo thing ready: port 7; exec sleep 100");
   EXPECT_EQ(child.waitForLine("ready", 10s), "thing ready: port 7");
-  EXPECT_EQ(child.waitForLine("ready", 10ms, child.lineCount()), std::nullopt) << "only news count";
+  EXPECT_EQ(child.waitForLine("ready", 10ms, child.lineCount()), std::nullopt) << "only new lines count";
   EXPECT_TRUE(child.running());
 }
 
@@ -43,7 +43,7 @@ TEST(ChildProcess, StopAsksWithSigtermFirst) {
   ASSERT_TRUE(child.waitForLine("ready", 10s));
   EXPECT_EQ(child.stop(10s), 0);
   EXPECT_EQ(child.out(), "ready\nbye\n");
-  EXPECT_FALSE(child.signal(SIGTERM)) << "the number may belong to a stranger by now";
+  EXPECT_FALSE(child.signal(SIGTERM)) << "the kernel may have reused the pid";
 }
 
 TEST(ChildProcess, StopKillsAChildThatDoesNotListen) {

@@ -1,4 +1,5 @@
-// The life of a component's process (SPEC C2, C3): a real program, started, asked over Ice, stopped.
+// The life of a component's process: a real program: start, status over Ice, stop.
+// Tests C2, C3.
 #include <Ice/Ice.h>
 #include <avm/component.h>
 #include <gmock/gmock.h>
@@ -41,7 +42,8 @@ class ComponentTest : public testing::Test {
         communicator_->stringToProxy("probe_component/component:tcp -h 127.0.0.1 -p " + std::to_string(port));
     return Ice::checkedCast<avm::ComponentPrx>(proxy->ice_invocationTimeout(5000))->getStatus();
   }
-  /// Asks until the status is as wanted. @return the last one.
+  /// Asks until the status is as wanted.
+  /// @return the last one.
   template <typename Wanted>
   avm::ComponentStatus waitForStatus(int port, Wanted&& wanted) {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
@@ -68,11 +70,13 @@ TEST_F(ComponentTest, SaysReadyWithItsRealPortAndEndsCleanlyOnSignals) {
 }
 
 TEST_F(ComponentTest, ReadyLineGivesThePortOfEachEndpoint) {
-  const auto child = probe({"--Probe.Endpoints=tcp -h 127.0.0.1 -p 0:ws -h 127.0.0.1 -p 0"});
+  const auto child = probe({"--Probe.Endpoints=tcp -h 127.0.0.1 -p 0:tcp -h 127.0.0.1 -p 0",
+                            "--Probe.WebEndpoints=ws -h 127.0.0.1 -p 0", "--Robot.Token=0123456789abcdef"});
   ASSERT_TRUE(child->waitUntilReady());
   const auto line = child->readyLine();
   EXPECT_THAT(*line, MatchesRegex("probe_component ready: ProbeAdapter=tcp -h 127\\.0\\.0\\.1 -p [0-9]+:"
-                                  "ws -h 127\\.0\\.0\\.1 -p [0-9]+"));
+                                  "tcp -h 127\\.0\\.0\\.1 -p [0-9]+ "
+                                  "ProbeWebAdapter=ws -h 127\\.0\\.0\\.1 -p [0-9]+"));
   EXPECT_EQ(statusAt(child->port("tcp")).name, "probe_component");
   EXPECT_GT(child->port("ws"), 0);
 }
@@ -194,7 +198,7 @@ TEST_F(ComponentTest, MayEndByItself) {
   EXPECT_EQ(child->waitForExit(kPatience), 0) << child->error();
 }
 
-TEST_F(ComponentTest, TellsVersionAndKeys) {
+TEST_F(ComponentTest, ReportsVersionAndKeys) {
   const auto version = probe({"--version"});
   EXPECT_EQ(version->waitForExit(kPatience), 0);
   EXPECT_THAT(version->out(), MatchesRegex("probe_component [0-9.]+\n"));
@@ -222,7 +226,7 @@ TEST_F(ComponentTest, ServesStatusAndEffectiveConfiguration) {
   EXPECT_EQ(settings["Probe.Work"], "serve") << "defaults are part of it";
   EXPECT_EQ(settings["Ice.MessageSizeMax"], "2048");
   EXPECT_EQ(settings["Ice.Default.InvocationTimeout"], "3000");
-  // What it wrote before it was ready is read by another thread than the ready line.
+  // Output from before the ready line is read by another thread.
   EXPECT_EQ(child->stop(kPatience), 0);
   EXPECT_THAT(child->error(), HasSubstr("\n    Probe.Size = 3   # "));
 }

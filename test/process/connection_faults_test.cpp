@@ -1,4 +1,4 @@
-// Connections that break in the middle: half a request, a host that goes without a word (DESIGN 10).
+// Broken connections: half a request, a host that disappears.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ bool isClosedWithin(int fd, std::chrono::milliseconds patience) {
   return false;
 }
 
-TEST(HalfARequest, CostsItsConnectionAndDisturbsNobody) {
+TEST(HalfARequest, ClosesItsConnectionOnly) {
   ComponentProcess probe("probe_component", {"--Ice.Default.Timeout=500"});
   ASSERT_GT(probe.port(), 0);
   const int fd = connectTo(probe.port());
@@ -57,8 +57,8 @@ TEST(HalfARequest, CostsItsConnectionAndDisturbsNobody) {
   EXPECT_TRUE(probe.running());
 }
 
-/// Passes bytes between clients and a server until it is told to swallow them: the connections of that moment
-/// stay open and carry nothing any more, as when a host loses its network. Later ones work.
+/// Passes bytes between clients and a server. On request the present connections stay open without any
+/// traffic, as when a host loses its network. Later connections work.
 class Relay {
  public:
   explicit Relay(int server_port) : server_port_(server_port) {

@@ -1,4 +1,4 @@
-// A wrong command line ends every program of the project with the same code, and says what is wrong.
+// A wrong command line ends every program of the project with the same code and a message.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The strict reader gives what Ice's own reader gives, wherever that accepts a line without a warning.
+// The strict reader agrees with Ice's own reader on every line that Ice accepts without a warning.
 #include <Ice/Ice.h>
 #include <gtest/gtest.h>
 

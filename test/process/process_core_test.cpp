@@ -76,7 +76,7 @@ TEST(LatencyHistogram, TakesAnyNumber) {
   EXPECT_EQ(latency.figures(kStart).max_s, 1e9);
 }
 
-TEST(PeerState, TellsEachChangeOnce) {
+TEST(PeerState, ReportsEachChangeOnce) {
   PeerState peer;
   using Change = PeerState::Change;
   EXPECT_TRUE(peer.mayTry(kStart));
@@ -212,7 +212,7 @@ TEST_F(StatusTest, ReportsFigures) {
     now_ = kStart + i * 50ms;
     board_.count("frames");
     board_.latency("detect", 0.004);
-    board_.gauge({"lean", 0.1 * i, 0.02, "deg"});
+    board_.gauge({"camera roll error", 0.1 * i, 0.02, "deg"});
   }
   board_.gauge({"height", 0.45, 0.01, "m"});
   const auto report = board_.report();
@@ -226,7 +226,7 @@ TEST_F(StatusTest, ReportsFigures) {
   ASSERT_EQ(report.latencies.size(), 1u);
   EXPECT_NEAR(report.latencies[0].figures.p50_s, 0.004, 0.0002);
   ASSERT_EQ(report.gauges.size(), 2u);
-  EXPECT_EQ(report.gauges[0].name, "lean");
+  EXPECT_EQ(report.gauges[0].name, "camera roll error");
   EXPECT_NEAR(report.gauges[0].value, 2.0, 1e-9) << "the newest";
   EXPECT_EQ(report.gauges[0].sigma, 0.02);
   EXPECT_EQ(report.gauges[0].unit, "deg");

@@ -1,4 +1,4 @@
-// A server holds a bounded amount for a client that asks and does not read, and closes its connection.
+// A server keeps a bounded number of unread replies for a client, then closes its connection.
 #include "common/process/reply_limit.h"
 
 #include <gmock/gmock.h>
@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "hostile/ice_wire.h"
-#include "hostile/raw_connection.h"
+#include "untrusted_clients/ice_wire.h"
+#include "untrusted_clients/raw_connection.h"
 
 namespace vismem {
 namespace {

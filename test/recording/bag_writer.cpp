@@ -29,8 +29,11 @@ struct BagWriter::Impl {
   rosbag::Bag bag;
 };
 
-BagWriter::BagWriter(const std::string& file) : impl_(std::make_unique<Impl>()) {
+BagWriter::BagWriter(const std::string& file, const std::string& compression)
+    : impl_(std::make_unique<Impl>()) {
   impl_->bag.open(file, rosbag::bagmode::Write);
+  if (compression == "bz2") impl_->bag.setCompression(rosbag::CompressionType::BZ2);
+  if (compression == "lz4") impl_->bag.setCompression(rosbag::CompressionType::LZ4);
 }
 BagWriter::~BagWriter() = default;
 void BagWriter::close() {

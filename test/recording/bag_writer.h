@@ -1,5 +1,5 @@
-/// @file Writes small bags for tests: of a camera on a pan-tilt, with any part wrong or missing. C++17, no
-/// ROS types (see bag_file.h).
+/// @file Writes small bags for tests: of a camera on a pan-tilt unit, with any part invalid or missing.
+/// C++17, no ROS types (see bag_file.h).
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@ namespace vismem {
 
 class BagWriter {
  public:
-  explicit BagWriter(const std::string& file);
+  /// @param compression "none", "bz2" or "lz4", as rosbag itself writes them.
+  explicit BagWriter(const std::string& file, const std::string& compression = "none");
   ~BagWriter();
 
   void image(const std::string& topic, std::int64_t stamp_us, const std::string& encoding, int width,

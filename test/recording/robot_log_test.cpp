@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <opencv2/imgcodecs.hpp>
 
@@ -230,8 +231,7 @@ TEST_F(RobotLogTest, RejectsImagesItCannotRead) {
   };
   EXPECT_THAT(
       errorOf(write(depth)),
-      HasSubstr(
-          "topic /camera/image_raw: image 0 has the encoding \"16UC1\" (expected rgb8, bgr8 or mono8)"));
+      HasSubstr("topic /camera/image_raw: image 0 has the encoding \"16UC1\" (expected rgb8, bgr8, rgba8"));
   const auto torn = [](BagWriter& bag) { bag.compressedImage("/camera/image_raw", 1'000'000, {1, 2, 3}); };
   EXPECT_THAT(errorOf(write(torn)), HasSubstr("image 0 (png, 3 bytes) cannot be decoded"));
   const auto small = [](BagWriter& bag) {
@@ -259,15 +259,134 @@ TEST_F(RobotLogTest, NamesAFileThatIsNoBag) {
   EXPECT_THAT(errorOf(path("empty.bag")), HasSubstr("not a ROS 1 bag"));
 }
 
-TEST_F(RobotLogTest, NamesABagThatWasCutOff) {
+TEST_F(RobotLogTest, OpensABagThatWasCutOffOrNamesIt) {
   write(writeRawImages);
   std::ifstream whole(path(), std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(whole)), {});
-  // From just behind the magic line to just before the end: wherever it was cut, an error, never a crash.
+  // From just behind the magic line to just before the end: wherever it was cut, a recording with a note of
+  // what was lost, or an error that names the file; never a crash.
+  int opened = 0;
   for (std::size_t length = 14; length < bytes.size(); length += 1 + bytes.size() / 40) {
     std::ofstream(path("cut.bag"), std::ios::binary) << bytes.substr(0, length);
-    EXPECT_THAT(errorOf(path("cut.bag")), AllOf(HasSubstr("cut.bag"), HasSubstr("reindex")))
-        << "at " << length;
+    try {
+      const RobotLog log = RobotLog::open(path("cut.bag"));
+      EXPECT_THAT(log.notes(), ::testing::Contains(HasSubstr("indexed again"))) << "at " << length;
+      ++opened;
+    } catch (const RecordingError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("cut.bag")) << "at " << length;
+    }
+  }
+  EXPECT_GE(opened, 5) << "the index is the last third of this file";
+}
+
+TEST_F(RobotLogTest, KeepsWhatWasRecordedBeforeTheClockJumpedBack) {
+  const RobotLog log = RobotLog::open(write(
+      [](BagWriter& bag) {
+        bag.image("/camera/image_raw", 11'000'000, "rgb8", 16, 16, pixels(false));
+        bag.image("/camera/image_raw", 11'200'000, "rgb8", 16, 16, pixels(false));
+        bag.image("/camera/image_raw", 1'000'000, "rgb8", 16, 16, pixels(false));
+      },
+      [](BagWriter& bag) {
+        writeInfo(bag);
+        writeJoints(bag);
+        bag.odometry("/odom", 11'000'000, 1.0, 2.0, 0.5);
+        bag.odometry("/odom", 11'250'000, 1.3, 2.0, 0.6);
+        bag.odometry("/odom", 1'000'000, 0.0, 0.0, 0.0);
+      }));
+  EXPECT_EQ(log.frameStamps(), (std::vector<StampUs>{11'000'000, 11'200'000}));
+  EXPECT_EQ(log.odometry().size(), 2u);
+  EXPECT_THAT(log.notes(),
+              ::testing::Contains(AllOf(HasSubstr("topic /camera/image_raw: the clock jumps back from 11.2"),
+                                        HasSubstr("1 messages after that are left out, 2 are kept"))));
+}
+
+TEST_F(RobotLogTest, TakesAFieldOfViewInPlaceOfAMissingCalibration) {
+  const std::string file = write(writeRawImages, [](BagWriter& bag) {
+    writeOdometry(bag);
+    writeTransforms(bag);
+  });
+  EXPECT_THAT(errorOf(file),
+              AllOf(HasSubstr("no calibration of the camera"), HasSubstr("Camera.FieldOfView_deg")));
+  RobotLogOptions options;
+  options.fov_rad = degToRad(90.0);
+  // Half of 16 pixels at 45 degrees.
+  EXPECT_NEAR(RobotLog::open(file, options).intrinsics(0).fx, 8.0, 1e-9);
+}
+
+TEST_F(RobotLogTest, JoinsTheBagsOfAFolder) {
+  fs::create_directories(path("parts"));
+  const auto part = [&](const std::string& name, std::int64_t offset_us) {
+    BagWriter bag(path("parts/" + name));
+    bag.image("/camera/image_raw", 1'000'000 + offset_us, "rgb8", 16, 16, pixels(false));
+    bag.cameraInfo("/camera/camera_info", 1'000'000 + offset_us, 16, 16, 20.0);
+    bag.odometry("/odom", 950'000 + offset_us, 1.0, 2.0, 0.5);
+    bag.joints("/joint_states", 960'000 + offset_us, {"pan", "tilt"}, {0.2, 0.3});
+    bag.close();
+  };
+  part("a_0001.bag", 500'000);
+  part("a_0000.bag", 0);
+  const RobotLog log = RobotLog::open(path("parts"));
+  EXPECT_EQ(log.frameStamps(), (std::vector<StampUs>{1'000'000, 1'500'000}));
+  EXPECT_EQ(log.odometry().size(), 2u);
+  fs::create_directories(path("nothing"));
+  EXPECT_THAT(errorOf(path("nothing")), HasSubstr("a folder without a recording"));
+}
+
+TEST_F(RobotLogTest, DecodesTheNamedEncodings) {
+  // A picture of one colour in each encoding: R 200, G 100, B 50 (grey: 128).
+  const auto repeated = [](std::vector<std::uint8_t> pattern, std::size_t bytes) {
+    std::vector<std::uint8_t> data;
+    while (data.size() < bytes) data.insert(data.end(), pattern.begin(), pattern.end());
+    data.resize(bytes);
+    return data;
+  };
+  // A row of a Bayer picture holds two of its colours: 8 pairs for 16 pixels.
+  const auto bayer = [&](std::vector<std::uint8_t> even, std::vector<std::uint8_t> odd) {
+    std::vector<std::uint8_t> data;
+    for (int row = 0; row < 16; ++row) {
+      const auto line = repeated(row % 2 == 0 ? even : odd, 16);
+      data.insert(data.end(), line.begin(), line.end());
+    }
+    return data;
+  };
+  const std::map<std::string, std::vector<std::uint8_t>> pictures{
+      {"rgba8", repeated({200, 100, 50, 255}, 1024)},
+      {"bgra8", repeated({50, 100, 200, 255}, 1024)},
+      {"rgb8", repeated({200, 100, 50}, 768)},
+      {"bgr8", repeated({50, 100, 200}, 768)},
+      {"bayer_rggb8", bayer({200, 100}, {100, 50})},
+      {"bayer_bggr8", bayer({50, 100}, {100, 200})},
+      {"bayer_gbrg8", bayer({100, 50}, {200, 100})},
+      {"bayer_grbg8", bayer({100, 200}, {50, 100})},
+      // BT.601: Y = 16 + 0.257 R + 0.504 G + 0.098 B = 123, U = 128 - 0.148 R - 0.291 G + 0.439 B = 91,
+      // V = 128 + 0.439 R - 0.368 G - 0.071 B = 175.
+      {"yuv422", repeated({91, 123, 175, 123}, 512)},
+      {"yuv422_yuy2", repeated({123, 91, 123, 175}, 512)},
+      {"yuyv", repeated({123, 91, 123, 175}, 512)}};
+  for (const auto& [encoding, data] : pictures) {
+    const RobotLog log = RobotLog::open(
+        write([&](BagWriter& bag) { bag.image("/camera/image_raw", 1'000'000, encoding, 16, 16, data); }));
+    const cv::Vec3b pixel = log.readFrame(0).image.at<cv::Vec3b>(8, 8);
+    EXPECT_NEAR(pixel[0], 200, 3) << encoding;
+    EXPECT_NEAR(pixel[1], 100, 3) << encoding;
+    EXPECT_NEAR(pixel[2], 50, 3) << encoding;
+  }
+}
+
+TEST_F(RobotLogTest, ReadsWhatRosbagCompressed) {
+  const std::string plain = path("none.bag");
+  for (const std::string compression : {"none", "bz2", "lz4"}) {
+    BagWriter bag(path(compression + ".bag"), compression);
+    writeRawImages(bag);
+    writeRest(bag);
+    bag.close();
+    const RobotLog log = RobotLog::open(path(compression + ".bag"));
+    const RobotLog expected = RobotLog::open(plain);
+    EXPECT_THAT(log.notes(), ::testing::IsEmpty());
+    ASSERT_EQ(log.frameStamps(), expected.frameStamps()) << compression;
+    EXPECT_EQ(cv::norm(log.readFrame(1).image, expected.readFrame(1).image, cv::NORM_INF), 0.0)
+        << compression;
+    EXPECT_EQ(log.odometry().size(), expected.odometry().size());
   }
 }
 

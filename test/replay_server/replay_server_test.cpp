@@ -121,11 +121,28 @@ TEST_F(ReplayServerTest, IsControlledOverItsInterface) {
   EXPECT_EQ(server->stop(kPatience), 0);
 }
 
+TEST_F(ReplayServerTest, PlaysWhatIsLeftOfABagThatWasCutOff) {
+  // The index is the last third of so small a bag.
+  std::filesystem::resize_file(file_, std::filesystem::file_size(file_) * 7 / 10);
+  const auto server = serve({"--ReplayServer.Start=paused"});
+  ASSERT_TRUE(server->waitUntilReady());
+  const auto replay = find<avm::ReplayPrx>(*server, "Replay");
+  const avm::ReplayContents contents = replay->contents();
+  EXPECT_GT(contents.images, 0);
+  ASSERT_FALSE(contents.notes.empty());
+  EXPECT_THAT(contents.notes.front(), HasSubstr("indexed again"));
+  EXPECT_THAT(server->error(), HasSubstr("indexed again"));
+  EXPECT_THROW(replay->step(0), avm::InvalidArgument);
+  EXPECT_THROW(replay->setRange(5, 5), avm::InvalidArgument);
+  EXPECT_NO_THROW(replay->step(1));
+  EXPECT_EQ(server->stop(kPatience), 0);
+}
+
 TEST_F(ReplayServerTest, SaysWhatIsWrongWithItsRecordingAndEnds) {
-  std::filesystem::resize_file(file_, std::filesystem::file_size(file_) / 2);
+  std::filesystem::resize_file(file_, 4200);
   const auto server = serve();
   EXPECT_EQ(server->waitForExit(kPatience), 2);
-  EXPECT_THAT(server->error(), AllOf(HasSubstr(file_.string()), HasSubstr("reindex")));
+  EXPECT_THAT(server->error(), AllOf(HasSubstr(file_.string()), HasSubstr("index is missing or damaged")));
   const ComponentProcess unset("replay_server", {"--ReplayServer.Rte=2", "--ReplayServer.Start=never"});
   EXPECT_EQ(unset.waitForExit(kPatience), 2);
   EXPECT_THAT(unset.error(), AllOf(HasSubstr("ReplayServer.File"), HasSubstr("ReplayServer.Rte"),

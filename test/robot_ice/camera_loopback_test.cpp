@@ -1,4 +1,5 @@
-// A camera over a real connection: long-polls, formats, slow and lost peers (SPEC C3, C4).
+// A camera over a real connection: long-polls, formats, slow and lost peers.
+// Tests C3, C4.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -70,7 +71,7 @@ TEST_F(CameraLoopback, AnswersWithinASecondWithoutAFrame) {
   EXPECT_EQ(result.message, "no frame yet");
 }
 
-TEST_F(CameraLoopback, TellsTheEndOfALog) {
+TEST_F(CameraLoopback, ReportsTheEndOfALog) {
   broadcaster->publish(frameWith(1));
   RemoteFrameSource source(proxy());
   ASSERT_TRUE(source.next(2s).frame);
@@ -109,7 +110,7 @@ TEST_F(CameraLoopback, MakesAheadWhatAClientThatDoesNotWaitAskedFor) {
   EXPECT_EQ(broadcaster->latest().latest()->encodings(), 1);
   EXPECT_EQ(proxy()->getImageData("GRAY8")->description->format, "GRAY8");
   EXPECT_EQ(broadcaster->latest().latest()->encodings(), 1);
-  // Not for ever: nobody asks any more.
+  // This ends without further requests.
   for (int i = 3; i < 40; ++i) broadcaster->publish(frameWith(i));
   EXPECT_EQ(broadcaster->latest().latest()->encodings(), 0);
 }
@@ -233,7 +234,7 @@ TEST_F(CameraLoopback, StopAnswersWaitingRequests) {
 }
 
 TEST_F(CameraLoopback, ReportsTheLinkAndNeverThrows) {
-  std::string failure = "not told";
+  std::string failure = "not reported";
   RemoteFrameSource source(client.proxy<avm::CameraPrx>("nobody", port), FrameFormat::kRgb8,
                            [&](const std::string& why) { failure = why; });
   EXPECT_THAT(source.start().message, HasSubstr("no object"));

@@ -1,4 +1,4 @@
-// Simulation and replay over a real connection: what is controlled from afar, refusals, lost peers.
+// Simulation and replay over a real connection: commands, refusals, lost peers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -149,26 +149,26 @@ TEST_F(ControlLoopback, ASimulatedWorldIsChangedFromAfar) {
 
   const Pose3 place = poseFromXyzRpy(1, 2, 3, 0.1, 0.2, 0.3);
   const PropShape robot{PropShape::Kind::kRobot, {0.4, 0.5, 1.2}, {0.1, 0.2, 0.3}};
-  EXPECT_TRUE(remote.addModel("guest", robot, place).ok());
-  EXPECT_EQ(remote.addModel("guest", robot, place).message, "there is a model \"guest\"");
+  EXPECT_TRUE(remote.addModel("visitor", robot, place).ok());
+  EXPECT_EQ(remote.addModel("visitor", robot, place).message, "there is a model \"visitor\"");
   EXPECT_EQ(simulation.shape.kind, robot.kind);
   EXPECT_EQ(simulation.shape.size_m, robot.size_m);
   EXPECT_EQ(simulation.shape.color, robot.color);
   ASSERT_EQ(remote.models().size(), 1U);
-  EXPECT_EQ(remote.models()[0].name, "guest");
+  EXPECT_EQ(remote.models()[0].name, "visitor");
   EXPECT_TRUE(remote.models()[0].T_world_model.isApprox(place, 1e-12));
   Pose3 nowhere = place;
   nowhere.translation().x() = kNaN;
-  EXPECT_THAT(remote.placeModel("guest", nowhere).message, HasSubstr("must be finite"));
-  EXPECT_TRUE(remote.walkModel("guest", {{{0, 0}, {1, 0}}, false, WayEnd::kStand, 0.7}).ok());
+  EXPECT_THAT(remote.placeModel("visitor", nowhere).message, HasSubstr("must be finite"));
+  EXPECT_TRUE(remote.walkModel("visitor", {{{0, 0}, {1, 0}}, false, WayEnd::kStand, 0.7}).ok());
   EXPECT_TRUE(remote.models()[0].walking);
   ASSERT_EQ(simulation.way.points.size(), 2U);
   EXPECT_EQ(simulation.way.points[1], Eigen::Vector2d(1, 0));
   EXPECT_EQ(simulation.way.at_end, WayEnd::kStand);
   EXPECT_EQ(simulation.way.speed_mps, 0.7);
-  EXPECT_TRUE(remote.standModel("guest").ok());
+  EXPECT_TRUE(remote.standModel("visitor").ok());
   EXPECT_FALSE(remote.models()[0].walking);
-  EXPECT_TRUE(remote.removeModel("guest").ok());
+  EXPECT_TRUE(remote.removeModel("visitor").ok());
   EXPECT_FALSE(remote.models()[0].present);
   EXPECT_TRUE(remote.slip(0.1, -0.2).ok());
   EXPECT_EQ(simulation.slipped, std::pair(0.1, -0.2));
@@ -200,7 +200,23 @@ class FakeReplay : public ReplayControl {
     now.loop = loop;
     return {};
   }
+  PortReply step(int images) override {
+    now.stamp_us += images * 100'000;
+    return {};
+  }
+  PortReply setPlayLength(StampUs length_us) override {
+    play_length_us = length_us;
+    return {};
+  }
+  PortReply setRange(StampUs begin_us, StampUs end_us) override {
+    held.begin_us = begin_us;
+    held.end_us = end_us;
+    return {};
+  }
+  ReplayContents contents() const override { return held; }
 
+  StampUs play_length_us = 0;
+  ReplayContents held{{{"/odom", "nav_msgs/Odometry", 7}}, {"a note"}, 5, 0, 0};
   ReplayStatus now{ReplayState::kPaused, "a.bag", 5 * kSecondUs, 15 * kSecondUs, 5 * kSecondUs, 1.0, false};
 };
 
@@ -216,6 +232,16 @@ TEST_F(ControlLoopback, ReplayIsControlledFromAfar) {
   EXPECT_TRUE(remote.setLoop(true).ok());
   EXPECT_EQ(remote.status().rate, 2);
   EXPECT_TRUE(remote.status().loop);
+  EXPECT_TRUE(remote.setRange(6 * kSecondUs, 7 * kSecondUs).ok());
+  EXPECT_THAT(remote.setRange(7, 7).message, HasSubstr("beginUs = 7 (must be less than endUs = 7)"));
+  EXPECT_THAT(remote.step(0).message, HasSubstr("must not be 0"));
+  const ReplayContents contents = remote.contents();
+  EXPECT_EQ(contents.begin_us, 6 * kSecondUs);
+  ASSERT_EQ(contents.topics.size(), 1u);
+  EXPECT_EQ(contents.topics[0].messages, 7u);
+  EXPECT_EQ(contents.notes, std::vector<std::string>{"a note"});
+  EXPECT_TRUE(remote.setPlayLength(250'000).ok());
+  EXPECT_EQ(replay.play_length_us, 250'000);
 
   const auto jde = Ice::checkedCast<jderobot::replayControlPrx>(proxy<Ice::ObjectPrx>("Replay"));
   ASSERT_TRUE(jde);
@@ -226,7 +252,12 @@ TEST_F(ControlLoopback, ReplayIsControlledFromAfar) {
   EXPECT_FALSE(jde->goTo(std::numeric_limits<Ice::Long>::max()));
   EXPECT_TRUE(jde->pause());
   EXPECT_EQ(jde->getStatus(), jderobot::ReplayerStatus::PAUSED);
-  EXPECT_FALSE(jde->setStep(3));
+  EXPECT_TRUE(jde->setStep(3));
+  EXPECT_EQ(replay.play_length_us, 3'000);
+  EXPECT_FALSE(jde->setStep(-1));
+  EXPECT_TRUE(remote.seek(8 * kSecondUs).ok());
+  EXPECT_TRUE(remote.step(-2).ok());
+  EXPECT_EQ(replay.now.stamp_us, 7'800'000);
   jde->setReplay(false);
   EXPECT_FALSE(replay.now.loop);
 }

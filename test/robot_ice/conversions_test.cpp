@@ -1,4 +1,5 @@
-// Conversions of common/robot_ice: every field there and back, JdeRobot's units and signs (SPEC C4).
+// Conversions of common/robot_ice: every field in both directions, JdeRobot's units and signs.
+// Tests C4.
 #include "common/robot_ice/conversions.h"
 
 #include <gmock/gmock.h>

@@ -128,7 +128,7 @@ TEST(LatestValue, AnswersACallerAheadOfARestartedProducer) {
   EXPECT_EQ(reading.revision, 3);
 }
 
-TEST(LatestValue, TellsTheEndOfALogAtOnce) {
+TEST(LatestValue, ReportsTheEndOfALogAtOnce) {
   LatestValue<int> value("nothing yet");
   value.publish(std::make_shared<const int>(10), 1);
   std::promise<SourceState> state;

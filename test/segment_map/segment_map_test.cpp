@@ -1,4 +1,5 @@
-// Loading, checking, saving and expanding maps (SPEC L4, L5; DESIGN 14).
+// Loading, checking, saving and expanding maps.
+// Tests L4, L5.
 #include "common/segment_map/segment_map.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Cameras: errors of their images, latency, several of them, ground truth, determinism (DESIGN 6).
+// Cameras: errors of their images, latency, several of them, ground truth, determinism.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

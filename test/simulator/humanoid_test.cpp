@@ -1,4 +1,5 @@
-// The walk of a humanoid, and what its camera shows against what it believes (DESIGN 6, SPEC G1).
+// The walk of a humanoid, and the true pose of its camera relative to its kinematics.
+// Tests G1.
 #include "simulator/core/humanoid.h"
 
 #include <gtest/gtest.h>

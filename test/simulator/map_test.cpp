@@ -1,4 +1,4 @@
-// Maps made from worlds: up to date, and where the rendered edges are, with and without a distorting lens.
+// Maps of worlds: up to date, and at the positions of the rendered edges, with and without lens distortion.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "common/geometry/angles.h"
+#include "common/geometry/plane.h"
 #include "common/geometry/projection.h"
 #include "simulator/core/map_builder.h"
 #include "simulator/core/renderer.h"
@@ -99,7 +100,7 @@ TEST_P(WorldMap, LiesOnRenderedEdgesWithinOnePixel) {
         if ((p - eye).norm() < 0.8 || (p - eye).norm() > 4.0) continue;
         const auto hit = renderer.cast(eye, p - eye);
         if (!hit || std::abs(hit->distance_m - (p - eye).norm()) > 0.03) continue;
-        // Nor where painted lines meet: there one's paint covers the other's edge.
+        // Nor at junctions of painted lines: there the paint of one covers the edge of the other.
         constexpr double kJunction_m = 0.06;
         const auto lines_here =
             std::count_if(map_.segments.begin(), map_.segments.end(), [&](const auto& row) {
@@ -113,7 +114,7 @@ TEST_P(WorldMap, LiesOnRenderedEdgesWithinOnePixel) {
         const Eigen::Vector2d px = distortPixel(lens, *here);
         if ((undistortPixel(lens, px) - *here).norm() > 0.01) continue;
         const Eigen::Vector2d along = (distortPixel(lens, *next) - px).normalized();
-        const Eigen::Vector2d across(-along.y(), along.x());
+        const Eigen::Vector2d across = turned90(along);
         constexpr double kReach_px = 4.0;
         if (px.minCoeff() < kReach_px + 1 || px.x() > lens.width - kReach_px - 2 ||
             px.y() > lens.height - kReach_px - 2) {
@@ -126,7 +127,7 @@ TEST_P(WorldMap, LiesOnRenderedEdgesWithinOnePixel) {
                                   static_cast<std::uint8_t>(c.z()));
         };
         if (palette_.label(classOf(from), classOf(to)) != segment.label) continue;
-        // Two bodies meet here, at this depth, in the true images too.
+        // Two bodies touch here, at this depth, in the true images too.
         const auto bodyAt = [&](const Eigen::Vector2d& at) {
           const cv::Point pixel(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
           return std::pair{truth.model.at<int>(pixel), truth.body.at<int>(pixel)};
@@ -145,7 +146,7 @@ TEST_P(WorldMap, LiesOnRenderedEdgesWithinOnePixel) {
         // Over one pixel the floor's depth changes by depth^2 / (height * f).
         const double tolerance = 0.03 + 1.5 * depth * depth / (0.45 * lens.fx);
         if (two_bodies && std::abs(seen_depth - depth) < tolerance) ++agree;
-        // Where the colour has gone half the way.
+        // Position of half of the colour change.
         double crossing = kReach_px;
         int crossings = 0;
         bool before = false;
@@ -178,7 +179,7 @@ TEST_P(WorldMap, LiesOnRenderedEdgesWithinOnePixel) {
   EXPECT_EQ(outside, 0) << "of " << compared << ", worst " << worst << " px" << where.str();
 }
 
-TEST(FieldEdges, ArePartedWhereLinesMeet) {
+TEST(FieldEdges, AreSplitAtJunctions) {
   // The halfway line, 5 cm wide, joins the inner side of the side line, 6 m long, in its middle; the outer
   // side goes on. As stripes both sides are as long as the line.
   MapBuilderParams as_they_are;

@@ -1,4 +1,4 @@
-// Dead reckoning and its errors: definitions of the presets, and growth as documented (DESIGN 6).
+// Dead reckoning and its errors: definitions of the presets, and growth as documented.
 #include "common/kinematics/odometry.h"
 
 #include <gtest/gtest.h>
@@ -123,7 +123,7 @@ TEST(Odometry, ASlipByCommandIsWhatTheWheelTurnedTooFar) {
 
 TEST(Odometry, SlipsChangeNoOtherChance) {
   auto with = defaultOdometryError();
-  with.slips_per_m = 1e-6;  // draws, but hardly ever comes
+  with.slips_per_m = 1e-6;  // draws random numbers; events are improbable
   const Pose2 a = straight(with, 5, 5.0).pose();
   const Pose2 b = straight(defaultOdometryError(), 5, 5.0).pose();
   EXPECT_EQ(a, b);

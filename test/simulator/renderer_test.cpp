@@ -1,4 +1,4 @@
-// Images of moving worlds, their ground truth, and that neither threads nor packets show in them.
+// Images of moving worlds, their ground truth, and their independence of threads and packets.
 #include "simulator/core/renderer.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Scenarios: their format with its messages, and what they make happen (docs/scenarios.md).
+// Scenarios: their format with its messages, and the execution of their events (docs/scenarios.md).
 #include "simulator/core/scenario.h"
 
 #include <gmock/gmock.h>
@@ -27,12 +27,12 @@ TEST(Scenario, ReadsEveryKindOfLine) {
   const Scenario scenario = parseScenario(R"(# a comment
 scenario 1
 object crate shape=box size_m=0.4,0.5,0.6 color=1,0.5,0   # another
-object guest shape=robot
+object visitor shape=robot
 
 at 5 remove crate
 at 2.5 place crate at_m=1,2,0.5 heading_deg=90
-at 3 walk guest way=once speed_mps=0.7 points_m=0,0;1,0;1,2
-at 4 stand guest
+at 3 walk visitor way=once speed_mps=0.7 points_m=0,0;1,0;1,2
+at 4 stand visitor
 at 6 kidnap at_m=-1,2 heading_deg=-90
 at 7 slip left_m=0.05
 at 0 drive way=closed speed_mps=0.25 points_m=0,0;2,0;2,2
@@ -40,7 +40,7 @@ at 9 halt
 )",
                                           "s");
   EXPECT_EQ(scenario.objects.at("crate").size_m, Eigen::Vector3d(0.4, 0.5, 0.6));
-  EXPECT_EQ(scenario.objects.at("guest").kind, PropShape::Kind::kRobot);
+  EXPECT_EQ(scenario.objects.at("visitor").kind, PropShape::Kind::kRobot);
   ASSERT_EQ(scenario.events.size(), 8U);
   EXPECT_EQ(scenario.events[0].kind, ScenarioEvent::Kind::kDrive) << "by time";
   EXPECT_TRUE(scenario.events[0].way.closed);
@@ -83,7 +83,7 @@ TEST(Scenario, NamesEveryMistakeWithItsLine) {
           "s:7: unknown key \"headin_deg\" (did you mean \"heading_deg\"?)",
           "s:8: way-point 1 (must be 0.05 m or more from the next)",
           "s:9: way=round (must be one of closed, once, open)",
-          "s:9: points_m: \"1,b\" (must be x,y; points are joined by ';')",
+          "s:9: points_m: \"1,b\" (must be x,y, each -10000..10000; points are joined by ';')",
           "s:10: size 1 0 1 m (each must be above 0, at most 50)", "s:11: object \"a\" (was declared before)",
           "s:12: \"left_m=1\" (its key stands there twice)", "s:12: left_m=1e99 (must be 1 number -1..1)",
           "s:13: speed_mps=-1 (must be 1 number 0.01..10)",
@@ -122,7 +122,7 @@ PortReply play(Simulation& simulation, const std::string& lines) {
   return simulation.play(parseScenario("scenario 1\n" + lines, "s"));
 }
 
-/// What the camera sees straight ahead.
+/// The model straight ahead of the camera.
 std::string modelAhead(Simulation& simulation) {
   simulation.takeFrame();
   const auto truth = simulation.truthImages();
@@ -173,14 +173,14 @@ TEST(ScenarioPlayer, AFrameShowsTheWorldOfItsOwnMomentHoweverLateItIsTaken) {
 TEST(ScenarioPlayer, AWalkerCoversTheViewAndKeepsItsWay) {
   Simulation simulation(onAFloor());
   ASSERT_TRUE(play(simulation,
-                   "object guest shape=robot\n"
-                   "at 1 walk guest way=open speed_mps=0.5 points_m=2,-2;2,2\n"
-                   "at 14 stand guest\n")
+                   "object visitor shape=robot\n"
+                   "at 1 walk visitor way=open speed_mps=0.5 points_m=2,-2;2,2\n"
+                   "at 14 stand visitor\n")
                   .ok());
   simulation.advance(1'500'000);
   EXPECT_EQ(modelAhead(simulation), "wall");
   simulation.advance(3'510'000);  // 4 s of walking: half way
-  EXPECT_EQ(modelAhead(simulation), "guest");
+  EXPECT_EQ(modelAhead(simulation), "visitor");
   const auto place = [&] {
     return Eigen::Vector3d(simulation.scene().status().back().T_world_model.translation());
   };
@@ -197,8 +197,8 @@ TEST(ScenarioPlayer, AWalkerCoversTheViewAndKeepsItsWay) {
 TEST(ScenarioPlayer, AWalkerWaitsForARobotInItsWay) {
   Simulation simulation(onAFloor());
   ASSERT_TRUE(play(simulation,
-                   "object guest shape=robot size_m=0.4,0.4,1\n"
-                   "at 0 walk guest speed_mps=0.5 points_m=3,0;-3,0\n")
+                   "object visitor shape=robot size_m=0.4,0.4,1\n"
+                   "at 0 walk visitor speed_mps=0.5 points_m=3,0;-3,0\n")
                   .ok());
   simulation.advance(20'000'000);
   // It stands 5 cm before the robot: radii 0.2 m (a polygon's, a little less) and 0.22 m.

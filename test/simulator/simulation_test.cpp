@@ -1,4 +1,4 @@
-// Motion, odometry, determinism and kidnapping of the simulated robot (DESIGN 6).
+// Motion, odometry, determinism and kidnapping of the simulated robot.
 #include "simulator/core/simulation.h"
 
 #include <gmock/gmock.h>

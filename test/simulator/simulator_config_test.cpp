@@ -1,4 +1,4 @@
-// The keys of the simulator, and every configuration and scenario that is shipped.
+// The keys of the simulator, and every shipped configuration and scenario.
 #include "simulator/app/simulator_config.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ const fs::path kCfg = VISMEM_SOURCE_DIR "/cfg";
 
 SimulatorConfig read(Properties properties) {
   ConfigReader config(properties);
-  for (const char* key : {"Simulator.Endpoints", "Ice.*"}) config.known(key);
+  for (const char* key : {"Simulator.Endpoints", "Simulator.WebEndpoints", "Ice.*"}) config.known(key);
   SimulatorConfig result = readSimulatorConfig(config);
   config.finish();
   return result;
@@ -43,7 +43,7 @@ TEST(SimulatorConfig, OfTheSetupSimSaysTheDefaults) {
   EXPECT_EQ(camera.intrinsics.cx, standard.intrinsics.cx);
   EXPECT_EQ(camera.rate_hz, standard.rate_hz);
   EXPECT_EQ(camera.latency_s, standard.latency_s);
-  EXPECT_EQ(camera.tells_pose, standard.tells_pose);
+  EXPECT_EQ(camera.reports_pose, standard.reports_pose);
   EXPECT_EQ(camera.errors.gaussian, standard.errors.gaussian);
   EXPECT_TRUE(config.simulation.T_robot_pantilt.isApprox(plain.T_robot_pantilt));
   EXPECT_EQ(config.simulation.base.limits.watchdog_s, plain.base.limits.watchdog_s);
@@ -64,7 +64,7 @@ TEST(SimulatorConfig, OfTheHumanoidIsALateCameraThatIsBadlyCalibrated) {
   EXPECT_EQ(config.simulation.odometry.travel_sigma_sqrtm, plain.odometry.travel_sigma_sqrtm);
   EXPECT_EQ(config.simulation.odometry.slip_m, plain.odometry.slip_m);
   const SimulatedCameraParams& camera = config.simulation.cameras.front();
-  EXPECT_TRUE(camera.tells_pose);
+  EXPECT_TRUE(camera.reports_pose);
   EXPECT_EQ(camera.latency_s, 0.1);
   const Eigen::Vector3d ahead = camera.T_believed_true.linear() * Eigen::Vector3d::UnitX();
   EXPECT_NEAR(std::asin(ahead.z()), degToRad(-0.5), 1e-12) << "further down than it thinks";
@@ -95,6 +95,15 @@ TEST(SimulatorConfig, MoreCamerasAreLikeTheFirstWhereTheySayNothing) {
   EXPECT_EQ(cameras[2].rate_hz, 5.0);
   EXPECT_TRUE(cameras[2].depth);
   EXPECT_FALSE(cameras[1].depth);
+}
+
+TEST(SimulatorConfig, ReportsPoseIsAcceptedUnderItsOldNameToo) {
+  const std::string renamed = "TellsPose";  // the old name
+  const SimulatorConfig config =
+      parsed("Simulator.Camera." + renamed + " = yes\nSimulator.Cameras.rear." + renamed + " = no\n");
+  ASSERT_EQ(config.simulation.cameras.size(), 2U);
+  EXPECT_TRUE(config.simulation.cameras[0].reports_pose);
+  EXPECT_FALSE(config.simulation.cameras[1].reports_pose);
 }
 
 TEST(SimulatorConfig, SaysWhatIsWrong) {

@@ -1,4 +1,5 @@
-// The process simulator over Ice: its ports, kidnapping, pausing, and its messages (SPEC C2).
+// The process simulator over Ice: its ports, kidnapping, pausing, and its messages.
+// Tests C2.
 #include <Ice/Ice.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -92,7 +93,7 @@ TEST(SimulatorProcess, InLockStepTimeWaitsForWhoTakesImages) {
     }
     seq = frame.image.seq;
     last_us = frame.image.stampUs;
-    // Nobody waits now: time stands at this image.
+    // Without a waiting client, time stands at this image.
     EXPECT_EQ(simulation.status().stamp_us, last_us);
   }
   ASSERT_TRUE(simulation.setLockStep(0).ok());

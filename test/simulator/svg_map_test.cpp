@@ -1,4 +1,4 @@
-// Maps from drawings: what is an edge and where it ends, in which units, and what is wrong with a file.
+// Maps of drawings: edges, their ends and units, and the messages for invalid files.
 #include "simulator/core/svg_map.h"
 
 #include <gmock/gmock.h>
@@ -332,7 +332,7 @@ TEST(SvgMap, PensTakeWhatTheyLieUpon) {
       rowsOf("<rect x='2' y='.5' width='2' height='1' fill='#c87814'/><path d='M1 1H5' " + pen + "/>"),
       testing::IsSupersetOf(
           {"skirting 100,300 200,300", "door_jamb 200,300 400,300", "skirting 400,300 500,300"}));
-  // Where nothing is painted there is no floor, unless the ground is said to be one.
+  // Unpainted areas are no floor, unless `ground` is set.
   SvgMapParams params;
   params.drawing.metres_per_unit = 1.0;
   const std::string alone = "<svg viewBox='0 0 6 4'><path d='M1 1H5' " + pen + "/></svg>";
@@ -362,7 +362,8 @@ TEST(SvgMap, WarnsOfWhatItLeavesOut) {
 
 TEST(SvgMap, NamesFileLineElementAndRuleOfEveryProblem) {
   EXPECT_THAT(messageOf(""), HasSubstr("plan.svg: not XML"));
-  EXPECT_THAT(messageOf("<svg><rect></svg>"), HasSubstr("plan.svg:1: not XML: mismatched element (must be a drawing in SVG)"));
+  EXPECT_THAT(messageOf("<svg><rect></svg>"),
+              HasSubstr("plan.svg:1: not XML: mismatched element (must be a drawing in SVG)"));
   EXPECT_EQ(messageOf("<sdf/>"), "plan.svg:1: begins with the element <sdf> (must be a drawing in SVG)");
   EXPECT_EQ(messageOf("<svg/>"),
             "plan.svg:1: <svg>: width and height = \"\" and \"\" (must be lengths in mm, cm or in, or the "

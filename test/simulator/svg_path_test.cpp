@@ -1,4 +1,4 @@
-// Outlines of SVG: what their commands mean, how near straight pieces stay, what a pen paints.
+// Outlines of SVG: commands, accuracy of straight pieces, strokes.
 #include "simulator/core/svg_path.h"
 
 #include <gtest/gtest.h>

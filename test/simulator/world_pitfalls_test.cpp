@@ -1,4 +1,4 @@
-// What real world files get wrong or ask for, each with its own small world in test/data/worlds.
+// Errors and special features of third-party world files, each with a small world in test/data/worlds.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -28,7 +28,7 @@ class ShowStatus : public testing::Test {
   }
   ~ShowStatus() override { fs::remove_all(root_); }
 
-  /// What scripts/start leaves behind.
+  /// The files of scripts/start.
   void record(const std::vector<const ComponentProcess*>& probes) {
     std::ofstream list(root_ / "out/lab/pids");
     std::ofstream out(root_ / "out/lab/probe_component.out");
@@ -81,7 +81,7 @@ TEST_F(ShowStatus, AFrozenAndAnAbsentComponentDelayItByOneTimeoutAtMost) {
   EXPECT_THAT(absent->out(), HasSubstr("absent               connection refused"));
 }
 
-TEST_F(ShowStatus, WatchesUntilItIsTold) {
+TEST_F(ShowStatus, WatchesUntilAStopRequest) {
   ComponentProcess probe("probe_component", {});
   record({&probe});
   ChildProcess::Options options;

@@ -1,4 +1,4 @@
-// The table and the JSON of scripts/status, and how it finds the components (DESIGN 10, 14).
+// The table and the JSON of scripts/status, and how it finds the components.
 #include "status/core/status_table.h"
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ ComponentRow degradedMemory() {
                   {"Odometry", "Encoders:tcp -p 9997", PeerState::Link::kConnected, "", 0}};
   report.rates = {{"frames", 29.96, 1234}};
   report.latencies = {{"iteration", {1000, 0.0013, 0.0025, 0.004, 0.0071}}};
-  report.gauges = {{"lean pitch", -0.4567, 0.031, "deg"}};
+  report.gauges = {{"camera tilt pitch error", -0.4567, 0.031, "deg"}, {"head roll", 1.2, 0.5, "deg"}};
   for (int i = 1; i <= 5; ++i) report.errors.push_back({i * 1'000'000, "error " + std::to_string(i)});
   return {"sim", "active_visual_memory", "tcp -p 9970", report, "", false};
 }
@@ -51,7 +51,8 @@ TEST(StatusTable, ShowsStatesReasonsAndWhatIsBelow) {
                                "                 Odometry       connected   Encoders:tcp -p 9997\n"));
   EXPECT_THAT(table, HasSubstr("    rates        frames            30.0 Hz       1234 in all\n"));
   EXPECT_THAT(table, HasSubstr("    latencies    iteration      p50 1.3  p95 2.5  p99 4.0  max 7.1 ms\n"));
-  EXPECT_THAT(table, HasSubstr("    estimates    lean pitch     -0.46 +- 0.03 deg\n"));
+  EXPECT_THAT(table, HasSubstr("    estimates    camera tilt pitch error -0.46 +- 0.03 deg\n"
+                               "                 head roll               1.20 +- 0.50 deg\n"));
   EXPECT_THAT(table, AllOf(HasSubstr("error 5\n"), HasSubstr("error 3\n"), Not(HasSubstr("error 2\n"))));
   EXPECT_THAT(table, HasSubstr("sim    localization          absent               connection refused\n"));
   EXPECT_THAT(table, HasSubstr("sim    simulator             silent               no answer in time\n"));
@@ -79,7 +80,7 @@ TEST(StatusTable, JsonHasEverything) {
   EXPECT_EQ(memory["peers"][0]["reconnections"], 2);
   EXPECT_EQ(memory["rates"][0]["total"], 1234);
   EXPECT_NEAR(memory["latencies"][0]["p95_ms"].get<double>(), 2.5, 1e-9);
-  EXPECT_EQ(memory["gauges"][0]["name"], "lean pitch");
+  EXPECT_EQ(memory["gauges"][0]["name"], "camera tilt pitch error");
   EXPECT_EQ(memory["gauges"][0]["value"], -0.4567);
   EXPECT_EQ(memory["gauges"][0]["sigma"], 0.031);
   EXPECT_EQ(memory["gauges"][0]["unit"], "deg");

@@ -1,10 +1,9 @@
-/// @file Counts the allocations of a test's program: the code that is linked statically, by `new` and by
-/// malloc.
+/// @file Counts the allocations of a test's program: statically linked code, by `new` and by malloc.
 #pragma once
 
 namespace vismem::test {
 
-/// So far, of all threads.
+/// Number of allocations so far, of all threads.
 long allocations();
 
 }  // namespace vismem::test

@@ -39,15 +39,15 @@ class Application {
   void freeze(const std::string& name);
   void goOn(const std::string& name);
 
-  /// What a component says now; empty if it does not answer within a second.
+  /// The present status of a component; empty without an answer within 1 s.
   std::optional<StatusReport> status(const std::string& name);
   /// Waits until a component gives this state with a reason that holds the text.
   testing::AssertionResult says(const std::string& name, RunState state, const std::string& reason,
                                 std::chrono::milliseconds patience);
 
   /// Waits until the application is whole: every component is running and its work goes on (images,
-  /// iterations of the memory, poses). @return how long that took; empty at the deadline, when `why()` tells
-  /// what was missing.
+  /// iterations of the memory, poses).
+  /// @return the elapsed time; empty at the deadline, with the missing part in `why()`.
   std::optional<std::chrono::milliseconds> waitUntilWhole(std::chrono::milliseconds patience);
   const std::string& why() const { return why_; }
 
@@ -55,7 +55,7 @@ class Application {
   std::string proxy(const std::string& name, const std::string& identity) const;
   const std::string& endpoints(const std::string& name) const { return endpoints_.at(name); }
   Ice::Communicator& ice() { return *communicator_.communicator(); }
-  /// The last lines of everybody's log, for messages of failures.
+  /// The last lines of all logs, for messages of failures.
   std::string logs() const;
 
  private:

@@ -1,4 +1,4 @@
-/// @file Where recordings and annotated images lie that are no part of the project.
+/// @file The folder of recordings and annotated images outside the project.
 #pragma once
 
 #include <cstdlib>

@@ -1,6 +1,5 @@
 /// @file A camera of V4L2 for tests of its driver, on umockdev: its ioctls, and buffers in a file that stands
-/// for the device. What the kernel does beyond that (poll, time-outs) is not emulated: poll always says that
-/// there is a picture.
+/// for the device. poll and time-outs of the kernel are not emulated: poll always reports an image.
 #pragma once
 
 #include <chrono>
@@ -45,7 +44,7 @@ class EmulatedCamera {
                                {"MJPG", 1280, 720, {30}},
                                {"YUYV", 1280, 720, {10}}};
     std::vector<Control> controls;
-    /// It turns as Logitech's Orbit: by an extension unit that the kernel must be told of.
+    /// It turns as Logitech's Orbit: by an extension unit that must be registered with the kernel.
     bool orbit = false;
     bool captures = true;  ///< else it is a node of another kind, such as uvcvideo's for metadata
   };
@@ -59,31 +58,31 @@ class EmulatedCamera {
   void unplug();
   void plugIn();
 
-  /// Gives no pictures any more, while it streams on; and again.
+  /// Stops the images of a stream, and resumes them.
   void hush(bool silent = true);
-  /// Requests of this code fail so, until 0; a picture that cannot be had is a request too (VIDIOC_DQBUF).
+  /// Requests of this code fail with this error, until 0; VIDIOC_DQBUF fails for images.
   void fail(unsigned long code, int error);
   /// The next picture: flagged as damaged; with half its bytes.
   void damageNext();
   void shortenNext();
-  /// Motion JPEG as some cameras write it: without tables, and with a rest behind it.
+  /// Motion JPEG of some cameras: without tables, and with surplus bytes at its end.
   void setBareJpeg(bool bare);
-  /// The stamps are of a clock that nobody knows.
+  /// The stamps belong to an unknown clock.
   void setUnknownClock(bool unknown);
-  /// What it is set to gets another size, as cameras do that do not keep what they list.
+  /// Replaces the size of a mode, as cameras whose modes differ from their list.
   void overrideSize(int width, int height);
 
   /// Its motors do not follow any more.
   void jam(bool jammed);
 
   bool streaming();
-  /// An Orbit's way from its zero [1/64 degree], of PAN or TILT_RELATIVE.
+  /// An Orbit's angle from its zero [1/64 degree], of PAN or TILT_RELATIVE.
   int turned(std::uint32_t id);
   /// Value of a control; how often it was set.
   int control(std::uint32_t id);
   int timesSet(std::uint32_t id);
   void setControl(std::uint32_t id, int value);
-  /// Bytes of the last picture given, and when it was: all of it was in the hands of who asked.
+  /// Bytes of the last delivered image, and its time.
   std::vector<std::uint8_t> lastPicture();
   std::chrono::steady_clock::time_point lastGivenAt();
   /// The grey that all pixels of the picture with this number have; by formats with range 16..235 as Y.

@@ -13,14 +13,15 @@ namespace vismem {
 /// *Thread-safe*.
 class EmulatedMaestro : public MaestroModel {
  public:
-  /// Plugged in. @param number of its USB port, from 1; each only once.
+  /// Plugged in.
+  /// @param number of its USB port, from 1; each only once.
   explicit EmulatedMaestro(std::uint16_t product = 0x0089, const std::string& serial = "00012345",
                            int number = 1);
   ~EmulatedMaestro();
 
   void unplug();
   void plugIn();
-  /// Nobody may open it, and again.
+  /// Removes the permission to open it, and restores it.
   void forbid(bool forbidden = true);
 
  private:

@@ -23,7 +23,7 @@ struct EmulatedNode::State {
 
 namespace {
 
-/// The handler of a node's ioctls, as GObject wants it. Whoever has the node open keeps it: then the state
+/// The handler of a node's ioctls, as a GObject. Open descriptors of the node keep it alive: then the state
 /// must outlive the node.
 struct Object {
   UMockdevIoctlBase parent;
@@ -123,7 +123,7 @@ EmulatedNode::EmulatedNode(Description description, Handler handler) : state_(st
   state_->description = std::move(description);
   state_->handler = std::move(handler);
   state_->testbed = sharedTestbed();
-  // It can tell only once there is a testbed.
+  // Only a testbed shows whether it is present.
   if (umockdev_in_mock_environment() == FALSE) {
     throw std::runtime_error("not under umockdev: run this test by ctest, or behind umockdev-wrapper");
   }

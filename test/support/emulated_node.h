@@ -10,7 +10,7 @@
 
 namespace vismem {
 
-/// Memory of the process that asks: what an ioctl's argument points at, and what that points at in turn.
+/// Memory of the requesting process: the target of an ioctl's argument, and the targets of pointers in it.
 class IoctlMemory {
  public:
   explicit IoctlMemory(void* data);  ///< UMockdevIoctlData; takes over the reference
@@ -25,11 +25,12 @@ class IoctlMemory {
   T& as() const {
     return *reinterpret_cast<T*>(bytes());
   }
-  /// What the pointer at this place points at. @throw std::runtime_error if it cannot be read.
+  /// The target of the pointer at this place.
+  /// @throw std::runtime_error if it cannot be read.
   IoctlMemory at(std::size_t offset, std::size_t size) const;
-  /// The process sees what was written.
+  /// Writes the changes to the process.
   void commit() const;
-  /// Where it is in the process.
+  /// Its address in the process.
   std::uint64_t address() const;
 
  private:
@@ -46,8 +47,9 @@ struct IoctlAnswer {
 /// *Thread-safe*, but for plugIn() and unplug().
 class EmulatedNode {
  public:
-  /// @param code the request. @param argument what the argument points at cannot be read before its size is
-  /// told: argument(sizeof(v4l2_format)). Called on a thread of umockdev.
+  /// @param code the request.
+  /// @param argument reads the argument, whose size has to be given: argument(sizeof(v4l2_format)). Called on
+  /// a thread of umockdev.
   using Handler =
       std::function<IoctlAnswer(unsigned code, const std::function<IoctlMemory(std::size_t)>& argument)>;
 
@@ -62,16 +64,16 @@ class EmulatedNode {
   EmulatedNode& operator=(const EmulatedNode&) = delete;
 
   void plugIn();
-  /// Whoever has it open gets ENODEV for every request from now on.
+  /// Every request to an open node fails with ENODEV from now on.
   void unplug();
   bool plugged() const;
-  /// Where the node is in reality: a program outside of umockdev would find it there.
+  /// The real path of the node, outside of umockdev.
   std::string realPath() const;
 
   struct State;
 
  private:
-  std::shared_ptr<State> state_;  ///< with whoever has the node open
+  std::shared_ptr<State> state_;  ///< shared with open descriptors of the node
 };
 
 }  // namespace vismem

@@ -1,4 +1,4 @@
-/// @file Waiting for what must happen, in tests.
+/// @file Waits for conditions in tests.
 #pragma once
 
 #include <chrono>
@@ -6,11 +6,11 @@
 
 namespace vismem {
 
-/// How long a test waits for what must happen. Generous, because the machine may be busy; nothing waits that
-/// long unless something is wrong.
+/// Timeout for a condition: far above regular waits, because the machine may be busy.
 inline constexpr std::chrono::seconds kPatience{20};
 
-/// Asks again and again. @return whether the condition came true, in time.
+/// Polls a condition.
+/// @return whether it became true in time.
 template <typename Condition>
 bool eventually(Condition&& condition, std::chrono::steady_clock::duration patience = kPatience) {
   const auto deadline = std::chrono::steady_clock::now() + patience;

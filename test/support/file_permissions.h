@@ -1,4 +1,4 @@
-/// @file Tests of missing permissions, also where they run as root.
+/// @file Tests of missing permissions, also when run as root.
 #pragma once
 
 #include <linux/capability.h>
@@ -9,8 +9,8 @@
 
 namespace vismem {
 
-/// While it lives, the permissions of files bind this thread, and threads that it starts, even as root, who
-/// otherwise may open everything. The user stays who he is, so what belongs to him is still his.
+/// During its lifetime file permissions apply to this thread, and threads that it starts, even for root. The
+/// user id does not change, so the user's own files stay accessible.
 class FilePermissionsCount {
  public:
   FilePermissionsCount() {

@@ -1,4 +1,4 @@
-/// @file Ports for a whole setup that nobody else on the machine uses, so that system tests run side by side.
+/// @file Free ports for a whole setup, so that system tests run side by side.
 #pragma once
 
 #include <arpa/inet.h>

@@ -1,4 +1,4 @@
-/// @file What a Pololu Maestro does with the requests that its guide and SDK describe, whatever bus it is on.
+/// @file A model of a Pololu Maestro by its guide and SDK, for any bus.
 #pragma once
 
 #include <array>
@@ -18,7 +18,8 @@ class MaestroModel {
   explicit MaestroModel(std::uint16_t product = 0x0089, std::string serial = "00012345")
       : product_(product), serial_(std::move(serial)), servos_(product == 0x0089 ? 6U : 12U) {}
 
-  /// It refuses requests of this number (0: none); says nothing; reports these error bits; answers in half.
+  /// Faults: refuses requests of this number (0: none); is silent; reports these error bits; sends half of
+  /// the answers.
   void refuse(int request);
   void setSilent(bool silent);
   void setErrors(unsigned bits);

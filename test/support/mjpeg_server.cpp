@@ -76,7 +76,7 @@ void MjpegServer::serve() {
 
 void MjpegServer::serveClient(int client) {
   char request[2048];
-  // What it asks does not matter, but it must have been read, lest closing resets the connection.
+  // The request is ignored, but it must be read: otherwise closing would reset the connection.
   pollfd asked{client, POLLIN, 0};
   while (!ending_ && poll(&asked, 1, 10) == 0) continue;
   if (ending_ || recv(client, request, sizeof request, 0) <= 0) return;
@@ -86,7 +86,7 @@ void MjpegServer::serveClient(int client) {
   }
   bool greeted = false;
   for (int i = 0; !ending_; ++i) {
-    // Whoever has gone is noticed by his closed end.
+    // A closed end shows that the client is gone.
     pollfd gone{client, POLLIN, 0};
     if (poll(&gone, 1, 0) > 0 && recv(client, request, sizeof request, MSG_DONTWAIT) == 0) return;
     if (manner_ == Manner::kSilent || (manner_ == Manner::kStalls && i >= 30)) {

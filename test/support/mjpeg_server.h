@@ -1,4 +1,4 @@
-/// @file A network camera of a test: motion JPEG over HTTP, on a port of the system's choice.
+/// @file A network camera of a test: motion JPEG over HTTP, at an ephemeral port.
 #pragma once
 
 #include <atomic>
@@ -13,14 +13,14 @@ class MjpegServer {
  public:
   enum class Manner {
     kSteady,   ///< a picture each period
-    kSilent,   ///< takes connections and says nothing
+    kSilent,   ///< accepts connections and sends nothing
     kStalls,   ///< some pictures, then nothing more
     kHangsUp,  ///< some pictures, then closes the connection
     kGarbage,  ///< an answer that is no stream
   };
 
   explicit MjpegServer(Manner manner, int port = 0, double period_s = 0.02);
-  /// Ends at once: as if the camera had been unplugged.
+  /// Ends at once, as an unplugged camera.
   ~MjpegServer();
   MjpegServer(const MjpegServer&) = delete;
   MjpegServer& operator=(const MjpegServer&) = delete;

@@ -63,7 +63,7 @@ void P2osRobot::run(const std::stop_token& stop) {
     moved_until = now;
     if (now >= next_sip_) {
       next_sip_ = std::max(next_sip_ + traits_.sip_period, now);
-      if (open_ && understands) tell();
+      if (open_ && understands) sendSip();
     }
   }
 }
@@ -97,7 +97,7 @@ void P2osRobot::obey(const Bytes& data) {
     return;
   }
   last_packet_ = Clock::now();
-  watchdog_came_ = false;  // and so it goes on as it was told before
+  watchdog_came_ = false;  // and so it resumes its last command
   switch (static_cast<Command>(number)) {
     case Command::kClose:
       if (faults_.stubborn_session) break;
@@ -123,7 +123,7 @@ void P2osRobot::obey(const Bytes& data) {
       (argument > 0 ? turn_acceleration_ : turn_deceleration_) = std::abs(argument);
       break;
     case Command::kConfig:
-      tellConfig();
+      sendConfig();
       break;
     default:
       break;
@@ -151,7 +151,7 @@ void P2osRobot::answer(std::span<const std::uint8_t> data) {
   line_.write(bytes);
 }
 
-void P2osRobot::tell() {
+void P2osRobot::sendSip() {
   // Whole mm/s that its encoders have seen, none that they have not.
   const int middle = static_cast<int>(speed_);
   const int half_difference = static_cast<int>(turn_ * kDeg / kTurnFactor);
@@ -178,7 +178,7 @@ void P2osRobot::tell() {
   answer(sip);
 }
 
-void P2osRobot::tellConfig() {
+void P2osRobot::sendConfig() {
   Bytes config{p2os::kConfigType};
   put(config, std::string("Pioneer"));
   put(config, traits_.subclass);
@@ -192,7 +192,7 @@ void P2osRobot::tellConfig() {
   config.push_back(0);
   put(config, 110);
   put(config, 19105);
-  put(config, traits_.told_watchdog_ms);
+  put(config, traits_.reported_watchdog_ms);
   config.insert(config.end(), {1, 0, 0, 0, 0});
   answer(config);
 }

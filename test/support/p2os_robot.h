@@ -1,5 +1,5 @@
-/// @file A Pioneer robot for tests of its driver: what the manual says the microcontroller does, on a pseudo
-/// terminal. It moves only in numbers.
+/// @file A Pioneer robot for tests of its driver: the microcontroller by its manual, on a pseudo terminal,
+/// with simulated motion.
 #pragma once
 
 #include <chrono>
@@ -15,9 +15,9 @@
 
 namespace vismem {
 
-/// As a real one, it goes on at its last set speed with *any* packet after its watchdog has stopped it, takes
-/// the handshake's numbers for commands while a session is open, has its motors off at first, keeps its
-/// session when the line is pulled out, and counts its way in 15 bits. *Thread-safe*.
+/// As a real one, it resumes its last speed with *any* packet after its watchdog has stopped it, and
+/// interprets the handshake's numbers as commands while a session is open. Its motors are off at first, its
+/// session survives a disconnected line, and its position counters have 15 bits. *Thread-safe*.
 class P2osRobot {
  public:
   struct Traits {
@@ -25,13 +25,13 @@ class P2osRobot {
     int baud_bps = 0;  ///< the only one it understands; 0: any
     std::chrono::milliseconds sip_period{100};
     double watchdog_s = 2.0;
-    int told_watchdog_ms = 2000;
+    int reported_watchdog_ms = 2000;
   };
-  /// Of all that can be wrong with it.
+  /// The faults of the robot.
   struct Faults {
-    bool silent = false;            ///< it hears, and says nothing
-    bool deaf = false;              ///< it neither hears nor says anything
-    bool wrong_checksums = false;   ///< of all that it says
+    bool silent = false;            ///< receives without answers
+    bool deaf = false;              ///< neither receives nor sends
+    bool wrong_checksums = false;   ///< of all packets it sends
     bool stubborn_session = false;  ///< it does not close a session
     bool stop_button = false;
     bool left_stalled = false;
@@ -53,7 +53,7 @@ class P2osRobot {
   void unplug();
   void plugIn();
   void babble(std::span<const std::uint8_t> bytes);
-  /// A session at this speed, as a program that was killed leaves it behind, after its watchdog has come.
+  /// The state after a killed program: an open session at this speed, stopped by the watchdog.
   void leaveOldSession(double speed_mmps);
 
   double speed_mmps() const;
@@ -62,7 +62,7 @@ class P2osRobot {
   bool sessionOpen() const;
   bool motorsOn() const;
   bool watchdogCame() const;
-  /// The highest speed since the last time that this was asked.
+  /// The highest speed since the last call.
   double fastest_mmps();
   /// All packets so far.
   std::vector<Heard> heard() const;
@@ -74,8 +74,8 @@ class P2osRobot {
   void obey(const p2os::Bytes& data);
   void answer(std::span<const std::uint8_t> data);
   void move(double dt_s);
-  void tell();
-  void tellConfig();
+  void sendSip();
+  void sendConfig();
 
   const Traits traits_;
   mutable std::mutex mutex_;

@@ -80,14 +80,14 @@ void Ptu46Device::obey(const std::string& command) {
 }
 
 void Ptu46Device::obeyAxis(Joint& joint, const std::string& name, char what, const std::string& argument) {
-  const auto tell = [&](const std::string& sentence, const std::string& value) {
+  const auto answer = [&](const std::string& sentence, const std::string& value) {
     done("* " + sentence + value, "* " + value);
   };
   const long value = std::atol(argument.c_str());
   switch (what) {
     case 'P':
       if (argument.empty()) {
-        return tell("Current " + name + " position is ", std::to_string(std::lround(joint.at)));
+        return answer("Current " + name + " position is ", std::to_string(std::lround(joint.at)));
       }
       if (value > joint.maximum) {
         return error("Maximum allowable " + name + " position is " + std::to_string(joint.maximum));
@@ -99,21 +99,21 @@ void Ptu46Device::obeyAxis(Joint& joint, const std::string& name, char what, con
       return done();
     case 'S':
       if (argument.empty())
-        return tell("Target " + name + " speed is ", std::to_string(std::lround(joint.speed)));
+        return answer("Target " + name + " speed is ", std::to_string(std::lround(joint.speed)));
       if (value < kSlowest || value > kFastest) return error(name + " speed out of range");
       joint.speed = static_cast<double>(value);
       return done();
     case 'R':
       return done("* 185.142853 seconds arc per " + name + " position", "* 185.142853");
     case 'N':
-      return tell("Minimum " + name + " position is ", std::to_string(joint.minimum));
+      return answer("Minimum " + name + " position is ", std::to_string(joint.minimum));
     case 'X':
-      return tell("Maximum " + name + " position is ",
-                  std::to_string(faults_.no_range ? joint.minimum : joint.maximum));
+      return answer("Maximum " + name + " position is ",
+                    std::to_string(faults_.no_range ? joint.minimum : joint.maximum));
     case 'L':
-      return tell("Minimum " + name + " speed is ", std::to_string(kSlowest) + " ");
+      return answer("Minimum " + name + " speed is ", std::to_string(kSlowest) + " ");
     case 'U':
-      return tell("Maximum " + name + " speed is ", std::to_string(kFastest));
+      return answer("Maximum " + name + " speed is ", std::to_string(kFastest));
     default:
       error("Illegal command entered");
   }

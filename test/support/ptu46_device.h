@@ -1,4 +1,4 @@
-/// @file A PTU-46 for tests of its driver: what the manual says the unit does, on a pseudo terminal.
+/// @file A PTU-46 for tests of its driver: the unit by its manual, on a pseudo terminal.
 #pragma once
 
 #include <array>
@@ -13,13 +13,13 @@
 
 namespace vismem {
 
-/// As after power-up it echoes and answers in sentences until it is told not to. Limits, speeds and steps are
-/// the manual's examples. *Thread-safe*.
+/// As after power-up it echoes and answers in sentences until commands switch this off. Limits, speeds and
+/// steps are the manual's examples. *Thread-safe*.
 class Ptu46Device {
  public:
   struct Faults {
-    bool deaf = false;      ///< it neither hears nor says anything
-    bool silent = false;    ///< it hears, obeys, and says nothing
+    bool deaf = false;      ///< neither receives nor sends
+    bool silent = false;    ///< receives and obeys without replies
     bool garbled = false;   ///< each reply is something else
     bool no_range = false;  ///< its limits are the same on both sides
     std::chrono::milliseconds reset_time{50};
@@ -32,7 +32,7 @@ class Ptu46Device {
   void change(const std::function<void(Faults&)>& what);
   void unplug();
   void plugIn();
-  /// It says this, whatever it was asked.
+  /// Sends this text unasked.
   void say(const std::string& text);
   /// The next commands of this kind ("PP") are refused.
   void refuse(const std::string& command, const std::string& message);

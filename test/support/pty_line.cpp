@@ -48,7 +48,7 @@ std::vector<std::uint8_t> PtyLine::read(int timeout_ms) {
 }
 
 void PtyLine::write(std::span<const std::uint8_t> bytes) {
-  // A line that nobody reads is full some day, and what a real one would lose then is lost here.
+  // A line without a reader fills up, and further bytes are lost, as on a real one.
   if (device_ >= 0) static_cast<void>(::write(device_, bytes.data(), bytes.size()) == 0);
 }
 

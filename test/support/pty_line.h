@@ -21,11 +21,11 @@ class PtyLine {
   /// Hangs up; path() is gone.
   void unplug();
 
-  /// What came within this time; nothing when unplugged.
+  /// Bytes received within this time; empty when unplugged.
   std::vector<std::uint8_t> read(int timeout_ms);
-  /// Nothing happens when unplugged or when nobody reads the line.
+  /// No effect when unplugged, or without a reader.
   void write(std::span<const std::uint8_t> bytes);
-  /// At which the driver has set its end.
+  /// Baud rate of the driver's end.
   int baud_bps() const;
 
  private:

@@ -1,4 +1,4 @@
-/// @file A folder of a test's own, gone when the test is.
+/// @file A temporary folder, deleted at the end of a test.
 #pragma once
 
 #include <unistd.h>

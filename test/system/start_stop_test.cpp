@@ -84,11 +84,13 @@ class StartStop : public testing::Test {
 TEST_F(StartStop, ASetupInTheBackgroundOneComponentReplacedAndItsEnd) {
   const auto started = start({"--Localization.Seed=7"});
   ASSERT_EQ(started->exitCode(), 0) << started->error();
-  for (const char* name : {"simulator", "active_visual_memory", "localization"})
+  for (const char* name : {"simulator", "active_visual_memory", "localization", "gui_server"})
     EXPECT_THAT(started->out(), HasSubstr(std::string(name) + " ready: "));
+  EXPECT_THAT(started->out(),
+              testing::StartsWith("page http://127.0.0.1:" + std::to_string(8770 + offset_) + "/\n"));
   EXPECT_THAT(started->out(), HasSubstr("-p " + std::to_string(9971 + offset_)));
   EXPECT_TRUE(wholeWithin(20s)) << status()->out();
-  ASSERT_EQ(processes().size(), 3u);
+  ASSERT_EQ(processes().size(), 4u);
 
   const auto again = start({});
   EXPECT_EQ(again->exitCode(), 1);
@@ -101,11 +103,11 @@ TEST_F(StartStop, ASetupInTheBackgroundOneComponentReplacedAndItsEnd) {
   ASSERT_EQ(replaced->exitCode(), 0) << replaced->error();
   EXPECT_THAT(replaced->out(), AllOf(HasSubstr("localization ready: "), Not(HasSubstr("simulator"))));
   EXPECT_TRUE(wholeWithin(20s)) << status()->out();
-  EXPECT_EQ(processes().size(), 3u);
+  EXPECT_EQ(processes().size(), 4u);
 
   const auto stopped = run("stop", {setup_});
   EXPECT_EQ(stopped->exitCode(), 0);
-  for (const char* name : {"simulator", "active_visual_memory", "localization"})
+  for (const char* name : {"simulator", "active_visual_memory", "localization", "gui_server"})
     EXPECT_THAT(stopped->out(), HasSubstr(std::string("stop: ") + name + " ended"));
   EXPECT_TRUE(processes().empty());
 }

@@ -1,5 +1,5 @@
 // The same components on the simulator, on the servers of files and simulated motion, and on a recording:
-// only proxies differ (SPEC C2, DESIGN 2).
+// only proxies differ. See C2.
 #include <avm/component.h>
 #include <avm/visual_memory.h>
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kAnyPort = "=tcp -h 127.0.0.1 -p 0";
 
-/// Proxies to the parts of a robot, whoever serves them.
+/// Proxies to the parts of a robot.
 struct Robot {
   std::string camera;
   std::string pan_tilt;
@@ -65,7 +65,7 @@ bool settles(const std::function<bool()>& condition) {
 }
 
 /// The two components of the chapter as cfg/sim configures them, but for their proxies.
-/// @param reason what the memory's status says; empty: it is running.
+/// @param reason in the memory's status; empty: it is running.
 void expectTheyWorkOn(const Robot& robot, Processes& processes, const std::string& reason = "") {
   const std::map<std::string, std::string> memory_changes{
       {"ActiveVisualMemory.Camera.Proxy", robot.camera},
@@ -97,7 +97,7 @@ void expectTheyWorkOn(const Robot& robot, Processes& processes, const std::strin
   auto update = visual_memory->next(0);
   EXPECT_EQ(update.state, avm::SourceState::Running) << update.message;
   EXPECT_GT(update.update.snapshot.stampUs, 0);
-  // What few images showed is on trial; of those that came, only some were taken in while the head turned.
+  // Elements of few images are unconfirmed, and not every image is used while the head turns.
   EXPECT_TRUE(settles([&] {
     if (update.update.snapshot.segments.empty())
       update = visual_memory->next(update.update.snapshot.revision);
@@ -145,9 +145,8 @@ TEST(Swap, TheReplayServer) {
   auto& replay =
       processes.start("replay_server", "ReplayServer", "replay",
                       {{"ReplayServer.File", folder / "corridor.bag"}, {"ReplayServer.Loop", "yes"}});
-  // It looks around as ever, and is told that it cannot.
-  expectTheyWorkOn({replay.proxy("cameraA"), replay.proxy("PanTilt"), replay.proxy("Encoders")}, processes,
-                   "pan-tilt commands: a recording cannot be moved");
+  // It looks around as before; its commands are accepted and ignored.
+  expectTheyWorkOn({replay.proxy("cameraA"), replay.proxy("PanTilt"), replay.proxy("Encoders")}, processes);
 }
 
 /// Keys whose values differ between two files.

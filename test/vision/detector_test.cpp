@@ -1,4 +1,5 @@
-// The three segment detectors on images whose edges are known (SPEC V1, V2).
+// The three segment detectors on images whose edges are known.
+// Tests V1, V2.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// Labels from the colours on both sides, and the whole way from an image to labelled segments (SPEC V3, V4).
+// Labels from the colours on both sides, and the extraction of labelled segments from an image.
+// Tests V3, V4.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -56,7 +57,7 @@ TEST(LabelSegment, NamesThePairOnBothSides) {
   EXPECT_EQ(sides.label, "stripe_edge");
 }
 
-TEST(LabelSegment, OtherColoursAreUnknownButTheirClassesAreTold) {
+TEST(LabelSegment, OtherColoursAreUnknownButTheirClassesAreReported) {
   const auto palette = fieldPalette();
   cv::Mat image(240, 320, CV_8UC3, kBlue);
   fillQuad(image, squareAt({160, 120}, 100, 0), kLine);

@@ -1,4 +1,5 @@
-// Brightness across a segment: where the image puts the edge, and how strong it is (SPEC V1).
+// Brightness across a segment: position and strength of the edge.
+// Tests V1.
 #include "common/vision/line_profile.h"
 
 #include <gtest/gtest.h>

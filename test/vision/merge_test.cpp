@@ -1,4 +1,5 @@
-// Merging collinear segments of one label (SPEC V4).
+// Merging collinear segments of one label.
+// Tests V4.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 #include <random>
 
 #include "common/geometry/angles.h"
+#include "common/geometry/plane.h"
 #include "common/vision/collinear_merge.h"
 #include "common/vision/segment_merge.h"
 
@@ -90,8 +92,7 @@ TEST(CollinearMerger, FindsPiecesInEveryDirection) {
     const Eigen::Vector2d onward(std::cos(second), std::sin(second));
     std::vector<GroupedSegment> pieces;
     for (int row = -20; row < 20; ++row) {
-      const Eigen::Vector2d from =
-          Eigen::Vector2d(300, 300) + 10.0 * row * Eigen::Vector2d(-way.y(), way.x());
+      const Eigen::Vector2d from = Eigen::Vector2d(300, 300) + 10.0 * row * turned90(way);
       const Eigen::Vector2d to = from + 40.0 * way;
       const Eigen::Vector2d next = to + 3.0 * way;
       pieces.push_back({{from, to}});

@@ -1,4 +1,5 @@
-// Colour classes and the labels of their pairs (SPEC V3; DESIGN 14).
+// Colour classes and the labels of their pairs.
+// Tests V3.
 #include "common/vision/palette.h"
 
 #include <gmock/gmock.h>

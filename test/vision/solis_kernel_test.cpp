@@ -1,4 +1,5 @@
-// The Solis detector's kernel: the same bits on every processor, and no allocation for a frame (SPEC V1).
+// The Solis detector's kernel: the same bits on every processor, and no allocation for a frame.
+// Tests V1.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,7 +44,7 @@ double xOf(const EdgePoint& point) {
   return point.column() + kEdgePointUnit_px * point.asideX();
 }
 
-/// Where chains begin, and then where rings may.
+/// Starts of chains, then possible starts of rings.
 std::vector<std::int32_t> startsOf(const EdgePointFinder& finder) {
   const auto room = static_cast<std::size_t>(finder.count() + 2 * kEdgePointBlock);
   std::vector<std::int32_t> starts(room);

@@ -1,4 +1,4 @@
-// The programs detect_segments and label_palette as a user calls them (DESIGN 11).
+// The programs detect_segments and label_palette as a user calls them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>

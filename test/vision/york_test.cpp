@@ -1,11 +1,11 @@
-// The accuracy measures by hand, and what the detectors reach on real photographs (york_urban_half).
+// The accuracy measures by hand, and the accuracy of the detectors on real photographs (york_urban_half).
 #include <gtest/gtest.h>
 
 #include <iostream>
 
 #include "common/vision/segment_detector.h"
-#include "experiments/app/annotated_images.h"
-#include "experiments/core/segment_accuracy.h"
+#include "evaluation/app/annotated_images.h"
+#include "evaluation/core/segment_accuracy.h"
 #include "support/data_folder.h"
 #include "vision/support/repeatability.h"
 #include "vision/support/synthetic_scenes.h"

@@ -1,12 +1,14 @@
 #include "active_visual_memory/app/component.h"
 
+#include <atomic>
 #include <optional>
 #include <utility>
 
+#include "active_visual_memory/app/memory_parameters.h"
 #include "active_visual_memory/app/perception_loop.h"
 #include "active_visual_memory/core/overlay.h"
-#include "active_visual_memory/ice/gaze_ice.h"
-#include "active_visual_memory/ice/visual_memory_ice.h"
+#include "common/memory_ice/gaze_ice.h"
+#include "common/memory_ice/visual_memory_ice.h"
 #include "common/robot_ice/base_ice.h"
 #include "common/robot_ice/camera_ice.h"
 #include "common/robot_ice/pantilt_ice.h"
@@ -14,7 +16,7 @@
 namespace vismem {
 namespace {
 
-/// A port's requests tell the component's status whether the peer is there.
+/// Reports the outcome of a port's requests as the state of its peer.
 LinkReport reportTo(const std::string& name, const std::shared_ptr<Ice::ObjectPrx>& proxy,
                     ComponentHost& host) {
   auto link = std::make_shared<PeerLink>(name, proxy, host.status(), host.log());
@@ -30,7 +32,10 @@ LinkReport reportTo(const std::string& name, const std::shared_ptr<Ice::ObjectPr
 class ActiveVisualMemory final : public Component {
  public:
   ActiveVisualMemory(ActiveVisualMemoryConfig config, std::shared_ptr<const Palette> palette)
-      : config_(std::move(config)), palette_(std::move(palette)), gaze_(config_.hasPanTilt()) {}
+      : config_(std::move(config)),
+        palette_(std::move(palette)),
+        gaze_(config_.hasPanTilt()),
+        overlay_rate_hz_(config_.overlay_rate_hz) {}
 
   void start(ComponentHost& host) override {
     auto& communicator = *host.communicator();
@@ -50,13 +55,18 @@ class ActiveVisualMemory final : public Component {
                                                                 config_.every_frame, config_.images_lost_s},
                                          palette_, *camera_, pan_tilt_.get(), *base_, gaze_, host.status());
 
-    host.serve("VisualMemory", std::make_shared<VisualMemoryServant>(memory_));
-    host.serve("Gaze", std::make_shared<GazeServant>(gaze_));
+    host.serve("VisualMemory", std::make_shared<VisualMemoryServant>(memory_, [this] {
+                 loop_->reset();
+                 return PortReply::accepted();
+               }));
+    host.serve("Gaze", std::make_shared<GazeServant>(gaze_, gaze_statuses_));
+    listMemoryParameters(host.parameters(), config_, *loop_, overlay_rate_hz_);
     if (config_.overlay) host.serve("memoryView", std::make_shared<CameraServant>(overlay_, "memoryView"));
     loop_->start([this](const auto& observation, const auto& result) { publish(observation, result); },
                  [this](SourceState state, const std::string& why) {
                    const auto shown = state == SourceState::kFinished ? state : SourceState::kWaiting;
                    memory_.setState(shown, "nothing is seen: " + why);
+                   gaze_statuses_.setState(shown, "nothing is seen: " + why);
                    overlay_.setState(shown, "nothing is seen: " + why);
                  },
                  [&host](std::exception_ptr failure) { host.fail(std::move(failure)); });
@@ -65,18 +75,20 @@ class ActiveVisualMemory final : public Component {
   void stop() override {
     if (loop_) loop_->stop();
     memory_.stop();
+    gaze_statuses_.stop();
     overlay_.stop();
   }
 
  private:
   void publish(const RobotObservation& observation, const AttentiveVisualMemory::StepResult& result) {
+    gaze_statuses_.publish(result.gaze);
     const std::uint64_t revision = result.update.snapshot ? result.update.snapshot->revision : 0;
-    if (revision == published_) return;  // a frame that was not worth analysing
+    if (revision == published_) return;  // a frame that was not analysed
     published_ = revision;
     memory_.publish(result.update);
     if (!config_.overlay) return;
     const StampUs now = observation.frame.stamp_us;
-    const StampUs interval = toStampUs(1.0 / config_.overlay_rate_hz);
+    const StampUs interval = toStampUs(1.0 / overlay_rate_hz_);
     const bool time_went_back = overlay_stamp_us_ && now < *overlay_stamp_us_;
     if (overlay_stamp_us_ && !time_went_back && now < *overlay_stamp_us_ + interval) return;
     overlay_stamp_us_ = now;
@@ -96,7 +108,9 @@ class ActiveVisualMemory final : public Component {
   const ActiveVisualMemoryConfig config_;
   const std::shared_ptr<const Palette> palette_;
   SharedGazeClient gaze_;
+  std::atomic<double> overlay_rate_hz_;
   MemoryBroadcaster memory_;
+  GazeBroadcaster gaze_statuses_;
   FrameBroadcaster overlay_;
   std::unique_ptr<RemoteFrameSource> camera_;
   std::unique_ptr<RemoteMobileBase> base_;
@@ -120,7 +134,8 @@ ComponentSpec activeVisualMemorySpec() {
   spec.prefix = "ActiveVisualMemory";
   spec.summary =
       "Remembers the floor segments around the robot and turns its camera to what is worth a look.";
-  spec.default_endpoints = "tcp -h 127.0.0.1 -p 9970:ws -h 127.0.0.1 -p 11004";
+  spec.default_endpoints = "tcp -h 127.0.0.1 -p 9970";
+  spec.default_web_endpoints = "ws -h 127.0.0.1 -p 11004";
   spec.configure = [](ConfigReader& root) -> std::unique_ptr<Component> {
     ConfigReader reader = root.group("ActiveVisualMemory");
     const ActiveVisualMemoryConfig config = readActiveVisualMemoryConfig(reader);

@@ -1,4 +1,4 @@
-/// @file The process active_visual_memory: ports to its peers, the perception loop, what it serves. SPEC C2,
+/// @file The process active_visual_memory: ports to its peers, the perception loop, its servants. See C2,
 /// C3.
 #pragma once
 

@@ -65,7 +65,8 @@ void readLife(ConfigReader r, LifeParams& p) {
   p.gain_per_s = r.real("Gain_per_s", p.gain_per_s, 0.0, 1e6);
   p.fade_per_s = r.real("OutOfView_per_s", p.fade_per_s, 0.0, 1e6);
   p.absent_per_s = r.real("Absent_per_s", p.absent_per_s, 0.0, 1e6);
-  p.covered_per_s = r.real("Covered_per_s", p.covered_per_s, 0.0, 1e6);
+  r.alias("Covered_per_s", "Occluded_per_s");
+  p.occluded_per_s = r.real("Occluded_per_s", p.occluded_per_s, 0.0, 1e6);
   p.tick_us = toStampUs(r.real("Tick_s", toSeconds(p.tick_us), 0.0, 10.0));
   if (p.initial > p.maximum) r.problem("Initial", "must not be more than " + r.key("Maximum"));
   if (p.threshold > p.initial) r.problem("Threshold", "must not be more than " + r.key("Initial"));
@@ -89,9 +90,11 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   p.alignment.shift_per_m = r.real("Align.Shift_per_m", p.alignment.shift_per_m, 0.0, 1.0);
   p.alignment.turn_per_rad = r.real("Align.Turn_per_rad", p.alignment.turn_per_rad, 0.0, 1.0);
   p.alignment.turn_per_m = r.angleDeg("Align.Turn_degpm", radToDeg(p.alignment.turn_per_m), 0.0, 90.0);
-  p.compass = r.boolean("Align.Compass", p.compass);
-  p.joint = r.boolean("Align.Joint", p.joint);
-  p.jointly.turn_noise = r.angleDeg("Align.TurnNoise_deg", radToDeg(p.jointly.turn_noise), 0.0, 90.0);
+  r.alias("Align.Compass", "Align.DominantDirection");
+  p.use_dominant_direction = r.boolean("Align.DominantDirection", p.use_dominant_direction);
+  r.alias("Align.Joint", "Align.MapFilter");
+  p.use_map_filter = r.boolean("Align.MapFilter", p.use_map_filter);
+  p.map_filter.turn_noise = r.angleDeg("Align.TurnNoise_deg", radToDeg(p.map_filter.turn_noise), 0.0, 90.0);
   p.slip.least_images = static_cast<int>(r.integer("Align.Slip.LeastImages", p.slip.least_images, 1, 1000));
   p.slip.images = static_cast<int>(r.integer("Align.Slip.Images", p.slip.images, 1, 1000));
   p.slip.sigmas = r.real("Align.Slip.Sigmas", p.slip.sigmas, 0.5, 100.0);
@@ -99,14 +102,22 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   if (p.slip.least_images > p.slip.images) {
     r.problem("Align.Slip.LeastImages", "must not be more than " + r.key("Align.Slip.Images"));
   }
-  p.lean.mount_rad = r.angleDeg("Lean.Mount_deg", radToDeg(p.lean.mount_rad), 0.0, 10.0);
-  p.lean.camera_rad = r.angleDeg("Lean.Camera_deg", radToDeg(p.lean.camera_rad), 0.0, 10.0);
-  p.lean.sway_rad = r.angleDeg("Lean.Sway_deg", radToDeg(p.lean.sway_rad), 0.0, 10.0);
-  p.sway_doubt = r.real("Lean.SwayDoubt", p.sway_doubt, 1.0, 100.0);
-  p.course.sigma_rad = r.angleDeg("Lean.Course_deg", radToDeg(p.course.sigma_rad), 0.0, 20.0);
+  r.alias("Lean.Mount_deg", "CameraTilt.Mount_deg");
+  p.tilt_prior.mount_rad = r.angleDeg("CameraTilt.Mount_deg", radToDeg(p.tilt_prior.mount_rad), 0.0, 10.0);
+  r.alias("Lean.Camera_deg", "CameraTilt.Camera_deg");
+  p.tilt_prior.camera_rad = r.angleDeg("CameraTilt.Camera_deg", radToDeg(p.tilt_prior.camera_rad), 0.0, 10.0);
+  r.alias("Lean.Sway_deg", "CameraTilt.PerFrame_deg");
+  p.tilt_prior.per_frame_rad =
+      r.angleDeg("CameraTilt.PerFrame_deg", radToDeg(p.tilt_prior.per_frame_rad), 0.0, 10.0);
+  r.alias("Lean.SwayDoubt", "CameraTilt.PerFrameInflation");
+  p.per_frame_inflation = r.real("CameraTilt.PerFrameInflation", p.per_frame_inflation, 1.0, 100.0);
+  r.alias("Lean.Course_deg", "CameraTilt.DominantDirection_deg");
+  p.dominant_direction.sigma_rad =
+      r.angleDeg("CameraTilt.DominantDirection_deg", radToDeg(p.dominant_direction.sigma_rad), 0.0, 20.0);
   p.confirm_by_parallax = r.boolean("Confirm.ByParallax", p.confirm_by_parallax);
   p.min_confirmed_m = r.real("Confirm.LeastLength_m", p.min_confirmed_m, 0.0, 2.0);
-  p.tell_in_course = r.boolean("TellInCourse", p.tell_in_course);
+  r.alias("TellInCourse", "SnapToDominantDirection");
+  p.snap_to_dominant_direction = r.boolean("SnapToDominantDirection", p.snap_to_dominant_direction);
   p.gap_votes = static_cast<int>(r.integer("GapVotes", p.gap_votes, 0, 1000));
   p.parallax.least_height_m = r.real("Confirm.LeastHeight_m", p.parallax.least_height_m, 0.005, 2.0);
   p.parallax.min_baseline_m = r.real("Confirm.Baseline_m", p.parallax.min_baseline_m, 0.01, 10.0);
@@ -118,7 +129,7 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   readAssociation(r.group("Association"), p.association);
 }
 
-void readPrimitives(ConfigReader r, PrimitiveMemory::Params& p) {
+void readPrimitives(ConfigReader r, PrimitiveTracker::Params& p) {
   p.interval_us = toStampUs(r.real("Interval_s", toSeconds(p.interval_us), 0.0, 60.0));
   p.published_life = r.real("PublishedLife", p.published_life, 0.0, p.max_life);
   p.finder.confirmed_only = r.boolean("ConfirmedOnly", p.finder.confirmed_only);
@@ -144,20 +155,22 @@ void readPrimitives(ConfigReader r, PrimitiveMemory::Params& p) {
 
 void readShapeEdges(ConfigReader r, ShapeEdges::Params& p) {
   p.enabled = r.boolean("Enabled", p.enabled);
-  p.min_width_m = r.real("Line.MinimumWidth_m", p.min_width_m, 0.001, 5.0);
-  p.max_width_m = r.real("Line.MaximumWidth_m", p.max_width_m, 0.001, 5.0);
+  LineWidthRange& width = p.line_width;
+  width.min_m = r.real("Line.MinimumWidth_m", width.min_m, 0.001, 5.0);
+  width.max_m = r.real("Line.MaximumWidth_m", width.max_m, 0.001, 5.0);
   p.circles.sagitta_m = r.real("Circle.Sagitta_m", p.circles.sagitta_m, 0.0001, 1.0);
   if (r.boolean("FarLines", false)) {
-    // What is not known of ends that were only seen from afar is two pixels rather than one.
+    // Distant ends are uncertain by two pixels instead of one.
     p.short_sigmas = p.corners.reach_sigmas = p.junctions.reach_sigmas = 2.0;
     p.corners.most_reach_m = p.junctions.most_reach_m = 0.25;
     p.line_widths.blur_px = 1.0;
     p.junctions.by_one_side = true;
     p.crosses.enabled = true;
   }
-  p.junctions.enabled = r.boolean("PartAtJunctions", p.junctions.enabled);
+  r.alias("PartAtJunctions", "SplitAtJunctions");
+  p.junctions.enabled = r.boolean("SplitAtJunctions", p.junctions.enabled);
   p.line_widths.enabled = r.boolean("EvenLineWidths", p.line_widths.enabled);
-  if (p.min_width_m >= p.max_width_m) {
+  if (width.min_m >= width.max_m) {
     r.problem("Line.MinimumWidth_m", "must be less than " + r.key("Line.MaximumWidth_m"));
   }
 }
@@ -189,6 +202,19 @@ void readAttention(ConfigReader r, AttentionPool::Params& p) {
   }
 }
 
+void readJointLimits(ConfigReader r, Rig& rig) {
+  rig.min_pan_rad = r.angleDeg("Pan.Minimum_deg", radToDeg(rig.min_pan_rad), -360.0, 360.0);
+  rig.max_pan_rad = r.angleDeg("Pan.Maximum_deg", radToDeg(rig.max_pan_rad), -360.0, 360.0);
+  rig.min_tilt_rad = r.angleDeg("Tilt.Minimum_deg", radToDeg(rig.min_tilt_rad), -90.0, 90.0);
+  rig.max_tilt_rad = r.angleDeg("Tilt.Maximum_deg", radToDeg(rig.max_tilt_rad), -90.0, 90.0);
+  if (rig.min_pan_rad >= rig.max_pan_rad) {
+    r.problem("Pan.Minimum_deg", "must be less than " + r.key("Pan.Maximum_deg"));
+  }
+  if (rig.min_tilt_rad >= rig.max_tilt_rad) {
+    r.problem("Tilt.Minimum_deg", "must be less than " + r.key("Tilt.Maximum_deg"));
+  }
+}
+
 void readGaze(ConfigReader r, GazeController::Params& p) {
   using Control = GazeController::Control;
   p.initial_mode =
@@ -196,15 +222,6 @@ void readGaze(ConfigReader r, GazeController::Params& p) {
                {{"attend", GazeMode::kAttend}, {"hold", GazeMode::kHold}, {"off", GazeMode::kOff}});
   p.control = r.choice("Control", p.control,
                        {{"proportional", Control::kProportional}, {"position", Control::kPosition}});
-  p.min_pan_rad = r.angleDeg("Pan.Minimum_deg", radToDeg(p.min_pan_rad), -360.0, 360.0);
-  p.max_pan_rad = r.angleDeg("Pan.Maximum_deg", radToDeg(p.max_pan_rad), -360.0, 360.0);
-  p.min_tilt_rad = r.angleDeg("Tilt.Minimum_deg", radToDeg(p.min_tilt_rad), -90.0, 90.0);
-  p.max_tilt_rad = r.angleDeg("Tilt.Maximum_deg", radToDeg(p.max_tilt_rad), -90.0, 90.0);
-  if (p.min_pan_rad >= p.max_pan_rad)
-    r.problem("Pan.Minimum_deg", "must be less than " + r.key("Pan.Maximum_deg"));
-  if (p.min_tilt_rad >= p.max_tilt_rad) {
-    r.problem("Tilt.Minimum_deg", "must be less than " + r.key("Tilt.Maximum_deg"));
-  }
   p.object_min_tilt_rad = r.angleDeg("ObjectTilt.Minimum_deg", radToDeg(p.object_min_tilt_rad), -90.0, 90.0);
   p.object_max_tilt_rad = r.angleDeg("ObjectTilt.Maximum_deg", radToDeg(p.object_max_tilt_rad), -90.0, 90.0);
   if (p.object_min_tilt_rad > p.object_max_tilt_rad) {
@@ -240,12 +257,13 @@ CameraMount readCameraMount(ConfigReader& reader) {
 MemoryPipelineParams readMemoryPipeline(ConfigReader& reader) {
   const bool chapter = reader.choice("Mode", false, {{"default", false}, {"chapter", true}});
   MemoryPipelineParams p = chapter ? MemoryPipelineParams::chapter() : MemoryPipelineParams::standard();
-  p.memory.gaze.mount = readCameraMount(reader);
+  p.memory.rig.mount = readCameraMount(reader);
+  readJointLimits(reader.group("Gaze"), p.memory.rig);
   readVision(reader.group("Vision"), p.vision);
   readGate(reader.group("FrameGate"), p.memory.gate);
   readGround(reader.group("Ground"), p.memory.projector);
-  p.memory.thin_lines.sigma_px =
-      reader.real("Ground.ThinLineBlur_px", p.memory.thin_lines.sigma_px, 0.0, 10.0);
+  reader.alias("Ground.ThinLineBlur_px", "Ground.LineBlur_px");
+  p.memory.edge_blur.sigma_px = reader.real("Ground.LineBlur_px", p.memory.edge_blur.sigma_px, 0.0, 10.0);
   readMemory(reader.group("Memory"), p.memory.memory);
   ConfigReader kidnap = reader.group("Kidnap");
   p.memory.kidnap.enabled = kidnap.boolean("Enabled", p.memory.kidnap.enabled);
@@ -254,11 +272,6 @@ MemoryPipelineParams readMemoryPipeline(ConfigReader& reader) {
   readShapeEdges(reader.group("ShapeEdges"), p.memory.shape_edges);
   readAttention(reader.group("Attention"), p.memory.attention);
   readGaze(reader.group("Gaze"), p.memory.gaze);
-  // Scanning looks where the head can turn to.
-  p.memory.attention.min_pan_rad = p.memory.gaze.min_pan_rad;
-  p.memory.attention.max_pan_rad = p.memory.gaze.max_pan_rad;
-  p.memory.attention.min_tilt_rad = p.memory.gaze.min_tilt_rad;
-  p.memory.attention.max_tilt_rad = p.memory.gaze.max_tilt_rad;
   return p;
 }
 
@@ -274,7 +287,7 @@ ActiveVisualMemoryConfig readActiveVisualMemoryConfig(ConfigReader& reader) {
   config.overlay_rate_hz = reader.real("Overlay.Rate_hz", config.overlay_rate_hz, 0.1, 120.0);
   config.overlay_scale = static_cast<int>(reader.integer("Overlay.Scale", config.overlay_scale, 1, 8));
   config.pipeline = readMemoryPipeline(reader);
-  config.assembler.mount = config.pipeline.memory.gaze.mount;
+  config.assembler.mount = config.pipeline.memory.rig.mount;
   config.assembler.has_pan_tilt = config.hasPanTilt();
   config.assembler.max_gap_us = toStampUs(reader.real("History.MaximumGap_s", 0.5, 0.01, 10.0));
   config.assembler.max_jump_m =

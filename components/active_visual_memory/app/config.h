@@ -1,5 +1,5 @@
 /// @file Configuration of active_visual_memory: every key, checked once at start. Pure but for looking files
-/// up.
+/// up. See C2.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace vismem {
 
-/// SPEC C2. All keys begin with "ActiveVisualMemory."; the table is in the component's README.
+/// See C2. All keys begin with "ActiveVisualMemory."; the table is in the component's README.
 struct ActiveVisualMemoryConfig {
   std::string camera_proxy;
   std::string odometry_proxy;

@@ -17,12 +17,13 @@ using std::chrono::milliseconds;
 constexpr milliseconds kPortWait{200};
 /// A port that answers "nothing" at once must not make a thread spin.
 constexpr milliseconds kPause{20};
-/// A command that was not taken is given again after this.
+/// Pause before a failed command is repeated.
 constexpr milliseconds kCommandRetry{300};
-/// The loop looks around this often even when nothing comes.
+/// The loop wakes up this often without input.
 constexpr milliseconds kIdle{50};
 /// More waiting frames than this are dropped, oldest first: the memory is late, not the robot.
 constexpr std::size_t kMaxFrames = 64;
+constexpr std::size_t kMaxChanges = 64;
 
 void pauseFor(const std::stop_token& stop, milliseconds duration) {
   std::mutex mutex;
@@ -36,39 +37,39 @@ void pauseFor(const std::stop_token& stop, milliseconds duration) {
 PortReply SharedGazeClient::setMode(GazeMode mode) {
   if (!has_pan_tilt_ && mode != GazeMode::kOff) return PortReply::rejected("no pan-tilt unit is configured");
   const std::scoped_lock lock(mutex_);
-  return mailbox_.setMode(mode);
+  return gaze_requests_.setMode(mode);
 }
 
 PortReply SharedGazeClient::fixate(const Eigen::Vector3d& p_odom) {
   if (!has_pan_tilt_) return PortReply::rejected("no pan-tilt unit is configured");
   const std::scoped_lock lock(mutex_);
-  return mailbox_.fixate(p_odom);
+  return gaze_requests_.fixate(p_odom);
 }
 
 PortReply SharedGazeClient::request(const GazeRequest& request) {
   if (!has_pan_tilt_) return PortReply::rejected("no pan-tilt unit is configured");
   const std::scoped_lock lock(mutex_);
-  return mailbox_.request(request);
+  return gaze_requests_.request(request);
 }
 
 PortReply SharedGazeClient::withdraw(const std::string& client, const std::string& key) {
   const std::scoped_lock lock(mutex_);
-  return mailbox_.withdraw(client, key);
+  return gaze_requests_.withdraw(client, key);
 }
 
 std::optional<GazeStatus> SharedGazeClient::status() {
   const std::scoped_lock lock(mutex_);
-  return mailbox_.status();
+  return gaze_requests_.status();
 }
 
-std::vector<GazeMailbox::Message> SharedGazeClient::take() {
+std::vector<GazeRequestQueue::Item> SharedGazeClient::take() {
   const std::scoped_lock lock(mutex_);
-  return mailbox_.take();
+  return gaze_requests_.take();
 }
 
 void SharedGazeClient::publish(const GazeStatus& status) {
   const std::scoped_lock lock(mutex_);
-  mailbox_.publish(status);
+  gaze_requests_.publish(status);
 }
 
 PerceptionLoop::PerceptionLoop(const Params& params, std::shared_ptr<const Palette> palette,
@@ -117,6 +118,14 @@ void PerceptionLoop::stop() {
 void PerceptionLoop::reset() {
   const std::scoped_lock lock(inbox_mutex_);
   inbox_.reset_wanted = true;
+}
+
+PortReply PerceptionLoop::change(std::function<void(MemoryPipeline&)> change) {
+  const std::scoped_lock lock(inbox_mutex_);
+  if (inbox_.changes.size() >= kMaxChanges)
+    return PortReply::rejected(std::to_string(kMaxChanges) + " changes are waiting already");
+  inbox_.changes.push_back(std::move(change));
+  return PortReply::accepted();
 }
 
 void PerceptionLoop::readCamera(const std::stop_token& stop) {
@@ -183,6 +192,7 @@ PerceptionLoop::Inbox PerceptionLoop::takeInbox(const std::stop_token& stop) {
   taken.pan_tilt_samples.swap(inbox_.pan_tilt_samples);
   taken.odometry_samples.swap(inbox_.odometry_samples);
   taken.reset_wanted = std::exchange(inbox_.reset_wanted, false);
+  taken.changes.swap(inbox_.changes);
   taken.camera_state = inbox_.camera_state;
   taken.camera_message = inbox_.camera_message;
   return taken;
@@ -201,8 +211,9 @@ void PerceptionLoop::run(const std::stop_token& stop) {
     status_.alive(name);
     Inbox inbox = takeInbox(stop);
     if (inbox.reset_wanted) pipeline_.memory().reset();
-    const auto mail = gaze_.take();
-    for (const auto& message_in : mail) pipeline_.memory().gazeClient().post(message_in);
+    for (const auto& change_pipeline : inbox.changes) change_pipeline(pipeline_);
+    const auto requests = gaze_.take();
+    for (const auto& message_in : requests) pipeline_.memory().gazeClient().push(message_in);
     checkClocks(inbox, clocks);
     for (const OdometrySample& sample : inbox.odometry_samples) assembler.add(sample);
     for (const PanTiltSample& sample : inbox.pan_tilt_samples) assembler.add(sample);
@@ -212,15 +223,16 @@ void PerceptionLoop::run(const std::stop_token& stop) {
       last_observation = Clock::now();
       continue;
     }
-    if (!mail.empty()) {
-      if (const auto command = pipeline_.memory().redirect()) send(*command);
+    if (!requests.empty()) {
+      if (const auto command = pipeline_.memory().preempt()) send(*command);
     }
-    if (longAgo(last_observation)) tellBlind(inbox, !longAgo(last_image), assembler);
+    if (longAgo(last_observation)) reportNoImages(inbox, !longAgo(last_image), assembler);
   }
   status_.ended(name);
 }
 
-void PerceptionLoop::tellBlind(const Inbox& inbox, bool frames_come, const ObservationAssembler& assembler) {
+void PerceptionLoop::reportNoImages(const Inbox& inbox, bool frames_come,
+                                    const ObservationAssembler& assembler) {
   std::pair<SourceState, std::string> now{inbox.camera_state, inbox.camera_message};
   if (frames_come) {
     now = {SourceState::kWaiting, unusable_.empty() ? assembler.whyNothing() : unusable_};
@@ -259,13 +271,14 @@ void PerceptionLoop::checkClocks(const Inbox& inbox, Clocks& clocks) {
   }
 }
 
-void PerceptionLoop::tellLean(const AttentiveVisualMemory& memory) {
-  if (!params_.pipeline.memory.memory.align || !params_.pipeline.memory.memory.lean.enabled()) return;
-  constexpr const char* kNames[] = {"lean roll", "lean pitch", "head pitch", "head roll"};
-  const Lean lean = memory.lean();
-  const LeanCovariance P = memory.leanCovariance();
+void PerceptionLoop::reportCameraTilt(const AttentiveVisualMemory& memory) {
+  if (!params_.pipeline.memory.memory.align || !params_.pipeline.memory.memory.tilt_prior.enabled()) return;
+  constexpr const char* kNames[] = {"mount roll error", "mount pitch error", "camera pitch error",
+                                    "camera roll error"};
+  const CameraTilt camera_tilt = memory.cameraTilt();
+  const CameraTiltCovariance P = memory.cameraTiltCovariance();
   for (int i = 0; i < 4; ++i) {
-    status_.gauge({kNames[i], radToDeg(lean[i]), radToDeg(std::sqrt(P(i, i))), "deg"});
+    status_.gauge({kNames[i], radToDeg(camera_tilt[i]), radToDeg(std::sqrt(P(i, i))), "deg"});
   }
 }
 
@@ -282,14 +295,14 @@ bool PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline&
     try {
       result = pipeline.process(*observation);
     } catch (const std::exception& failure) {
-      // An image that is not what its description says: nothing to remember, the next one may be good.
+      // An image that contradicts its description is skipped; the next one may be good.
       status_.error(failure.what());
       unusable_ = failure.what();
       continue;
     }
     any = true;
     unusable_.clear();
-    // At once: after a pause there may be many frames to work off.
+    // At once: after a pause many frames may wait.
     blind_.reset();
     status_.healthy("images");
     const std::chrono::duration<double> spent = Clock::now() - begin;
@@ -299,7 +312,7 @@ bool PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline&
                     std::to_string(toSeconds(observation->frame.stamp_us)) + " s");
     }
     status_.latency("iteration", spent.count());
-    tellLean(pipeline.memory());
+    reportCameraTilt(pipeline.memory());
     gaze_.publish(result.gaze);
     if (result.command && pan_tilt_) send(*result.command);
     consumer_(*observation, result);
@@ -317,8 +330,8 @@ void PerceptionLoop::send(const PanTiltCommand& command) {
 }
 
 void PerceptionLoop::giveCommands(const std::stop_token& stop) {
-  // A command that the unit did not take is given again until it does or a newer one comes: else a head that
-  // was away for a moment would stand wrong until the gaze has something new to say.
+  // A command that failed is repeated until it succeeds or a newer one comes: else a head that was away for
+  // a moment would keep a wrong angle.
   std::optional<PanTiltCommand> failed;
   const auto given = [this] { return command_.has_value(); };
   while (true) {
@@ -333,7 +346,7 @@ void PerceptionLoop::giveCommands(const std::stop_token& stop) {
       if (stop.stop_requested()) break;
       command = command_ ? *std::exchange(command_, std::nullopt) : *failed;
     }
-    // Watched only while it is busy: between commands it waits by right.
+    // Supervised only while a command runs: between commands the thread waits.
     status_.alive("gaze commands");
     const PortReply reply = pan_tilt_->command(command);
     status_.ended("gaze commands");
@@ -345,7 +358,7 @@ void PerceptionLoop::giveCommands(const std::stop_token& stop) {
       status_.fault("pan-tilt commands", reply.message);
     }
   }
-  // Nobody steers any more: whatever it was told, the head shall stand.
+  // The loop has ended: stop the head.
   pan_tilt_->command(PanTiltCommand{});
 }
 

@@ -1,5 +1,5 @@
 /// @file The threads around the memory: one per source, one that owns the pipeline, one that gives commands.
-/// No Ice: any implementation of the ports will do. SPEC M7, G3, A6.
+/// No Ice: any implementation of the ports will do. See M7, G3, A6.
 #pragma once
 
 #include <chrono>
@@ -34,13 +34,13 @@ class SharedGazeClient final : public GazeClient {
   PortReply withdraw(const std::string& client, const std::string& key) override;
   std::optional<GazeStatus> status() override;
 
-  std::vector<GazeMailbox::Message> take();
+  std::vector<GazeRequestQueue::Item> take();
   void publish(const GazeStatus& status);
 
  private:
   const bool has_pan_tilt_;
   std::mutex mutex_;
-  GazeMailbox mailbox_;
+  GazeRequestQueue gaze_requests_;
 };
 
 /// *Thread-safe*: start and stop from one thread, reset from any.
@@ -53,11 +53,11 @@ class PerceptionLoop {
     double images_lost_s = 0.5;
   };
 
-  /// What one observation gave. Called by the owner thread; must not block.
+  /// Result of one observation. Called by the owner thread; must not block.
   using Consumer = std::function<void(const RobotObservation&, const AttentiveVisualMemory::StepResult&)>;
-  /// No image can be used for now: none come, or nothing says where the robot was. Or they came to an end.
+  /// No usable image: none comes, no odometry covers it, or the source is finished.
   using NoImages = std::function<void(SourceState, const std::string& why)>;
-  /// A thread has ended by what it threw.
+  /// A thread ended with an exception.
   using Failed = std::function<void(std::exception_ptr)>;
 
   /// @param pan_tilt null: no unit. All ports outlive stop().
@@ -68,18 +68,21 @@ class PerceptionLoop {
   void start(Consumer consumer, NoImages no_images, Failed failed);
   /// Ends all threads; returns when they have ended.
   void stop();
-  /// Sets the memory aside before the next image.
+  /// Drops the memory before the next image.
   void reset();
+  /// Has the owner thread change the pipeline before the next image. @return rejected: too many changes wait.
+  PortReply change(std::function<void(MemoryPipeline&)> change);
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// What came since the last look.
+  /// Input since the last iteration.
   struct Inbox {
     std::deque<Frame> frames;
     std::vector<PanTiltSample> pan_tilt_samples;
     std::vector<OdometrySample> odometry_samples;
     bool reset_wanted = false;
+    std::vector<std::function<void(MemoryPipeline&)>> changes;
     SourceState camera_state = SourceState::kWaiting;
     std::string camera_message = "no image yet";
   };
@@ -96,10 +99,10 @@ class PerceptionLoop {
   Inbox takeInbox(const std::stop_token& stop);
   /// @return whether there was an observation.
   bool processAll(ObservationAssembler& assembler, MemoryPipeline& pipeline);
-  /// How the camera leans (decision 0008): about the robot's x and y axes, then about the camera's x and z.
-  void tellLean(const AttentiveVisualMemory& memory);
-  /// Tells whom it concerns, once for each state and reason, that nothing can be seen.
-  void tellBlind(const Inbox& inbox, bool frames_come, const ObservationAssembler& assembler);
+  /// Gauges of the camera tilt: mount roll, mount pitch, camera pitch, camera roll.
+  void reportCameraTilt(const AttentiveVisualMemory& memory);
+  /// Reports that there is no usable image, once for each state and reason.
+  void reportNoImages(const Inbox& inbox, bool frames_come, const ObservationAssembler& assembler);
   void checkClocks(const Inbox& inbox, Clocks& clocks);
   void send(const PanTiltCommand& command);
   void giveCommands(const std::stop_token& stop);
@@ -124,7 +127,7 @@ class PerceptionLoop {
   std::optional<PanTiltCommand> command_;
 
   // Of the owner thread.
-  std::optional<std::pair<SourceState, std::string>> blind_;  ///< what was told; empty while all is well
+  std::optional<std::pair<SourceState, std::string>> blind_;  ///< what was reported; empty while images come
   std::string unusable_;  ///< why the last image could not be used; empty if it could
   std::uint32_t epoch_ = 0;
 

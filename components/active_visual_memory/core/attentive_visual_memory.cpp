@@ -16,11 +16,26 @@ SegmentMemory::Params memoryParams(const AttentiveVisualMemoryParams& params) {
 
 ShapeEdges::Params shapeParams(const AttentiveVisualMemoryParams& params) {
   ShapeEdges::Params shapes = params.shape_edges;
-  shapes.course = params.memory.course;
+  shapes.dominant_direction = params.memory.dominant_direction;
   return shapes;
 }
 
 }  // namespace
+
+AttentiveVisualMemoryParams AttentiveVisualMemoryParams::standard() {
+  return {};
+}
+
+AttentiveVisualMemoryParams AttentiveVisualMemoryParams::chapter() {
+  AttentiveVisualMemoryParams p;
+  p.edge_blur.sigma_px = 0.0;
+  p.memory = SegmentMemory::Params::chapter();
+  p.kidnap.enabled = false;
+  p.shape_edges.enabled = false;
+  p.attention = AttentionPool::Params::chapter();
+  p.gaze = GazeController::Params::chapter(p.rig);
+  return p;
+}
 
 AttentiveVisualMemory::AttentiveVisualMemory(const Params& params)
     : params_(params),
@@ -30,8 +45,8 @@ AttentiveVisualMemory::AttentiveVisualMemory(const Params& params)
       primitives_(params.primitives),
       shape_edges_(shapeParams(params)),
       kidnap_(params.kidnap),
-      pool_(params.attention),
-      gaze_(params.gaze) {}
+      pool_(params.attention, params.rig),
+      gaze_(params.gaze, params.rig) {}
 
 void AttentiveVisualMemory::reset() {
   memory_.clear();
@@ -49,9 +64,9 @@ void AttentiveVisualMemory::followEpoch(const RobotObservation& observation) {
   source_epoch_ = observation.epoch;
 }
 
-void AttentiveVisualMemory::readMail() {
-  using Kind = GazeMailbox::Message::Kind;
-  for (const auto& message : mailbox_.take()) {
+void AttentiveVisualMemory::readGazeRequests() {
+  using Kind = GazeRequestQueue::Item::Kind;
+  for (const auto& message : gaze_requests_.take()) {
     switch (message.kind) {
       case Kind::kMode:
         gaze_.setMode(message.mode);
@@ -69,9 +84,9 @@ void AttentiveVisualMemory::readMail() {
   }
 }
 
-std::optional<PanTiltCommand> AttentiveVisualMemory::redirect() {
-  readMail();
-  return gaze_.redirect(pool_);
+std::optional<PanTiltCommand> AttentiveVisualMemory::preempt() {
+  readGazeRequests();
+  return gaze_.preempt(pool_);
 }
 
 double AttentiveVisualMemory::turnRate(const RobotObservation& observation) {
@@ -88,25 +103,25 @@ double AttentiveVisualMemory::turnRate(const RobotObservation& observation) {
   return rate;
 }
 
-AttentiveVisualMemory::StepResult AttentiveVisualMemory::step(const RobotObservation& observation,
-                                                              const std::vector<ImageSegment>& observed,
-                                                              StageProbe* probe) {
+AttentiveVisualMemory::StepResult AttentiveVisualMemory::update(const RobotObservation& observation,
+                                                                const std::vector<ImageSegment>& observed,
+                                                                StageProbe* probe) {
   enterStage(probe, "memory");
   followEpoch(observation);
-  readMail();
+  readGazeRequests();
   const double rate = turnRate(observation);
   RobotObservation believed = observation;
-  believed.T_robot_camera = leaned(observation.T_robot_camera, memory_.lean());
+  believed.T_robot_camera = tilted(observation.T_robot_camera, memory_.cameraTilt());
   const Pose3 T_odom_camera = toPose3(believed.T_odom_robot) * believed.T_robot_camera;
   const auto floor =
       projector_.project(believed.frame.intrinsics, T_odom_camera,
-                         correctThinLines(observed, params_.thin_lines), rate, believed.T_odom_robot.theta);
-  memory_.doubtSince(kidnap_.doubtSince());
+                         correctEdgeBlur(observed, params_.edge_blur), rate, believed.T_odom_robot.theta);
+  memory_.suspectSince(kidnap_.suspectSince());
   ImageAnalysis analysis = memory_.update(believed, observed, floor, rate);
-  // Consumers are told what the kinematics say; localization estimates the lean from its map, not from ours.
+  // Published is the pose of the kinematics: localization estimates the tilt from its own map.
   analysis.T_robot_camera = observation.T_robot_camera;
   last_update_.analysis = std::make_shared<const ImageAnalysis>(std::move(analysis));
-  // What was remembered belongs to another place: only what this image shows is true here.
+  // The old memory belongs to another place: this image begins the new one.
   const bool kidnapped = kidnap_.update(observation.frame.stamp_us, memory_.agreement());
   if (kidnapped) {
     reset();
@@ -119,13 +134,13 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::step(const RobotObserva
   return result;
 }
 
-AttentiveVisualMemory::StepResult AttentiveVisualMemory::glance(const RobotObservation& observation,
-                                                                StageProbe* probe) {
+AttentiveVisualMemory::StepResult AttentiveVisualMemory::predict(const RobotObservation& observation,
+                                                                 StageProbe* probe) {
   enterStage(probe, "memory");
   followEpoch(observation);
-  readMail();
+  readGazeRequests();
   turnRate(observation);
-  memory_.age(observation.frame.stamp_us);
+  memory_.advanceLife(observation.frame.stamp_us);
   return finish(observation, probe);
 }
 
@@ -135,7 +150,7 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::finish(const RobotObser
   std::vector<MemorySegment> segments;
   segments.reserve(memory_.elements().size());
   for (const MemoryElement& element : memory_.elements()) {
-    if (!memory_.onTrial(element)) segments.push_back(element.value);
+    if (!memory_.isTentative(element)) segments.push_back(element.value);
   }
 
   enterStage(probe, "primitives");
@@ -148,10 +163,10 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::finish(const RobotObser
   StepResult result;
   enterStage(probe, "gaze");
   pool_.update(observation.frame.stamp_us, {segments, primitives, hypotheses}, observation.T_odom_robot,
-               params_.gaze.mount, gaze_.attended());
-  result.command = gaze_.step(observation, segments, pool_);
+               gaze_.attended());
+  result.command = gaze_.update(observation, segments, pool_);
   result.gaze = gaze_.status(observation.frame.stamp_us, pool_);
-  mailbox_.publish(result.gaze);
+  gaze_requests_.publish(result.gaze);
   enterStage(probe, "memory");
   if (analysed) {
     for (MemorySegment& segment : segments) {

@@ -1,35 +1,38 @@
-/// @file The whole attentive visual memory as one machine: observation in, memory and gaze out. Pure.
-/// SPEC M1-M10, V5, V6, A1-A6. Deterministic: the same observations and seed give the same results.
+/// @file The attentive visual memory as one machine: observation in, memory and gaze out. Pure. See M1-M10,
+/// V5, V6, A1-A6. Deterministic: the same observations and seed give the same results.
 #pragma once
 
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "active_visual_memory/core/attention.h"
 #include "active_visual_memory/core/frame_gate.h"
-#include "active_visual_memory/core/gaze_controller.h"
-#include "active_visual_memory/core/ground_projector.h"
-#include "active_visual_memory/core/primitive_memory.h"
-#include "active_visual_memory/core/segment_memory.h"
-#include "active_visual_memory/core/shape_edges.h"
-#include "active_visual_memory/core/thin_lines.h"
+#include "active_visual_memory/core/gaze/attention.h"
+#include "active_visual_memory/core/gaze/gaze_controller.h"
+#include "active_visual_memory/core/gaze/gaze_requests.h"
+#include "active_visual_memory/core/ground/edge_blur.h"
+#include "active_visual_memory/core/ground/ground_projector.h"
+#include "active_visual_memory/core/markings/shape_edges.h"
+#include "active_visual_memory/core/memory/segment_memory.h"
+#include "active_visual_memory/core/primitives/primitive_tracker.h"
 #include "common/profiling/stage_probe.h"
+#include "common/robot/rig.h"
 
 namespace vismem {
 
 struct AttentiveVisualMemoryParams {
+  Rig rig;
   FrameGate::Params gate;
-  ThinLineParams thin_lines;
+  EdgeBlurParams edge_blur;
   GroundProjector::Params projector;
   SegmentMemory::Params memory;
-  PrimitiveMemory::Params primitives;
+  PrimitiveTracker::Params primitives;
   ShapeEdges::Params shape_edges;
   KidnapDetector::Params kidnap;
   AttentionPool::Params attention;
   GazeController::Params gaze;
 
-  /// The chapter's behaviour (SPEC): counters in ticks of 200 ms, newest orientation, every absence alike,
+  /// The chapter's behaviour: counters in ticks of 200 ms, newest orientation, every absence alike,
   /// no confirmation, proportional controllers, 3 s per object, scanning over the whole range.
   static AttentiveVisualMemoryParams chapter();
   /// Ours.
@@ -44,42 +47,44 @@ class AttentiveVisualMemory {
   struct StepResult {
     MemoryUpdate update;  ///< both pointers set; the last one again for a frame that was not analysed
     GazeStatus gaze;
-    bool kidnapped = false;                 ///< the memory was just set aside (M10)
-    std::optional<PanTiltCommand> command;  ///< to give now; empty: nothing new to say
+    bool kidnapped = false;                 ///< the memory was dropped with this image (M10)
+    std::optional<PanTiltCommand> command;  ///< the next command; empty: nothing new
   };
 
   explicit AttentiveVisualMemory(const Params& params);
 
-  /// V6: is this frame worth analysing? Then call step, else glance.
+  /// Whether this frame is to be analysed (V6): then call update(), else predict().
   bool wants(const RobotObservation& observation) const { return gate_.opens(observation); }
 
-  /// One analysed image. @param observed all its segments, ideal pixels, also those above the horizon.
-  /// @param probe hears of the stages "memory" and "gaze"; may be null.
-  StepResult step(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
-                  StageProbe* probe = nullptr);
-  /// A frame that is not analysed: time passes and the gaze goes on.
-  StepResult glance(const RobotObservation& observation, StageProbe* probe = nullptr);
+  /// Processes an analysed image.
+  /// @param observed  all its segments, ideal pixels, also those above the horizon.
+  /// @param probe     is notified of the stages "memory" and "gaze"; may be null.
+  StepResult update(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
+                    StageProbe* probe = nullptr);
+  /// Advances time by a frame that is not analysed; the gaze goes on.
+  StepResult predict(const RobotObservation& observation, StageProbe* probe = nullptr);
 
-  /// What clients asked for urgently since the last image is answered before the next one.
-  std::optional<PanTiltCommand> redirect();
+  /// Serves urgent requests between two images.
+  std::optional<PanTiltCommand> preempt();
 
-  /// The images are gone for a while: what to tell the pan-tilt unit, once.
+  /// Images are lost. @return the command that holds the head, once.
   std::optional<PanTiltCommand> imagesLost() { return gaze_.imagesLost(); }
 
-  /// Sets the memory aside and begins anew.
+  /// Drops the memory and begins a new epoch.
   void reset();
 
   /// Requests of gaze clients; single-threaded like this class.
-  GazeMailbox& gazeClient() { return mailbox_; }
+  GazeRequestQueue& gazeClient() { return gaze_requests_; }
+  /// For changes of its rates between two images.
+  AttentionPool& attention() { return pool_; }
   const std::vector<MemoryElement>& elements() const { return memory_.elements(); }
-  std::uint32_t epoch() const { return epoch_; }
-  /// How the camera leans beside what the kinematics say, as far as the images told.
-  const Lean& lean() const { return memory_.lean(); }
-  LeanCovariance leanCovariance() const { return memory_.leanCovariance(); }
+  /// Estimated extrinsic rotation error of the camera.
+  const CameraTilt& cameraTilt() const { return memory_.cameraTilt(); }
+  CameraTiltCovariance cameraTiltCovariance() const { return memory_.cameraTiltCovariance(); }
 
  private:
   void followEpoch(const RobotObservation& observation);
-  void readMail();
+  void readGazeRequests();
   double turnRate(const RobotObservation& observation);
   StepResult finish(const RobotObservation& observation, StageProbe* probe);
 
@@ -87,12 +92,12 @@ class AttentiveVisualMemory {
   FrameGate gate_;
   GroundProjector projector_;
   SegmentMemory memory_;
-  PrimitiveMemory primitives_;
+  PrimitiveTracker primitives_;
   ShapeEdges shape_edges_;
   KidnapDetector kidnap_;
   AttentionPool pool_;
   GazeController gaze_;
-  GazeMailbox mailbox_;
+  GazeRequestQueue gaze_requests_;
   std::uint32_t epoch_ = 0;
   std::optional<std::uint32_t> source_epoch_;
   std::uint64_t revision_ = 0;

@@ -1,4 +1,5 @@
-/// @file Which frames are worth analysing. Pure. SPEC V6.
+/// @file Choice of the frames to analyse.
+/// Pure. Implements V6.
 #pragma once
 
 #include <optional>
@@ -19,9 +20,9 @@ class FrameGate {
 
   explicit FrameGate(const Params& params) : params_(params) {}
 
-  /// Is this frame to be analysed? Always the first, and the first of a new epoch.
+  /// Whether this frame is to be analysed: the first of each epoch, and after enough motion or time.
   bool opens(const RobotObservation& observation) const;
-  /// This frame was analysed.
+  /// Notes that this frame was analysed.
   void passed(const RobotObservation& observation);
 
  private:

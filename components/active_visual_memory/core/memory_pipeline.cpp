@@ -6,7 +6,7 @@ namespace vismem {
 
 namespace {
 
-/// Where colours tell what an edge is, one between two places of one colour is a shadow.
+/// With a palette an edge between two places of one colour is a shadow.
 AttentiveVisualMemoryParams forPalette(AttentiveVisualMemoryParams params, bool has_palette) {
   const bool by_parallax = params.memory.confirm_by_parallax;
   if (has_palette && by_parallax) params.memory.confirm_unlabelled = false;
@@ -33,8 +33,8 @@ MemoryPipeline::MemoryPipeline(const Params& params, std::shared_ptr<const Palet
 
 AttentiveVisualMemory::StepResult MemoryPipeline::process(const RobotObservation& observation,
                                                           StageProbe* probe) {
-  if (!memory_.wants(observation)) return memory_.glance(observation, probe);
-  return memory_.step(
+  if (!memory_.wants(observation)) return memory_.predict(observation, probe);
+  return memory_.update(
       observation, extractor_.extract(observation.frame.image, observation.frame.intrinsics, probe), probe);
 }
 

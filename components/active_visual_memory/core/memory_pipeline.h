@@ -1,5 +1,5 @@
-/// @file From an observation with its image to memory and gaze: what the component and lock-step runs share.
-/// Pure. SPEC V1-V6, M1-M6, A1-A6.
+/// @file From an observation with its image to memory and gaze, for the component and for lock-step runs.
+/// Pure. Implements M7. See V1-V6, M1-M10, A1-A6.
 #pragma once
 
 #include <memory>
@@ -27,8 +27,8 @@ class MemoryPipeline {
   /// @throws ConfigError for an unknown detector.
   MemoryPipeline(const Params& params, std::shared_ptr<const Palette> palette);
 
-  /// @throws std::invalid_argument when the image is not of the size its intrinsics say.
-  /// @param probe hears of the stages "detect", "label", "memory" and "gaze"; may be null.
+  /// @param probe  is notified of the stages "detect", "label", "memory" and "gaze"; may be null.
+  /// @throws std::invalid_argument if the size of the image is not that of its intrinsics.
   AttentiveVisualMemory::StepResult process(const RobotObservation& observation, StageProbe* probe = nullptr);
 
   SegmentExtractor& extractor() { return extractor_; }

@@ -1,4 +1,5 @@
-/// @file The current image with observed, predicted and matched segments drawn into it. SPEC M11. Pure.
+/// @file The image with its observed, predicted and matched segments.
+/// Pure. Implements M11.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

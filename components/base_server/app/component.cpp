@@ -11,6 +11,7 @@
 #include "common/process/status.h"
 #include "common/process/stream_health.h"
 #include "common/robot_ice/base_ice.h"
+#include "common/robot_ice/base_parameters.h"
 #include "drivers/base_simulated/simulated_mobile_base.h"
 #include "drivers/pioneer_p2os/pioneer_base.h"
 
@@ -22,7 +23,7 @@ void registerBaseDrivers(DriverRegistry<MobileBase>& registry) {
   registry.add("pioneer", "a Pioneer robot (P2OS, ARCOS) on a serial port", makePioneerBase);
 }
 
-/// What of the base this process serves.
+/// The objects of the base that this process serves.
 struct Served {
   bool motors = true;
   bool encoders = true;
@@ -38,9 +39,13 @@ class BaseServer : public Component {
     const PortReply reply = base_->start();
     if (!reply.ok()) throw std::runtime_error("the base does not start: " + reply.message);
     if (!reply.message.empty()) host.log().warning(reply.message);
-    if (served_.motors) host.serve("Motors", std::make_shared<BaseServant>(*base_));
+    if (served_.motors) {
+      const auto motors = std::make_shared<BaseServant>(*base_);
+      host.serve("Motors", motors);
+      listBaseParameters(host.parameters(), *base_, motors);
+    }
     if (served_.encoders) host.serve("Encoders", odometry_);
-    // Also where it is not served: it tells how the base is.
+    // Started even if odometry is not served: its samples show the health of the base.
     odometry_->start([health = StreamHealth(host.status(), "samples", "base")](
                          const SampleBatch<OdometrySample>& batch) mutable {
       const auto now = std::chrono::steady_clock::now();
@@ -50,7 +55,7 @@ class BaseServer : public Component {
   }
 
   void stop() override {
-    // The base first: no command comes any more, and it shall stand before anything else ends.
+    // The base first: there are no more commands, and it must stand before other parts end.
     base_->stop();
     if (host_ != nullptr) sayHowItStands();
     odometry_->stop();
@@ -67,8 +72,8 @@ class BaseServer : public Component {
            << " m of odom";
       host_->log().info(text.str());
     } else {
-      text << "the base was told to stop and still moved at last: " << last.v_mps << " m/s, " << last.w_radps
-           << " rad/s";
+      text << "the base received a stop command and still moved at the end: " << last.v_mps << " m/s, "
+           << last.w_radps << " rad/s";
       host_->log().error(text.str());
     }
   }
@@ -100,10 +105,9 @@ ComponentSpec baseServerSpec() {
   spec.name = "base_server";
   spec.prefix = "BaseServer";
   spec.summary = "Serves a mobile base: its motors, its encoders, or both.";
-  // Both objects are found at every port; each has its own by custom.
-  spec.default_endpoints =
-      "tcp -h 127.0.0.1 -p 9990:tcp -h 127.0.0.1 -p 9997:"
-      "ws -h 127.0.0.1 -p 11001:ws -h 127.0.0.1 -p 11002";
+  // Both objects are served at every port; by convention each has one of its own.
+  spec.default_endpoints = "tcp -h 127.0.0.1 -p 9990:tcp -h 127.0.0.1 -p 9997";
+  spec.default_web_endpoints = "ws -h 127.0.0.1 -p 11001:ws -h 127.0.0.1 -p 11002";
   spec.configure = configure;
   return spec;
 }

@@ -1,4 +1,4 @@
-/// @file The process `base_server`: a mobile base of any driver behind the robot's interfaces. SPEC C1.
+/// @file The process `base_server`: a mobile base of any driver behind the robot's interfaces. See C1.
 #pragma once
 
 #include "common/process/component.h"

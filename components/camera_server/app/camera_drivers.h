@@ -1,4 +1,4 @@
-/// @file The camera drivers that are built in.
+/// @file The built-in camera drivers.
 #pragma once
 
 #include "common/drivers/driver_registry.h"

@@ -19,7 +19,7 @@ void CameraHealth::heard(const FrameResult& result, const std::string& lens_prob
     last_ = now;
     status_.count(camera_);
     if (!result.message.empty()) status_.error(camera_ + ": " + result.message);
-    // Stamps of the pictures' own time line are of another clock: they tell no age.
+    // Stamps of the images' own time line belong to another clock: they give no age.
     const double age_s = toSeconds(host_us - result.frame->stamp_us);
     if (age_s >= 0.0 && age_s < 10.0) status_.latency(camera_ + " age", age_s);
     if (lens_problem.empty()) {

@@ -1,4 +1,4 @@
-/// @file What a server's status learns of one camera. No Ice.
+/// @file Health of one camera in the status of its server. No Ice.
 #pragma once
 
 #include <string>
@@ -8,15 +8,17 @@
 
 namespace vismem {
 
-/// Counts frames under the camera's name, measures how old they are when they come, keeps lost pictures among
-/// the errors, and makes a fault of a camera that is away, at its end or silent. *Single-threaded* (owner:
-/// who reads the camera); the board must outlive it.
+/// Counts frames under the camera's name, measures their age at arrival and reports lost images as errors. A
+/// camera that is away, at its end or silent is a fault. *Single-threaded* (owner: the reader of the camera);
+/// the board must outlive it.
 class CameraHealth {
  public:
-  /// @param rate_hz nominal; 0: unknown. A camera is silent when nothing came for five periods, at least 2 s.
+  /// @param rate_hz nominal rate [Hz]; 0: unknown. A camera is silent after five periods without a frame, at
+  /// least 2 s.
   CameraHealth(StatusBoard& status, std::string camera, double rate_hz);
 
-  /// @param host_us the host's real time. @param lens_problem of PreparedCamera.
+  /// @param host_us the host's real time [us].
+  /// @param lens_problem from PreparedCamera::lensProblem.
   void heard(const FrameResult& result, const std::string& lens_problem, SteadyTime now, StampUs host_us);
 
  private:

@@ -50,7 +50,7 @@ class CameraServer : public Component {
     const std::string& name = stream.served.identity;
     const PortReply configured = camera.configure(stream.served.request);
     if (!configured.ok()) {
-      // Another camera of this process may be fine: it is served, this one says what is wrong.
+      // Other cameras of this process are served; this one reports its problem.
       stream.frames->setState(SourceState::kWaiting, configured.message);
       host.status().fault(name, configured.message);
       return;
@@ -90,7 +90,8 @@ ComponentSpec cameraServerSpec() {
   spec.name = "camera_server";
   spec.prefix = "CameraServer";
   spec.summary = "Serves cameras.";
-  spec.default_endpoints = "tcp -h 127.0.0.1 -p 9999:ws -h 127.0.0.1 -p 11000";
+  spec.default_endpoints = "tcp -h 127.0.0.1 -p 9999";
+  spec.default_web_endpoints = "ws -h 127.0.0.1 -p 11000";
   spec.configure = configure;
   return spec;
 }

@@ -41,8 +41,7 @@ CameraIntrinsics readLensKeys(ConfigReader lens) {
   return k;
 }
 
-/// @param file_problems  gets what is wrong in the calibration file, so that the other keys are read all the
-/// same.
+/// @param file_problems receives the problems of the calibration file, so that the other keys are read too.
 Lens readLens(ConfigReader& group, std::vector<std::string>& file_problems) {
   Lens lens;
   const auto file = group.existingFile("Calibration", kCalibrationFile);

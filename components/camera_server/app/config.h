@@ -18,8 +18,8 @@ struct ServedCamera {
   std::unique_ptr<PreparedCamera> camera;  ///< null only when the reader is not good()
 };
 
-/// SPEC C1. All keys are under Camera.IDENTITY; the table is in the component's README. Opens no device.
-/// @param reader at the prefix "CameraServer". Problems are collected in it; the caller finishes it.
+/// See C1. All keys are under Camera.IDENTITY; the table is in the component's README. Opens no device.
+/// @param reader at the prefix "CameraServer". It collects the problems; the caller finishes it.
 /// @throw ConfigError for a calibration file that cannot be used.
 std::vector<ServedCamera> readCameraServerConfig(ConfigReader& reader,
                                                  const DriverRegistry<FrameSource>& drivers);

@@ -24,8 +24,8 @@ cv::Mat oriented(const cv::Mat& image, const Orientation& orientation) {
 
 CameraIntrinsics oriented(CameraIntrinsics k, const Orientation& orientation) {
   for (int i = 0; i < orientation.quarter_turns; ++i) {
-    // Clockwise: u' = height - 1 - v, v' = u; a direction (x, y) becomes (-y, x). Put into Brown's formulas,
-    // that makes p1' = p2 and p2' = -p1.
+    // Clockwise: u' = height - 1 - v, v' = u; a direction (x, y) becomes (-y, x). By Brown's formulas, p1' =
+    // p2 and p2' = -p1.
     const double cx = k.cx;
     k.cx = k.height - 1 - k.cy;
     k.cy = cx;

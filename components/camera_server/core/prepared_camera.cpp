@@ -53,7 +53,7 @@ FrameResult PreparedCamera::next(std::chrono::milliseconds timeout) {
     frame.image = oriented(frame.image, orientation_);
     frame.native.reset();
     frame.intrinsics = oriented(frame.intrinsics, orientation_);
-    // It was the pose of the picture as it came.
+    // That pose belongs to the image before its rotation.
     frame.T_robot_camera.reset();
   }
   frame.intrinsics = lensOf(frame);

@@ -1,4 +1,4 @@
-/// @file A driver's camera as it is served: turned the right way up and with its lens. Pure.
+/// @file A driver's camera with its orientation and calibration applied, as it is served. Pure.
 #pragma once
 
 #include <memory>
@@ -11,19 +11,19 @@
 
 namespace vismem {
 
-/// What is known of the lens; at most one of the two. Otherwise frames keep what their driver says.
+/// Calibration of the lens; at most one of the two. Without both, frames keep the intrinsics of their driver.
 struct Lens {
-  /// Of the served picture, at this size or another of the same shape.
+  /// Intrinsics of the served image, at this size or another of the same aspect ratio.
   std::optional<CameraIntrinsics> calibrated;
-  /// Across the served picture; no distortion.
+  /// Horizontal field of view of the served image; no distortion.
   std::optional<double> horizontal_view_rad;
 };
 
-/// The calibration for pictures of another size; empty if their shape differs by more than 1 %.
+/// The calibration scaled to images of another size; empty if the aspect ratio differs by more than 1 %.
 std::optional<CameraIntrinsics> scaledTo(const CameraIntrinsics& calibrated, int width, int height);
 
-/// *As thread-safe as the camera inside.* Sizes asked for are those of the served picture. A picture that
-/// need not be turned passes as its camera captured it.
+/// *As thread-safe as the camera inside.* Requested sizes are those of the served image. An image without
+/// rotation and mirroring passes unchanged.
 class PreparedCamera : public FrameSource {
  public:
   PreparedCamera(std::unique_ptr<FrameSource> camera, const Orientation& orientation, const Lens& lens);
@@ -34,7 +34,8 @@ class PreparedCamera : public FrameSource {
   FrameResult next(std::chrono::milliseconds timeout) override;
   void stop() override { camera_->stop(); }
 
-  /// Why the calibration is not of the pictures that come; empty while it is, or none is there. Any thread.
+  /// Reason why the calibration does not fit the images; empty while it fits, or without a calibration. Any
+  /// thread.
   std::string lensProblem() const;
 
  private:

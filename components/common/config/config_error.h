@@ -8,8 +8,8 @@
 
 namespace vismem {
 
-/// Carries every problem found, one line each: "FILE:LINE: KEY = VALUE (RULE)", made fit to be shown
-/// (text_file.h). what() joins the first kShownProblems and says how many more there are.
+/// Holds every problem found, one line each: "FILE:LINE: KEY = VALUE (RULE)", escaped for terminals
+/// (text_file.h). what() joins the first kShownProblems and gives the number of the others.
 class ConfigError : public std::runtime_error {
  public:
   static constexpr std::size_t kShownProblems = 40;

@@ -66,7 +66,7 @@ std::vector<std::string> wordsOf(const std::string& text) {
   return words;
 }
 
-/// The nearest known key; for a key that begins like none, with what known ones begin.
+/// A hint for an unknown key: the nearest known key, or the known prefixes for an unknown prefix.
 std::string hint(const std::string& name, const std::set<std::string>& known) {
   const auto nearest = suggestion(name, known);
   if (!nearest.empty()) return nearest;
@@ -81,11 +81,13 @@ std::string hint(const std::string& name, const std::set<std::string>& known) {
 
 struct ConfigReader::State {
   const Properties& properties;
-  /// Keys that were asked for, with their defaults as text.
+  /// Keys that were read, with their defaults as text.
   std::map<std::string, std::string> defaults;
-  /// Beginnings of keys that somebody else reads.
+  /// Prefixes of keys that other code reads.
   std::vector<std::string> foreign;
   std::vector<Problem> problems;
+  /// Old names of keys by their present ones.
+  std::map<std::string, std::string> old_names;
 
   bool isKnown(const std::string& key) const {
     return defaults.contains(key) ||
@@ -95,7 +97,7 @@ struct ConfigReader::State {
 };
 
 ConfigReader::ConfigReader(const Properties& properties, std::string prefix)
-    : state_(std::make_shared<State>(State{properties, {}, {}, {}})), prefix_(std::move(prefix)) {}
+    : state_(std::make_shared<State>(State{properties, {}, {}, {}, {}})), prefix_(std::move(prefix)) {}
 
 ConfigReader::ConfigReader(std::shared_ptr<State> state, std::string prefix)
     : state_(std::move(state)), prefix_(std::move(prefix)) {}
@@ -109,7 +111,7 @@ std::string ConfigReader::key(std::string_view name) const {
 }
 
 bool ConfigReader::isSet(std::string_view name) const {
-  return state_->properties.find(key(name)) != nullptr;
+  return find(key(name)) != nullptr;
 }
 
 std::vector<std::string> ConfigReader::children(std::string_view name) const {
@@ -125,12 +127,49 @@ std::vector<std::string> ConfigReader::children(std::string_view name) const {
 
 const Properties::Entry* ConfigReader::entry(std::string_view name, const std::string& fallback) {
   state_->defaults.try_emplace(key(name), fallback);
-  return state_->properties.find(key(name));
+  return find(key(name));
+}
+
+const Properties::Entry* ConfigReader::find(const std::string& whole) const {
+  if (const auto* entry = state_->properties.find(whole)) return entry;
+  const auto old = state_->old_names.find(whole);
+  return old == state_->old_names.end() ? nullptr : state_->properties.find(old->second);
+}
+
+std::string ConfigReader::written(const std::string& whole) const {
+  const auto old = state_->old_names.find(whole);
+  const bool is_old = old != state_->old_names.end() && state_->properties.find(old->second) != nullptr &&
+                      state_->properties.find(whole) == nullptr;
+  return is_old ? old->second : whole;
+}
+
+void ConfigReader::alias(std::string_view old_name, std::string_view new_name) {
+  const std::string old_key = key(old_name);
+  const std::string new_key = key(new_name);
+  state_->old_names[new_key] = old_key;
+  const auto* old = state_->properties.find(old_key);
+  if (old && state_->properties.find(new_key)) {
+    state_->problems.push_back(
+        {old->origin, "key \"" + old_key + "\" is the old name of \"" + new_key + "\", which is set too"});
+  }
+}
+
+std::vector<Problem> ConfigReader::renamedKeys() const {
+  std::vector<Problem> lines;
+  for (const auto& [new_key, old_key] : state_->old_names) {
+    const auto* old = state_->properties.find(old_key);
+    if (!old) continue;
+    lines.push_back({old->origin, "key \"" + old_key + "\" is now called \"" + new_key +
+                                      "\" (the old name ends with release " + std::string(kAliasesEnd) +
+                                      ")"});
+  }
+  return lines;
 }
 
 void ConfigReader::reject(std::string_view name, const Properties::Entry& entry, std::string_view rule) {
   const auto value = entry.value.empty() ? std::string("(empty)") : entry.value;
-  state_->problems.push_back({entry.origin, key(name) + " = " + value + " (" + std::string(rule) + ")"});
+  state_->problems.push_back(
+      {entry.origin, written(key(name)) + " = " + value + " (" + std::string(rule) + ")"});
 }
 
 void ConfigReader::missing(std::string_view name, std::string_view expected) {
@@ -266,11 +305,6 @@ std::filesystem::path ConfigReader::existingPath(std::string_view name,
   return found;
 }
 
-std::filesystem::path ConfigReader::requirePath(std::string_view name, std::string_view expected) {
-  if (requiredText(name, expected).empty()) return {};
-  return existingPath(name);
-}
-
 std::filesystem::path ConfigReader::existingFile(std::string_view name, std::string_view expected,
                                                  const std::filesystem::path& fallback) {
   const auto problems_before = state_->problems.size();
@@ -292,7 +326,7 @@ std::filesystem::path ConfigReader::requireFile(std::string_view name, std::stri
 }
 
 void ConfigReader::problem(std::string_view name, std::string_view rule) {
-  if (const auto* set = state_->properties.find(key(name))) {
+  if (const auto* set = find(key(name))) {
     reject(name, *set, rule);
     return;
   }
@@ -322,10 +356,12 @@ std::vector<Problem> ConfigReader::allProblems() const {
     problems.insert(problems.end(), of_ice.begin(), of_ice.end());
   }
   std::set<std::string> known;
+  std::set<std::string> old_names;
   for (const auto& [name, fallback] : state_->defaults) known.insert(name);
+  for (const auto& [new_name, old_name] : state_->old_names) old_names.insert(old_name);
   for (const auto& [name, entry] : state_->properties.entries()) {
     const bool checked = prefix_.empty() ? !belongsToIce(name) : name.starts_with(prefix_ + ".");
-    if (checked && !state_->isKnown(name)) {
+    if (checked && !state_->isKnown(name) && !old_names.contains(name)) {
       problems.push_back({entry.origin, "unknown key \"" + name + "\"" + hint(name, known)});
     }
   }
@@ -340,7 +376,7 @@ void ConfigReader::finish() const {
 std::vector<Setting> ConfigReader::effective() const {
   std::vector<Setting> settings;
   for (const auto& [name, fallback] : state_->defaults) {
-    const auto* set = state_->properties.find(name);
+    const auto* set = find(name);
     settings.push_back(set == nullptr ? Setting{name, fallback, ""}
                                       : Setting{name, set->value, set->origin.text()});
   }

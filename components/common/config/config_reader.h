@@ -15,18 +15,21 @@
 
 namespace vismem {
 
+/// The release that no longer accepts the old names of keys (ConfigReader::alias).
+inline constexpr std::string_view kAliasesEnd = "0.3.0";
+
 /// One key of the effective configuration.
 struct Setting {
   std::string key;
   std::string value;
-  /// Where it was set; empty for a default.
+  /// File and line that set it; empty for a default.
   std::string origin;
 };
 
-/// Reads typed values and collects what is wrong instead of stopping at the first (STYLE 7). A bad value is
+/// Reads typed values and collects what is wrong instead of stopping at the first. A bad value is
 /// reported and the default returned, so that reading goes on; finish() then throws, so it is never used.
-/// Every key that is asked for is a known key; finish() reports all others. Readers of groups share one
-/// collection with the reader they come from. Single-threaded. Lives no longer than the Properties.
+/// Every key that is read is a known key; finish() reports all others. Readers of groups share the problems
+/// and known keys of their parent. Single-threaded. Lives no longer than the Properties.
 ///
 ///   Properties properties = Properties::load("cfg/sim/localization.cfg");
 ///   ConfigReader config(properties);
@@ -45,11 +48,12 @@ class ConfigReader {
   /// Distinct next parts of the keys under NAME, sorted: for A.1.X, A.1.Y and A.2.X, children("A") is 1, 2.
   std::vector<std::string> children(std::string_view name) const;
 
-  /// A finite number in [minimum, maximum]; an infinite bound is none.
+  /// A finite number in [minimum, maximum]; an infinite bound does not limit it.
   double real(std::string_view name, double fallback, double minimum, double maximum);
   std::optional<double> optionalReal(std::string_view name, double minimum, double maximum);
-  /// An angle written in degrees, or its rate, with a name that says so (_deg, _degps, _degpm); all
-  /// parameters in degrees. @return radians.
+  /// An angle written in degrees, or its rate, with a name that ends in _deg, _degps or _degpm; all
+  /// parameters in degrees.
+  /// @return radians.
   double angleDeg(std::string_view name, double fallback_deg, double minimum_deg, double maximum_deg);
   /// As many numbers as `fallback` has, separated by blanks or commas, each in [minimum, maximum].
   std::vector<double> reals(std::string_view name, std::vector<double> fallback, double minimum,
@@ -58,7 +62,8 @@ class ConfigReader {
   /// true, yes, on, 1 or false, no, off, 0.
   bool boolean(std::string_view name, bool fallback);
   std::string text(std::string_view name, std::string fallback);
-  /// @param expected  what it must be, for the message: "the proxy of a camera, such as cameraA:tcp -p 9999".
+  /// A required text.
+  /// @param expected kind of text, for the message: "the proxy of a camera, such as cameraA:tcp -p 9999".
   std::string requiredText(std::string_view name, std::string_view expected);
 
   /// One of several words: choice("Mode", Mode::kDefault, {{"default", Mode::kDefault}, {"chapter", ...}}).
@@ -75,32 +80,35 @@ class ConfigReader {
     return index ? choices[*index].second : fallback;
   }
 
-  /// A path, which need not exist (an output). A relative one counts from the working directory, because
-  /// configurations name files from the project's root; if nothing is there but something stands at the same
-  /// place relative to the configuration's own folder, that is meant. Empty if not set and no fallback.
+  /// A path, which need not exist (an output). A relative path counts from the working directory, because
+  /// configurations name files from the project's root. If it does not exist there but in the configuration's
+  /// own folder, it is taken from that folder. Empty if not set and without a fallback.
   std::filesystem::path path(std::string_view name, const std::filesystem::path& fallback = {});
-  /// Empty if not set and no fallback; what is named must exist.
+  /// A path that must exist. Empty if not set and without a fallback.
   std::filesystem::path existingPath(std::string_view name, const std::filesystem::path& fallback = {});
-  /// Must be set and exist. @param expected  what it must be, for the message: "a folder of images".
-  std::filesystem::path requirePath(std::string_view name, std::string_view expected);
-  /// As existingPath, but neither a folder nor what cannot be opened. @param expected  what it must be, for
-  /// the message: "a palette".
+  /// A file that can be opened for reading. Empty if not set and without a fallback.
+  /// @param expected kind of file, for the message: "a palette".
   std::filesystem::path existingFile(std::string_view name, std::string_view expected,
                                      const std::filesystem::path& fallback = {});
-  /// The same; must be set.
+  /// As existingFile; the key is required.
   std::filesystem::path requireFile(std::string_view name, std::string_view expected);
 
-  /// Adds a problem of a name's value: "KEY = VALUE (RULE)". For rules between keys, and what a file holds.
+  /// Adds a problem of a name's value: "KEY = VALUE (RULE)". For rules between keys, and for errors in files.
   /// @param rule  "must be more than Localization.Noise.Minimum_m".
   void problem(std::string_view name, std::string_view rule);
   bool good() const;
 
-  /// Marks keys as known that somebody else reads: a name, or all under it with ".*" at its end.
+  /// Accepts a renamed key under its old name too, until release kAliasesEnd. To be called before the new
+  /// name is read. Both names set is a problem; the old one alone is listed in renamedKeys().
+  void alias(std::string_view old_name, std::string_view new_name);
+  /// One line for each key that is set under an old name: "KEY is now called NEW (...)".
+  std::vector<Problem> renamedKeys() const;
+
+  /// Marks keys as known that other code reads: a name, or all names under it with ".*" at its end.
   void known(std::string_view name);
 
-  /// @throw ConfigError with all problems, those of the Properties and unknown keys included: of keys under
-  /// the
-  ///        prefix if this reader has one, else of all keys, also those that Ice does not have.
+  /// @throw ConfigError with all problems, including those of the Properties and unknown keys: of keys under
+  /// the prefix if this reader has one, else of all keys, also of unknown keys of Ice.
   void finish() const;
   /// The same, as data.
   std::vector<Problem> allProblems() const;
@@ -112,7 +120,12 @@ class ConfigReader {
   struct State;
   ConfigReader(std::shared_ptr<State> state, std::string prefix);
 
-  /// Registers the key as known with its default. @return nullptr if it is not set.
+  /// The entry of a whole key, under its old name where only that is set; nullptr if neither is.
+  const Properties::Entry* find(const std::string& whole) const;
+  /// The name that a whole key has in the file.
+  std::string written(const std::string& whole) const;
+  /// Registers the key as known with its default.
+  /// @return nullptr if it is not set.
   const Properties::Entry* entry(std::string_view name, const std::string& fallback);
   void reject(std::string_view name, const Properties::Entry& entry, std::string_view rule);
   void missing(std::string_view name, std::string_view expected);
@@ -126,12 +139,12 @@ class ConfigReader {
   std::string prefix_;
 };
 
-/// Problems of keys Ice.* that Ice 3.7 does not have, and of values that it would silently take for others.
+/// Problems of keys Ice.* that Ice 3.7 does not have, and of values that Ice would silently misread.
 std::vector<Problem> checkIceKeys(const Properties& properties);
 /// The same for the keys ADAPTER.* of an object adapter whose endpoints are set in code.
 std::vector<Problem> checkAdapterKeys(const Properties& properties, const std::string& adapter);
 
-/// The same, and keys that begin with no known prefix; "Ice" and those of its services need not be named.
+/// As checkIceKeys, and keys without a known prefix; "Ice" and its services are always known.
 std::vector<Problem> checkPrefixes(const Properties& properties, const std::set<std::string>& prefixes);
 
 /// @return whether Ice 3.7 has this property (KEY begins with "Ice.").

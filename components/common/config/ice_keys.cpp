@@ -1,4 +1,4 @@
-// The property names of Ice 3.7, so that a misspelt one is an error and not a warning that scrolls away.
+// The property names of Ice 3.7: a misspelt one is an error here, where Ice only prints a warning.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -162,7 +162,7 @@ const std::set<std::string>& iceKeys() {
   return keys;
 }
 
-/// Whole numbers that Ice reads with a default and a warning, or takes as they are, whatever stands there.
+/// Integer properties that Ice replaces by a default with a warning, or accepts unchecked.
 struct NumberRule {
   std::string_view ending;
   long minimum;
@@ -197,7 +197,7 @@ constexpr std::array kNumberRules = {
     NumberRule{".Warn.Dispatch", 0, 2},
 };
 
-/// @return what is wrong with a value; empty if nothing is.
+/// @return the problem of a value; empty if it is valid.
 std::string wrongValue(const std::string& key, const std::string& value) {
   if (key == "Ice.Config") return "has no effect inside a configuration; must be on the command line";
   const auto rule = std::find_if(kNumberRules.begin(), kNumberRules.end(),
@@ -253,7 +253,7 @@ std::vector<Problem> checkAdapterKeys(const Properties& properties, const std::s
   addAll(keys, adapter + ".ThreadPool.", kThreadPool);
   addAll(keys, adapter + ".ACM.", kConnections);
   for (const char* proxy : {".Locator.", ".Router."}) addAll(keys, adapter + proxy, kProxy);
-  // Its endpoints have a key of ours.
+  // Its endpoints have a key of the component.
   keys.erase(adapter + ".Endpoints");
   std::vector<Problem> problems;
   for (const auto& [key, entry] : properties.entries()) {

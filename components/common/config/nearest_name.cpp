@@ -13,7 +13,7 @@ bool sameLetter(char a, char b) {
   return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
 }
 
-/// No key is that long, and the comparison's time grows with its length.
+/// Longest compared name, above every key: the comparison's time grows with the length.
 constexpr std::size_t kLongestName = 200;
 
 /// Length of the dotted groups that both begin with: "A.B." of A.B.C and A.B.D.
@@ -27,7 +27,7 @@ std::size_t commonGroup(std::string_view a, std::string_view b) {
 
 int typingDistance(std::string_view a, std::string_view b) {
   if (a == b) return 0;
-  // Row i holds the distances between the first i letters of a and every beginning of b.
+  // Row i holds the distances between the first i letters of a and every prefix of b.
   std::vector<int> before_last(b.size() + 1);
   std::vector<int> last(b.size() + 1);
   std::vector<int> row(b.size() + 1);
@@ -52,10 +52,10 @@ std::string nearestName(std::string_view name, const std::set<std::string>& name
   if (name.size() > kLongestName) return nearest;
   int least = std::numeric_limits<int>::max();
   for (const auto& candidate : names) {
-    // What both begin with says nothing about how alike the rest is.
+    // The common group is left out of the comparison, because it does not distinguish the names.
     const std::size_t group = commonGroup(name, candidate);
     const int length = static_cast<int>(name.size() - group);
-    // A unit is easily forgotten, however long it is.
+    // A missing unit is a frequent error, independent of its length.
     const bool lacks_unit =
         candidate.starts_with(name) && candidate.size() > name.size() && candidate[name.size()] == '_';
     const int most = std::max(2, length / 4);

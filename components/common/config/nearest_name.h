@@ -1,4 +1,4 @@
-/// @file "Did you mean ...?" Pure.
+/// @file Suggestions for misspelt names: the known name at the smallest edit distance. Pure.
 #pragma once
 
 #include <set>
@@ -7,16 +7,15 @@
 
 namespace vismem {
 
-/// Least number of insertions, deletions, replacements and swaps of neighbours that turn one text into the
-/// other; letters that differ in case only count as equal, but texts that are not identical are at least 1
-/// apart.
+/// Damerau-Levenshtein distance: least number of insertions, deletions, replacements and swaps of neighbours
+/// between two texts. Case is ignored, but texts that are not identical have a distance of at least 1.
 int typingDistance(std::string_view a, std::string_view b);
 
-/// @return the closest of `names` if it is close enough to be meant (a quarter of the letters, at least 2);
-///         empty otherwise. The first in order wins a tie.
+/// @return the nearest of `names` within a distance of a quarter of the letters, at least 2; empty otherwise.
+/// The first in order wins a tie.
 std::string nearestName(std::string_view name, const std::set<std::string>& names);
 
-/// @return ` (did you mean "NAME"?)`, or empty when nothing is near.
+/// @return ` (did you mean "NAME"?)`, or empty without a near name.
 std::string suggestion(std::string_view name, const std::set<std::string>& names);
 
 }  // namespace vismem

@@ -38,7 +38,7 @@ Characters charactersOf(std::string_view line) {
 }
 
 /// The text between the outermost characters that are not blanks.
-/// @param keeps_escaped  whether an escaped blank is none: so in values, but not in keys.
+/// @param keeps_escaped whether escaped blanks are kept: in values, not in keys.
 std::string trimmed(Characters::const_iterator begin, Characters::const_iterator end, bool keeps_escaped) {
   const auto drops = [&](const Character& c) {
     return c.isBlank() || (!keeps_escaped && (c.value == ' ' || c.value == '\t'));

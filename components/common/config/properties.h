@@ -10,7 +10,7 @@
 
 namespace vismem {
 
-/// Where a key was set, for messages and their order.
+/// File and line that set a key, for messages and their order.
 struct Origin {
   /// Path of the file as it was named, or "command line".
   std::string file;
@@ -30,11 +30,11 @@ struct Problem {
   std::string text() const;
 };
 
-/// Keys and values as Ice would read them, but strictly (DESIGN 14): lines that are not KEY = VALUE and keys
-/// set twice are problems, which are kept here until ConfigReader::finish or throwIfBad reports them together
-/// with all others. Syntax: `KEY = VALUE`, the rest of a line after '#' is a comment, blanks around key and
-/// value do not count; `\#`, `\=`, `\\` and `\ ` stand for the character itself, any other backslash for
-/// itself. Unlike Ice's reader it keeps blanks that follow an escaped one. A value may be empty. Value type.
+/// Keys and values in the syntax of Ice, read strictly: lines that are not KEY = VALUE and keys set twice are
+/// problems. They are kept until ConfigReader::finish or throwIfBad reports them together with all others.
+/// Syntax: `KEY = VALUE`, the rest of a line after '#' is a comment, blanks around key and value do not
+/// count; `\#`, `\=`, `\\` and `\ ` stand for the character itself, any other backslash for itself. Unlike
+/// Ice's reader it keeps blanks that follow an escaped one. A value may be empty. Value type.
 class Properties {
  public:
   struct Entry {
@@ -44,12 +44,12 @@ class Properties {
 
   /// @param file  the name used in messages and as the folder of relative paths.
   static Properties parse(std::string_view text, const std::string& file);
-  /// Reads a file. One that cannot be read gives no keys and a problem that says why.
+  /// Reads a file. An unreadable file gives no keys and one problem with the reason.
   static Properties load(const std::filesystem::path& file);
 
-  /// Joins `--Key=Value` in; it replaces the key of a file, and the last one wins.
+  /// Adds `--Key=Value`. It replaces the key of a file; the last argument wins.
   void addArgument(const std::string& argument);
-  /// Sets a key as if it stood on the command line.
+  /// Sets a key as an argument of the command line does.
   void set(const std::string& key, const std::string& value);
 
   /// @return nullptr if the key is not set.
@@ -58,7 +58,7 @@ class Properties {
   const std::vector<Problem>& problems() const { return problems_; }
   void addProblem(Problem problem) { problems_.push_back(std::move(problem)); }
 
-  /// False after load() of a file that cannot be read: keys are then not missing, but unknown.
+  /// False after load() of an unreadable file: absent keys are then no problems of their own.
   bool readable() const { return readable_; }
   /// The file's name; "command line" without a file.
   const std::string& source() const { return source_; }

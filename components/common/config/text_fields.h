@@ -1,4 +1,4 @@
-/// @file Pieces of our small text formats: lines without comments, strict numbers. Pure.
+/// @file Parsing of small text formats: lines without comments, strict numbers. Pure.
 #pragma once
 
 #include <optional>
@@ -7,9 +7,12 @@
 
 namespace vismem {
 
-/// Without what follows a `#`, and without blanks at its ends.
+/// Largest coordinate of a file [m]: grids and ray tracers fail on places farther from the origin.
+inline constexpr double kFarthest_m = 1e5;
+
+/// The line without its comment (from `#` on) and without blanks at both ends.
 std::string_view contentOf(std::string_view line);
-/// A finite number and nothing else but blanks around it.
+/// A finite number, with blanks around it only.
 std::optional<double> finiteNumber(std::string_view word);
 /// Parts between separators, empty ones included.
 std::vector<std::string_view> splitAt(std::string_view text, char separator);

@@ -93,7 +93,7 @@ std::string readTextFile(const std::filesystem::path& file, std::string_view exp
 
 std::string shown(std::string_view text, std::size_t most) {
   if (text.size() <= most) return escaped(text);
-  // The end of a message tells what was expected.
+  // The end of a message has the expected values.
   std::size_t head = most * 2 / 3;
   std::size_t tail = text.size() - (most - head);
   while (head > 0 && isInsideCharacter(text[head])) --head;

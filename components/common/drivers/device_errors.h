@@ -1,4 +1,4 @@
-/// @file What an errno of a device's node means to people.
+/// @file Messages for the errno of a device node.
 #pragma once
 
 #include <cerrno>
@@ -9,7 +9,7 @@ namespace vismem {
 
 struct DeviceKind {
   const char* name;   ///< "serial port"
-  const char* group;  ///< who may use it: "serial ports belong to the group dialout"
+  const char* group;  ///< its access group: "serial ports belong to the group dialout"
 };
 inline constexpr DeviceKind kSerialPorts{"serial port", "serial ports belong to the group dialout"};
 inline constexpr DeviceKind kVideoDevices{"video device", "cameras belong to the group video"};

@@ -77,8 +77,8 @@ std::string DevicePanTilt::session(const std::stop_token& stop) {
   }
   auto next = Clock::now() + period_;
   while (why.empty() && !stop.stop_requested()) {
-    // Both in one round: whoever commands without a pause must not keep the angles from those who wait for
-    // them, nor a slow device its commands.
+    // Command and poll in one round: continuous commands must not delay the angles, nor a slow device the
+    // commands.
     if (Clock::now() >= next) {
       next = std::max(next + period_, Clock::now());
       why = poll();

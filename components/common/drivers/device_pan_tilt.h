@@ -1,5 +1,5 @@
-/// @file What all pan-tilt units on a bus have in common: a thread that holds the device, obeys the last
-/// command and asks for the angles.
+/// @file Base class of pan-tilt units on a bus: a thread owns the device, executes the last command and polls
+/// the angles.
 #pragma once
 
 #include <chrono>
@@ -16,30 +16,31 @@
 
 namespace vismem {
 
-/// *Thread-safe*. A driver fills in what is its device's own; the destructor of each calls stop().
+/// *Thread-safe*. A driver implements the operations of its device; its destructor calls stop().
 class DevicePanTilt : public PanTiltUnit {
  public:
   PortReply start() final;
   PortReply command(const PanTiltCommand& command) final;
   SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) final;
-  /// The unit stands, and its device is closed.
+  /// Stops the unit and closes its device.
   void stop() final;
 
  protected:
   using Clock = std::chrono::steady_clock;
 
-  /// @param rate_hz how often the angles are asked for.
+  /// @param rate_hz rate of polling the angles [Hz].
   explicit DevicePanTilt(double rate_hz);
 
-  // All on the thread. Strings say why the device is lost; empty while all is well.
+  // Called on the thread. Strings give the reason why the device is lost; empty without a failure.
 
-  /// Opens the device and makes it ready for commands. @param stop ends it early.
+  /// Opens the device and makes it ready for commands.
+  /// @param stop ends it early.
   virtual std::string connect(const std::stop_token& stop) = 0;
   /// A command within limits().
   virtual std::string obey(const PanTiltCommand& command) = 0;
-  /// Reads the angles, and gives them on (give, tell). Once a period, first after connect().
+  /// Reads the angles and publishes them (give, setCondition). Once a period, first after connect().
   virtual std::string poll() = 0;
-  /// @param halt it shall stand, as far as it can still be told.
+  /// @param halt stop the unit, as far as it still receives commands.
   virtual void disconnect(bool halt) = 0;
   /// Waits for a command; wake() ends it.
   virtual std::string pauseUntil(Clock::time_point until, const std::stop_token& stop);
@@ -47,17 +48,17 @@ class DevicePanTilt : public PanTiltUnit {
   // On any thread.
 
   virtual void wake() {}
-  /// What the device makes of a velocity, such as one below its slowest; says so in the reply.
+  /// Changes a velocity to one that the device can execute; the reply reports the change.
   virtual void adjustVelocity(PanTiltCommand&, PortReply&) const {}
 
   // For the driver, on the thread.
 
   /// Commands are refused until the connection is made: "the unit finds its zero".
   void refuseBecause(const std::string& why) { thread_.away(why); }
-  /// @param asked_us when the angles were asked for: they were measured half-way between that and now.
+  /// @param asked_us time of the request [us]; the stamp is half-way between it and now.
   void give(StampUs asked_us, double pan_rad, double tilt_rad);
-  /// A condition that does not keep it from delivering; empty: none.
-  void tell(const std::string& condition) { samples_.setCondition(condition); }
+  /// Condition of a unit that still delivers angles; empty: none.
+  void setCondition(const std::string& condition) { samples_.setCondition(condition); }
 
  private:
   std::string session(const std::stop_token& stop);
@@ -66,15 +67,16 @@ class DevicePanTilt : public PanTiltUnit {
 
   // Of the thread.
   std::uint64_t samples_given_ = 0;
-  bool is_ready_ = false;               ///< commands are taken
-  std::optional<PanTiltSample> first_;  ///< held back until they are: whoever has a sample may command
+  bool is_ready_ = false;  ///< commands are accepted
+  std::optional<PanTiltSample>
+      first_;  ///< held back until then: a published sample means that commands are accepted
 
   std::mutex mutex_;
   std::condition_variable_any commanded_;
   std::optional<PanTiltCommand> command_;
 
   SampleBuffer<PanTiltSample> samples_;
-  DeviceThread thread_;  ///< last: ends before the rest goes
+  DeviceThread thread_;  ///< last member: joined before the others are destroyed
 };
 
 }  // namespace vismem

@@ -1,4 +1,4 @@
-/// @file The thread that holds the session with a device, and begins another one after it was lost.
+/// @file The thread of a device session; it starts a new session after a loss.
 #pragma once
 
 #include <chrono>
@@ -15,26 +15,26 @@
 
 namespace vismem {
 
-/// *Thread-safe*, but for ready() and away(), which are the session's.
+/// *Thread-safe*, except ready() and away(), which only the session calls.
 class DeviceThread {
  public:
   struct Work {
-    /// One session, from opening the device to its loss or the stop; it calls ready() when commands can be
-    /// taken.
-    /// @return why it ended; empty after a stop.
+    /// One session, from opening the device to its loss or the stop. It calls ready() when it accepts
+    /// commands.
+    /// @return the reason of its end; empty after a stop.
     std::function<std::string(const std::stop_token&)> session;
     /// Ends a wait of the session, after a stop was requested.
     std::function<void()> wake = [] {};
-    /// The device is away, and why. Called on the thread, also for away().
+    /// Reports that the device is away, with the reason. Called on the thread, also by away().
     std::function<void(const std::string&)> away = [](const std::string&) {};
   };
 
-  /// @param stopped why no command is taken between stop() and start(): "the base is stopped".
+  /// @param stopped reason for refusing commands between stop() and start(): "the base is stopped".
   DeviceThread(std::string stopped, Work work)
       : stopped_(std::move(stopped)), work_(std::move(work)), unavailable_(stopped_) {}
   ~DeviceThread() { stop(); }
 
-  /// Begins, and waits until the first session is ready or has failed, so long at most.
+  /// Starts the thread. Waits at most `patience` until the first session is ready or has failed.
   PortReply start(std::chrono::milliseconds patience = std::chrono::seconds(5)) {
     {
       const std::lock_guard control(control_);
@@ -54,7 +54,8 @@ class DeviceThread {
     return unavailable_.empty() ? PortReply::accepted() : PortReply::adjusted(unavailable_);
   }
 
-  /// Returns when the session has ended. @return whether there was something to stop.
+  /// Returns after the end of the session.
+  /// @return whether a session was running.
   bool stop() {
     const std::lock_guard control(control_);
     if (!thread_.joinable()) return false;
@@ -71,27 +72,27 @@ class DeviceThread {
     return true;
   }
 
-  /// Commands are taken from now on.
-  void ready() { tell({}); }
+  /// Accepts commands from now on.
+  void ready() { setUnavailable({}); }
   /// Commands are refused with this reason, until ready().
   void away(const std::string& why) {
     {
       const std::lock_guard lock(mutex_);
       if (stopping_) return;
     }
-    // Before start() hears of it: whoever it returns to must find the reason with the samples, too.
+    // Before start() returns: its caller must find the reason with the samples too.
     work_.away(why);
-    tell(why);
+    setUnavailable(why);
   }
 
-  /// Why no command is taken; empty if they are.
+  /// Reason for refusing commands; empty while they are accepted.
   std::string unavailable() const {
     const std::lock_guard lock(mutex_);
     return unavailable_;
   }
 
  private:
-  void tell(const std::string& why) {
+  void setUnavailable(const std::string& why) {
     {
       const std::lock_guard lock(mutex_);
       if (stopping_) return;

@@ -1,4 +1,4 @@
-/// @file Which drivers of a port there are, by the names that configurations use. Pure.
+/// @file The drivers of a port, by their names in configurations. Pure.
 #pragma once
 
 #include <cassert>
@@ -15,8 +15,7 @@
 
 namespace vismem {
 
-/// Maps the name of a driver to what makes it (STYLE 3). A server fills it explicitly, by one function a
-/// kind:
+/// Maps the name of a driver to its factory. A server fills it explicitly, with one function per port:
 ///
 ///   void registerCameraDrivers(DriverRegistry<FrameSource>& registry) {
 ///     registry.add("files", "images, videos and network streams", makeFileCamera);
@@ -26,17 +25,18 @@ namespace vismem {
 ///   std::unique_ptr<FrameSource> camera = registry.make(group);   // reads CameraServer.cameraA.Driver
 ///   if (!group.good()) return nullptr;
 ///
-/// Self-registering globals would vanish from static libraries. *Single-threaded* while it is filled; const
-/// functions are then thread-safe.
+/// The linker would drop self-registering globals from static libraries. *Single-threaded* while it is
+/// filled; const functions are then thread-safe.
 template <typename Port>
 class DriverRegistry {
  public:
-  /// Reads the driver's own keys from the group and makes the port. Wrong values are left in the reader,
-  /// which gives defaults for them, so that all problems are found at once; it may return nullptr when the
-  /// reader is not good(). It opens no device: that is the port's start().
+  /// Reads the driver's own keys from the group and makes the port. The reader collects all problems and
+  /// returns defaults for invalid values. A factory may return nullptr when the reader is not good(). The
+  /// port's start() opens the device, not the factory.
   using Factory = std::function<std::unique_ptr<Port>(ConfigReader& group)>;
 
-  /// @param name     as in configurations: "files"; each only once. @param summary for people, a few words.
+  /// @param name its name in configurations: "files"; unique.
+  /// @param summary a few words for people.
   void add(std::string name, std::string summary, Factory factory) {
     const bool is_new =
         drivers_.emplace(std::move(name), Driver{std::move(summary), std::move(factory)}).second;
@@ -44,9 +44,9 @@ class DriverRegistry {
     static_cast<void>(is_new);
   }
 
-  /// Makes the driver that a key of the group names. @return nullptr with a problem in the reader that lists
-  /// the known drivers if the key is absent or names none; the group's other keys then count as known,
-  /// because nobody can tell whether they are right.
+  /// Makes the driver that a key of the group names.
+  /// @return nullptr with a problem in the reader that lists the known drivers if the key is absent or
+  /// unknown. The group's other keys then count as known, because only the driver could check them.
   std::unique_ptr<Port> make(ConfigReader& group, std::string_view key = "Driver") const {
     const std::string name = group.requiredText(key, "a driver: " + namesText());
     const auto driver = drivers_.find(name);
@@ -66,7 +66,7 @@ class DriverRegistry {
     for (const auto& [name, driver] : drivers_) all.push_back(name);
     return all;
   }
-  /// Of a driver that is there.
+  /// Summary of a registered driver.
   const std::string& summary(const std::string& name) const { return drivers_.at(name).summary; }
 
  private:

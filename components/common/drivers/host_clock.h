@@ -1,4 +1,4 @@
-/// @file The clock that stamps what devices deliver (DESIGN 14).
+/// @file The clock of the stamps of devices.
 #pragma once
 
 #include <chrono>
@@ -7,8 +7,7 @@
 
 namespace vismem {
 
-/// The host's CLOCK_REALTIME [us]. It may be set back: who keeps samples by their stamps says what then
-/// happens (SampleBuffer).
+/// The host's CLOCK_REALTIME [us]. It may be set back; SampleBuffer defines the consequences for samples.
 inline StampUs hostClock_us() {
   // system_clock is CLOCK_REALTIME on Linux.
   return std::chrono::duration_cast<std::chrono::microseconds>(

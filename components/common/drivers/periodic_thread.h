@@ -1,4 +1,4 @@
-/// @file The thread of a driver that does something at a steady pace.
+/// @file A thread that calls a function periodically.
 #pragma once
 
 #include <algorithm>
@@ -11,16 +11,15 @@
 
 namespace vismem {
 
-/// Calls `work` once a period, on one thread. Rounds that were missed (a busy machine, a frozen process) are
-/// left out, not made up for: `work` measures the time that has passed. *Thread-safe*; never stop it from
-/// `work`.
+/// Calls `work` once a period, on one thread. Missed periods (a busy machine, a frozen process) are skipped;
+/// `work` measures the elapsed time itself. *Thread-safe*; never stop it from `work`.
 class PeriodicThread {
  public:
   using Clock = std::chrono::steady_clock;
 
   ~PeriodicThread() { stop(); }
 
-  /// Begins, unless it runs already. The first round comes at once.
+  /// Starts the thread, unless it runs already. The first call follows at once.
   void start(Clock::duration period, std::function<void()> work) {
     const std::lock_guard lock(control_);
     if (thread_.joinable()) return;
@@ -35,7 +34,7 @@ class PeriodicThread {
     });
   }
 
-  /// Returns when the last round is over.
+  /// Returns after the end of the last call.
   void stop() {
     const std::lock_guard lock(control_);
     if (!thread_.joinable()) return;

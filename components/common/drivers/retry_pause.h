@@ -1,4 +1,4 @@
-/// @file How long a driver waits before it tries its device again. Pure.
+/// @file Exponential back-off of a driver that lost its device. Pure.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace vismem {
 
-/// Twice as long after each failure, up to a limit. *Single-threaded*.
+/// The pause doubles after each failure, up to a limit. *Single-threaded*.
 class RetryPause {
  public:
   using Duration = std::chrono::milliseconds;
@@ -14,7 +14,8 @@ class RetryPause {
   explicit RetryPause(Duration first = Duration(100), Duration longest = Duration(2000))
       : first_(first), longest_(longest), next_(first) {}
 
-  /// It failed (again): wait this long.
+  /// To be called after a failure.
+  /// @return the pause before the next attempt.
   Duration failed() {
     const Duration pause = next_;
     next_ = std::min(2 * next_, longest_);

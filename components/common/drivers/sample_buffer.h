@@ -1,4 +1,4 @@
-/// @file The last samples of a source, for those who wait for the next one.
+/// @file The last samples of a source, with blocking reads of new ones.
 #pragma once
 
 #include <algorithm>
@@ -19,15 +19,16 @@ namespace vismem {
 template <typename Sample>
 class SampleBuffer {
  public:
-  /// Stamps that go back by more than this are a new epoch (DESIGN 14).
+  /// Stamps that go back by more than this are a new epoch.
   static constexpr StampUs kNewEpoch_us = kSecondUs;
 
-  /// @param nothing_yet why there are no samples before the first. @param kept_us how long they are kept.
+  /// @param nothing_yet reason given before the first sample.
+  /// @param kept_us how long samples are kept [us].
   explicit SampleBuffer(std::string nothing_yet, StampUs kept_us = 5 * kSecondUs)
       : kept_us_(kept_us), message_(std::move(nothing_yet)) {}
 
-  /// A sample of a source that delivers. One that is not newer than the newest is left out (the clock was set
-  /// back a little); one that is over a second older begins a new epoch: the others are forgotten.
+  /// Adds a sample. A sample that is up to kNewEpoch_us older than the newest is dropped (the clock was set
+  /// back a little). An older one begins a new epoch: all earlier samples are deleted.
   void add(const Sample& sample) {
     {
       const std::lock_guard lock(mutex_);
@@ -42,21 +43,21 @@ class SampleBuffer {
     changed_.notify_all();
   }
 
-  /// A condition that does not keep the source from delivering: "the stop button is pressed". It is given
-  /// with the samples until it is empty again.
+  /// Sets a condition of a source that still delivers: "the stop button is pressed". It accompanies the
+  /// samples until it is empty again.
   void setCondition(std::string condition) {
     const std::lock_guard lock(mutex_);
     condition_ = std::move(condition);
   }
 
-  /// The source delivers nothing for now, and why. What was delivered stays.
+  /// Sets the reason why the source delivers no samples now. Earlier samples are kept.
   void setWaiting(std::string why) {
     const std::lock_guard lock(mutex_);
     state_ = SourceState::kWaiting;
     message_ = std::move(why);
   }
 
-  /// Nobody waits any more, until open(): what is there is still given.
+  /// Ends all waits until open(). Kept samples can still be read.
   void close(std::string why) {
     {
       const std::lock_guard lock(mutex_);
@@ -66,7 +67,8 @@ class SampleBuffer {
     }
     changed_.notify_all();
   }
-  /// Waits are possible again. @param nothing_yet why there are no new samples before the first.
+  /// Allows waits again.
+  /// @param nothing_yet reason given before the first new sample.
   void open(std::string nothing_yet) {
     const std::lock_guard lock(mutex_);
     closed_ = false;

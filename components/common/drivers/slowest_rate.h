@@ -1,4 +1,4 @@
-/// @file What becomes of a rate that is slower than a device can turn. Pure.
+/// @file Rounding of rates below the slowest rate of a device. Pure.
 #pragma once
 
 #include <cmath>
@@ -10,8 +10,9 @@
 
 namespace vismem {
 
-/// Rates other than 0 become the slowest or 0, whichever is nearer, and `reply` says so.
-/// @param axis for the message: "pan". @param slowest_radps > 0.
+/// A rate below the slowest becomes the slowest or 0, whichever is nearer; `reply` reports the change.
+/// @param axis for the message: "pan".
+/// @param slowest_radps > 0.
 inline void atLeastSlowest(const char* axis, double slowest_radps, double& rate_radps, PortReply& reply) {
   if (rate_radps == 0.0 || std::abs(rate_radps) >= slowest_radps) return;
   const double nearest_radps =

@@ -5,8 +5,8 @@
 namespace vismem {
 namespace {
 
-// Up to here one turn more or less is enough, and the subtraction is exact: std::remainder costs more than
-// all the rest where points are compared by the thousand.
+// Up to here one turn more or less is enough, and the subtraction is exact. std::remainder would dominate the
+// time of comparing thousands of points.
 constexpr double kNearTurns_rad = 9.0;
 constexpr double kNearHalfTurns_rad = 4.0;
 

@@ -19,7 +19,7 @@ double angleDifference(double to_rad, double from_rad);
 /// @return in [0, pi/2].
 double lineAngleDifference(double a_rad, double b_rad);
 
-/// Mean direction: the angle of the sum of unit vectors (SPEC L9: averages are taken on the circle).
+/// Mean direction: the angle of the sum of unit vectors (see L9: averages are taken on the circle).
 /// @return in (-pi, pi]; 0 for an empty span or directions that cancel out.
 double circularMean(std::span<const double> angles_rad);
 

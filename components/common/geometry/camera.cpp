@@ -1,6 +1,7 @@
 #include "common/geometry/camera.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -89,7 +90,8 @@ Eigen::Vector2d undistortPixel(const CameraIntrinsics& k, const Eigen::Vector2d&
   const Eigen::Vector2d target = toNormalised(k, px_raw);
   Eigen::Vector2d n = target;
   Eigen::Vector2d error = distortNormalised(k, n) - target;
-  // Newton's steps, halved until they lessen the error: without an inverse, too, the answer is finite.
+  // Newton's method with step halving until the error decreases: the result is finite also without an
+  // inverse.
   for (int i = 0; i < kMaxIterations && error.squaredNorm() > kTolerance * kTolerance; ++i) {
     const Eigen::Matrix2d slope = distortionSlope(k, n);
     const double determinant = slope.determinant();
@@ -129,6 +131,14 @@ Pose3 cameraPose(const CameraMount& mount, double pan_rad, double tilt_rad) {
 PanTilt panTiltTowards(const CameraMount& mount, const Eigen::Vector3d& p_robot) {
   const Eigen::Vector3d p = mount.T_robot_pantilt.inverse() * p_robot;
   return {std::atan2(p.y(), p.x()), std::atan2(p.z(), std::hypot(p.x(), p.y()))};
+}
+
+double angleBetween(const PanTilt& a, const PanTilt& b) {
+  const auto axis = [](const PanTilt& d) -> Eigen::Vector3d {
+    return {std::cos(d.tilt_rad) * std::cos(d.pan_rad), std::cos(d.tilt_rad) * std::sin(d.pan_rad),
+            std::sin(d.tilt_rad)};
+  };
+  return std::acos(std::clamp(axis(a).dot(axis(b)), -1.0, 1.0));
 }
 
 }  // namespace vismem

@@ -1,8 +1,7 @@
-/// @file Pinhole camera with Brown-Conrady distortion, and its mount on a pan-tilt unit. Pure. SPEC G1.
-/// Camera frame: x right, y down, z forward. Pixels (u, v): u right, v down, centres on integers.
-/// Two kinds of pixel exist: raw (as the sensor delivers them, distorted) and ideal (undistorted, same
-/// matrix). Images are raw; everything downstream of detection is ideal, so only detection and drawing
-/// ever see the distortion.
+/// @file Pinhole camera with Brown-Conrady distortion, and its mount on a pan-tilt unit. Pure. Implements G1.
+/// Camera frame: x right, y down, z forward. Pixels (u, v): u right, v down, centres on integers. Two kinds
+/// of pixel exist: raw (as the sensor delivers them, distorted) and ideal (undistorted, same matrix). Images
+/// are raw; all results of detection are ideal. Only detection and drawing use the distortion.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,23 +34,24 @@ struct CameraIntrinsics {
 /// @param horizontal_fov_rad between the outer borders of the first and last column, in (0, pi).
 CameraIntrinsics intrinsicsFromFieldOfView(int width, int height, double horizontal_fov_rad);
 
-/// @return empty if usable, otherwise what is wrong: field, value and rule.
+/// @return empty if usable, otherwise the problem: field, value and rule.
 std::string checkIntrinsics(const CameraIntrinsics& intrinsics);
 
-/// Ideal pixel of a point in front of the camera. @return empty for z <= 0 (at or behind the camera).
+/// Ideal pixel of a point in front of the camera.
+/// @return empty for z <= 0 (at or behind the camera).
 std::optional<Eigen::Vector2d> projectToIdeal(const CameraIntrinsics& intrinsics,
                                               const Eigen::Vector3d& p_camera);
 /// Viewing direction of an ideal pixel, with z = 1 (not normalised).
 Eigen::Vector3d idealPixelRay(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px_ideal);
 
-/// Where the sensor shows an ideal pixel.
+/// Raw pixel of an ideal pixel.
 Eigen::Vector2d distortPixel(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px_ideal);
-/// Inverse of distortPixel (to 1e-5 px wherever the lens' model has one, also for strong distortion). Beyond
-/// the fold of a model, where no ideal pixel is shown at `px_raw`: a finite pixel that is shown as near as it
-/// gets.
+/// Inverse of distortPixel, to 1e-5 px wherever the lens model has an inverse, also for strong distortion.
+/// Beyond the fold of a model `px_raw` has no ideal pixel: the result is then the finite pixel with the
+/// nearest image.
 Eigen::Vector2d undistortPixel(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px_raw);
 
-/// Where a pan-tilt unit stands on the robot, and where the camera sits on its moving part. SPEC G1.
+/// Mounting of a pan-tilt unit on the robot, and of the camera on its moving head.
 struct CameraMount {
   /// Fixed base of the unit: at the crossing of its axes, x forward and z along the pan axis.
   Pose3 T_robot_pantilt = Pose3::Identity();
@@ -60,7 +60,9 @@ struct CameraMount {
   Pose3 T_head_camera_body = Pose3::Identity();
 };
 
-/// Pose of the camera frame on the robot. @param pan_rad > 0 looks left. @param tilt_rad > 0 looks up.
+/// Pose of the camera frame on the robot.
+/// @param pan_rad > 0 looks left.
+/// @param tilt_rad > 0 looks up.
 Pose3 cameraPose(const CameraMount& mount, double pan_rad, double tilt_rad);
 
 /// Pan and tilt that point the head's x axis at a point, ignoring the offset of the camera on the head.
@@ -70,5 +72,8 @@ struct PanTilt {
   bool operator==(const PanTilt&) const = default;
 };
 PanTilt panTiltTowards(const CameraMount& mount, const Eigen::Vector3d& p_robot);
+
+/// Angle between the head's x axis at two directions [rad], in [0, pi].
+double angleBetween(const PanTilt& a, const PanTilt& b);
 
 }  // namespace vismem

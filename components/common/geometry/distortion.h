@@ -1,12 +1,12 @@
-/// @file Whether a lens's distortion can be undone. Pure.
+/// @file Invertibility of a lens distortion. Pure.
 #pragma once
 
 #include "common/geometry/camera.h"
 
 namespace vismem {
 
-/// @return whether undistortPixel finds the way back from every part of the image: a distortion that folds the
-/// image over itself has no ideal pixels.
+/// @return whether undistortPixel has a solution in the whole image. A distortion that folds the image over
+/// itself has none beyond the fold.
 bool canUndistort(const CameraIntrinsics& intrinsics);
 
 }  // namespace vismem

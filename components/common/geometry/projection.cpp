@@ -4,7 +4,7 @@
 
 namespace vismem {
 
-/// Written out: health asks for thousands of points an iteration.
+/// Written out for speed: the health computes thousands of points per iteration.
 Eigen::Vector3d SegmentProjector::toCamera(const Eigen::Vector3d& p) const {
   const auto& m = T_camera_world_.matrix();
   return {m(0, 0) * p.x() + m(0, 1) * p.y() + m(0, 2) * p.z() + m(0, 3),
@@ -39,7 +39,7 @@ bool SegmentProjector::isInImage(const Segment2& unbounded) const {
     return (a < low && b < low) || (a > high && b > high);
   };
   const auto& [a, b] = unbounded;
-  // Most need no more.
+  // Most segments end here.
   if (isInside(a) || isInside(b)) return true;
   if (areBeyond(a.x(), b.x(), -0.5, right) || areBeyond(a.y(), b.y(), -0.5, bottom)) return false;
   return inImage(unbounded).has_value();

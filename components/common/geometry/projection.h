@@ -1,4 +1,4 @@
-/// @file Projection of segments into the image and back-projection onto the floor. Pure. SPEC G2.
+/// @file Projection of segments into the image and back-projection onto the floor. Pure. Implements G2.
 /// All pixels here are ideal (undistorted); see camera.h.
 #pragma once
 
@@ -30,7 +30,7 @@ class SegmentProjector {
   SegmentProjector(const CameraIntrinsics& intrinsics, const Pose3& T_world_camera)
       : intrinsics_(intrinsics), T_camera_world_(T_world_camera.inverse(Eigen::Isometry)) {}
 
-  /// What projectSegmentUnbounded gives.
+  /// As projectSegmentUnbounded.
   std::optional<Segment2> unbounded(const Segment3& segment_world) const;
   /// The part of an unbounded projection that lies in the image; empty if none.
   std::optional<Segment2> inImage(const Segment2& unbounded) const;
@@ -44,7 +44,7 @@ class SegmentProjector {
   Pose3 T_camera_world_;
 };
 
-/// Meets the viewing ray of a pixel with the ground plane z = 0 of the frame that T_world_camera is given in.
+/// Intersection of the viewing ray of a pixel with the ground plane z = 0 of the world frame.
 /// @param max_range_m of the floor point from the point below the camera.
 /// @return the floor point [m], z = 0; empty if the ray does not go down, or lands beyond max_range_m.
 std::optional<Eigen::Vector3d> backProjectToGround(const CameraIntrinsics& intrinsics,

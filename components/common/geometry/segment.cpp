@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/geometry/plane.h"
+
 namespace vismem {
 namespace {
 
@@ -50,7 +52,7 @@ double distanceToLine(const Eigen::Vector2d& p, const Segment2& segment) {
   const double length = ab.norm();
   if (length == 0.0) return (p - segment.a).norm();
   const Eigen::Vector2d ap = p - segment.a;
-  return std::abs(ab.x() * ap.y() - ab.y() * ap.x()) / length;
+  return std::abs(cross2(ab, ap)) / length;
 }
 
 std::optional<Segment2> clipToBox(const Segment2& segment, const Eigen::Vector2d& low,

@@ -33,8 +33,8 @@ struct Segment3 {
 Segment2 transform(const Pose2& T_a_b, const Segment2& segment_b);
 Segment3 transform(const Pose2& T_a_b, const Segment3& segment_b);
 
-/// Where the perpendicular from `p` meets the segment's line, as a fraction of a -> b (0 at a, 1 at b;
-/// outside [0, 1] beyond the ends). 0 for a segment without length.
+/// Foot of the perpendicular from `p` on the segment's line, as a fraction of a -> b (0 at a, 1 at b; outside
+/// [0, 1] beyond the ends). 0 for a segment without length.
 double projectionFraction(const Eigen::Vector2d& p, const Segment2& segment);
 /// Distance to the nearest point of the segment.
 double distanceToSegment(const Eigen::Vector2d& p, const Segment2& segment);

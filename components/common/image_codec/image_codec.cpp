@@ -37,7 +37,8 @@ bool isJpeg(std::span<const std::uint8_t> bytes) {
   return bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8;
 }
 
-/// Says what is wrong with a JPEG before it is decoded: a header can claim gigabytes.
+/// Checks a JPEG before it is decoded: a header may announce gigabytes.
+/// @return the problem; empty without one.
 std::string jpegProblem(std::span<const std::uint8_t> bytes) {
   const JpegHeader header = readJpegHeader(bytes);
   if (!header.error.empty()) return header.error;
@@ -136,7 +137,7 @@ DecodedImage decodeImageFile(std::span<const std::uint8_t> bytes) {
 
 std::vector<std::uint8_t> encodeJpeg(const cv::Mat& image, int quality) {
   std::vector<std::uint8_t> bytes;
-  // The encoder takes colour as B, G, R; the frame's own pixels are shared and stay as they are.
+  // The encoder expects B, G, R; the frame's own pixels are shared and must not change.
   cv::Mat bgr;
   if (image.channels() == 3) {
     cv::cvtColor(image, bgr, cv::COLOR_RGB2BGR);

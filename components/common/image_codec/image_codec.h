@@ -1,5 +1,5 @@
-/// @file Pictures to pixels and back: what devices deliver, what clients ask for. Pure.
-/// An image is CV_8UC3 in the order R, G, B, or CV_8UC1, as in Frame.
+/// @file Encoding and decoding of images between the formats of devices, pixels and clients. Pure. An image
+/// is CV_8UC3 in the order R, G, B, or CV_8UC1, as in Frame.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace vismem {
 
 struct DecodedImage {
   cv::Mat image;      ///< empty if it failed
-  std::string error;  ///< "is a JPEG file cut short": to be said after the picture's name
+  std::string error;  ///< "is a JPEG file cut short": follows the image's name in messages
 };
 
-/// A native picture whose bytes belong to somebody else; fields as in NativeImage.
+/// A non-owning view of a native image; fields as in NativeImage.
 struct PictureView {
   NativeFormat format;
   int width;
@@ -31,17 +31,18 @@ struct PictureView {
       : PictureView(n.format, n.width, n.height, n.stride, n.bytes) {}
 };
 
-/// Any native picture as pixels of its own; never throws. A JPEG's orientation tag is not followed: a camera
-/// model is of the sensor. Colour spaces as NativeFormat has them.
+/// Decodes a native image into pixels of its own; never throws. The orientation tag of a JPEG is ignored,
+/// because camera models refer to the sensor. Colour spaces as in NativeFormat.
 DecodedImage decodeImage(const PictureView& native);
 
-/// A whole file's bytes (JPEG, PNG, PNM, TIFF ...) as pixels of 8 bits; a grey one stays grey.
+/// Decodes a whole file (JPEG, PNG, PNM, TIFF ...) into pixels of 8 bits; grey images stay grey.
 DecodedImage decodeImageFile(std::span<const std::uint8_t> bytes);
 
-/// @param quality 1..100. @return empty for an image that cannot be encoded.
+/// @param quality 1..100.
+/// @return empty for an image that cannot be encoded.
 std::vector<std::uint8_t> encodeJpeg(const cv::Mat& image, int quality);
 
-/// Bytes of a picture in YUY2: rows of (width + 1) / 2 pairs of 4 bytes.
+/// Size of an image in YUY2 [bytes]: rows of (width + 1) / 2 pairs of 4 bytes.
 constexpr std::size_t yuy2Bytes(int width, int height) {
   return static_cast<std::size_t>((width + 1) / 2) * 4 * static_cast<std::size_t>(height);
 }

@@ -1,4 +1,4 @@
-/// @file What a JPEG file says of itself, without decoding it. Pure.
+/// @file Size and completeness of a JPEG file, without decoding it. Pure.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,12 @@ struct JpegHeader {
   int width = 0;       ///< [px]
   int height = 0;      ///< [px]
   int components = 0;  ///< 1: grey, 3: colour
-  std::string error;   ///< why it is no whole JPEG file; empty if it is
+  std::string error;   ///< reason why it is no complete JPEG file; empty if it is complete
 };
 
-/// Walks the segments up to the start of the scan and looks for the end mark, which a file that was cut short
-/// lacks (decoders fill the rest with grey and call it a success). Zeros after the end mark are allowed:
-/// cameras pad their buffers. Works on any bytes.
+/// Reads the segments up to the start of the scan and looks for the end mark, which a truncated file lacks;
+/// decoders fill truncated images with grey without an error. Zeros after the end mark are allowed, because
+/// cameras pad their buffers. Accepts any bytes.
 JpegHeader readJpegHeader(std::span<const std::uint8_t> bytes);
 
 }  // namespace vismem

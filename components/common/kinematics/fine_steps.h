@@ -1,4 +1,4 @@
-/// @file Motion over a time that somebody measured. Pure.
+/// @file Division of a measured time into the simulator's steps. Pure.
 #pragma once
 
 #include <algorithm>
@@ -7,9 +7,8 @@
 
 namespace vismem {
 
-/// Calls `step(from_s, dt_s)` as often as it takes to cover `elapsed` in equal steps of at most 10 ms: the
-/// step of the simulator, which the models are made for. Beyond the last minute nothing would change any
-/// more.
+/// Calls `step(from_s, dt_s)` for equal steps of at most 10 ms, the step of the simulator, that cover
+/// `elapsed`. Only the last minute is covered: all motion has ended by then.
 template <typename Step>
 void inFineSteps(std::chrono::steady_clock::duration elapsed, Step&& step) {
   constexpr double kLongestStep_s = 0.01;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/geometry/angles.h"
+#include "common/geometry/plane.h"
 #include "common/geometry/segment.h"
 
 namespace vismem {
@@ -23,7 +24,7 @@ double distanceToOutline(const Eigen::Vector2d& p, const std::vector<Eigen::Vect
     const Segment2 side{outline[i], outline[(i + 1) % outline.size()]};
     const Eigen::Vector2d d = side.b - side.a;
     const Eigen::Vector2d ap = p - side.a;
-    inside = inside && d.x() * ap.y() - d.y() * ap.x() >= 0.0;
+    inside = inside && cross2(d, ap) >= 0.0;
     nearest = std::min(nearest, distanceToSegment(p, side));
   }
   return inside ? 0.0 : nearest;

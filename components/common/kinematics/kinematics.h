@@ -1,5 +1,5 @@
-/// @file Motion of a simulated robot: differential base, pan-tilt unit, wheel odometry. Pure: the simulator
-/// and the drivers base_simulated and pantilt_simulated move by it. DESIGN 6.
+/// @file Motion of a simulated robot: differential base, pan-tilt unit, wheel odometry. Pure: used by the
+/// simulator and the drivers base_simulated and pantilt_simulated.
 #pragma once
 
 #include <utility>
@@ -18,7 +18,7 @@ struct BaseParams {
   BaseLimits limits{0.6, degToRad(100.0), 0.25};
   double acceleration_mps2 = 0.8;
   double turn_acceleration_radps2 = degToRad(300.0);
-  /// With these it brakes when its watchdog fires: from full speed it stands 0.4 s after the last command.
+  /// Decelerations after the watchdog has fired: from full speed the base stops 0.4 s after the last command.
   double emergency_deceleration_mps2 = 4.0;
   double emergency_turn_deceleration_radps2 = degToRad(1000.0);
   double radius_m = 0.22;      ///< of the round body, for collisions
@@ -36,19 +36,18 @@ class SimulatedBase {
  public:
   SimulatedBase(const BaseParams& params, const Pose2& T_world_robot, std::vector<WorldObstacle> obstacles);
 
-  /// Takes effect at once; forgotten when limits().watchdog_s passed without another. Must be finite.
+  /// Takes effect at once and expires after limits().watchdog_s without another command. Must be finite.
   void command(double v_mps, double w_radps, StampUs now_us);
-  /// Brakes as when the watchdog fires, and stands until the next command.
+  /// Brakes with the decelerations of the watchdog, and stands until the next command.
   void halt() { halted_ = true; }
-  /// What is wanted now: within the limits, and nothing once the watchdog has fired.
+  /// Commanded speeds: within the limits, and 0 once the watchdog has fired.
   BaseSpeeds wanted(StampUs now_us) const;
-  /// One step of exact arc motion within the accelerations. A step into an obstacle is not made: the robot
-  /// stops there.
+  /// One step of exact arc motion within the accelerations. The robot stops before a step into an obstacle.
   WheelTravel step(StampUs now_us, double dt_s);
-  /// The same with speeds that somebody else shapes (a gait).
+  /// As step(), with the given speeds, for example of a gait.
   WheelTravel moveAt(const BaseSpeeds& speeds, double dt_s);
   void place(const Pose2& T_world_robot);
-  /// Obstacles may move: the robot is held while one stands in its way.
+  /// Replaces the obstacles, which may move; the robot stops while one blocks it.
   void setObstacles(std::vector<WorldObstacle> obstacles) { obstacles_ = std::move(obstacles); }
   bool collidesAt(const Pose2& T_world_robot) const;
 
@@ -85,7 +84,7 @@ class SimulatedPanTilt {
   /// Adjusted to the limits; must be finite.
   void command(const PanTiltCommand& command);
   void step(double dt_s);
-  /// Stands at once, and until the next command.
+  /// Stops at once, until the next command.
   void halt();
   PanTilt angles() const { return {pan_.angle, tilt_.angle}; }
   const PanTiltParams& params() const { return params_; }

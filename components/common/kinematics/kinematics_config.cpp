@@ -36,7 +36,7 @@ void readPanTiltParams(ConfigReader r, PanTiltParams& p) {
 
 void readOdometryErrorParams(ConfigReader r, OdometryErrorParams& p) {
   using Preset = OdometryErrorParams (*)();
-  // Left out, it is what the robot brings along.
+  // Without the key, the robot's default applies.
   const OdometryErrorParams given = p;
   const Preset preset = r.choice<Preset>("Preset", nullptr,
                                          {{"none", noOdometryError},

@@ -1,4 +1,4 @@
-/// @file The keys of simulated motion, the same in the simulator and in the drivers that simulate.
+/// @file The configuration keys of simulated motion, shared by the simulator and the simulated drivers.
 #pragma once
 
 #include "common/config/config_reader.h"
@@ -6,8 +6,8 @@
 
 namespace vismem {
 
-/// Each reads the keys of its group over what `params` holds: those are the defaults. Problems stay in the
-/// reader. The keys are explained in cfg/sim/simulator.cfg.
+/// Each function reads the keys of its group; `params` holds the defaults. Problems stay in the reader.
+/// cfg/sim/simulator.cfg explains the keys.
 void readBaseParams(ConfigReader group, BaseParams& params);
 void readPanTiltParams(ConfigReader group, PanTiltParams& params);
 void readOdometryErrorParams(ConfigReader group, OdometryErrorParams& params);

@@ -1,4 +1,4 @@
-/// @file What stands in the way of a robot that moves on the floor. Pure value.
+/// @file An obstacle of a robot on the floor. Pure value.
 #pragma once
 
 #include <Eigen/Core>

@@ -110,8 +110,8 @@ void SimulatedOdometry::addAsThrun(double travel_m, double turn_rad) {
   }
   since_draw_m_ += std::abs(travel_m);
   since_draw_rad_ += std::abs(turn_rad);
-  // On an arc both turns of the model are half of the whole. All deviations are homogeneous of degree one in
-  // the motion, so the steps of a stretch add up to what the model says of the stretch.
+  // On an arc both rotations of the model are half of the whole. All deviations are homogeneous of degree one
+  // in the motion, so the steps of a motion sum up to the model's deviation of the whole.
   const double half = 0.5 * turn_rad;
   const auto& a = errors_.thrun;
   const double turn_sigma = std::sqrt(a[0] * half * half + a[1] * travel_m * travel_m);

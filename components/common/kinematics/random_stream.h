@@ -1,4 +1,4 @@
-/// @file Seeds of independent sources of randomness. Pure.
+/// @file Seeds of independent random streams. Pure.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace vismem {
 
-/// Seed of one named source of randomness: adding or using a source changes no other.
+/// Seed of one named random stream: adding or using a stream changes no other.
 constexpr std::uint64_t subStream(std::uint64_t seed, std::string_view name) {
   // FNV-1a over the name, then the splitmix64 finaliser over both.
   std::uint64_t hash = 0xcbf29ce484222325ULL;

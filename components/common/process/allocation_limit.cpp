@@ -20,8 +20,8 @@ void limitAllocations(std::size_t bytes) {
 
 }  // namespace vismem
 
-// All forms, because a sanitizer's own do not call each other; aligned ones are left alone, no type of Ice
-// needs them.
+// All forms, because those of a sanitizer do not call each other. Aligned forms are not replaced: no type of
+// Ice needs them.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   if (size > g_largest.load(std::memory_order_relaxed)) return nullptr;
   return std::malloc(size == 0 ? 1 : size);

@@ -1,16 +1,17 @@
-/// @file Keeps strangers from making this process allocate without bound.
+/// @file An upper bound of single allocations, against requests that announce huge sequences.
 #pragma once
 
 #include <cstddef>
 
 namespace vismem {
 
-/// Nothing that a component does needs more at once. Ice lets a few bytes of a request announce a sequence so
-/// long that its own check of the length overflows; whatever the type of the elements, that is over 2 GB.
+/// Above every allocation of a component [bytes]. A request of a few bytes can announce a sequence whose
+/// length overflows the check of Ice; for any element type that is over 2 GB.
 inline constexpr std::size_t kLargestAllocation = std::size_t{1} << 30;
 
-/// From now on `new` for more bytes than this throws std::bad_alloc, in the whole process and its libraries:
-/// where Ice reads parameters that becomes the answer to the call. Without a limit until then. *Thread-safe*.
+/// From now on `new` for more bytes throws std::bad_alloc, in the whole process and its libraries. While Ice
+/// reads parameters, this exception becomes the answer to the call. There is no limit before the first call.
+/// *Thread-safe*.
 void limitAllocations(std::size_t bytes);
 
 }  // namespace vismem

@@ -112,7 +112,7 @@ ChildProcess::ChildProcess(std::vector<std::string> command, Options options) : 
 }
 
 void ChildProcess::start(const std::vector<std::string>& command) {
-  // All memory is taken before fork: the child of a program with threads must not allocate.
+  // All memory is allocated before fork: the child of a program with threads must not allocate.
   auto argument_texts = command;
   auto environment_texts = environmentWith(options_.environment);
   const auto arguments = pointersTo(argument_texts);
@@ -167,8 +167,8 @@ void ChildProcess::readUntilExit() {
   std::array<pollfd, 3> waited{{{out_fd_, POLLIN, 0}, {error_fd_, POLLIN, 0}, {pid_fd_, POLLIN, 0}}};
   for (bool exited = false; !exited;) {
     if (poll(waited.data(), waited.size(), -1) < 0) continue;  // EINTR
-    // What is written before the exit is in the pipes by the time the exit is seen, so it is read after it.
-    // The end of the streams is no sign: a grandchild may hold them open.
+    // All output is in the pipes when the exit is observed, so it is read afterwards. The end of the streams
+    // does not indicate the exit: a grandchild may hold them open.
     exited = waited[2].revents != 0;
     if (waited[0].fd >= 0 && !readAvailable(out_fd_, Stream::kOut, partial_out)) waited[0].fd = -1;
     if (waited[1].fd >= 0 && !readAvailable(error_fd_, Stream::kError, partial_error)) waited[1].fd = -1;
@@ -230,8 +230,8 @@ std::optional<std::string> ChildProcess::waitForLine(const std::string& text,
       if (line.find(text) != std::string::npos) return line;
     }
     if (exit_code_) return std::nullopt;
-    const auto news = [&] { return exit_code_ || dropped_lines_ + lines_.size() > next; };
-    if (!changed_.wait_until(lock, deadline, news)) return std::nullopt;
+    const auto ended_or_new_line = [&] { return exit_code_ || dropped_lines_ + lines_.size() > next; };
+    if (!changed_.wait_until(lock, deadline, ended_or_new_line)) return std::nullopt;
   }
 }
 

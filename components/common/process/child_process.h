@@ -1,4 +1,4 @@
-/// @file A program started by this one: its output line by line, its exit code, and its sure end. No Ice.
+/// @file A child process: its output line by line, its exit code, and its guaranteed end. No Ice.
 #pragma once
 
 #include <sys/types.h>
@@ -18,16 +18,14 @@
 
 namespace vismem {
 
-/// For people: "ended with code 1", or "was killed by signal 9 (Killed)" for a code as ChildProcess::exitCode
-/// gives it.
+/// Text for a code of ChildProcess::exitCode: "ended with code 1", or "was killed by signal 9 (Killed)".
 std::string describeExit(int code);
 
-/// Owns one child process. The child never outlives its owner: the destructor kills it, and should this
-/// process itself be killed, the kernel kills the child (PR_SET_PDEATHSIG). The kernel watches the thread
-/// that made the object, so that thread must live as long as the child shall.
-/// The child stands in its own process group (a Ctrl-C on the terminal reaches only the owner, which then
-/// stops its children in its own order), reads /dev/null, and starts with an empty signal mask.
-/// Thread-safe, except construction and destruction.
+/// Owns one child process. The child never outlives its owner: the destructor kills it, and the kernel kills
+/// it after the death of this process (PR_SET_PDEATHSIG). The kernel watches the constructing thread, which
+/// must live as long as the child. The child has its own process group (a Ctrl-C on the terminal reaches only
+/// the owner, which then stops its children in its own order), reads /dev/null, and starts with an empty
+/// signal mask. Thread-safe, except construction and destruction.
 class ChildProcess {
  public:
   enum class Stream { kOut, kError };
@@ -43,11 +41,12 @@ class ChildProcess {
     /// Called from the reading thread with every line, in order per stream. Must not block for long
     /// (the child would stall on a full pipe) and must not use the ChildProcess.
     std::function<void(const Line&)> on_line;
-    /// Only the last lines are kept for waitForLine and text.
+    /// Number of last lines that are kept for waitForLine and text.
     std::size_t kept_lines = 20'000;
   };
 
-  /// Starts the program. @param command program (looked up in PATH if it has no '/') and its arguments.
+  /// Starts the program.
+  /// @param command program (looked up in PATH if it has no '/') and its arguments.
   /// @throw std::runtime_error "cannot start PROGRAM: REASON".
   explicit ChildProcess(std::vector<std::string> command) : ChildProcess(std::move(command), Options{}) {}
   ChildProcess(std::vector<std::string> command, Options options);
@@ -63,22 +62,24 @@ class ChildProcess {
   std::optional<int> exitCode() const;
 
   /// Waits for a line of either stream that contains `text`; lines read before the call count.
-  /// @param from  index of the first line to look at, as lineCount() gave it: waits for news.
+  /// @param from index of the first line to search, from lineCount(): older lines are ignored.
   /// @return the whole line; empty at the deadline, or at once when the child has ended without it.
   std::optional<std::string> waitForLine(const std::string& text, std::chrono::milliseconds timeout,
                                          std::size_t from = 0) const;
   /// @return lines read since the start, both streams together.
   std::size_t lineCount() const;
-  /// @return what the child wrote to a stream, as far as it is kept.
+  /// @return the kept output of a stream.
   std::string text(Stream stream) const;
   std::string out() const { return text(Stream::kOut); }
   std::string error() const { return text(Stream::kError); }
 
-  /// Sends a signal (SIGTERM, SIGKILL, SIGSTOP ...). @return false if the child has ended already.
+  /// Sends a signal (SIGTERM, SIGKILL, SIGSTOP ...).
+  /// @return false if the child has ended already.
   bool signal(int number);
   /// @return the exit code, empty at the deadline.
   std::optional<int> waitForExit(std::chrono::milliseconds timeout) const;
-  /// Asks with SIGTERM, kills after the grace time. @return the exit code (137 when it had to be killed).
+  /// Sends SIGTERM, and SIGKILL after the grace time.
+  /// @return the exit code (137 when it had to be killed).
   int stop(std::chrono::milliseconds grace);
 
  private:
@@ -99,7 +100,7 @@ class ChildProcess {
   std::deque<Line> lines_;
   std::size_t dropped_lines_ = 0;
   std::optional<int> exit_code_;
-  /// True from the moment the pid may be given to a stranger.
+  /// True once the kernel may reuse the pid for another process.
   bool reaped_ = false;
   std::jthread reader_;
 };

@@ -1,4 +1,4 @@
-/// @file The command line that every component has. Pure, but for the configuration file that it names.
+/// @file The command line of every component. Pure, except reading the configuration file that it names.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ struct CommandLine {
   enum class Action { kRun, kHelp, kVersion };
 
   Action action = Action::kRun;
-  /// The file's keys with those of the command line over them, and all problems of both.
+  /// The keys of the file, overridden by those of the command line, and all problems of both.
   Properties properties;
 };
 

@@ -1,5 +1,6 @@
 #include "common/process/component.h"
 
+#include <malloc.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -16,9 +17,13 @@
 #include "common/process/allocation_limit.h"
 #include "common/process/command_line.h"
 #include "common/process/component_servant.h"
+#include "common/process/cpu_meter.h"
+#include "common/process/faces.h"
 #include "common/process/ice_setup.h"
 #include "common/process/log.h"
+#include "common/process/parameter_table.h"
 #include "common/process/ready_line.h"
+#include "common/process/robot_identity.h"
 #include "common/process/status.h"
 
 namespace vismem {
@@ -31,7 +36,11 @@ constexpr int kSanitizerFactor = 5;
 constexpr int kSanitizerFactor = 1;
 #endif
 
-/// Why and when the process shall end. Thread-safe.
+/// Arenas of the allocator. With one for each thread of Ice, memory of large requests would stay in all of
+/// them.
+constexpr int kMemoryArenas = 2;
+
+/// The first reason and request to end the process. Thread-safe.
 class StopRequest {
  public:
   explicit StopRequest(std::string name) : name_(std::move(name)) {}
@@ -48,7 +57,8 @@ class StopRequest {
     return true;
   }
 
-  /// Calls `look` every half second meanwhile. @return why.
+  /// Waits for a request and calls `look` every half second meanwhile.
+  /// @return the reason.
   std::string wait(const std::function<void()>& look) {
     std::unique_lock lock(mutex_);
     while (!changed_.wait_for(lock, kLookInterval, [this] { return requested_; })) {
@@ -67,8 +77,8 @@ class StopRequest {
  private:
   static constexpr std::chrono::milliseconds kLookInterval{500};
 
-  /// A peer, a driver or a client that hangs must not keep the process: a request that nobody answers would.
-  /// Nothing of this object is used, for main may have returned by then, which ends the thread.
+  /// Ends the process if a peer, a driver or a client hangs. The thread uses no member of this object,
+  /// because main may have returned by then.
   void endInTime() const {
     std::thread([name = name_] {
       std::this_thread::sleep_for(kSanitizerFactor * kStopWithin);
@@ -90,18 +100,31 @@ class StopRequest {
 
 class Host : public ComponentHost {
  public:
-  Host(Logger& log, StatusBoard& status, StopRequest& stop, std::shared_ptr<Ice::Communicator> communicator,
-       std::shared_ptr<Ice::ObjectAdapter> adapter)
+  Host(Logger& log, StatusBoard& status, StopRequest& stop, RobotKeys robot,
+       std::shared_ptr<Ice::Communicator> communicator, std::shared_ptr<Ice::ObjectAdapter> adapter,
+       std::shared_ptr<Ice::ObjectAdapter> web_adapter)
       : log_(log),
         status_(status),
         stop_(stop),
+        robot_(std::move(robot)),
         communicator_(std::move(communicator)),
-        adapter_(std::move(adapter)) {}
+        adapter_(std::move(adapter)),
+        web_adapter_(std::move(web_adapter)) {
+    addViewFace(*adapter_, robot_, objects_);
+    if (web_adapter_) addWebFaces(*web_adapter_, robot_, objects_);
+  }
 
   Logger& log() override { return log_; }
   StatusBoard& status() override { return status_; }
   const std::shared_ptr<Ice::Communicator>& communicator() override { return communicator_; }
+  ParameterTable& parameters() override { return parameters_; }
   const std::shared_ptr<Ice::ObjectAdapter>& adapter() override { return adapter_; }
+  /// Null: nothing is served over WebSocket.
+  const std::shared_ptr<Ice::ObjectAdapter>& webAdapter() { return web_adapter_; }
+  void serve(const std::string& identity, const std::shared_ptr<Ice::Object>& servant) override {
+    adapter_->add(servant, Ice::stringToIdentity(ownIdentity(robot_, identity)));
+    objects_->add(faceName(identity), servant);
+  }
   void requestStop() override { stop_.request("its work is done"); }
   void fail(std::exception_ptr failure) override { stop_.request("it has failed", std::move(failure)); }
 
@@ -109,8 +132,12 @@ class Host : public ComponentHost {
   Logger& log_;
   StatusBoard& status_;
   StopRequest& stop_;
+  const RobotKeys robot_;
+  ParameterTable parameters_;
+  const std::shared_ptr<FaceObjects> objects_ = std::make_shared<FaceObjects>();
   const std::shared_ptr<Ice::Communicator> communicator_;
   const std::shared_ptr<Ice::ObjectAdapter> adapter_;
+  const std::shared_ptr<Ice::ObjectAdapter> web_adapter_;
 };
 
 /// Ice's name of the component's object adapter, under which its own keys stand.
@@ -118,8 +145,15 @@ std::string adapterName(const ComponentSpec& spec) {
   return spec.prefix + "Adapter";
 }
 
+/// The name of the one that serves web pages.
+std::string webAdapterName(const ComponentSpec& spec) {
+  return spec.prefix + "WebAdapter";
+}
+
 struct ProcessKeys {
+  RobotKeys robot;
   std::string endpoints;
+  std::string web_endpoints;
   LogLevel log_level = LogLevel::kInfo;
   bool end_with_parent = false;
 };
@@ -130,6 +164,8 @@ ProcessKeys readProcessKeys(ConfigReader& root, const ComponentSpec& spec) {
   keys.endpoints = config.text("Endpoints", spec.default_endpoints);
   if (keys.endpoints.empty())
     config.problem("Endpoints", "must be endpoints such as tcp -h 127.0.0.1 -p 9999");
+  keys.web_endpoints = config.text("WebEndpoints", spec.default_web_endpoints);
+  keys.robot = readRobotKeys(root);
   keys.log_level = config.choice("LogLevel", LogLevel::kInfo,
                                  {{"debug", LogLevel::kDebug},
                                   {"info", LogLevel::kInfo},
@@ -138,7 +174,19 @@ ProcessKeys readProcessKeys(ConfigReader& root, const ComponentSpec& spec) {
   keys.end_with_parent = config.boolean("EndWithParent", false);
   // Properties that Ice reads, and checks, itself: AdapterId, PublishedEndpoints, ThreadPool.Size ...
   root.known(adapterName(spec) + ".*");
+  root.known(webAdapterName(spec) + ".*");
   return keys;
+}
+
+/// A malformed token may be a real one with a typo: no message shows the value of a secret key.
+void concealSecrets(std::vector<Problem>& problems, const Properties& properties) {
+  for (const auto& [key, entry] : properties.entries()) {
+    if (!isSecretKey(key) || entry.value.empty()) continue;
+    for (Problem& problem : problems) {
+      const auto at = problem.message.find(entry.value);
+      if (at != std::string::npos) problem.message.replace(at, entry.value.size(), "***");
+    }
+  }
 }
 
 struct Configured {
@@ -146,10 +194,10 @@ struct Configured {
   Ice::CommunicatorHolder communicator;
 };
 
-/// Reads everything that can be wrong in a configuration, and throws it all together.
+/// Reads the whole configuration and throws all its problems together.
 Configured configure(const ComponentSpec& spec, const Properties& properties, ConfigReader& config,
                      const ProcessKeys& keys, Logger& log) {
-  // Of a file that cannot be read nothing else is known.
+  // The keys of an unreadable file are unknown: no further problems.
   if (!properties.readable()) properties.throwIfBad();
   Configured configured;
   std::vector<std::string> more;
@@ -165,17 +213,23 @@ Configured configure(const ComponentSpec& spec, const Properties& properties, Co
   const auto add = [&problems](const std::vector<Problem>& others) {
     problems.insert(problems.end(), others.begin(), others.end());
   };
-  add(checkAdapterKeys(properties, adapterName(spec)));
+  auto adapter_problems = checkAdapterKeys(properties, adapterName(spec));
+  const auto web_problems = checkAdapterKeys(properties, webAdapterName(spec));
+  adapter_problems.insert(adapter_problems.end(), web_problems.begin(), web_problems.end());
+  add(adapter_problems);
   collect([&] {
-    // With keys that Ice would only warn of, its defaults are good enough to look at proxies.
-    const bool takes_keys =
-        checkIceKeys(properties).empty() && checkAdapterKeys(properties, adapterName(spec)).empty();
+    // With invalid keys of Ice, its defaults are sufficient to check proxies.
+    const bool takes_keys = checkIceKeys(properties).empty() && adapter_problems.empty();
     configured.communicator =
         Ice::CommunicatorHolder(makeCommunicator(takes_keys ? properties : Properties{}, log));
     add(checkProxies(config, properties, *configured.communicator.communicator()));
-    add(checkEndpoints(spec.prefix + ".Endpoints", keys.endpoints, properties,
-                       *configured.communicator.communicator()));
+    auto& communicator = *configured.communicator.communicator();
+    add(checkEndpoints(spec.prefix + ".Endpoints", keys.endpoints, Transport::kNotWeb, properties,
+                       communicator));
+    add(checkEndpoints(spec.prefix + ".WebEndpoints", keys.web_endpoints, Transport::kWebOnly, properties,
+                       communicator));
   });
+  concealSecrets(problems, properties);
   auto lines = problemLines(std::move(problems));
   lines.insert(lines.end(), more.begin(), more.end());
   if (!lines.empty()) throw ConfigError(lines);
@@ -191,6 +245,9 @@ std::vector<Setting> effectiveConfiguration(const ConfigReader& config, const Pr
   for (const auto& [key, entry] : properties.entries()) {
     if (belongsToIce(key)) settings.push_back({key, entry.value, entry.origin.text()});
   }
+  // Left out, so that a saved configuration can be read again.
+  std::erase_if(settings,
+                [](const Setting& setting) { return isSecretKey(setting.key) && !setting.value.empty(); });
   std::sort(settings.begin(), settings.end(),
             [](const Setting& a, const Setting& b) { return a.key < b.key; });
   return settings;
@@ -212,7 +269,7 @@ void printHelp(const ComponentSpec& spec) {
   try {
     spec.configure(config);
   } catch (const ConfigError&) {
-    // Required keys are missing, which is no concern of a listing.
+    // A listing ignores missing required keys.
   }
   std::cout << spec.name << ": " << spec.summary << "\n\n"
             << "usage: " << spec.name << " [--Ice.Config=FILE | FILE] [--Key=Value ...]\n"
@@ -224,19 +281,20 @@ void printHelp(const ComponentSpec& spec) {
     std::cout << "  " << setting.key << " = " << setting.value << "\n";
 }
 
-/// Stops what was started, however the start went, and in this order (STYLE 8).
+/// Stops all started parts, also after a failed start, in this order.
 class Ending {
  public:
-  Ending(Component& component, ComponentHost& host) : component_(component), host_(host) {}
+  Ending(Component& component, Host& host) : component_(component), host_(host) {}
   ~Ending() {
     host_.status().stopping();
     host_.adapter()->deactivate();
+    if (host_.webAdapter()) host_.webAdapter()->deactivate();
     try {
       component_.stop();
     } catch (const std::exception& failure) {
       host_.log().error("while stopping: " + describeFailure(failure));
     }
-    // Waits for the requests in flight, so that nobody works on what goes next.
+    // Waits for the requests in flight, because they use the objects that are destroyed next.
     host_.communicator()->destroy();
   }
   Ending(const Ending&) = delete;
@@ -244,10 +302,10 @@ class Ending {
 
  private:
   Component& component_;
-  ComponentHost& host_;
+  Host& host_;
 };
 
-/// Each connection is a descriptor: idle ones of strangers must not leave none for others.
+/// Raises the limit of descriptors: idle connections of untrusted clients must not use up all of them.
 void allowManyConnections() {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -255,22 +313,54 @@ void allowManyConnections() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-void serveUntilStopped(const ComponentSpec& spec, Component& component, Host& host, StopRequest& stop) {
+/// The levels as a number, so that one operation sets every parameter.
+void addLogLevel(Host& host, LogLevel configured) {
+  host.parameters().add({"Log.Level", "", static_cast<double>(LogLevel::kDebug),
+                         static_cast<double>(LogLevel::kError), true, static_cast<double>(configured),
+                         "Messages below this level are not logged: 0 debug, 1 info, 2 warning, 3 error"},
+                        [&log = host.log()](double level) {
+                          log.setLowest(static_cast<LogLevel>(static_cast<int>(level)));
+                          return std::string();
+                        });
+}
+
+std::string readyLineOf(const ComponentSpec& spec, Host& host) {
+  const auto& web = host.webAdapter();
+  return readyLine(spec.name, host.adapter()->getName(), publishedEndpoints(*host.adapter()),
+                   webAdapterName(spec), web ? publishedEndpoints(*web) : std::string());
+}
+
+void serveUntilStopped(const ComponentSpec& spec, const ProcessKeys& keys, Component& component, Host& host,
+                       StopRequest& stop) {
   const Ending ending(component, host);
-  host.serve(spec.name + "/component", std::make_shared<ComponentServant>(host.status()));
+  CpuMeter cpu;
+  const auto measure = [&] {
+    cpu.add(std::chrono::steady_clock::now(), processorTime_s());
+    host.status().gauge({"cpu", cpu.percent(), 0.0, "%"});
+  };
+  measure();
+  addLogLevel(host, keys.log_level);
+  host.serve(spec.name + "/component",
+             std::make_shared<ComponentServant>(host.status(), host.log().history(), host.parameters()));
   component.start(host);
   host.adapter()->activate();
+  if (host.webAdapter()) host.webAdapter()->activate();
   host.status().serving();
-  std::cout << readyLine(spec.name, host.adapter()->getName(), publishedEndpoints(*host.adapter()))
-            << std::endl;
-  host.log().info("stopping: " + stop.wait([&host] { host.status().checkProgress(); }));
+  std::cout << readyLineOf(spec, host) << std::endl;
+  host.log().info("stopping: " + stop.wait([&] {
+    host.status().checkProgress();
+    measure();
+  }));
 }
 
 void runConfigured(const ComponentSpec& spec, const Properties& properties, Logger& log, StopRequest& stop) {
   ConfigReader config(properties);
   const auto keys = readProcessKeys(config, spec);
   log.setLowest(keys.log_level);
+  log.conceal(keys.robot.token);
+  log.conceal(keys.robot.view_token);
   auto [component, communicator] = configure(spec, properties, config, keys, log);
+  for (const auto& renamed : config.renamedKeys()) log.warning(renamed.text());
   allowManyConnections();
   if (keys.end_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
 
@@ -279,18 +369,19 @@ void runConfigured(const ComponentSpec& spec, const Properties& properties, Logg
   status.setConfiguration(settings);
   const auto adapter = makeAdapter(*communicator.communicator(), adapterName(spec),
                                    spec.prefix + ".Endpoints", keys.endpoints);
+  std::shared_ptr<Ice::ObjectAdapter> web_adapter;
+  if (keys.robot.servesWeb() && !keys.web_endpoints.empty()) {
+    web_adapter = makeAdapter(*communicator.communicator(), webAdapterName(spec),
+                              spec.prefix + ".WebEndpoints", keys.web_endpoints);
+  }
   log.info(configurationText(settings));
-  Host host(log, status, stop, communicator.communicator(), adapter);
-  serveUntilStopped(spec, *component, host, stop);
+  Host host(log, status, stop, keys.robot, communicator.communicator(), adapter, web_adapter);
+  serveUntilStopped(spec, keys, *component, host, stop);
   component.reset();
   stop.rethrowFailure();
 }
 
 }  // namespace
-
-void ComponentHost::serve(const std::string& identity, const std::shared_ptr<Ice::Object>& servant) {
-  adapter()->add(servant, Ice::stringToIdentity(identity));
-}
 
 void declareProcessKeys(ConfigReader& config, const ComponentSpec& spec) {
   readProcessKeys(config, spec);
@@ -299,11 +390,12 @@ void declareProcessKeys(ConfigReader& config, const ComponentSpec& spec) {
 int runComponent(int argc, char** argv, const ComponentSpec& spec) {
   StopRequest stop(spec.name);
   const Ice::CtrlCHandler signals([&](int number) {
-    // Whoever asks twice does not want to wait for a clean end.
+    // A second signal ends the process at once.
     if (!stop.request("signal " + std::to_string(number))) _exit(128 + number);
   });
   Logger log(spec.name);
   limitAllocations(kLargestAllocation);
+  mallopt(M_ARENA_MAX, kMemoryArenas);
   try {
     const char* environment_config = std::getenv("ICE_CONFIG");
     const auto line = parseCommandLine({argv + std::min(argc, 1), argv + argc},

@@ -101,4 +101,50 @@ avm::SettingSeq ComponentServant::getConfiguration(const Ice::Current&) {
   return settings;
 }
 
+static_assert(static_cast<int>(LogLevel::kDebug) == static_cast<int>(avm::LogLevel::Debug));
+static_assert(static_cast<int>(LogLevel::kInfo) == static_cast<int>(avm::LogLevel::Info));
+static_assert(static_cast<int>(LogLevel::kWarning) == static_cast<int>(avm::LogLevel::Warning));
+static_assert(static_cast<int>(LogLevel::kError) == static_cast<int>(avm::LogLevel::Error));
+
+avm::LogBatch ComponentServant::getLog(Ice::Long after_sequence, avm::LogLevel lowest, int most,
+                                       const Ice::Current&) {
+  if (most < 1 || most > static_cast<int>(LogRing::kCapacity)) {
+    throw avm::InvalidArgument("most = " + std::to_string(most) + " (must be 1.." +
+                               std::to_string(LogRing::kCapacity) + ")");
+  }
+  const auto batch =
+      log_.since(after_sequence, static_cast<LogLevel>(lowest), static_cast<std::size_t>(most));
+  avm::LogBatch answer;
+  answer.entries.reserve(batch.messages.size());
+  for (const LogLine& message : batch.messages) {
+    answer.entries.push_back(
+        {message.seq, message.stamp_us, static_cast<avm::LogLevel>(message.level), message.text});
+  }
+  answer.lastSequence = batch.last_seq;
+  answer.lost = batch.lost;
+  return answer;
+}
+
+avm::ParameterSeq ComponentServant::parameters(const Ice::Current&) {
+  avm::ParameterSeq answer;
+  for (const auto& [parameter, value] : parameters_.list()) {
+    answer.push_back({parameter.name, parameter.unit, parameter.minimum, parameter.maximum, parameter.whole,
+                      value, parameter.configured, parameter.description});
+  }
+  return answer;
+}
+
+avm::CommandReply ComponentServant::setParameter(std::string name, double value, const Ice::Current&) {
+  const auto outcome = parameters_.set(name, value);
+  switch (outcome.kind) {
+    case ParameterTable::Outcome::Kind::kInvalid:
+      throw avm::InvalidArgument(outcome.reason);
+    case ParameterTable::Outcome::Kind::kRefused:
+      throw avm::Refused(outcome.reason);
+    case ParameterTable::Outcome::Kind::kAccepted:
+      break;
+  }
+  return {};
+}
+
 }  // namespace vismem

@@ -11,7 +11,7 @@ std::string errorText(int error, const std::string& otherwise) {
   return error == 0 ? otherwise : std::strerror(error);
 }
 
-/// Ice's own text begins with its source file and the name of the exception, which tell a user nothing.
+/// Removes Ice's source file and the name of the exception at the beginning of a text.
 std::string withoutPlace(std::string text) {
   const auto title = text.find("Exception:\n");
   if (title != std::string::npos) text.erase(0, title + std::strlen("Exception:\n"));

@@ -1,4 +1,4 @@
-/// @file What an exception of Ice means, in words for people.
+/// @file Messages for exceptions of Ice.
 #pragma once
 
 #include <exception>
@@ -14,10 +14,10 @@ namespace vismem {
 /// exception. Thread-safe.
 std::string describeFailure(const std::exception& failure);
 
-/// A proxy as a person would write it, "cameraA:tcp -h 127.0.0.1 -p 9999", without what Ice adds of its own.
+/// A proxy in its shortest form, "cameraA:tcp -h 127.0.0.1 -p 9999", without the options that Ice adds.
 std::string proxyText(const Ice::ObjectPrx& proxy);
 
-/// A text of Ice without the options that say nothing: defaults of proxies and endpoints.
+/// A text of Ice without default options of proxies and endpoints.
 std::string withoutUsualOptions(std::string text);
 
 }  // namespace vismem

@@ -11,11 +11,11 @@
 namespace vismem {
 namespace {
 
-/// Lets a few messages pass in a while and counts the others: each failed call of a stranger is one.
-/// Thread-safe.
+/// Rate limit of log messages: passes a few per interval and counts the others, because each failed call of
+/// an untrusted client logs one. Thread-safe.
 class Throttle {
  public:
-  /// @return whether this one passes; `left_out` is then how many did not since the last that did.
+  /// @return whether this message passes; `left_out` is then the number of dropped ones since the last.
   bool pass(long& left_out) {
     const auto now = std::chrono::steady_clock::now();
     const std::scoped_lock lock(mutex_);
@@ -66,7 +66,7 @@ class IceLogger : public Ice::Logger, public std::enable_shared_from_this<IceLog
   Throttle throttle_;
 };
 
-/// Answers that one client may leave unread [bytes]: a few of the largest images, three in flight.
+/// Maximum of unread answers of one client [bytes]: a few of the largest images, three in flight.
 constexpr std::int64_t kUnreadLimit_bytes = std::int64_t{64} << 20;
 
 Origin originOf(const Properties& properties, const std::string& key) {
@@ -74,8 +74,8 @@ Origin originOf(const Properties& properties, const std::string& key) {
   return entry == nullptr ? Origin{properties.source(), 0} : entry->origin;
 }
 
-/// Ice leaves out endpoints of transports that it does not know. @param known  parts that it took, between
-/// colons.
+/// Ice drops endpoints of unknown transports.
+/// @param known the accepted parts, between colons.
 bool hasUnknownEndpoint(const std::string& text, std::size_t known) {
   bool quoted = false;
   std::size_t parts = 1;
@@ -86,7 +86,7 @@ bool hasUnknownEndpoint(const std::string& text, std::size_t known) {
   return known > 1 && parts > known;
 }
 
-/// @return what is wrong with a proxy; empty if nothing is.
+/// @return the problem of a proxy; empty if it is valid.
 std::string wrongProxy(const std::string& text, Ice::Communicator& communicator) {
   std::shared_ptr<Ice::ObjectPrx> proxy;
   try {
@@ -107,28 +107,38 @@ std::string wrongProxy(const std::string& text, Ice::Communicator& communicator)
   return "";
 }
 
+/// @return what is wrong with endpoints of a transport that the key may not hold; empty if nothing is.
+std::string wrongTransport(const Ice::EndpointSeq& endpoints, Transport transport) {
+  for (const auto& endpoint : endpoints) {
+    const auto type = endpoint->getInfo()->type();
+    const bool is_web = type == Ice::WSEndpointType || type == Ice::WSSEndpointType;
+    if (is_web && transport == Transport::kNotWeb)
+      return "ws and wss belong into the key WebEndpoints, where clients need a token";
+    if (!is_web && transport == Transport::kWebOnly) return "only ws and wss belong here";
+  }
+  return "";
+}
+
 }  // namespace
 
 const std::vector<Setting>& iceDefaults() {
   static const std::vector<Setting> defaults = {
       // An image of 1280x720 RGB is 2.8 MB; Ice's own limit is 1 MB [kB].
       {"Ice.MessageSizeMax", "16384", ""},
-      // No call waits for ever, not even for a frozen peer or a half-open connection [ms].
+      // Bounds every call, also to a frozen peer or over a half-open connection [ms].
       {"Ice.Default.InvocationTimeout", "3000", ""},
       {"Ice.Override.ConnectTimeout", "2000", ""},
       {"Ice.Override.CloseTimeout", "1000", ""},
-      // A message that stops half-way, in or out, costs its connection: a client that sent half a request,
-      // one that
-      // is frozen and takes no more [ms]. Ours is also what every endpoint says of itself, see
-      // withoutUsualOptions.
+      // Closes a connection whose message stops half-way, in either direction: half a request, or a frozen
+      // client that does not read [ms]. Every endpoint also contains this value, see withoutUsualOptions.
       {"Ice.Default.Timeout", "10000", ""},
-      // A connection without any message for so long goes; the next call makes another [s].
+      // Idle time after which a connection is closed; the next call opens another [s].
       {"Ice.ACM.Timeout", "30", ""},
-      // A peer that restarts is not noticed by idempotent calls [ms].
+      // Retries hide the restart of a peer from idempotent calls [ms].
       {"Ice.RetryIntervals", "0 200 500", ""},
-      // Nothing is reachable from other machines, unless an endpoint names a host.
+      // Not reachable from other machines, unless an endpoint names a host.
       {"Ice.Default.Host", "127.0.0.1", ""},
-      // Dispatches do not block (long-polls are AMD), but one slow client must not hold up the others.
+      // Dispatches do not block (long-polls are AMD), but one slow client must not delay the others.
       {"Ice.ThreadPool.Server.Size", "2", ""},
       {"Ice.ThreadPool.Server.SizeMax", "8", ""},
       {"Ice.ThreadPool.Client.Size", "1", ""},
@@ -171,21 +181,27 @@ std::vector<Problem> checkProxies(const ConfigReader& config, const Properties& 
   return problems;
 }
 
-std::vector<Problem> checkEndpoints(const std::string& key, const std::string& endpoints,
+std::vector<Problem> checkEndpoints(const std::string& key, const std::string& endpoints, Transport transport,
                                     const Properties& properties, Ice::Communicator& communicator) {
-  if (endpoints.empty()) return {};  // reported where it was read
+  if (endpoints.empty()) return {};  // reported where it was read, or none are wanted
+  const char* example =
+      transport == Transport::kWebOnly ? "ws -h 127.0.0.1 -p 11000" : "tcp -h 127.0.0.1 -p 9999";
   std::string wrong;
   try {
     const auto proxy = communicator.stringToProxy("x:" + endpoints);
-    if (!hasUnknownEndpoint("x:" + endpoints, proxy->ice_getEndpoints().size() + 1)) return {};
-    wrong = "one is of an unknown transport";
+    if (hasUnknownEndpoint("x:" + endpoints, proxy->ice_getEndpoints().size() + 1)) {
+      wrong = "one is of an unknown transport";
+    } else {
+      wrong = wrongTransport(proxy->ice_getEndpoints(), transport);
+      if (wrong.empty()) return {};
+    }
   } catch (const Ice::LocalException& failure) {
     wrong = describeFailure(failure);
   }
   const auto quoted = wrong.find(" in `x:");
   if (quoted != std::string::npos) wrong.erase(quoted);
   return {{originOf(properties, key),
-           key + " = " + endpoints + " (must be endpoints such as tcp -h 127.0.0.1 -p 9999: " + wrong + ")"}};
+           key + " = " + endpoints + " (must be endpoints such as " + example + ": " + wrong + ")"}};
 }
 
 std::shared_ptr<Ice::ObjectAdapter> makeAdapter(Ice::Communicator& communicator, const std::string& adapter,

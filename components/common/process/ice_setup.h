@@ -1,4 +1,4 @@
-/// @file How the processes of the application use Ice: defaults, logging, messages.
+/// @file Ice settings of all processes: defaults, logging, messages.
 #pragma once
 
 #include <Ice/Ice.h>
@@ -12,25 +12,28 @@
 
 namespace vismem {
 
-/// Properties of Ice that hold unless the configuration says otherwise, with their reasons in the source.
+/// Default properties of Ice, which the configuration may override; the source gives their reasons.
 const std::vector<Setting>& iceDefaults();
 
-/// A communicator with the configuration's keys, our defaults, and Ice's own messages in our log.
+/// A communicator with the configuration's keys, iceDefaults(), and Ice's messages in the component's log.
 /// @throw ConfigError for values that Ice refuses.
 std::shared_ptr<Ice::Communicator> makeCommunicator(const Properties& properties, Logger& log);
 
-/// Problems of keys that end in "Proxy" and hold no well-formed proxy, or one that leads nowhere: without an
-/// endpoint (and no locator that would find one) or without a port. Empty values are none.
+/// Problems of keys that end in "Proxy": a malformed proxy, one without an endpoint (and without a locator),
+/// or one without a port. Empty values are valid.
 std::vector<Problem> checkProxies(const ConfigReader& config, const Properties& properties,
                                   Ice::Communicator& communicator);
 
-/// Problems of a key that holds endpoints to serve at: not well-formed.
-std::vector<Problem> checkEndpoints(const std::string& key, const std::string& endpoints,
+/// Transports that a key with endpoints may name. Web pages reach WebSocket endpoints, so that only faces are
+/// served there (faces.h).
+enum class Transport { kNotWeb, kWebOnly };
+
+/// Problems of a key with endpoints of a server: malformed endpoints, or a transport that it may not name.
+std::vector<Problem> checkEndpoints(const std::string& key, const std::string& endpoints, Transport transport,
                                     const Properties& properties, Ice::Communicator& communicator);
 
-/// @throw std::runtime_error that names the key, the endpoints, the adapter and the reason ("Address already
-/// in
-///        use") if they cannot be served.
+/// @throw std::runtime_error with the key, the endpoints, the adapter and the reason ("Address already in
+/// use") if they cannot be served.
 std::shared_ptr<Ice::ObjectAdapter> makeAdapter(Ice::Communicator& communicator, const std::string& adapter,
                                                 const std::string& key, const std::string& endpoints);
 

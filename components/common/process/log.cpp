@@ -13,6 +13,11 @@
 namespace vismem {
 namespace {
 
+std::int64_t realTime_us() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+}
+
 std::string localTime() {
   const auto now = std::chrono::system_clock::now();
   const auto seconds = std::chrono::system_clock::to_time_t(now);
@@ -53,19 +58,40 @@ void Logger::setLowest(LogLevel lowest) {
   lowest_ = lowest;
 }
 
-void Logger::write(LogLevel level, std::string_view message) {
-  std::string line = stamp_() + " " + component_ + " " + nameOf(level) + " ";
-  // What peers sent may be part of a message: it must neither flood nor steer the terminal.
-  for (;;) {
-    const auto end = std::min(message.find('\n'), message.size());
-    line += shown(message.substr(0, end)) + '\n';
-    if (end == message.size()) break;
-    line += "    ";
-    message.remove_prefix(end + 1);
+void Logger::conceal(const std::string& secret) {
+  if (secret.empty()) return;
+  const std::scoped_lock lock(mutex_);
+  secrets_.push_back(secret);
+}
+
+std::string Logger::withoutSecrets(std::string_view message) const {
+  std::string text(message);
+  const std::scoped_lock lock(mutex_);
+  for (const std::string& secret : secrets_) {
+    for (auto at = text.find(secret); at != std::string::npos; at = text.find(secret, at)) {
+      text.replace(at, secret.size(), "***");
+    }
   }
+  return text;
+}
+
+void Logger::write(LogLevel level, std::string_view message) {
+  const std::string whole = withoutSecrets(message);
+  std::string_view rest = whole;
+  std::string text;
+  // A message may contain text of peers, which must neither flood nor control the terminal.
+  for (;;) {
+    const auto end = std::min(rest.find('\n'), rest.size());
+    text += shown(rest.substr(0, end));
+    if (end == rest.size()) break;
+    text += "\n    ";
+    rest.remove_prefix(end + 1);
+  }
+  const std::string line = stamp_() + " " + component_ + " " + nameOf(level) + " " + text + '\n';
   const std::scoped_lock lock(mutex_);
   if (level < lowest_) return;
   out_ << line << std::flush;
+  history_.add(level, realTime_us(), std::move(text));
 }
 
 }  // namespace vismem

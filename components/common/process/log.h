@@ -1,4 +1,4 @@
-/// @file Lines for people, on stderr. No Ice.
+/// @file Log lines on stderr, and the last of them for remote readers. No Ice.
 #pragma once
 
 #include <functional>
@@ -6,14 +6,15 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "common/process/log_ring.h"
 
 namespace vismem {
 
-enum class LogLevel { kDebug, kInfo, kWarning, kError };
-
 /// Writes one line per message: "2026-11-21 12:41:02.123 localization WARNING waiting for Camera at ...". A
-/// message of several lines is indented, so that every line that begins with a date is a message.
-/// Say a thing once per change of state, not once per frame (STYLE 6). Thread-safe.
+/// message of several lines is indented, so that every line that begins with a date is a message. Log once
+/// per change of state, not once per frame. Thread-safe.
 class Logger {
  public:
   using Stamp = std::function<std::string()>;
@@ -25,18 +26,27 @@ class Logger {
   Logger(std::string component, LogLevel lowest, std::ostream& out, Stamp stamp);
 
   void setLowest(LogLevel lowest);
+  /// From now on a secret shows as "***" in every message. An empty one is ignored.
+  void conceal(const std::string& secret);
   void write(LogLevel level, std::string_view message);
   void debug(std::string_view message) { write(LogLevel::kDebug, message); }
   void info(std::string_view message) { write(LogLevel::kInfo, message); }
   void warning(std::string_view message) { write(LogLevel::kWarning, message); }
   void error(std::string_view message) { write(LogLevel::kError, message); }
 
+  /// The last messages that were written.
+  const LogRing& history() const { return history_; }
+
  private:
+  std::string withoutSecrets(std::string_view message) const;
+
   const std::string component_;
   const Stamp stamp_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   LogLevel lowest_;
+  std::vector<std::string> secrets_;
   std::ostream& out_;
+  LogRing history_;
 };
 
 }  // namespace vismem

@@ -24,7 +24,7 @@ class RateCounter {
   std::int64_t total() const { return total_; }
 
  private:
-  /// Above this many events the span of the kept ones stands for the window: memory stays bounded.
+  /// Maximum number of kept events, which bounds the memory; at higher rates the window is their time span.
   static constexpr std::size_t kMaxEvents = 2048;
 
   std::chrono::nanoseconds window_;
@@ -50,7 +50,7 @@ class LatencyHistogram {
     double p99_s = 0;
     double max_s = 0;
   };
-  /// All 0 without samples.
+  /// Percentiles and maximum; all 0 without samples.
   Figures figures(SteadyTime now) const;
 
  private:

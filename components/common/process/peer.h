@@ -1,4 +1,4 @@
-/// @file A remote object that may come, go and come back (SPEC C3).
+/// @file A remote object that may disappear and return. Implements C3.
 #pragma once
 
 #include <Ice/Ice.h>
@@ -18,7 +18,8 @@
 
 namespace vismem {
 
-/// What RemotePeer does for any type of proxy. Thread-safe; holds no lock while calling Ice.
+/// The part of RemotePeer that does not depend on the proxy's type. Thread-safe; holds no lock during calls
+/// of Ice.
 class PeerLink {
  public:
   /// @param name   for people: "Camera".
@@ -36,11 +37,11 @@ class PeerLink {
   bool beginTry();
   void succeeded();
   void failed(const std::string& reason);
-  /// A call failed inside the peer, which is there all the same.
+  /// Reports that a call failed inside a peer that is present.
   void callFailed(const std::string& reason);
 
  private:
-  /// Under the lock, so that the status and the log see the changes in their order.
+  /// Called under the lock, so that status and log receive the changes in their order.
   void publish(PeerState::Change change);
 
   const std::string name_;
@@ -54,9 +55,9 @@ class PeerLink {
   bool trying_ = false;
 };
 
-/// A proxy that is connected when first needed and again after every loss, with a pause between tries, and
-/// says each change once in the log: "waiting for Camera at ...", "Camera is back". Its state is part of the
-/// component's status. Thread-safe. Made by ComponentHost::peer.
+/// A proxy that connects at its first use and again after every loss, with a pause between attempts. It logs
+/// each change once: "waiting for Camera at ...", "Camera is back". Its state is part of the component's
+/// status. Thread-safe. Made by ComponentHost::peer.
 ///
 ///   camera = host.peer<avm::CameraPrx>("Camera", config.camera_proxy);
 ///   if (auto size = camera->call([](avm::CameraPrx& proxy) { return proxy.getImageDescription(); })) ...
@@ -69,9 +70,8 @@ class RemotePeer {
   bool connected() const { return link_.connected(); }
   const std::string& name() const { return link_.name(); }
 
-  /// @return the proxy if the peer is there. If it is away and the pause is over, this tries to connect,
-  /// which
-  ///         takes up to the invocation timeout: never call it from a dispatch. nullptr while it is away.
+  /// @return the proxy of a connected peer; nullptr while it is away. After the pause this call tries to
+  /// connect, which takes up to the invocation timeout: never call it from a dispatch.
   std::shared_ptr<Prx> get() {
     if (link_.connected()) return typed();
     if (!link_.beginTry()) return nullptr;
@@ -93,8 +93,8 @@ class RemotePeer {
     return nullptr;
   }
 
-  /// For callers that call the proxy themselves: a call has failed, so the peer counts as lost until a new
-  /// try succeeds. A failure inside a peer that answers is only noted.
+  /// For callers that use the proxy themselves: after a failed call the peer counts as lost until a new
+  /// attempt succeeds. A failure inside a peer that answers is only logged.
   void lost(const Ice::LocalException& failure) {
     if (dynamic_cast<const Ice::UnknownException*>(&failure) != nullptr) {
       link_.callFailed(describeFailure(failure));
@@ -103,8 +103,9 @@ class RemotePeer {
     }
   }
 
-  /// Calls `work` with the proxy. @return its result (true if it has none); empty (false) if the peer is away
-  /// or the call failed, which is noted. Declared (user) exceptions of the operation pass through.
+  /// Calls `work` with the proxy.
+  /// @return its result (true if it has none); empty (false) if the peer is away or the call failed. Declared
+  /// (user) exceptions of the operation pass through.
   template <typename Work>
   auto call(Work&& work) {
     using Result = std::invoke_result_t<Work, Prx&>;

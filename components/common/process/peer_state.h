@@ -1,4 +1,5 @@
-/// @file What a component knows about a peer, and when it tries again (SPEC C3). Pure: the time is passed in.
+/// @file Connection state of a peer, and the back-off of its connection attempts (see C3). Pure: the time is
+/// passed in.
 #pragma once
 
 #include <chrono>
@@ -17,19 +18,20 @@ class PeerState {
 
   Link link() const { return link_; }
   bool connected() const { return link_ == Link::kConnected; }
-  /// Why it is away; empty while connected.
+  /// Reason why it is away; empty while connected.
   const std::string& reason() const { return reason_; }
-  /// How often it came back.
+  /// Number of reconnections.
   int reconnections() const { return reconnections_; }
 
-  /// Whether the back-off allows a try. Always before the first failure.
+  /// Whether the back-off allows an attempt. Always true before the first failure.
   bool mayTry(SteadyTime now) const { return now >= next_try_; }
   Change succeeded();
-  /// A try or a call has failed. The pause doubles with every failure in a row.
+  /// To be called after a failed attempt or call. The pause doubles with every failure in a row.
   Change failed(SteadyTime now, const std::string& reason);
 
  private:
-  /// Short enough that the application is whole within 2 s of a peer's return, Ice's own retries included.
+  /// First pause: short enough that all peers are connected within 2 s of a peer's return, retries of Ice
+  /// included.
   static constexpr std::chrono::milliseconds kFirstPause{50};
   static constexpr std::chrono::milliseconds kLongestPause{500};
 

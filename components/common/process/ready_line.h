@@ -7,12 +7,17 @@
 
 namespace vismem {
 
-/// "localization ready: LocalizationAdapter=tcp -h 127.0.0.1 -p 9971:ws -h 127.0.0.1 -p 11005".
-std::string readyLine(std::string_view component, std::string_view adapter, std::string_view endpoints);
+/// "localization ready: LocalizationAdapter=tcp -h 127.0.0.1 -p 9971", and with endpoints for WebSocket
+/// " LocalizationWebAdapter=ws -h 127.0.0.1 -p 11005" after it.
+/// @param web_endpoints empty: there are none, and `web_adapter` is not shown.
+std::string readyLine(std::string_view component, std::string_view adapter, std::string_view endpoints,
+                      std::string_view web_adapter = {}, std::string_view web_endpoints = {});
 
-/// @return the endpoints of a ready line, for proxies: "tcp -h 127.0.0.1 -p 9971:ws ..."; empty if it is
-/// none.
+/// @return the endpoints of a ready line, for proxies: "tcp -h 127.0.0.1 -p 9971"; empty if it is none.
 std::optional<std::string> readyEndpoints(std::string_view line);
+
+/// @return the endpoints for WebSocket: "ws -h 127.0.0.1 -p 11005"; empty if there are none.
+std::optional<std::string> readyWebEndpoints(std::string_view line);
 
 /// @param protocol  "tcp" or "ws".
 /// @return the port of the first endpoint of the protocol in a ready line.

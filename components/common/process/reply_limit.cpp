@@ -7,7 +7,7 @@
 namespace vismem {
 namespace {
 
-/// Of a reply's message, beyond what DispatchObserver::reply is told.
+/// Header of a reply [bytes], which DispatchObserver::reply does not include.
 constexpr std::int64_t kReplyHeader = 18;
 
 std::shared_ptr<Ice::IPConnectionInfo> addressOf(std::shared_ptr<Ice::ConnectionInfo> info) {
@@ -44,13 +44,13 @@ class ReplyLimit::Traffic : public Ice::Instrumentation::ConnectionObserver {
   }
   void failed(const std::string&) override {}
   void sentBytes(int count) override {
-    // Messages that are no answers (validation, heartbeats) are sent, too.
+    // Other messages (validation, heartbeats) are sent too.
     const std::lock_guard lock(mutex_);
     unsent_ = std::max<std::int64_t>(0, unsent_ - count);
   }
   void receivedBytes(int) override {}
 
-  /// @return whether this answer is the first that goes beyond the limit.
+  /// @return whether this answer is the first above the limit.
   bool answered(std::int64_t bytes, std::int64_t limit) {
     const std::lock_guard lock(mutex_);
     unsent_ += bytes;

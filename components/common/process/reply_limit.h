@@ -1,4 +1,4 @@
-/// @file What a server holds for clients that ask and do not read.
+/// @file An upper bound of unread replies per client connection.
 #pragma once
 
 #include <Ice/Ice.h>
@@ -12,15 +12,14 @@
 
 namespace vismem {
 
-/// Ice queues the answers to a client without bound, as long as the client asks and does not read. This
-/// observer counts, per connection, the bytes that were answered and not yet written to its socket, and
-/// closes a connection that has more than the limit waiting. Install it as InitializationData.observer.
-/// *Thread-safe.*
+/// Ice queues replies without bound for a client that sends requests and does not read. This observer counts,
+/// per connection, the bytes of replies that are not yet written to the socket. It closes a connection above
+/// the limit. Install it as InitializationData.observer. *Thread-safe.*
 class ReplyLimit : public Ice::Instrumentation::CommunicatorObserver,
                    public std::enable_shared_from_this<ReplyLimit> {
  public:
-  /// @param limit_bytes  more than the largest answers that a client may have in flight at once.
-  /// @param closed  told the peer's address of each connection that was closed; on any thread.
+  /// @param limit_bytes above the largest replies that a client may have in flight at once.
+  /// @param closed called with the peer's address of each closed connection; on any thread.
   ReplyLimit(std::int64_t limit_bytes, std::function<void(const std::string& peer)> closed)
       : limit_bytes_(limit_bytes), closed_(std::move(closed)) {}
 
@@ -31,7 +30,7 @@ class ReplyLimit : public Ice::Instrumentation::CommunicatorObserver,
   std::shared_ptr<Ice::Instrumentation::DispatchObserver> getDispatchObserver(const Ice::Current& current,
                                                                               int size) override;
 
-  // What is of no interest here.
+  // Unused callbacks.
   std::shared_ptr<Ice::Instrumentation::Observer> getConnectionEstablishmentObserver(
       const std::shared_ptr<Ice::Endpoint>&, const std::string&) override {
     return nullptr;

@@ -35,24 +35,30 @@ std::string shiftPorts(const std::string& text, int offset) {
   return shifted + text.substr(done);
 }
 
+bool isOptionalComponent(const std::string& name) {
+  return name == "recorder";
+}
+
 std::vector<SetupComponent> componentsOfSetup(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::directory_iterator files(folder, error);
   if (error) throw ConfigError({folder.string() + ": " + error.message()});
   std::vector<SetupComponent> components;
   for (const auto& entry : files) {
-    if (entry.path().extension() != ".cfg") continue;
     const std::string name = entry.path().stem().string();
+    if (entry.path().extension() != ".cfg" || isOptionalComponent(name)) continue;
     const Properties properties = Properties::load(entry.path());
     properties.throwIfBad();
     bool is_component = false;
-    std::string endpoints;
+    SetupComponent component{name, entry.path(), {}, {}};
     for (const auto& [key, value] : properties.entries()) {
       if (!isKeyOf(name, key)) continue;
       is_component = true;
-      if (key.substr(key.find('.')) == ".Endpoints") endpoints = value.value;
+      const std::string rest = key.substr(key.find('.'));
+      if (rest == ".Endpoints") component.endpoints = value.value;
+      if (rest == ".WebEndpoints") component.web_endpoints = value.value;
     }
-    if (is_component) components.push_back({name, entry.path(), endpoints});
+    if (is_component) components.push_back(std::move(component));
   }
   std::sort(components.begin(), components.end(),
             [](const auto& a, const auto& b) { return a.name < b.name; });

@@ -1,4 +1,4 @@
-/// @file The folder of a setup, such as cfg/sim: which components it has and where they serve. No Ice.
+/// @file The folder of a setup, such as cfg/sim: its components and their endpoints. No Ice. Implements C1.
 #pragma once
 
 #include <filesystem>
@@ -17,17 +17,22 @@ std::string shiftPorts(const std::string& text, int offset);
 struct SetupComponent {
   std::string name;
   std::filesystem::path file;
-  /// As the file has them; empty where it leaves them to the component.
+  /// Endpoints in the file; empty for the component's default.
   std::string endpoints;
+  /// The same for WebSocket (NAME.WebEndpoints); they open only with a token.
+  std::string web_endpoints;
 };
 
-/// The components of a setup, by name: every file NAME.cfg of the folder that sets a key of NAME's.
-/// What else lies there (recordings.cfg) is no component's.
+/// Whether a setup works without this component, which runs only on request: the recorder.
+bool isOptionalComponent(const std::string& name);
+
+/// The components of a setup, by name: every file NAME.cfg of the folder that sets a key of NAME's, without the
+/// optional ones. Other files of the folder (recordings.cfg) are ignored.
 /// @throw ConfigError when the folder or one of its files cannot be read.
 std::vector<SetupComponent> componentsOfSetup(const std::filesystem::path& folder);
 
-/// What moves a component to other ports: `--KEY=VALUE` for every key of its file that holds endpoints or a
-/// proxy, shifted. None for an offset of 0.
+/// Arguments that shift the ports of a component: `--KEY=VALUE` for every key of its file with endpoints or a
+/// proxy. None for an offset of 0.
 /// @throw ConfigError when the file cannot be read.
 std::vector<std::string> portArguments(const std::filesystem::path& file, int offset);
 

@@ -128,8 +128,8 @@ void StatusBoard::checkProgress() {
     const std::scoped_lock lock(mutex_);
     for (auto& [thread, watched] : watched_) {
       const bool hangs = now - watched.last > watched.limit;
-      if (hangs == watched.told) continue;
-      watched.told = hangs;
+      if (hangs == watched.reported) continue;
+      watched.reported = hangs;
       if (hangs) {
         hanging.push_back(thread + ": " + noProgress(now - watched.last));
         keepError(hanging.back());

@@ -1,5 +1,4 @@
-/// @file What a component tells about itself (DESIGN 10): state, peers, rates, latencies, estimates, last errors. No
-/// Ice.
+/// @file Status of a component: state, peers, rates, latencies, estimates, last errors. No Ice.
 #pragma once
 
 #include <chrono>
@@ -28,7 +27,7 @@ struct PeerReport {
   std::string name;
   std::string proxy;
   PeerState::Link link = PeerState::Link::kAbsent;
-  /// Why it is away; empty while connected.
+  /// Reason why it is away; empty while connected.
   std::string reason;
   int reconnections = 0;
 };
@@ -43,12 +42,12 @@ struct StatusReport {
     std::string name;
     LatencyHistogram::Figures figures;
   };
-  /// What the component has estimated of itself, with its standard deviation.
+  /// A quantity that the component estimates of itself, with its standard deviation.
   struct Gauge {
     std::string name;
     double value = 0;
     double sigma = 0;
-    /// Of both.
+    /// Unit of value and sigma: "deg".
     std::string unit;
   };
   struct Error {
@@ -59,24 +58,25 @@ struct StatusReport {
   std::string name;
   std::string version;
   RunState state = RunState::kStarting;
-  /// Why it is not running; empty otherwise.
+  /// Reason why it is not running; empty otherwise.
   std::string reason;
   double uptime_s = 0;
   std::vector<PeerReport> peers;
   std::vector<Rate> rates;
   std::vector<Latency> latencies;
   std::vector<Gauge> gauges;
-  /// The last ones, oldest first.
+  /// The last errors, oldest first.
   std::vector<Error> errors;
 };
 
-/// Collects the status of one component. The state follows from what is told: starting until serving(), then
-/// waiting while a peer has not been there yet, degraded while a peer is lost, anything is faulty or a
-/// watched thread makes no progress, else running; stopping for good after stopping(). Thread-safe.
+/// Collects the status of one component. The state follows from the reports: starting until serving(), then
+/// waiting until every peer has connected once. It is degraded while a peer is lost, a fault lasts or a
+/// watched thread makes no progress; otherwise running. After stopping() it stays stopping. Thread-safe.
 class StatusBoard {
  public:
   using Clock = std::function<SteadyTime()>;
-  /// Above every bounded wait of a loop (a command to a frozen peer takes a second), below anyone's patience.
+  /// Default limit of a thread without progress: above every bounded wait of a loop (a command to a frozen
+  /// peer takes 1 s).
   static constexpr std::chrono::milliseconds kProgressLimit{5000};
 
   StatusBoard(std::string name, std::string version, Logger& log,
@@ -85,33 +85,31 @@ class StatusBoard {
   void serving();
   void stopping();
 
-  /// One more of something: "frames", "iterations".
+  /// Counts one event: "frames", "iterations".
   void count(const std::string& what);
-  /// One duration [s]: "detect", "frame age".
+  /// Adds one duration [s]: "detect", "frame age".
   void latency(const std::string& what, double duration_s);
 
-  /// What is believed now of something: replaces what was of that name.
+  /// Sets an estimate: replaces the gauge of the same name.
   void gauge(StatusReport::Gauge now);
 
-  /// Something of the component's own does not work: "odometry", "no sample for 2.0 s". Logged when it begins
-  /// and when its reason changes; it counts as an error then.
+  /// Reports a fault of the component itself: "odometry", "no sample for 2.0 s". Its begin and each change of
+  /// its reason are logged and kept as errors.
   void fault(const std::string& what, const std::string& why);
-  /// It works (again). Logged if it had not; cheap otherwise, so call it freely.
+  /// Ends a fault. Logs only the end of a fault; a call without a fault is cheap.
   void healthy(const std::string& what);
-  /// A thread goes round: "perception". From now on it is watched: while it does not say so again within the
-  /// limit, the component is degraded, "perception: no progress for 6.2 s". So a thread that hangs does not
-  /// hang silently.
+  /// Reports progress of a thread: "perception". The thread is watched from its first report on. Without a
+  /// new report within the limit the component is degraded, "perception: no progress for 6.2 s".
   void alive(const std::string& thread, std::chrono::milliseconds limit = kProgressLimit);
-  /// The thread has come to its proper end and is watched no more.
+  /// Ends the watch of a thread that has ended regularly.
   void ended(const std::string& thread);
-  /// Logs who has begun or ceased to hang, once per change. Called now and then by who hangs last: the main
-  /// thread.
+  /// Logs the begin and end of missing progress, once per change. The main thread calls it periodically.
   void checkProgress();
 
-  /// A failure that leaves no lasting fault. The same text again in a row is neither kept nor logged.
+  /// Reports a failure without a lasting fault. A repetition of the same text is neither kept nor logged.
   void error(const std::string& text);
 
-  /// Something worth a line in the log that is no failure: "a new epoch: the odometry jumped by 3.2 m".
+  /// Logs an event that is no failure: "a new epoch: the odometry jumped by 3.2 m".
   void note(const std::string& text);
 
   /// Adds a peer or replaces the one of that name. Logs nothing.
@@ -125,7 +123,7 @@ class StatusBoard {
   struct Watched {
     SteadyTime last;
     std::chrono::milliseconds limit{};
-    bool told = false;
+    bool reported = false;
   };
 
   void keepError(const std::string& text);

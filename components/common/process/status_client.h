@@ -1,4 +1,4 @@
-/// @file Asks components for their status, all at once: an absent or frozen one delays nobody else's answer.
+/// @file Reads the status of several components at once; an absent or frozen one does not delay the others.
 #pragma once
 
 #include <Ice/Ice.h>
@@ -15,10 +15,10 @@ namespace vismem {
 
 struct StatusAnswer {
   std::optional<StatusReport> report;
-  /// Why there is none: "connection refused", "no answer in time".
+  /// Reason why there is none: "connection refused", "no answer in time".
   std::string failure;
-  /// Nobody serves there, as opposed to one that serves and does not answer.
-  bool nobody_there = false;
+  /// True if no server listens there, as opposed to a server without an answer.
+  bool no_server = false;
 };
 
 /// @param proxies  of avm::Component objects, as texts.
@@ -27,7 +27,7 @@ std::vector<StatusAnswer> askStatus(Ice::Communicator& communicator, const std::
                                     std::chrono::milliseconds timeout);
 
 /// The effective configuration of one component.
-/// @throw std::runtime_error that says why it did not answer.
+/// @throw std::runtime_error with the reason why it did not answer.
 std::vector<Setting> askConfiguration(Ice::Communicator& communicator, const std::string& proxy,
                                       std::chrono::milliseconds timeout);
 

@@ -13,7 +13,7 @@ void StreamHealth::came(std::size_t count, SteadyTime now, const std::string& co
 
 void StreamHealth::nothing(const std::string& why, SteadyTime now) {
   status_.alive(reader_);
-  // Until the first answer nobody can tell for how long it has been away.
+  // The duration of its absence counts from the first answer.
   if (last_ == SteadyTime{}) last_ = now;
   if (now - last_ >= patience_) status_.fault(device_, why.empty() ? "it gives nothing" : why);
 }

@@ -1,4 +1,4 @@
-/// @file Whether what should come steadily from a device does come, for the status of its server. No Ice.
+/// @file Watch of a device's steady stream of samples, for the status of its server. No Ice.
 #pragma once
 
 #include <chrono>
@@ -12,12 +12,13 @@ namespace vismem {
 
 class StatusBoard;
 
-/// Counts what comes and makes a fault of its absence: when nothing came for `patience`; and has the status
-/// watch the thread that asks, should the device's driver hang. *Single-threaded* (owner: who reads the
-/// stream). The board must outlive it.
+/// Counts samples and reports a fault after `patience` without one. The status also watches the reading
+/// thread, in case the driver hangs. *Single-threaded* (owner: the reader of the stream). The board must
+/// outlive it.
 class StreamHealth {
  public:
-  /// @param stream counted under this name: "odometry". @param device for the fault: "base".
+  /// @param stream name of the rate: "odometry".
+  /// @param device name of the fault: "base".
   StreamHealth(StatusBoard& status, std::string stream, std::string device,
                std::chrono::milliseconds patience = std::chrono::seconds(1))
       : status_(status),
@@ -26,9 +27,9 @@ class StreamHealth {
         reader_("reader of the " + device_),
         patience_(patience) {}
 
-  /// @param condition of a device that delivers and yet is not as it should be: a fault while it lasts.
+  /// @param condition abnormal condition of a device that still delivers: a fault while it lasts.
   void came(std::size_t count, SteadyTime now, const std::string& condition = {});
-  /// @param why what the device's driver says.
+  /// @param why reason given by the device's driver.
   void nothing(const std::string& why, SteadyTime now);
 
  private:

@@ -1,9 +1,9 @@
-/// @file Where the time of an iteration goes, told from inside. Pure: the clock is the listener's.
+/// @file Profiling hook for the stages of an iteration. Pure: the listener has the clock.
 #pragma once
 
 namespace vismem {
 
-/// Hears which stage of an iteration begins; what runs until the next call belongs to it.
+/// Listener for the begin of each stage; a stage lasts until the next call.
 class StageProbe {
  public:
   virtual ~StageProbe() = default;
@@ -11,7 +11,7 @@ class StageProbe {
   virtual void enter(const char* stage) = 0;
 };
 
-/// Nobody may be listening.
+/// The probe may be null.
 inline void enterStage(StageProbe* probe, const char* stage) {
   if (probe != nullptr) probe->enter(stage);
 }

@@ -1,153 +1,184 @@
 #include "common/recording/bag_file.h"
 
-#include <nav_msgs/Odometry.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
-#include <sensor_msgs/CameraInfo.h>
-#include <sensor_msgs/CompressedImage.h>
-#include <sensor_msgs/Image.h>
-#include <sensor_msgs/JointState.h>
-#include <tf2_msgs/TFMessage.h>
-
 #include <algorithm>
-#include <cctype>
-#include <fstream>
+#include <filesystem>
 #include <map>
+#include <set>
+#include <tuple>
 #include <utility>
+
+#include "common/recording/bag_reader.h"
+#include "common/recording/ros_types.h"
 
 namespace vismem {
 namespace {
 
-constexpr const char* kMagic = "#ROSBAG V2.0";
-constexpr const char* kRosTransformTypes[] = {"tf2_msgs/TFMessage", "tf/tfMessage"};
-
-std::int64_t toStamp(const ros::Time& time) {
-  return static_cast<std::int64_t>(time.sec) * 1'000'000 +
-         (static_cast<std::int64_t>(time.nsec) + 500) / 1000;
-}
-
-std::int64_t stampOf(const ros::Time& header, const ros::Time& recorded) {
-  return toStamp(header.isZero() ? recorded : header);
-}
+/// Holds the header of an image with names of usual length; the rest is read where it does not.
+constexpr std::size_t kImageBegin = 512;
 
 /// tf2 names have no leading slash, those of the first tf may.
 std::string frameName(const std::string& name) {
   return !name.empty() && name.front() == '/' ? name.substr(1) : name;
 }
 
-BagImageHeader headerOf(const sensor_msgs::CompressedImage& message, const ros::Time& recorded) {
+std::int64_t stampOr(std::int64_t header_us, std::int64_t recorded_ns) {
+  return header_us == 0 ? toStampOfTime(recorded_ns) : header_us;
+}
+
+BagImageHeader headerOf(const RosCompressedImage& message, std::int64_t recorded_ns) {
   BagImageHeader header;
-  header.stamp_us = stampOf(message.header.stamp, recorded);
+  header.stamp_us = stampOr(message.header.stamp_us, recorded_ns);
   header.frame_id = frameName(message.header.frame_id);
   header.encoding = message.format;
   header.compressed = true;
   return header;
 }
 
-BagImageHeader headerOf(const sensor_msgs::Image& message, const ros::Time& recorded) {
+BagImageHeader headerOf(const RosImage& message, std::int64_t recorded_ns) {
   BagImageHeader header;
-  header.stamp_us = stampOf(message.header.stamp, recorded);
+  header.stamp_us = stampOr(message.header.stamp_us, recorded_ns);
   header.frame_id = frameName(message.header.frame_id);
   header.encoding = message.encoding;
-  header.width = static_cast<int>(message.width);
-  header.height = static_cast<int>(message.height);
+  // A side that is no int is absurd, and said to be so where sizes are checked.
+  header.width = static_cast<int>(std::min<std::uint32_t>(message.width, 1u << 30));
+  header.height = static_cast<int>(std::min<std::uint32_t>(message.height, 1u << 30));
   return header;
 }
 
-std::string printable(const std::string& bytes) {
-  std::string text;
-  for (const char c : bytes) text += std::isprint(static_cast<unsigned char>(c)) ? c : '.';
-  return text;
-}
-
-/// The bag library's own words for a wrong file are of little help: look first.
-void checkFile(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw RecordingError(file + ": cannot be opened (expected a ROS 1 bag, version 2.0)");
-  std::string begin(std::string(kMagic).size(), '\0');
-  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  begin.resize(static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
-  if (begin != kMagic) {
-    throw RecordingError(file + ": not a ROS 1 bag: begins with \"" + printable(begin) + "\" (expected \"" +
-                         kMagic + "\")");
-  }
-}
-
-bool isOneOf(const std::string& type, const std::vector<std::string>& types) {
-  return std::find(types.begin(), types.end(), type) != types.end();
-}
+struct Place {
+  std::size_t reader = 0;
+  BagEntry entry;
+};
 
 }  // namespace
 
 struct BagFile::Impl {
   std::string file;
-  rosbag::Bag bag;
+  std::vector<BagReader> readers;
   std::vector<BagTopic> topics;
-  std::map<std::string, std::vector<rosbag::MessageInstance>> images;
+  std::map<std::string, std::vector<Place>> places;  ///< by topic, in order of recording
+  std::map<std::string, std::vector<Place>> images;  ///< those whose headers could be read
+  std::vector<std::string> notes;
+  std::set<std::string> noted;
+  std::int64_t begin_us = 0;
+  std::int64_t end_us = 0;
 
-  template <typename Read>
-  auto guarded(const std::string& topic, Read read) -> decltype(read()) {
-    try {
-      return read();
-    } catch (const RecordingError&) {
-      throw;
-    } catch (const std::exception& error) {
-      throw RecordingError(
-          file + (topic.empty() ? "" : ": topic " + topic) + ": cannot be read: " + error.what() +
-          " (expected a complete ROS 1 bag; one that was cut off can be repaired with \"rosbag "
-          "reindex\")");
-    }
+  [[noreturn]] void fail(const std::string& topic, const std::string& what) const {
+    throw RecordingError(file + ": topic " + topic + ": " + what);
+  }
+  void note(const std::string& text) {
+    if (noted.insert(text).second) notes.push_back(text);
   }
 
-  std::string typeOf(const std::string& name) const {
+  void open(const std::vector<std::string>& files);
+  void addTopics(std::size_t reader);
+
+  const BagTopic& topicOf(const std::string& name) const {
     for (const BagTopic& topic : topics) {
-      if (topic.name == name) return topic.type;
+      if (topic.name == name) return topic;
     }
     throw RecordingError(file + ": no topic " + name);
   }
 
-  template <typename Message>
-  boost::shared_ptr<Message> instantiate(const rosbag::MessageInstance& instance) const {
-    auto message = instance.instantiate<Message>();
-    if (!message) {
-      throw RecordingError(file + ": topic " + instance.getTopic() + ": " + instance.getDataType() +
-                           " with checksum " + instance.getMD5Sum() + " (expected " +
-                           ros::message_traits::datatype<Message>() + " with checksum " +
-                           ros::message_traits::md5sum<Message>() + ")");
-    }
-    return message;
+  Bytes read(const Place& place, std::size_t at_most = SIZE_MAX) {
+    return readers[place.reader].read(place.entry, at_most);
   }
 
-  template <typename Message, typename Visit>
-  void forEach(const std::string& topic, Visit visit) {
-    guarded(topic, [&] {
-      rosbag::View view(bag, [&](const rosbag::ConnectionInfo* info) { return info->topic == topic; });
-      for (const rosbag::MessageInstance& instance : view)
-        visit(*instantiate<Message>(instance), instance.getTime());
-    });
+  /// @param read gives the value of one message; what it throws leaves that message out.
+  template <typename Read>
+  void forEach(const std::string& topic, const std::string& type, Read read_one) {
+    if (topicOf(topic).type != type)
+      fail(topic, "has type " + topicOf(topic).type + " (expected " + type + ")");
+    const std::vector<Place>& list = places[topic];
+    std::size_t left_out = 0;
+    std::string why;
+    for (const Place& place : list) {
+      try {
+        read_one(place);
+      } catch (const RecordingError& error) {
+        ++left_out;
+        why = error.what();
+      }
+    }
+    if (left_out > 0 && left_out == list.size()) fail(topic, "none of its messages can be read: " + why);
+    if (left_out > 0) {
+      note(file + ": topic " + topic + ": " + std::to_string(left_out) + " of " +
+           std::to_string(list.size()) + " messages are damaged and left out (" + why + ")");
+    }
   }
 };
 
-BagFile::BagFile(const std::string& file) : impl_(std::make_unique<Impl>()) {
-  impl_->file = file;
-  checkFile(file);
-  impl_->guarded("", [&] {
-    impl_->bag.open(file, rosbag::bagmode::Read);
-    std::map<std::string, BagTopic> topics;
-    rosbag::View view(impl_->bag);
-    for (const rosbag::ConnectionInfo* info : view.getConnections()) {
-      BagTopic& topic = topics[info->topic];
-      topic.name = info->topic;
-      topic.type = info->datatype;
+void BagFile::Impl::open(const std::vector<std::string>& files) {
+  if (files.empty()) throw RecordingError("no recording is named (expected a ROS 1 bag)");
+  for (const std::string& name : files) readers.emplace_back(name);
+  const auto beginOf = [](const BagReader& reader) {
+    std::int64_t begin = INT64_MAX;
+    for (std::size_t i = 0; i < reader.connections().size(); ++i) {
+      for (const BagEntry& entry : reader.entries(i)) begin = std::min(begin, entry.time_ns);
     }
-    // The index knows the numbers; one view a topic is cheaper than a walk over the messages.
-    for (auto& [name, topic] : topics) {
-      rosbag::View one(
-          impl_->bag, [&wanted = name](const rosbag::ConnectionInfo* info) { return info->topic == wanted; });
-      topic.messages = one.size();
-      impl_->topics.push_back(topic);
+    return begin;
+  };
+  std::vector<std::pair<std::int64_t, std::size_t>> order;
+  for (std::size_t i = 0; i < readers.size(); ++i) order.emplace_back(beginOf(readers[i]), i);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<BagReader> sorted;
+  for (const auto& [begin, index] : order) sorted.push_back(std::move(readers[index]));
+  readers = std::move(sorted);
+  file = readers.front().file();
+  if (readers.size() > 1) file += " and " + std::to_string(readers.size() - 1) + " more";
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    for (const std::string& text : readers[i].damage().notes) note(text);
+    addTopics(i);
+  }
+  std::sort(topics.begin(), topics.end(),
+            [](const BagTopic& a, const BagTopic& b) { return a.name < b.name; });
+}
+
+void BagFile::Impl::addTopics(std::size_t reader) {
+  std::set<std::string> touched;
+  for (std::size_t i = 0; i < readers[reader].connections().size(); ++i) {
+    const BagConnection& connection = readers[reader].connections()[i];
+    auto topic = std::find_if(topics.begin(), topics.end(),
+                              [&](const BagTopic& t) { return t.name == connection.topic; });
+    if (topic == topics.end()) {
+      topics.push_back({connection.topic, connection.type, 0});
+      topic = std::prev(topics.end());
+    } else if (topic->type != connection.type) {
+      note(readers[reader].file() + ": topic " + connection.topic + ": has messages of the types " +
+           topic->type + " and " + connection.type + ": the latter are left out");
+      continue;
     }
-  });
+    const RosType* known = findRosType(connection.type);
+    if (known != nullptr && !connection.md5.empty() && connection.md5 != "*" &&
+        connection.md5 != known->md5) {
+      throw RecordingError(readers[reader].file() + ": topic " + connection.topic + ": " + connection.type +
+                           " with checksum " + connection.md5 + " (expected " + known->name +
+                           " with checksum " + known->md5 + ")");
+    }
+    const auto& entries = readers[reader].entries(i);
+    topic->messages += entries.size();
+    touched.insert(connection.topic);
+    for (const BagEntry& entry : entries) {
+      const std::int64_t stamp_us = toStampOfTime(entry.time_ns);
+      begin_us = end_us == 0 && begin_us == 0 ? stamp_us : std::min(begin_us, stamp_us);
+      end_us = std::max(end_us, stamp_us);
+      places[connection.topic].push_back({reader, entry});
+    }
+  }
+  // Several connections of a topic, each in the order of the file.
+  for (const std::string& topic : touched) {
+    std::stable_sort(places[topic].begin(), places[topic].end(), [](const Place& a, const Place& b) {
+      return std::tuple(a.reader, a.entry.chunk, a.entry.offset) <
+             std::tuple(b.reader, b.entry.chunk, b.entry.offset);
+    });
+  }
+}
+
+BagFile::BagFile(const std::string& file) : BagFile(std::vector<std::string>{file}) {}
+
+BagFile::BagFile(const std::vector<std::string>& files) : impl_(std::make_unique<Impl>()) {
+  impl_->open(files);
 }
 
 BagFile::~BagFile() = default;
@@ -160,118 +191,159 @@ const std::string& BagFile::file() const {
 const std::vector<BagTopic>& BagFile::topics() const {
   return impl_->topics;
 }
+const std::vector<std::string>& BagFile::notes() const {
+  return impl_->notes;
+}
+std::int64_t BagFile::beginUs() const {
+  return impl_->begin_us;
+}
+std::int64_t BagFile::endUs() const {
+  return impl_->end_us;
+}
+
+std::uint64_t BagFile::bytes() const {
+  std::uint64_t sum = 0;
+  for (const BagReader& reader : impl_->readers) sum += reader.fileSize();
+  return sum;
+}
+
+std::vector<std::string> BagFile::compressions() const {
+  std::set<std::string> names;
+  for (const BagReader& reader : impl_->readers) {
+    for (const std::string& name : reader.compressions()) names.insert(name);
+  }
+  return {names.begin(), names.end()};
+}
 
 std::vector<BagImageHeader> BagFile::imageHeaders(const std::string& topic) {
-  const bool compressed = impl_->typeOf(topic) == kCompressedImageType;
+  const std::string type = impl_->topicOf(topic).type;
+  if (type != kRawImageType && type != kCompressedImageType) {
+    impl_->fail(topic, "has type " + type + " (expected images)");
+  }
+  const auto headerIn = [&](const Bytes& bytes, std::int64_t recorded_ns) {
+    return type == kCompressedImageType ? headerOf(parseCompressedImageHeader(bytes), recorded_ns)
+                                        : headerOf(parseImageHeader(bytes), recorded_ns);
+  };
   std::vector<BagImageHeader> headers;
-  std::vector<rosbag::MessageInstance> instances;
-  impl_->guarded(topic, [&] {
-    rosbag::View view(impl_->bag, [&](const rosbag::ConnectionInfo* info) { return info->topic == topic; });
-    for (const rosbag::MessageInstance& instance : view) {
-      BagImageHeader header =
-          compressed
-              ? headerOf(*impl_->instantiate<sensor_msgs::CompressedImage>(instance), instance.getTime())
-              : headerOf(*impl_->instantiate<sensor_msgs::Image>(instance), instance.getTime());
-      headers.push_back(std::move(header));
-      instances.push_back(instance);
+  std::vector<Place> found;
+  impl_->forEach(topic, type, [&](const Place& place) {
+    const Bytes begin = impl_->read(place, kImageBegin);
+    try {
+      headers.push_back(headerIn(begin, place.entry.time_ns));
+    } catch (const RecordingError&) {
+      if (begin.size() < kImageBegin) throw;
+      headers.push_back(headerIn(impl_->read(place), place.entry.time_ns));
     }
+    found.push_back(place);
   });
-  impl_->images.insert_or_assign(topic, std::move(instances));
+  impl_->images.insert_or_assign(topic, std::move(found));
   return headers;
 }
 
 BagImage BagFile::readImage(const std::string& topic, std::size_t index) {
-  return impl_->guarded(topic, [&] {
-    const rosbag::MessageInstance& instance = impl_->images.at(topic).at(index);
+  const Place& place = impl_->images.at(topic).at(index);
+  try {
+    const Bytes bytes = impl_->read(place);
     BagImage image;
-    if (impl_->typeOf(topic) == kCompressedImageType) {
-      const auto message = impl_->instantiate<sensor_msgs::CompressedImage>(instance);
-      image.header = headerOf(*message, instance.getTime());
-      image.data = std::move(message->data);
+    if (impl_->topicOf(topic).type == kCompressedImageType) {
+      RosCompressedImage message = parseCompressedImage(bytes);
+      image.header = headerOf(message, place.entry.time_ns);
+      image.data = std::move(message.data);
     } else {
-      const auto message = impl_->instantiate<sensor_msgs::Image>(instance);
-      image.header = headerOf(*message, instance.getTime());
-      image.step = message->step;
-      image.data = std::move(message->data);
+      RosImage message = parseImage(bytes);
+      image.header = headerOf(message, place.entry.time_ns);
+      image.step = message.step;
+      image.data = std::move(message.data);
     }
     return image;
-  });
+  } catch (const RecordingError& error) {
+    impl_->fail(topic, "image " + std::to_string(index) + " cannot be read: " + error.what());
+  }
 }
 
 std::vector<BagCameraInfo> BagFile::cameraInfos(const std::string& topic) {
   std::vector<BagCameraInfo> infos;
-  impl_->forEach<sensor_msgs::CameraInfo>(topic,
-                                          [&](const sensor_msgs::CameraInfo& message, const ros::Time& time) {
-                                            BagCameraInfo info;
-                                            info.stamp_us = stampOf(message.header.stamp, time);
-                                            info.width = static_cast<int>(message.width);
-                                            info.height = static_cast<int>(message.height);
-                                            info.model = message.distortion_model;
-                                            info.d.assign(message.D.begin(), message.D.end());
-                                            std::copy(message.K.begin(), message.K.end(), info.k);
-                                            infos.push_back(std::move(info));
-                                          });
+  impl_->forEach(topic, kCameraInfoType, [&](const Place& place) {
+    const RosCameraInfo message = parseCameraInfo(impl_->read(place));
+    BagCameraInfo info;
+    info.stamp_us = stampOr(message.header.stamp_us, place.entry.time_ns);
+    info.width = static_cast<int>(std::min<std::uint32_t>(message.width, 1u << 30));
+    info.height = static_cast<int>(std::min<std::uint32_t>(message.height, 1u << 30));
+    info.model = message.distortion_model;
+    info.d = message.d;
+    std::copy(message.k.begin(), message.k.end(), info.k);
+    infos.push_back(std::move(info));
+  });
   return infos;
 }
 
 std::vector<BagOdometry> BagFile::odometry(const std::string& topic) {
   std::vector<BagOdometry> samples;
-  impl_->forEach<nav_msgs::Odometry>(topic, [&](const nav_msgs::Odometry& message, const ros::Time& time) {
-    BagOdometry sample;
-    sample.stamp_us = stampOf(message.header.stamp, time);
-    sample.x = message.pose.pose.position.x;
-    sample.y = message.pose.pose.position.y;
-    const auto& q = message.pose.pose.orientation;
-    sample.qx = q.x;
-    sample.qy = q.y;
-    sample.qz = q.z;
-    sample.qw = q.w;
-    sample.v_mps = message.twist.twist.linear.x;
-    sample.w_radps = message.twist.twist.angular.z;
-    samples.push_back(sample);
+  impl_->forEach(topic, kOdometryType, [&](const Place& place) {
+    const RosOdometry message = parseOdometry(impl_->read(place));
+    const RosQuaternion& q = message.pose.orientation;
+    samples.push_back({stampOr(message.header.stamp_us, place.entry.time_ns), message.pose.position.x,
+                       message.pose.position.y, q.x, q.y, q.z, q.w, message.v_mps, message.w_radps});
   });
   return samples;
 }
 
 std::vector<BagJoints> BagFile::joints(const std::string& topic) {
   std::vector<BagJoints> samples;
-  impl_->forEach<sensor_msgs::JointState>(
-      topic, [&](const sensor_msgs::JointState& message, const ros::Time& time) {
-        BagJoints sample;
-        sample.stamp_us = stampOf(message.header.stamp, time);
-        sample.names = message.name;
-        sample.positions.assign(message.position.begin(), message.position.end());
-        samples.push_back(std::move(sample));
-      });
+  impl_->forEach(topic, kJointStateType, [&](const Place& place) {
+    RosJointState message = parseJointState(impl_->read(place));
+    samples.push_back({stampOr(message.header.stamp_us, place.entry.time_ns), std::move(message.names),
+                       std::move(message.positions)});
+  });
   return samples;
+}
+
+std::vector<RosPoseWithCovariance> BagFile::poses(const std::string& topic) {
+  std::vector<RosPoseWithCovariance> poses;
+  impl_->forEach(topic, kPoseType, [&](const Place& place) {
+    poses.push_back(parsePoseWithCovariance(impl_->read(place)));
+    poses.back().header.stamp_us = stampOr(poses.back().header.stamp_us, place.entry.time_ns);
+  });
+  return poses;
+}
+
+std::vector<std::string> BagFile::strings(const std::string& topic) {
+  std::vector<std::string> texts;
+  impl_->forEach(topic, kStringType,
+                 [&](const Place& place) { texts.push_back(parseString(impl_->read(place))); });
+  return texts;
 }
 
 std::vector<BagTransform> BagFile::transforms() {
   std::vector<BagTransform> transforms;
-  const std::vector<std::string> types(std::begin(kRosTransformTypes), std::end(kRosTransformTypes));
   for (const BagTopic& topic : impl_->topics) {
-    if (!isOneOf(topic.type, types)) continue;
+    if (topic.type != kTransformType && topic.type != kOldTransformType) continue;
     const bool is_static = topic.name.find("tf_static") != std::string::npos;
-    impl_->forEach<tf2_msgs::TFMessage>(topic.name,
-                                        [&](const tf2_msgs::TFMessage& message, const ros::Time& time) {
-                                          for (const auto& item : message.transforms) {
-                                            BagTransform transform;
-                                            transform.stamp_us = stampOf(item.header.stamp, time);
-                                            transform.parent = frameName(item.header.frame_id);
-                                            transform.child = frameName(item.child_frame_id);
-                                            transform.x = item.transform.translation.x;
-                                            transform.y = item.transform.translation.y;
-                                            transform.z = item.transform.translation.z;
-                                            transform.qx = item.transform.rotation.x;
-                                            transform.qy = item.transform.rotation.y;
-                                            transform.qz = item.transform.rotation.z;
-                                            transform.qw = item.transform.rotation.w;
-                                            transform.is_static = is_static;
-                                            transforms.push_back(std::move(transform));
-                                          }
-                                        });
+    impl_->forEach(topic.name, topic.type, [&](const Place& place) {
+      for (const RosTransform& item : parseTransforms(impl_->read(place))) {
+        const RosPoint& p = item.pose.position;
+        const RosQuaternion& q = item.pose.orientation;
+        transforms.push_back({stampOr(item.header.stamp_us, place.entry.time_ns),
+                              frameName(item.header.frame_id), frameName(item.child_frame_id), p.x, p.y, p.z,
+                              q.x, q.y, q.z, q.w, is_static});
+      }
+    });
   }
   return transforms;
+}
+
+std::vector<std::string> bagsOf(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return {path};
+  std::vector<std::string> files;
+  for (const auto& item : fs::directory_iterator(path, error)) {
+    const std::string name = item.path().filename().string();
+    if (name.ends_with(".bag") || name.ends_with(".bag.active")) files.push_back(item.path().string());
+  }
+  if (files.empty()) throw RecordingError(path + ": a folder without a recording (expected NAME.bag in it)");
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 }  // namespace vismem

@@ -1,23 +1,17 @@
-/// @file The messages of a ROS 1 bag as plain values. This header has no ROS types and is C++17: the message
-/// headers of Debian 12 do not compile as C++20 (DESIGN 4). Use RobotLog (robot_log.h) unless you need a bag
-/// as such.
+/// @file The messages of one or several ROS 1 bags as plain values. Use RobotLog (robot_log.h) unless you
+/// need a bag as such.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-namespace vismem {
+#include "common/recording/bag_format.h"
+#include "common/recording/ros_messages.h"
 
-/// What is wrong with a recording, in one line: file, topic where there is one, what was found and what was
-/// expected.
-class RecordingError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+namespace vismem {
 
 struct BagTopic {
   std::string name;
@@ -73,26 +67,45 @@ struct BagTransform {
   bool is_static = false;  ///< from a topic called tf_static: holds at any time
 };
 
-/// A bag opened for reading. Every function throws RecordingError. *Single-threaded.*
+/// One bag, or several that continue one another, opened for reading. *Single-threaded.*
 class BagFile {
  public:
-  /// Reads the index only. @throws RecordingError for a file that is missing, no bag, or cut off.
+  /// Reads the index, or makes it where it is missing. @throws RecordingError for a file that is missing or
+  /// no bag.
   explicit BagFile(const std::string& file);
+  /// @param files in any order: they follow one another by their first message. @throws RecordingError also
+  /// when there are none.
+  explicit BagFile(const std::vector<std::string>& files);
   ~BagFile();
   BagFile(BagFile&&) noexcept;
   BagFile& operator=(BagFile&&) noexcept;
 
+  /// Its name; of several, the first one's with the number of the others.
   const std::string& file() const;
   const std::vector<BagTopic>& topics() const;  ///< sorted by name
+  /// What was damaged, and what was saved, in order of being found: reading adds to it.
+  const std::vector<std::string>& notes() const;
+  /// Times of recording of the first and last message [us]; 0 for an empty bag.
+  std::int64_t beginUs() const;
+  std::int64_t endUs() const;
+  std::uint64_t bytes() const;                    ///< of all files
+  std::vector<std::string> compressions() const;  ///< "none", "bz2", "lz4"
 
-  /// Of a topic of type sensor_msgs/Image or sensor_msgs/CompressedImage, in order of recording. Reads the
-  /// topic through once, because a bag's index does not know header stamps.
+  // Messages in the order in which they were recorded. One that is damaged is left out and noted. All throw
+  // RecordingError for a topic of another type, or when no message of a topic that has some can be read.
+
+  /// Of a topic of type sensor_msgs/Image or sensor_msgs/CompressedImage: of every message only its beginning
+  /// is read where the bag is not compressed.
   std::vector<BagImageHeader> imageHeaders(const std::string& topic);
-  /// @param index into imageHeaders(topic), which was called before.
+  /// @param index into imageHeaders(topic), which was called before. @throws RecordingError when it is
+  /// damaged.
   BagImage readImage(const std::string& topic, std::size_t index);
   std::vector<BagCameraInfo> cameraInfos(const std::string& topic);
   std::vector<BagOdometry> odometry(const std::string& topic);
   std::vector<BagJoints> joints(const std::string& topic);
+  std::vector<RosPoseWithCovariance> poses(const std::string& topic);
+  /// Of a topic of type std_msgs/String.
+  std::vector<std::string> strings(const std::string& topic);
   /// Of all topics with transforms.
   std::vector<BagTransform> transforms();
 
@@ -101,11 +114,8 @@ class BagFile {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The types of messages that this library reads.
-inline constexpr const char* kRawImageType = "sensor_msgs/Image";
-inline constexpr const char* kCompressedImageType = "sensor_msgs/CompressedImage";
-inline constexpr const char* kCameraInfoType = "sensor_msgs/CameraInfo";
-inline constexpr const char* kOdometryType = "nav_msgs/Odometry";
-inline constexpr const char* kJointStateType = "sensor_msgs/JointState";
+/// The bags that a path means: a file itself, or those of a folder, sorted by name (a session's parts, also
+/// the one that was being written when the power failed). @throws RecordingError for a folder without any.
+std::vector<std::string> bagsOf(const std::string& path);
 
 }  // namespace vismem

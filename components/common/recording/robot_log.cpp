@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "common/recording/picture_decoder.h"
 #include "common/recording/transform_tree.h"
 
 namespace vismem {
@@ -16,7 +16,8 @@ namespace {
 const std::array<std::string, 2> kRobotFrames{"base_footprint", "base_link"};
 const std::array<std::string, 2> kPanJoints{"head_yaw", "pan"};
 const std::array<std::string, 2> kTiltJoints{"head_pitch", "tilt"};
-constexpr const char* kEncodings = "rgb8, bgr8 or mono8";
+/// A stamp that goes back by more begins a new epoch: a restarted clock, not messages out of order.
+constexpr StampUs kClockBackUs = 1'000'000;
 
 std::string join(const std::vector<std::string>& items) {
   std::string text;
@@ -54,6 +55,17 @@ bool isRotation(double qx, double qy, double qz, double qw) {
   return std::isfinite(norm) && norm > 1e-6;
 }
 
+/// Number of messages, in the order of recording, before the clock jumps back; all where it does not.
+template <typename Item>
+std::size_t countBeforeJump(const std::vector<Item>& items) {
+  StampUs newest_us = std::numeric_limits<StampUs>::min();
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (i > 0 && items[i].stamp_us < newest_us - kClockBackUs) return i;
+    newest_us = std::max(newest_us, items[i].stamp_us);
+  }
+  return items.size();
+}
+
 /// Sorts by stamp and drops what is not newer than the one before.
 template <typename Sample>
 void makeIncreasing(std::vector<Sample>& samples) {
@@ -84,12 +96,27 @@ struct RobotLog::Impl {
   std::vector<OdometrySample> odometry;
   std::vector<PanTiltSample> joints;
   std::size_t without_pose = 0;
+  mutable std::vector<std::string> notes;
+
+  /// Leaves out what was recorded after the clock jumped back, and says so.
+  template <typename Item>
+  void keepFirstEpoch(const std::string& topic, std::vector<Item>& items) {
+    const std::size_t count = countBeforeJump(items);
+    if (count == items.size()) return;
+    notes.push_back(bag.file() + ": topic " + topic + ": the clock jumps back from " +
+                    std::to_string(toSeconds(items[count - 1].stamp_us)) + " s to " +
+                    std::to_string(toSeconds(items[count].stamp_us)) + " s: the " +
+                    std::to_string(items.size() - count) + " messages after that are left out, " +
+                    std::to_string(count) + " are kept");
+    items.resize(count);
+  }
 
   [[noreturn]] void fail(const std::string& topic, const std::string& what) const {
     throw RecordingError(bag.file() + ": " + (topic.empty() ? "" : "topic " + topic + ": ") + what);
   }
 
-  /// The topic of that name, or the only one that fits. @return empty when none is named and none fits.
+  /// The topic of that name, or the only one that fits.
+  /// @return empty without a name and without a fitting topic.
   template <typename Fits>
   std::string choose(const std::string& named, const std::string& kind, const std::string& types,
                      Fits fits) const {
@@ -111,7 +138,9 @@ struct RobotLog::Impl {
 
   void openImages(const RobotLogOptions& options);
   void readIntrinsics(const RobotLogOptions& options);
+  void useFieldOfView(double fov_rad);
   void readOdometry(const RobotLogOptions& options);
+  std::vector<BagOdometry> recordedOdometry(const RobotLogOptions& options);
   void readJoints(const RobotLogOptions& options);
   void readTransforms(const RobotLogOptions& options, const std::string& images_frame);
   std::string images_frame;
@@ -135,16 +164,16 @@ void RobotLog::Impl::openImages(const RobotLogOptions& options) {
   images_frame = headers.front().frame_id;
   for (std::size_t i = 0; i < headers.size(); ++i) {
     const BagImageHeader& header = headers[i];
-    if (!header.compressed && header.encoding != "rgb8" && header.encoding != "bgr8" &&
-        header.encoding != "mono8") {
+    if (!header.compressed && !isKnownEncoding(header.encoding)) {
       fail(topics.image, "image " + std::to_string(i) + " has the encoding \"" + header.encoding +
-                             "\" (expected " + kEncodings + ")");
+                             "\" (expected " + knownEncodings() + ")");
     }
     Shot shot;
     shot.index = i;
     shot.stamp_us = header.stamp_us;
     shots.push_back(shot);
   }
+  keepFirstEpoch(topics.image, shots);
   std::stable_sort(shots.begin(), shots.end(),
                    [](const Shot& a, const Shot& b) { return a.stamp_us < b.stamp_us; });
   shots.erase(std::unique(shots.begin(), shots.end(),
@@ -163,8 +192,9 @@ void RobotLog::Impl::readIntrinsics(const RobotLogOptions& options) {
   topics.camera_info = choose(wanted, "camera's calibration", kCameraInfoType,
                               [](const BagTopic& topic) { return topic.type == kCameraInfoType; });
   if (topics.camera_info.empty()) {
+    if (options.fov_rad > 0.0) return useFieldOfView(options.fov_rad);
     fail("", "no calibration of the camera: found " + listOf(bag.topics()) + " (expected a topic of type " +
-                 kCameraInfoType + ")");
+                 kCameraInfoType + ", or the camera's field of view: key Camera.FieldOfView_deg)");
   }
   std::map<StampUs, CameraIntrinsics> by_stamp;
   for (const BagCameraInfo& info : bag.cameraInfos(topics.camera_info)) {
@@ -196,21 +226,44 @@ void RobotLog::Impl::readIntrinsics(const RobotLogOptions& options) {
   }
   if (by_stamp.empty()) fail(topics.camera_info, "has no messages (expected the camera's calibration)");
   for (Shot& shot : shots) {
-    // The one of the image's moment, or the last before it: a calibration holds until the next one.
+    // The calibration of the image's stamp, or the last before it: it is valid until the next one.
     auto after = by_stamp.upper_bound(shot.stamp_us);
     if (after != by_stamp.begin()) --after;
     shot.intrinsics = after->second;
   }
 }
 
+void RobotLog::Impl::useFieldOfView(double fov_rad) {
+  const auto size = pictureSize(bag.readImage(topics.image, shots.front().index));
+  if (!size || size->width <= 0 || size->height <= 0)
+    fail(topics.image, "the size of its first image is unknown");
+  for (Shot& shot : shots) shot.intrinsics = intrinsicsFromFieldOfView(size->width, size->height, fov_rad);
+}
+
+/// Of its own topic, else from the transforms odom -> robot.
+std::vector<BagOdometry> RobotLog::Impl::recordedOdometry(const RobotLogOptions& options) {
+  if (!topics.odometry.empty()) return bag.odometry(topics.odometry);
+  const std::string odom = options.odom_frame.empty() ? "odom" : options.odom_frame;
+  std::vector<BagOdometry> samples;
+  for (const BagTransform& t : bag.transforms()) {
+    const bool robot = options.robot_frame.empty() ? std::find(kRobotFrames.begin(), kRobotFrames.end(),
+                                                               t.child) != kRobotFrames.end()
+                                                   : t.child == options.robot_frame;
+    if (t.is_static || t.parent != odom || !robot) continue;
+    samples.push_back({t.stamp_us, t.x, t.y, t.qx, t.qy, t.qz, t.qw, 0.0, 0.0});
+  }
+  if (samples.empty()) {
+    fail("", "no odometry: found " + listOf(bag.topics()) + " (expected a topic of type " + kOdometryType +
+                 ", or transforms from " + odom + " to the robot)");
+  }
+  topics.odometry = "of transforms";
+  return samples;
+}
+
 void RobotLog::Impl::readOdometry(const RobotLogOptions& options) {
   topics.odometry = choose(options.odometry_topic, "odometry", kOdometryType,
                            [](const BagTopic& topic) { return topic.type == kOdometryType; });
-  if (topics.odometry.empty()) {
-    fail("",
-         "no odometry: found " + listOf(bag.topics()) + " (expected a topic of type " + kOdometryType + ")");
-  }
-  for (const BagOdometry& raw : bag.odometry(topics.odometry)) {
+  for (const BagOdometry& raw : recordedOdometry(options)) {
     OdometrySample sample;
     sample.stamp_us = raw.stamp_us;
     Pose3 pose = Pose3::Identity();
@@ -229,6 +282,7 @@ void RobotLog::Impl::readOdometry(const RobotLogOptions& options) {
     sample.w_radps = raw.w_radps;
     odometry.push_back(sample);
   }
+  keepFirstEpoch(topics.odometry, odometry);
   makeIncreasing(odometry);
   if (odometry.size() < 2) {
     fail(topics.odometry,
@@ -270,7 +324,7 @@ void RobotLog::Impl::readJoints(const RobotLogOptions& options) {
                               (options.pan_joint.empty() ? "head_yaw or pan" : options.pan_joint) + " and " +
                               (options.tilt_joint.empty() ? "head_pitch or tilt" : options.tilt_joint) + ")");
     }
-    // Other joints of the robot: nobody asked for them.
+    // Other joints of the robot are not needed.
     topics.joints = topics.pan_joint = topics.tilt_joint = "";
     return;
   }
@@ -282,19 +336,30 @@ void RobotLog::Impl::readJoints(const RobotLogOptions& options) {
       if (sample.names[i] == topics.pan_joint) pan = sample.positions[i];
       if (sample.names[i] == topics.tilt_joint) tilt = sample.positions[i];
     }
-    // Robots publish groups of joints in turn: a message without the head's is no fault.
+    // Robots publish groups of joints in turn: messages without the head's joints are normal.
     if (!pan || !tilt) continue;
     if (!std::isfinite(*pan) || !std::isfinite(*tilt)) {
       fail(topics.joints, "an angle at " + std::to_string(toSeconds(sample.stamp_us)) + " s is not finite");
     }
     joints.push_back({sample.stamp_us, 0, *pan, sign * *tilt});
   }
+  keepFirstEpoch(topics.joints, joints);
   makeIncreasing(joints);
 }
 
 void RobotLog::Impl::readTransforms(const RobotLogOptions& options, const std::string& frame_of_images) {
   TransformTree tree(options.max_gap_us);
+  std::map<std::string, StampUs> newest_us;  // by child: others may publish later
+  std::size_t left_out = 0;
   for (const BagTransform& transform : bag.transforms()) {
+    if (!transform.is_static) {
+      StampUs& newest = newest_us.try_emplace(transform.child, transform.stamp_us).first->second;
+      if (transform.stamp_us < newest - kClockBackUs) {
+        ++left_out;
+        continue;
+      }
+      newest = std::max(newest, transform.stamp_us);
+    }
     const Pose3 pose = isRotation(transform.qx, transform.qy, transform.qz, transform.qw) ? toPose(transform)
                                                                                           : Pose3::Identity();
     if (!isRotation(transform.qx, transform.qy, transform.qz, transform.qw) || !pose.matrix().allFinite()) {
@@ -306,6 +371,10 @@ void RobotLog::Impl::readTransforms(const RobotLogOptions& options, const std::s
     } else {
       tree.add(transform.parent, transform.child, transform.stamp_us, pose);
     }
+  }
+  if (left_out > 0) {
+    notes.push_back(bag.file() + ": " + std::to_string(left_out) +
+                    " transforms from after a jump of the clock back are left out");
   }
   const bool named = !options.robot_frame.empty() || !options.camera_frame.empty();
   const std::string camera = options.camera_frame.empty() ? frame_of_images : options.camera_frame;
@@ -339,17 +408,30 @@ RobotLog::~RobotLog() = default;
 RobotLog::RobotLog(RobotLog&&) noexcept = default;
 RobotLog& RobotLog::operator=(RobotLog&&) noexcept = default;
 
-RobotLog RobotLog::open(const std::string& file, const RobotLogOptions& options) {
-  auto impl = std::make_unique<Impl>(BagFile(file));
+RobotLog RobotLog::open(const std::string& path, const RobotLogOptions& options) {
+  return open(std::vector<std::string>{path}, options);
+}
+
+RobotLog RobotLog::open(const std::vector<std::string>& paths, const RobotLogOptions& options) {
+  std::vector<std::string> files;
+  for (const std::string& path : paths) {
+    const auto some = bagsOf(path);
+    files.insert(files.end(), some.begin(), some.end());
+  }
+  auto impl = std::make_unique<Impl>(BagFile(files));
   impl->openImages(options);
   impl->readIntrinsics(options);
   impl->readOdometry(options);
-  impl->readJoints(options);
-  impl->readTransforms(options, impl->images_frame);
+  if (!options.fixed_camera) {
+    impl->readJoints(options);
+    impl->readTransforms(options, impl->images_frame);
+  }
   for (const Impl::Shot& shot : impl->shots) impl->stamps.push_back(shot.stamp_us);
   RobotLog log(std::move(impl));
-  // What every image would say is better said before anything has started.
+  // Reports a problem of all images at the opening.
   log.readFrame(0);
+  const auto& damage = log.impl_->bag.notes();
+  log.impl_->notes.insert(log.impl_->notes.begin(), damage.begin(), damage.end());
   return log;
 }
 
@@ -361,6 +443,12 @@ const RobotLogTopics& RobotLog::topics() const {
 }
 const std::vector<StampUs>& RobotLog::frameStamps() const {
   return impl_->stamps;
+}
+const std::vector<BagTopic>& RobotLog::contents() const {
+  return impl_->bag.topics();
+}
+const std::vector<std::string>& RobotLog::notes() const {
+  return impl_->notes;
 }
 bool RobotLog::knowsCameraPose() const {
   return !impl_->topics.robot_frame.empty();
@@ -374,11 +462,27 @@ const std::vector<OdometrySample>& RobotLog::odometry() const {
 const std::vector<PanTiltSample>& RobotLog::joints() const {
   return impl_->joints;
 }
+std::vector<TruePose> RobotLog::truth() const {
+  static const std::string kTopic = "/ground_truth/pose";
+  std::vector<TruePose> truth;
+  for (const BagTopic& topic : contents()) {
+    if (topic.name != kTopic || topic.type != kPoseType || topic.messages == 0) continue;
+    for (const RosPoseWithCovariance& recorded : impl_->bag.poses(kTopic)) {
+      const RosPoint& p = recorded.pose.position;
+      const RosQuaternion& q = recorded.pose.orientation;
+      if (!isRotation(q.x, q.y, q.z, q.w)) continue;
+      const Pose3 pose = toPose({0, "", "", p.x, p.y, p.z, q.x, q.y, q.z, q.w, false});
+      if (pose.matrix().allFinite()) truth.push_back({recorded.header.stamp_us, toPose2(pose)});
+    }
+  }
+  return truth;
+}
+
 CameraIntrinsics RobotLog::intrinsics(std::size_t index) const {
   return impl_->shots.at(index).intrinsics;
 }
 
-Frame RobotLog::readFrame(std::size_t index) const {
+Frame RobotLog::readFrame(std::size_t index, bool native) const {
   const Impl::Shot& shot = impl_->shots.at(index);
   const BagImage raw = impl_->bag.readImage(impl_->topics.image, shot.index);
   Frame frame;
@@ -386,39 +490,25 @@ Frame RobotLog::readFrame(std::size_t index) const {
   frame.seq = index;
   frame.intrinsics = shot.intrinsics;
   frame.T_robot_camera = shot.T_robot_camera;
-  const std::string which = "image " + std::to_string(shot.index);
-  if (raw.header.compressed) {
-    const cv::Mat decoded = raw.data.empty() ? cv::Mat() : cv::imdecode(raw.data, cv::IMREAD_COLOR);
-    if (decoded.empty()) {
-      impl_->fail(impl_->topics.image, which + " (" + raw.header.encoding + ", " +
-                                           std::to_string(raw.data.size()) +
-                                           " bytes) cannot be decoded (expected JPEG or PNG)");
-    }
-    cv::cvtColor(decoded, frame.image, cv::COLOR_BGR2RGB);
-  } else {
-    const bool grey = raw.header.encoding == "mono8";
-    const std::size_t row = static_cast<std::size_t>(raw.header.width) * (grey ? 1 : 3);
-    if (raw.step < row || raw.data.size() < raw.step * static_cast<std::size_t>(raw.header.height) ||
-        raw.header.width <= 0 || raw.header.height <= 0) {
-      impl_->fail(impl_->topics.image,
-                  which + " has " + std::to_string(raw.data.size()) + " bytes, " + std::to_string(raw.step) +
-                      " a row (expected " + std::to_string(raw.header.width) + "x" +
-                      std::to_string(raw.header.height) + " pixels of " + raw.header.encoding + ")");
-    }
-    const cv::Mat view(raw.header.height, raw.header.width, grey ? CV_8UC1 : CV_8UC3,
-                       const_cast<std::uint8_t*>(raw.data.data()), raw.step);
-    if (raw.header.encoding == "bgr8") {
-      cv::cvtColor(view, frame.image, cv::COLOR_BGR2RGB);
-    } else {
-      frame.image = view.clone();
-    }
-  }
-  if (frame.image.cols != frame.intrinsics.width || frame.image.rows != frame.intrinsics.height) {
+  const std::string which = "image " + std::to_string(shot.index) + " ";
+  const auto checkSize = [&](const cv::Size& size) {
+    if (size.width == frame.intrinsics.width && size.height == frame.intrinsics.height) return;
     impl_->fail(impl_->topics.image,
-                which + " is " + std::to_string(frame.image.cols) + "x" + std::to_string(frame.image.rows) +
+                which + "is " + std::to_string(size.width) + "x" + std::to_string(size.height) +
                     " (expected " + std::to_string(frame.intrinsics.width) + "x" +
                     std::to_string(frame.intrinsics.height) + ", as " + impl_->topics.camera_info + " says)");
+  };
+  try {
+    // Before anything of the claimed size is allocated.
+    if (const auto size = pictureSize(raw)) checkSize(*size);
+    if (native) frame.native = nativePicture(raw);
+    if (!frame.native) frame.image = decodePicture(raw);
+  } catch (const RecordingError& error) {
+    const std::string what = error.what();
+    if (what.find(impl_->topics.image) != std::string::npos) throw;
+    impl_->fail(impl_->topics.image, which + what);
   }
+  if (!frame.native) checkSize(frame.image.size());
   return frame;
 }
 

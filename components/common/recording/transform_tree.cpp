@@ -34,7 +34,7 @@ std::vector<std::string> TransformTree::frames() const {
 std::vector<std::string> TransformTree::pathToRoot(const std::string& frame) const {
   std::vector<std::string> path{frame};
   for (auto edge = edges_.find(frame); edge != edges_.end(); edge = edges_.find(path.back())) {
-    // A broken log may hold a loop.
+    // A defective log may contain a loop.
     if (std::find(path.begin(), path.end(), edge->second.parent) != path.end()) break;
     path.push_back(edge->second.parent);
   }
@@ -63,7 +63,7 @@ std::optional<Pose3> TransformTree::lookup(const std::string& a, const std::stri
   if (!connected(a, b)) return std::nullopt;
   auto from_a = pathToRoot(a);
   auto from_b = pathToRoot(b);
-  // What both have in common, such as the robot's pose in odom, need not be known.
+  // The common part of both paths, such as the robot's pose in odom, is not needed.
   while (from_a.size() > 1 && from_b.size() > 1 && from_a[from_a.size() - 2] == from_b[from_b.size() - 2]) {
     from_a.pop_back();
     from_b.pop_back();

@@ -8,7 +8,7 @@ namespace vismem {
 namespace {
 
 constexpr StampUs kTolerated_us = kSecondUs;
-/// Clocks that nobody sets differ by seconds or minutes; more is another time altogether.
+/// Unsynchronized clocks differ by seconds or minutes; larger differences indicate another time base.
 constexpr StampUs kComparable_us = 600 * kSecondUs;
 constexpr StampUs kPatience_us = 3 * kSecondUs;
 

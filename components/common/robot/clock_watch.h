@@ -1,5 +1,4 @@
-/// @file Whether a source's stamps agree with this host's clock (DESIGN 14). Pure: the host's time is passed
-/// in.
+/// @file Check of a source's stamps against this host's clock. Pure: the host's time is passed in.
 #pragma once
 
 #include <optional>
@@ -13,13 +12,14 @@ namespace vismem {
 /// zero and a recording has its own date. *Single-threaded.*
 class ClockWatch {
  public:
-  /// @param stamp_us     of the newest sample. @param host_now_us  real time of this host.
-  /// @return what is wrong: stamps that have been over a second off for some seconds; empty if nothing is.
+  /// @param stamp_us of the newest sample [us].
+  /// @param host_now_us real time of this host [us].
+  /// @return the problem: stamps with an offset over 1 s for some seconds; empty without one.
   std::string check(StampUs stamp_us, StampUs host_now_us);
 
  private:
-  /// Since when the stamps are off, in the host's time. A process that was frozen gets old samples for a
-  /// moment.
+  /// Host time since which the stamps are off. The delay covers a frozen process, which receives old samples
+  /// for a moment.
   std::optional<StampUs> off_since_us_;
 };
 

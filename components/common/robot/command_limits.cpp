@@ -11,17 +11,18 @@
 namespace vismem {
 namespace {
 
-/// As people read it: no more digits than matter, enough to tell the value from the limit.
+/// A value with few digits, enough to distinguish it from the limit.
 std::string text(double value) {
   char buffer[32];
   std::snprintf(buffer, sizeof buffer, "%.4g", value);
   return buffer;
 }
 
-/// Collects what is wrong with a command, and what of it was changed.
+/// Collects the problems and the changes of a command.
 class Check {
  public:
-  /// @return the value, brought into [low, high]. @param scale to the unit of the message.
+  /// @return the value, clamped to [low, high].
+  /// @param scale to the unit of the message.
   double within(const char* name, double value, double low, double high, double scale, const char* unit) {
     if (!std::isfinite(value)) {
       add(rejections_, std::string(name) + " = " + text(value) + " (must be finite)");
@@ -34,7 +35,7 @@ class Check {
     }
     return limited;
   }
-  /// @return the bound of a rate on the way to a position: 0 and too much mean the maximum.
+  /// @return the maximum rate on the way to a position: 0 and higher values mean the maximum.
   double bound(const char* name, double value, double maximum) {
     if (!(std::isfinite(value) && value >= 0.0)) {
       add(rejections_, std::string(name) + " = " + text(value) + " (must be finite and >= 0)");

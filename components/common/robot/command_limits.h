@@ -1,5 +1,5 @@
-/// @file What a part of a robot does with a command that asks too much: one rule, and the same words, for
-/// every driver, the simulator and the servants. Pure.
+/// @file Limits of commands: one rule with the same messages for every driver, the simulator and the
+/// servants. Pure.
 #pragma once
 
 #include "common/robot/ports.h"
@@ -7,14 +7,14 @@
 namespace vismem {
 
 struct LimitedPanTiltCommand {
-  /// To be followed if `reply` is ok; then all of it is finite and within the limits.
+  /// The command to execute if `reply` is ok: finite and within the limits.
   PanTiltCommand command;
   PortReply reply;
 };
 
 /// Rejected: a value that is not finite; a negative bound of a rate. Adjusted, with both values in the
-/// message: angles and signed rates outside the limits. A bound of a rate above the maximum is no adjustment:
-/// it becomes the maximum, as 0 does.
+/// message: angles and signed rates outside the limits. A rate bound above the maximum becomes the maximum,
+/// as 0 does; this is no adjustment.
 LimitedPanTiltCommand limitCommand(const PanTiltLimits& limits, const PanTiltCommand& command);
 
 struct LimitedVelocity {

@@ -9,7 +9,7 @@ namespace vismem {
 namespace {
 
 constexpr StampUs kHistorySpan_us = 5 * kSecondUs;
-/// Stamps that go back further than this are a restart, a loop or a seek, not jitter (DESIGN 14).
+/// Stamps that go back further than this are a restart, a loop or a seek, not jitter.
 constexpr StampUs kBackwards_us = kSecondUs;
 constexpr std::size_t kMaxWaitingFrames = 64;
 
@@ -47,7 +47,7 @@ void ObservationAssembler::add(Frame frame) {
   if (wentBack(frame.stamp_us, newest_frame_us_)) {
     const auto odometry = odometry_.latest();
     if (odometry && !wentBack(frame.stamp_us, odometry->stamp_us)) {
-      // The odometry went back before and began the epoch; these frames were still of the time before it.
+      // The odometry already began this epoch; these frames belong to the time before it.
       frames_.clear();
       newest_frame_us_ = 0;
     } else {
@@ -65,7 +65,7 @@ void ObservationAssembler::add(Frame frame) {
 void ObservationAssembler::add(const PanTiltSample& sample) {
   const auto newest = pan_tilt_.latest();
   if (newest && wentBack(sample.stamp_us, newest->stamp_us)) {
-    // Joint angles remember nothing: only with the other streams' time does an epoch begin.
+    // Joint angles have no memory: only the other streams begin an epoch.
     pan_tilt_.clear();
   }
   pan_tilt_.add(sample);
@@ -79,12 +79,12 @@ void ObservationAssembler::add(const OdometrySample& sample) {
                                           std::abs(moved.theta) > params_.max_jump_rad);
     if (wentBack(sample.stamp_us, newest->stamp_us)) {
       if (newest_frame_us_ != 0 && !wentBack(sample.stamp_us, newest_frame_us_)) {
-        odometry_.clear();  // The frames went back before and began the epoch.
+        odometry_.clear();  // The frames already began this epoch.
       } else {
         beginEpoch("the odometry's stamps went back by " + secondsText(newest->stamp_us - sample.stamp_us));
       }
     } else if (sample.seq < newest->seq && sample.stamp_us > newest->stamp_us) {
-      // A restarted base counts from its beginning, and its origin is another; stamps of a real clock go on.
+      // A restarted base has new sequence numbers and a new origin; stamps of a real clock continue.
       beginEpoch("the odometry was restarted: its numbers went back from " + std::to_string(newest->seq) +
                  " to " + std::to_string(sample.seq));
     } else if (jumped) {

@@ -1,4 +1,4 @@
-/// @file A frame with the robot's state at its own stamp, and how it is put together. Pure. SPEC G3.
+/// @file A frame with the robot's state at the frame's stamp, and its assembly. Pure. Implements G3.
 #pragma once
 
 #include <deque>
@@ -10,19 +10,19 @@
 
 namespace vismem {
 
-/// Everything the algorithms know of one instant.
+/// All measurements of one instant.
 struct RobotObservation {
   Frame frame;
   Pose2 T_odom_robot;
   Pose3 T_robot_camera = Pose3::Identity();
   /// Joint angles at the stamp; empty where the source has no pan-tilt unit.
   std::optional<PanTilt> pan_tilt;
-  /// Counts up whenever the source's time or odometry jumped: what was remembered before no longer fits.
+  /// Grows with every jump of the source's time or odometry: older memory is then invalid.
   std::uint32_t epoch = 0;
 };
 
 /// Joins frames, pan-tilt and odometry by their stamps. *Single-threaded* (owner: the perception loop).
-/// Invariant: an observation is given only when both histories cover the frame's stamp; frames older than
+/// Invariant: an observation is complete only when both histories cover the frame's stamp. Frames older than
 /// the histories are dropped and counted.
 class ObservationAssembler {
  public:
@@ -40,23 +40,21 @@ class ObservationAssembler {
   void add(const PanTiltSample& sample);
   void add(const OdometrySample& sample);
 
-  /// The newest frame that both histories cover, if any is left; older frames are passed over ("latest
-  /// wins") unless `every_frame`, which gives them one by one (logs, lock-step).
+  /// The newest frame that both histories cover; older frames are skipped. With `every_frame` the frames come
+  /// one by one (logs, lock-step).
   std::optional<RobotObservation> take(bool every_frame = false);
 
   /// Robot pose at a stamp, if known.
   std::optional<Pose2> odometryAt(StampUs stamp_us) const { return odometry_.at(stamp_us); }
-  std::optional<OdometrySample> latestOdometry() const { return odometry_.latest(); }
-  std::optional<PanTiltSample> latestPanTilt() const { return pan_tilt_.latest(); }
   std::uint64_t droppedFrames() const { return dropped_frames_; }
-  /// Begins a new epoch when a source's time went back by over a second (restart, loop, seek), or odometry
-  /// jumped or was restarted: its numbers went back. The streams of one restarted source notice it one after
-  /// the other; that is one epoch.
+  /// A new epoch begins when a source's time went back by over 1 s (restart, loop, seek), or odometry jumped
+  /// or restarted (its sequence numbers went back). A restart that appears in several streams, one after the
+  /// other, counts as one epoch.
   std::uint32_t epoch() const { return epoch_; }
-  /// What began the present epoch, for people; empty for the first.
+  /// Reason of the present epoch, for people; empty for the first.
   const std::string& epochReason() const { return epoch_reason_; }
-  /// Why take() gives nothing though frames come, for people: "no odometry has come", "the camera's stamps
-  /// are 12.3 s ahead of the odometry's".
+  /// Reason why take() returns nothing although frames arrive, for people: "no odometry has come", "the
+  /// camera's stamps are 12.3 s ahead of the odometry's".
   std::string whyNothing() const;
 
  private:

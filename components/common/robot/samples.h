@@ -1,5 +1,5 @@
-/// @file What a robot's sensors deliver: values with a capture stamp. Pure.
-/// Stamps are microseconds of the source's clock (DESIGN 14): never compare them with the wall clock.
+/// @file Samples of a robot's sensors: values with a capture stamp. Pure. Stamps are microseconds of the
+/// source's clock (docs/architecture.md): never compare them with the wall clock.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ constexpr StampUs toStampUs(double seconds) {
   return static_cast<StampUs>(seconds * 1e6 + (seconds < 0 ? -0.5 : 0.5));
 }
 
-/// How the bytes of a picture are laid out where it was captured.
+/// Pixel layout of an image as captured.
 enum class NativeFormat {
   kRgb8,   ///< R G B
   kGray8,  ///< one byte a pixel
@@ -33,8 +33,8 @@ enum class NativeFormat {
   kNv12,   ///< a plane of Y, then one of U V at half the size
 };
 
-/// A picture as a device or file gave it, byte for byte: whoever asks for pixels decodes it
-/// (common/image_codec), whoever wants this very format has it for nothing.
+/// An image in the bytes of its device or file. common/image_codec decodes it into pixels; a consumer of this
+/// format needs no conversion.
 struct NativeImage {
   NativeFormat format = NativeFormat::kJpeg;
   int width = 0;   ///< [px]
@@ -46,14 +46,14 @@ struct NativeImage {
 /// One image. The pixels are shared and must not be written after the frame was handed on.
 struct Frame {
   StampUs stamp_us = 0;         ///< of the exposure's middle
-  std::uint64_t seq = 0;        ///< counts up by one per captured frame; gaps are frames that were dropped
+  std::uint64_t seq = 0;        ///< grows by one per captured frame; gaps are dropped frames
   cv::Mat image;                ///< CV_8UC3 in the order R, G, B, or CV_8UC1; raw pixels (with distortion)
-  CameraIntrinsics intrinsics;  ///< its width and height are the picture's
-  /// Full pose of the camera on the robot, when the source knows it (humanoid kinematics, a log's tf).
-  /// Where present it wins over mount and pan-tilt.
+  CameraIntrinsics intrinsics;  ///< width and height equal the image's
+  /// Full pose of the camera on the robot, when the source knows it (humanoid kinematics, a log's tf). If
+  /// present, it replaces mount and pan-tilt.
   std::optional<Pose3> T_robot_camera;
-  /// The picture as it was captured, immutable. Set only by a source that was configured with
-  /// FrameRequest::accept_native; `image` may then be empty. All other consumers need not know of it.
+  /// The image as captured, immutable. Set only by a source with FrameRequest::accept_native; `image` may
+  /// then be empty.
   std::shared_ptr<const NativeImage> native;
 };
 
@@ -65,7 +65,7 @@ struct PanTiltSample {
   double tilt_rad = 0.0;
 };
 
-/// Dead-reckoned pose of the robot. The origin of odom is the base's own affair.
+/// Dead-reckoned pose of the robot. The base chooses the origin of odom.
 struct OdometrySample {
   StampUs stamp_us = 0;
   std::uint64_t seq = 0;

@@ -41,33 +41,74 @@ jderobot::EncodersData toEncoders(const Pose2& T_odom_robot) {
           static_cast<float>(std::cos(T_odom_robot.theta)), static_cast<float>(std::sin(T_odom_robot.theta))};
 }
 
+void BaseServant::limitSpeed(double speed_mps) {
+  highest_speed_mps_ = speed_mps;
+}
+
+void BaseServant::limitTurnRate(double turn_rate_radps) {
+  highest_turn_rate_radps_ = turn_rate_radps;
+}
+
+BaseLimits BaseServant::limits() const {
+  BaseLimits limits = base_.limits();
+  // A base that was not reached yet has limits of 0, which are none.
+  const auto lower = [](double own, double set) { return own > 0 ? std::min(own, set) : own; };
+  limits.max_speed_mps = lower(limits.max_speed_mps, highest_speed_mps_);
+  limits.max_turn_rate_radps = lower(limits.max_turn_rate_radps, highest_turn_rate_radps_);
+  return limits;
+}
+
 avm::BaseLimits BaseServant::getLimits(const Ice::Current&) {
-  return toIce(base_.limits());
+  return toIce(limits());
+}
+
+CommandLease::Duration BaseServant::commandTime() const {
+  const double watchdog_s = base_.limits().watchdog_s;
+  if (watchdog_s <= 0) return CommandLease::kImplicitTimeout;
+  return std::chrono::duration_cast<CommandLease::Duration>(std::chrono::duration<double>(watchdog_s));
 }
 
 BaseServant::Speeds BaseServant::commanded() const {
   const double watchdog_s = base_.limits().watchdog_s;
   if (!last_time_) return {};
   const std::chrono::duration<double> age = now_() - *last_time_;
-  // What a vanished client asked for must not come back with the next one's first command.
+  // The speed of a disconnected client must not return with the first command of the next one.
   if (watchdog_s > 0 && age.count() > watchdog_s) return {};
   return last_;
 }
 
 PortReply BaseServant::commandLocked(Speeds speeds) {
-  const PortReply reply = base_.setVelocity(speeds.v_mps, speeds.w_radps);
+  const Speeds wanted{
+      std::clamp<double>(speeds.v_mps, -highest_speed_mps_, highest_speed_mps_),
+      std::clamp<double>(speeds.w_radps, -highest_turn_rate_radps_, highest_turn_rate_radps_)};
+  PortReply reply = base_.setVelocity(wanted.v_mps, wanted.w_radps);
   if (!reply.ok()) return reply;
   const BaseLimits limits = base_.limits();
-  last_ = {clampTo(speeds.v_mps, limits.max_speed_mps), clampTo(speeds.w_radps, limits.max_turn_rate_radps)};
+  last_ = {clampTo(wanted.v_mps, limits.max_speed_mps), clampTo(wanted.w_radps, limits.max_turn_rate_radps)};
   last_time_ = now_();
-  return reply;
+  const bool slowed = wanted.v_mps != speeds.v_mps || wanted.w_radps != speeds.w_radps;
+  if (!slowed || reply.kind == PortReply::Kind::kAdjusted) return reply;
+  return PortReply::adjusted("brought to " + std::to_string(wanted.v_mps) + " m/s, " +
+                             std::to_string(wanted.w_radps) + " rad/s by the limits set at run time");
 }
 
-avm::CommandReply BaseServant::setVelocity(double v_mps, double w_radps, const Ice::Current&) {
+avm::CommandReply BaseServant::setVelocity(double v_mps, double w_radps, const Ice::Current& current) {
   requireFinite("vMps", v_mps);
   requireFinite("wRadps", w_radps);
   const std::lock_guard lock(commands_);
+  lease_.require(current, commandTime());
   return toIce(commandLocked({v_mps, w_radps}));
+}
+
+avm::CommandReply BaseServant::stop(const Ice::Current&) {
+  lease_.stop();
+  const std::lock_guard lock(commands_);
+  return toIce(commandLocked({}));
+}
+
+void BaseServant::endMotion() {
+  const std::lock_guard lock(commands_);
+  commandLocked({});
 }
 
 float BaseServant::getV(const Ice::Current&) {
@@ -80,15 +121,17 @@ float BaseServant::getW(const Ice::Current&) {
   return static_cast<float>(commanded().w_radps);
 }
 
-int BaseServant::setV(float v, const Ice::Current&) {
+int BaseServant::setV(float v, const Ice::Current& current) {
   if (!std::isfinite(v)) return -1;
   const std::lock_guard lock(commands_);
+  if (!lease_.admits(current, commandTime())) return -1;
   return commandLocked({v, commanded().w_radps}).ok() ? 0 : -1;
 }
 
-int BaseServant::setW(float w, const Ice::Current&) {
+int BaseServant::setW(float w, const Ice::Current& current) {
   if (!std::isfinite(w)) return -1;
   const std::lock_guard lock(commands_);
+  if (!lease_.admits(current, commandTime())) return -1;
   return commandLocked({commanded().v_mps, w}).ok() ? 0 : -1;
 }
 

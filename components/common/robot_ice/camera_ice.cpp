@@ -9,13 +9,13 @@
 namespace vismem {
 namespace {
 
-/// How long the pump waits for one frame: bounds how long stop() takes.
+/// Maximum wait of the pump for one frame, which bounds the duration of stop().
 constexpr std::chrono::milliseconds kPumpWait{100};
-/// A source that answers "nothing" without waiting must not make the pump spin.
+/// Pause after an empty answer, for sources that answer without waiting.
 constexpr std::chrono::milliseconds kPumpPause{10};
-/// A client that asks at least once a second at 30 Hz finds its format made.
+/// Number of frames encoded ahead: covers a client that requests one per second at 30 Hz.
 constexpr int kExpectedFrames = 30;
-/// How soon a waiting client notices that it was stopped.
+/// Period at which a waiting client checks for a stop.
 constexpr std::chrono::milliseconds kStopCheck{100};
 
 }  // namespace
@@ -82,7 +82,7 @@ void FrameBroadcaster::pump(FrameSource& source, const Watch& watch, const std::
       publish(std::move(*result.frame));
       continue;
     }
-    // An empty reason: nothing fell due yet, and all is well.
+    // An empty reason: no frame was due yet.
     if (!result.message.empty() || result.state == SourceState::kFinished)
       setState(result.state, result.message);
     if (std::chrono::steady_clock::now() - began < kPumpPause) std::this_thread::sleep_for(kPumpPause);
@@ -122,8 +122,8 @@ void CameraServant::answerNext(FrameFormat format, std::optional<std::int64_t> h
                                       exception(std::current_exception());
                                       return;
                                     }
-                                    // A picture that cannot be decoded is passed over: the caller would only
-                                    // ask for it again at once.
+                                    // An undecodable image is skipped, because the caller would request it
+                                    // again at once.
                                     answerNext(format, reading.revision, deadline, std::move(response),
                                                std::move(exception));
                                   });
@@ -140,6 +140,9 @@ avm::CameraInfo CameraServant::getInfo(const Ice::Current&) {
   if (const auto frame = broadcaster_.latest().latest()) {
     info.width = frame->width();
     info.height = frame->height();
+    const std::string captured = frameFormatNames()[static_cast<std::size_t>(frame->capturedFormat())];
+    std::stable_partition(info.formats.begin(), info.formats.end(),
+                          [&](const std::string& format) { return format == captured; });
   }
   return info;
 }
@@ -251,7 +254,7 @@ FrameResult RemoteFrameSource::next(std::chrono::milliseconds timeout) {
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   PendingCall<avm::FrameResult>::Outcome outcome;
   std::string why = nothing_yet_;
-  // In slices, so that stop() need not wait for the timeout; the request stays pending over them.
+  // In slices, so that stop() does not wait for the timeout; the request stays pending.
   for (auto left = timeout;;) {
     if (stopped_) return {SourceState::kWaiting, std::nullopt, "the camera's client is stopped"};
     outcome = frames_.wait(
@@ -267,11 +270,11 @@ FrameResult RemoteFrameSource::next(std::chrono::milliseconds timeout) {
     if (left <= std::chrono::milliseconds(0)) break;
     if (!outcome.result) continue;
     if (outcome.result->state != avm::SourceState::Waiting) break;
-    // The server's own wait is over, not this one. It may also be ending, and then answers at once.
+    // The server's own wait has ended, not this one. A server that stops answers at once.
     std::this_thread::sleep_for(std::min(left, kPumpPause));
   }
   if (!outcome.result) return {SourceState::kWaiting, std::nullopt, why};
-  // Also of a frame that cannot be used: it would only come again.
+  // Also of an unusable frame, which would be sent again otherwise.
   if (outcome.result->state == avm::SourceState::Running) last_seq_ = outcome.result->image.seq;
   return decodeFrame(*outcome.result);
 }

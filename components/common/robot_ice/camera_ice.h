@@ -1,5 +1,5 @@
-/// @file A camera over Ice: the broadcaster and servant over any FrameSource, and the client, which is one
-/// again.
+/// @file A camera over Ice: broadcaster and servant of a FrameSource, and a client that implements
+/// FrameSource.
 #pragma once
 
 #include <avm/camera.h>
@@ -20,37 +20,38 @@
 
 namespace vismem {
 
-/// Gives the newest frame to any number of clients. Frames come from a source on a thread of its own (start),
-/// or from whoever makes them (publish). *Thread-safe.*
+/// Sends the newest frame to any number of clients. Frames come from a source on a thread of its own (start),
+/// or from calls of publish. *Thread-safe.*
 class FrameBroadcaster {
  public:
   using Latest = LatestValue<EncodedFrame>;
-  /// Told what the source answered to each request, before it is published; on the pump's thread.
+  /// Called with the source's answer to each request, before it is published; on the pump's thread.
   using Watch = std::function<void(const FrameResult&)>;
 
   explicit FrameBroadcaster(int jpeg_quality = 85) : jpeg_quality_(jpeg_quality) {}
   ~FrameBroadcaster() { stop(); }
 
   /// Pumps a source that was configured and started; it must outlive stop(). Its capabilities are read at the
-  /// start and with its first frame. `watch` is how a server's status learns of the source.
+  /// start and with its first frame. `watch` connects the source to the server's status.
   void start(FrameSource& source, Watch watch = {});
-  /// Ends the pump, answers all waiting requests and all later ones at once. The source is left as it is.
+  /// Ends the pump and answers all waiting and later requests at once. The source keeps its state.
   void stop();
 
-  /// Answers those who wait for a frame, then makes what JdeRobot's clients may ask for next (expect).
+  /// Answers waiting requests, then encodes the formats that JdeRobot's clients are expected to request
+  /// (expect).
   void publish(Frame frame);
-  /// A client that does not wait asked for this format: that of the next frames is made before it is asked
-  /// for, so that its encoding and checksum are no part of the request.
+  /// Registers the format of a client that does not wait. The next frames are encoded in it ahead, so that
+  /// encoding and checksum do not delay the request.
   void expect(FrameFormat format);
   void setState(SourceState state, std::string message) { latest_.setState(state, std::move(message)); }
-  /// What the camera says of itself; to be set before clients come where there is no source.
+  /// Sets the capabilities; required before the first client if there is no source.
   void setCapabilities(FrameCapabilities capabilities);
   FrameCapabilities capabilities() const;
 
   Latest& latest() { return latest_; }
-  /// Clients that wait for a frame newer than theirs.
+  /// Number of waiting clients.
   std::size_t waiting() const { return latest_.waiting(); }
-  /// Frames so far; whoever waited for one of them has been answered.
+  /// Number of published frames; all clients that waited for them have been answered.
   std::uint64_t published() const { return published_; }
 
  private:
@@ -60,13 +61,13 @@ class FrameBroadcaster {
   mutable std::mutex mutex_;
   FrameCapabilities capabilities_;
   std::atomic<std::uint64_t> published_ = 0;
-  /// By format: for how many frames more it is made ahead.
+  /// By format: number of further frames that are encoded ahead.
   std::array<std::atomic<int>, 4> expected_{};
   Latest latest_{"no frame yet"};
-  std::jthread thread_;  ///< last member: ends before the rest goes
+  std::jthread thread_;  ///< last member: joined before the others are destroyed
 };
 
-/// avm::Camera and with it jderobot::Camera. *Thread-safe*; the broadcaster must outlive the adapter.
+/// Serves avm::Camera and with it jderobot::Camera. *Thread-safe*; the broadcaster must outlive the adapter.
 class CameraServant : public avm::Camera {
  public:
   /// @param name JdeRobot's name of the camera: by custom its identity.
@@ -78,21 +79,21 @@ class CameraServant : public avm::Camera {
                     std::function<void(std::exception_ptr)> exception, const Ice::Current&) override;
   avm::CameraInfo getInfo(const Ice::Current&) override;
 
-  /// Of the newest image as RGB8; before the first its nominal size and no md5sum.
+  /// Describes the newest image as RGB8; before the first, the nominal size without md5sum.
   std::shared_ptr<jderobot::ImageDescription> getImageDescription(const Ice::Current&) override;
   jderobot::ImageFormat getImageFormat(const Ice::Current&) override;
-  /// The newest image, however old it is: its timeStamp tells.
+  /// The newest image, of any age; timeStamp has its stamp.
   std::shared_ptr<jderobot::ImageData> getImageData(std::string format, const Ice::Current&) override;
-  /// Focal lengths, principal point and, where the source knows its pose, position, aim and roll. JdeRobot
-  /// has no fields for distortion: avm::Frame::cameraModel has it.
+  /// Focal lengths, principal point and, for a source with a pose, position, aim and roll. JdeRobot has no
+  /// fields for distortion; see avm::Frame::cameraModel.
   std::shared_ptr<jderobot::CameraDescription> getCameraDescription(const Ice::Current&) override;
-  /// -1, refused: the description is what configuration and source say.
+  /// Returns -1, refused: configuration and source define the description.
   int setCameraDescription(std::shared_ptr<jderobot::CameraDescription>, const Ice::Current&) override;
-  /// Empty: frames are asked for, not streamed.
+  /// Empty: frames are requested, not streamed.
   std::string startCameraStreaming(const Ice::Current&) override;
   /// Nothing to stop.
   void stopCameraStreaming(const Ice::Current&) override {}
-  /// Nothing to set back: the servant keeps no state, and a source that fails is brought back by itself.
+  /// No effect: the servant has no state, and a failed source recovers by itself.
   void reset(const Ice::Current&) override {}
 
  private:
@@ -105,23 +106,24 @@ class CameraServant : public avm::Camera {
   std::string name_;
 };
 
-/// A remote camera as a port. A server that is away gives kWaiting with the reason; its return is noticed by
-/// itself, sequence numbers that begin anew included. One consumer.
+/// A remote camera as a port. An absent server gives kWaiting with the reason. After its return frames
+/// continue, also with sequence numbers that restart. One consumer.
 class RemoteFrameSource : public FrameSource {
  public:
-  /// @param proxy need not be reachable; null: never delivers. @param format what travels; RGB8 costs no
-  /// time.
+  /// @param proxy need not be reachable; null: never delivers.
+  /// @param format format on the wire; RGB8 needs no conversion.
   explicit RemoteFrameSource(const std::shared_ptr<avm::CameraPrx>& proxy,
                              FrameFormat format = FrameFormat::kRgb8, LinkReport report = {});
 
-  /// As the server said last; without sizes before it was reached.
+  /// The last capabilities from the server; without sizes before it was reached.
   FrameCapabilities capabilities() const override;
-  /// The server decides: accepted when it is known to give what is asked for, otherwise adjusted.
+  /// The server decides: accepted if its known capabilities match the request, otherwise adjusted.
   PortReply configure(const FrameRequest& request) override;
   /// Waits up to a second for the server; accepted even without it.
   PortReply start() override;
   FrameResult next(std::chrono::milliseconds timeout) override;
-  /// The server goes on; next() gives nothing until start(). Any thread; a waiting next() ends within 0.1 s.
+  /// Stops this client only; next() returns kWaiting until start(). Any thread; a waiting next() ends within
+  /// 0.1 s.
   void stop() override { stopped_ = true; }
 
  private:
@@ -131,7 +133,7 @@ class RemoteFrameSource : public FrameSource {
   FrameFormat format_;
   std::int64_t last_seq_ = -1;
   std::atomic<bool> stopped_ = false;
-  std::string nothing_yet_ = "no frame yet";  ///< as the server explained it last
+  std::string nothing_yet_ = "no frame yet";  ///< the last reason from the server
   PendingCall<avm::FrameResult> frames_;
   mutable PendingCall<avm::CameraInfo> infos_;
   mutable std::mutex mutex_;

@@ -1,5 +1,5 @@
-/// @file Slice <-> values that all interfaces share. Pure; conversions from the wire check nothing unless
-/// they say so.
+/// @file Conversions between Slice and values for all interfaces. Pure. Conversions from the wire check
+/// values only where stated. Implements C4.
 #pragma once
 
 #include <avm/common.h>
@@ -23,7 +23,7 @@ avm::Pose3 toIce(const Pose3& pose);
 avm::Intrinsics toIce(const CameraIntrinsics& intrinsics);
 avm::PanTiltAngles toIce(const PanTilt& angles);
 avm::SourceState toIce(SourceState state);
-/// Of a symmetric matrix: its upper triangle.
+/// The upper triangle of a symmetric matrix.
 avm::Symmetric3 toIce(const Eigen::Matrix3d& m);
 
 Eigen::Vector2d fromIce(const avm::Vector2& v);

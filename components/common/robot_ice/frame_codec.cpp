@@ -43,7 +43,7 @@ std::size_t rawBytes(FrameFormat format, int width, int height) {
   return 0;
 }
 
-/// The captured picture as bytes on the wire, rows without padding; empty if it has too few.
+/// The native image as bytes on the wire, rows without padding; empty if it has too few bytes.
 jderobot::ByteSeq passOn(const NativeImage& native, FrameFormat format) {
   const std::size_t size = rawBytes(format, native.width, native.height);
   if (size == 0) return native.bytes;
@@ -96,7 +96,7 @@ std::optional<FrameFormat> frameFormatFromName(const std::string& name) {
 }
 
 std::string unknownFormat(const std::string& name) {
-  // The name is a stranger's: not more of it than helps.
+  // The name comes from an untrusted client: shortened.
   return "unknown format \"" + name.substr(0, 40) + "\" (known: RGB8, GRAY8, JPEG, YUY2)";
 }
 
@@ -135,6 +135,24 @@ jderobot::ByteSeq EncodedFrame::encode(FrameFormat format, std::string& error) c
   jderobot::ByteSeq bytes = encodePixels(source.image, format, jpeg_quality_);
   if (bytes.empty()) error = "cannot be encoded as " + frameFormatNames()[static_cast<std::size_t>(format)];
   return bytes;
+}
+
+FrameFormat EncodedFrame::capturedFormat() const {
+  if (frame_.native) {
+    switch (frame_.native->format) {
+      case NativeFormat::kJpeg:
+        return FrameFormat::kJpeg;
+      case NativeFormat::kYuyv:
+      case NativeFormat::kUyvy:
+        return FrameFormat::kYuy2;
+      case NativeFormat::kGray8:
+        return FrameFormat::kGray8;
+      case NativeFormat::kRgb8:
+      case NativeFormat::kNv12:
+        return FrameFormat::kRgb8;
+    }
+  }
+  return frame_.image.channels() == 1 ? FrameFormat::kGray8 : FrameFormat::kRgb8;
 }
 
 const avm::FrameResult& EncodedFrame::resultLocked(Encoding& encoding, FrameFormat format) const {
@@ -211,7 +229,7 @@ FrameResult decodeFrame(const avm::FrameResult& result) {
   frame.stamp_us = source.stampUs;
   frame.seq = static_cast<std::uint64_t>(source.seq);
   if (*format == FrameFormat::kJpeg) {
-    // The header alone tells a picture of another size, before anything is allocated for it.
+    // The header alone has the size, before memory is allocated.
     const JpegHeader header = readJpegHeader(source.pixels);
     if (!header.error.empty()) return unusable("the image " + header.error);
     if (header.width != source.width || header.height != source.height) {

@@ -1,4 +1,4 @@
-/// @file Frames on the wire: formats, encoding once for all clients, decoding with checks. SPEC C4.
+/// @file Frames on the wire: formats, encoding once for all clients, decoding with checks. See C4.
 #pragma once
 
 #include <avm/camera.h>
@@ -23,16 +23,18 @@ std::optional<FrameFormat> frameFormatFromName(const std::string& name);
 /// "unknown format "BGR8" (known: RGB8, GRAY8, JPEG, YUY2)".
 std::string unknownFormat(const std::string& name);
 
-/// One frame with its encodings, each made at the first request and kept for the others. A frame that carries
-/// its picture as captured (Frame::native) is decoded at the first request for pixels, once, and not at all
-/// for a client that takes the captured format: a camera's JPEG passes through as it is. *Thread-safe.*
+/// One frame with its encodings, each computed at the first request and cached. A native image
+/// (Frame::native) is decoded once, at the first request for pixels. A client of the native format receives
+/// it unchanged, for example a camera's JPEG. *Thread-safe.*
 class EncodedFrame {
  public:
-  /// The image must be CV_8UC3 (R, G, B) or CV_8UC1 and not be written any more; empty only with `native`.
+  /// The image must be CV_8UC3 (R, G, B) or CV_8UC1 and immutable; it may be empty only with `native`.
   EncodedFrame(Frame frame, int jpeg_quality);
 
-  /// As it was published: its image may be empty.
+  /// The published frame; its image may be empty.
   const Frame& frame() const { return frame_; }
+  /// In which its picture was captured, or the nearest to it.
+  FrameFormat capturedFormat() const;
   int width() const {
     return frame_.image.empty() && frame_.native ? frame_.native->width : frame_.image.cols;
   }
@@ -43,7 +45,7 @@ class EncodedFrame {
   const avm::FrameResult& result(FrameFormat format) const;
   /// Null if the captured picture cannot be decoded.
   std::shared_ptr<jderobot::ImageData> jderobotImage(FrameFormat format) const;
-  /// How many encodings were made so far, and how often the captured picture was decoded.
+  /// Numbers of encodings so far, and of decodings of the native image.
   int encodings() const;
   int decodings() const;
 
@@ -70,8 +72,8 @@ class EncodedFrame {
   mutable std::array<Encoding, 4> encodings_;
 };
 
-/// @return the frame, or kWaiting with what is wrong: sizes that do not fit, numbers that are not finite, a
-/// JPEG that cannot be read. Images larger than 16384 pixels on a side are refused.
+/// @return the frame, or kWaiting with the problem: inconsistent sizes, numbers that are not finite, an
+/// unreadable JPEG. Images larger than 16384 pixels on a side are refused.
 FrameResult decodeFrame(const avm::FrameResult& result);
 
 }  // namespace vismem

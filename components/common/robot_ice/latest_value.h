@@ -1,5 +1,4 @@
-/// @file The newest value of a stream, for many readers: local ones that block and remote ones that
-/// long-poll.
+/// @file The newest value of a stream, for many readers: local ones block, remote ones long-poll.
 #pragma once
 
 #include <chrono>
@@ -17,17 +16,17 @@
 
 namespace vismem {
 
-/// Holds one immutable value with a revision. Readers ask for a value whose revision *differs* from the one
-/// they have, not for a higher one: revisions go back when the producer restarts, and nobody may then hang.
-/// Values in between are passed over (latest wins). *Thread-safe.*
+/// Holds one immutable value with a revision. Readers request a value whose revision *differs* from theirs,
+/// not a higher one: revisions go back when the producer restarts, and readers must not wait then. Values in
+/// between are skipped. *Thread-safe.*
 template <typename Value>
 class LatestValue {
  public:
   struct Reading {
     SourceState state = SourceState::kWaiting;
-    std::shared_ptr<const Value> value;  ///< null: nothing new; set only with kRunning
+    std::shared_ptr<const Value> value;  ///< null: no new value; set only with kRunning
     std::int64_t revision = -1;
-    std::string message;  ///< why there is nothing
+    std::string message;  ///< reason why there is no value
   };
   using Answer = std::function<void(const Reading&)>;
 
@@ -45,8 +44,8 @@ class LatestValue {
     polls_.changed();
   }
 
-  /// The source delivers nothing for now; the last value stays readable. The end of a log is told at once to
-  /// those who wait.
+  /// Sets the state of a source without new values; the last value stays readable. The end of a log ends all
+  /// waits at once.
   void setState(SourceState state, std::string message) {
     bool just_finished = false;
     {
@@ -80,7 +79,7 @@ class LatestValue {
     return read(have);
   }
 
-  /// Calls `answer` exactly once, here or later on another thread, as LongPolls has it.
+  /// Calls `answer` exactly once, here or later on another thread; see LongPolls.
   void whenOther(std::optional<std::int64_t> have, std::chrono::milliseconds timeout, Answer answer) {
     polls_.add(timeout, [this, have, answer = std::move(answer)](bool last_chance) {
       Reading reading;
@@ -94,7 +93,7 @@ class LatestValue {
     });
   }
 
-  /// Answers all who wait, now and from now on.
+  /// Answers all waiting and later requests at once.
   void stop() {
     {
       const std::lock_guard lock(mutex_);
@@ -110,7 +109,7 @@ class LatestValue {
 
   Reading read(std::optional<std::int64_t> have) const {
     if (isOther(have)) return {SourceState::kRunning, value_, revision_, {}};
-    // The source runs, but has nothing newer than what the caller knows.
+    // The source runs, but the caller has its newest value.
     if (state_ == SourceState::kRunning)
       return {SourceState::kWaiting, nullptr, revision_, "nothing new yet"};
     return {state_, nullptr, revision_, message_};

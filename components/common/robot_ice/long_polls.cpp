@@ -28,7 +28,7 @@ void LongPolls::tryOrKeep(Request request) {
     Request oldest;
     {
       const std::lock_guard lock(mutex_);
-      // A change after the attempt looked would otherwise be missed.
+      // A change after the attempt would be missed otherwise.
       if (stopped_ || changes_ != changes_before) continue;
       if (waiting_.size() >= kMaxWaiting) {
         oldest = std::move(waiting_.front());

@@ -1,5 +1,4 @@
-/// @file Callers of a server that wait for something new: held, answered when it comes, answered anyway in
-/// time.
+/// @file Long-polls of a server: requests wait for new data and are answered at the latest after a timeout.
 #pragma once
 
 #include <chrono>
@@ -12,11 +11,11 @@
 
 namespace vismem {
 
-/// How long a long-poll of our interfaces waits (DESIGN 5).
+/// Maximum wait of a long-poll.
 constexpr std::chrono::milliseconds kLongPollWait{1000};
 
-/// Waiting asynchronous requests. A request is an attempt: called with false it answers if there is something
-/// new and tells whether it did; called with true it must answer. Each request is answered exactly once,
+/// Waiting asynchronous requests. A request is an attempt: called with false, it answers if there is new data
+/// and returns whether it answered; called with true, it must answer. Each request is answered exactly once,
 /// after at most its timeout, and on stop() at once. Attempts run on the thread that adds, reports a change
 /// or keeps the time, never under a lock of this class; they must not throw. *Thread-safe.*
 class LongPolls {
@@ -28,12 +27,12 @@ class LongPolls {
   LongPolls(const LongPolls&) = delete;
   LongPolls& operator=(const LongPolls&) = delete;
 
-  /// Tries at once and keeps the request if it was not answered. With more than kMaxWaiting kept, the oldest
-  /// is answered early, so that a client that only asks cannot make the server hold ever more.
+  /// Tries at once and keeps an unanswered request. Above kMaxWaiting kept requests the oldest is answered
+  /// early, which bounds the memory of the server.
   void add(std::chrono::milliseconds timeout, Attempt attempt);
-  /// There may be something new: all waiting requests are tried.
+  /// Reports new data: all waiting requests are tried.
   void changed();
-  /// Nothing more is to be expected: all waiting requests are answered.
+  /// Answers all waiting requests, because no new data will come.
   void giveUpAll();
   /// As giveUpAll, and later requests are answered at once. May be called again.
   void stop();

@@ -29,8 +29,8 @@ std::uint32_t wordAt(const std::uint8_t* bytes) {
   return word;
 }
 
-/// The sixteen steps of a round; the four state words change places from step to step, which costs nothing
-/// when all of it is unrolled. `First` is the round's first step of 0..63.
+/// The sixteen steps of a round; the four state words rotate from step to step, without cost when the loop is
+/// unrolled. `First` is the round's first step of 0..63.
 template <int First, int Multiplier, int Offset, int S0, int S1, int S2, int S3, typename Mix>
 void addRound(State& state, const std::array<std::uint32_t, 16>& words,
               const std::array<std::uint32_t, 64>& sines, Mix mix) {

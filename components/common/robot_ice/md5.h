@@ -1,4 +1,4 @@
-/// @file MD5 of RFC 1321, which JdeRobot's image descriptions carry. Not for security. Pure.
+/// @file MD5 of RFC 1321, a field of JdeRobot's image descriptions. Not for security. Pure.
 #pragma once
 
 #include <cstdint>

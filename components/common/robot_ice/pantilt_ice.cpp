@@ -48,19 +48,34 @@ PanTiltLimits fromIce(const avm::PanTiltLimits& l) {
   return {l.minPanRad, l.maxPanRad, l.minTiltRad, l.maxTiltRad, l.maxPanRateRadps, l.maxTiltRateRadps};
 }
 
-PanTiltServant::PanTiltServant(PanTiltUnit& unit, const Eigen::Vector3d& p_robot)
-    : unit_(unit), p_robot_(p_robot), samples_([&unit](StampUs after_us, std::chrono::milliseconds timeout) {
+PanTiltServant::PanTiltServant(PanTiltUnit& unit, const Eigen::Vector3d& p_robot, LeaseGuard::Now now)
+    : LeasedServant(std::move(now)),
+      unit_(unit),
+      p_robot_(p_robot),
+      samples_([&unit](StampUs after_us, std::chrono::milliseconds timeout) {
         return unit.samplesSince(after_us, timeout);
       }) {}
 
-PortReply PanTiltServant::command(const PanTiltCommand& command) {
+avm::CommandReply PanTiltServant::follow(const PanTiltCommand& command, const Ice::Current& current) {
   const std::lock_guard lock(commands_);
+  lease_.require(current);
+  return toIce(commandLocked(command));
+}
+
+void PanTiltServant::endMotion() {
+  const std::lock_guard lock(commands_);
+  if (turning_) commandLocked({PanTiltCommand::Kind::kVelocity, 0, 0, 0, 0});
+}
+
+PortReply PanTiltServant::commandLocked(const PanTiltCommand& command) {
   PortReply reply = unit_.command(command);
   if (!reply.ok()) return reply;
+  turning_ = command.kind == PanTiltCommand::Kind::kVelocity &&
+             (command.pan_rate_radps != 0.0 || command.tilt_rate_radps != 0.0);
   position_.reset();
   if (command.kind == PanTiltCommand::Kind::kPosition) {
     position_ = command;
-    // A unit that is itself remote and was not reached yet has no limits to tell.
+    // The limits of a remote unit are unknown until it was reached.
     const PanTiltLimits limits = unit_.limits();
     if (limits.min_pan_rad < limits.max_pan_rad || limits.min_tilt_rad < limits.max_tilt_rad) {
       const PanTiltCommand followed = limitCommand(limits, command).command;
@@ -77,20 +92,20 @@ avm::PanTiltLimits PanTiltServant::getLimits(const Ice::Current&) {
 }
 
 avm::CommandReply PanTiltServant::moveTo(avm::PanTiltAngles goal, double pan_rate_radps,
-                                         double tilt_rate_radps, const Ice::Current&) {
+                                         double tilt_rate_radps, const Ice::Current& current) {
   requireFinite("panRad", goal.panRad);
   requireFinite("tiltRad", goal.tiltRad);
   requireRateBound("panRateRadps", pan_rate_radps);
   requireRateBound("tiltRateRadps", tilt_rate_radps);
-  return toIce(
-      command({PanTiltCommand::Kind::kPosition, goal.panRad, goal.tiltRad, pan_rate_radps, tilt_rate_radps}));
+  return follow({PanTiltCommand::Kind::kPosition, goal.panRad, goal.tiltRad, pan_rate_radps, tilt_rate_radps},
+                current);
 }
 
 avm::CommandReply PanTiltServant::setRates(double pan_rate_radps, double tilt_rate_radps,
-                                           const Ice::Current&) {
+                                           const Ice::Current& current) {
   requireFinite("panRateRadps", pan_rate_radps);
   requireFinite("tiltRateRadps", tilt_rate_radps);
-  return toIce(command({PanTiltCommand::Kind::kVelocity, 0, 0, pan_rate_radps, tilt_rate_radps}));
+  return follow({PanTiltCommand::Kind::kVelocity, 0, 0, pan_rate_radps, tilt_rate_radps}, current);
 }
 
 avm::PanTiltStatus PanTiltServant::getPanTiltStatus(const Ice::Current&) {
@@ -119,17 +134,19 @@ void PanTiltServant::samplesSinceAsync(Ice::Long after_us,
                      });
 }
 
-int PanTiltServant::setPTMotorsData(std::shared_ptr<jderobot::PTMotorsData> data, const Ice::Current&) {
-  return data ? moveToDegrees(data->pan, data->tilt, data->panSpeed, data->tiltSpeed) : -1;
+int PanTiltServant::setPTMotorsData(std::shared_ptr<jderobot::PTMotorsData> data,
+                                    const Ice::Current& current) {
+  return data ? moveToDegrees(data->pan, data->tilt, data->panSpeed, data->tiltSpeed, current) : -1;
 }
 
 int PanTiltServant::moveToDegrees(double pan_deg, double tilt_deg, double pan_bound_degps,
-                                  double tilt_bound_degps) {
+                                  double tilt_bound_degps, const Ice::Current& current) {
   if (!allFinite({pan_deg, tilt_deg, pan_bound_degps, tilt_bound_degps})) return -1;
   if (pan_bound_degps < 0 || tilt_bound_degps < 0) return -1;
   const PanTiltCommand wanted{PanTiltCommand::Kind::kPosition, degToRad(pan_deg), degToRad(tilt_deg),
                               degToRad(pan_bound_degps), degToRad(tilt_bound_degps)};
-  return command(wanted).ok() ? 0 : -1;
+  const std::lock_guard lock(commands_);
+  return lease_.admits(current) && commandLocked(wanted).ok() ? 0 : -1;
 }
 
 std::shared_ptr<jderobot::PTMotorsParams> PanTiltServant::getPTMotorsParams(const Ice::Current&) {
@@ -153,9 +170,9 @@ PanTiltSample PanTiltServant::newestSample() const {
 }
 
 int PanTiltServant::setPose3DMotorsData(std::shared_ptr<jderobot::Pose3DMotorsData> data,
-                                        const Ice::Current&) {
+                                        const Ice::Current& current) {
   if (!data || !allFinite({data->x, data->y, data->z, data->roll})) return -1;
-  return moveToDegrees(data->pan, data->tilt, data->panSpeed, data->tiltSpeed);
+  return moveToDegrees(data->pan, data->tilt, data->panSpeed, data->tiltSpeed, current);
 }
 
 std::shared_ptr<jderobot::Pose3DMotorsData> PanTiltServant::getPose3DMotorsData(const Ice::Current&) {

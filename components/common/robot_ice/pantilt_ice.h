@@ -1,5 +1,5 @@
-/// @file A pan-tilt unit over Ice: the servant over any PanTiltUnit, and the client, which is one again.
-/// JdeRobot's operations speak degrees; they are converted here and nowhere else. SPEC C4.
+/// @file A pan-tilt unit over Ice: the servant of a PanTiltUnit, and a client that implements PanTiltUnit.
+/// JdeRobot's operations use degrees; only this file converts them. See C4.
 #pragma once
 
 #include <avm/pantilt.h>
@@ -12,6 +12,7 @@
 #include <string>
 
 #include "common/robot/ports.h"
+#include "common/robot_ice/lease_ice.h"
 #include "common/robot_ice/remote.h"
 #include "common/robot_ice/sample_broadcaster.h"
 
@@ -22,19 +23,21 @@ PanTiltSample fromIce(const avm::PanTiltSample& sample);
 avm::PanTiltLimits toIce(const PanTiltLimits& limits);
 PanTiltLimits fromIce(const avm::PanTiltLimits& limits);
 
-/// avm::PanTilt and with it jderobot::PTMotors, PTEncoders, Pose3DMotors and Pose3DEncoders. *Thread-safe*
-/// over a unit that takes commands while samplesSince waits; commands exclude each other here. The unit must
-/// be started and outlive stop() and the adapter.
-class PanTiltServant : public avm::PanTilt {
+/// Serves avm::PanTilt and with it jderobot::PTMotors, PTEncoders, Pose3DMotors, Pose3DEncoders and the lease.
+/// *Thread-safe* for a unit that accepts commands while samplesSince waits; commands exclude each other here.
+/// The unit must be started and outlive stop() and the adapter.
+class PanTiltServant : public LeasedServant<avm::PanTilt> {
  public:
   using Samples = SampleBroadcaster<PanTiltSample>;
 
-  /// @param p_robot where the axes cross on the robot [m]; told to clients of Pose3DMotors and
+  /// @param p_robot crossing point of the axes on the robot [m], reported to clients of Pose3DMotors and
   /// Pose3DEncoders.
-  explicit PanTiltServant(PanTiltUnit& unit, const Eigen::Vector3d& p_robot = Eigen::Vector3d::Zero());
+  /// @param now is replaced in tests only.
+  explicit PanTiltServant(PanTiltUnit& unit, const Eigen::Vector3d& p_robot = Eigen::Vector3d::Zero(),
+                          LeaseGuard::Now now = std::chrono::steady_clock::now);
 
-  /// Begins and ends the polling of the unit; stop answers all waiting requests.
-  /// @param report is told of each answer of the unit.
+  /// Starts and stops the polling of the unit; stop answers all waiting requests.
+  /// @param report called with each answer of the unit.
   void start(Samples::Report report = {}) { samples_.start(std::move(report)); }
   void stop() { samples_.stop(); }
 
@@ -50,25 +53,32 @@ class PanTiltServant : public avm::PanTilt {
   int setPTMotorsData(std::shared_ptr<jderobot::PTMotorsData> data, const Ice::Current&) override;
   std::shared_ptr<jderobot::PTMotorsParams> getPTMotorsParams(const Ice::Current&) override;
   std::shared_ptr<jderobot::PTEncodersData> getPTEncodersData(const Ice::Current&) override;
-  /// Follows pan and tilt; x, y, z and roll must be finite, no more.
+  /// Executes pan and tilt; x, y, z and roll must be finite and are ignored.
   int setPose3DMotorsData(std::shared_ptr<jderobot::Pose3DMotorsData> data, const Ice::Current&) override;
-  /// The position command that is followed, with its bounds of the rates; where there is none, the angles as
-  /// measured.
+  /// The present position command with its maximum rates; without one, the measured angles.
   std::shared_ptr<jderobot::Pose3DMotorsData> getPose3DMotorsData(const Ice::Current&) override;
   std::shared_ptr<jderobot::Pose3DMotorsParams> getPose3DMotorsParams(const Ice::Current&) override;
   std::shared_ptr<jderobot::Pose3DEncodersData> getPose3DEncodersData(const Ice::Current&) override;
 
+ protected:
+  void endMotion() override;
+
  private:
-  PortReply command(const PanTiltCommand& command);
-  /// A position in JdeRobot's degrees. @return 0 when taken, -1 when refused.
-  int moveToDegrees(double pan_deg, double tilt_deg, double pan_bound_degps, double tilt_bound_degps);
+  /// Follows a command of a caller whose lease allows it. @throws avm::LeaseRefused.
+  avm::CommandReply follow(const PanTiltCommand& command, const Ice::Current& current);
+  PortReply commandLocked(const PanTiltCommand& command);
+  /// A position in JdeRobot's degrees.
+  /// @return 0 when taken, -1 when refused.
+  int moveToDegrees(double pan_deg, double tilt_deg, double pan_bound_degps, double tilt_bound_degps,
+                    const Ice::Current& current);
   PanTiltSample newestSample() const;
 
   PanTiltUnit& unit_;
   const Eigen::Vector3d p_robot_;
   std::mutex commands_;
-  std::optional<PanTiltCommand> position_;  ///< the position command that is followed, within the limits
+  std::optional<PanTiltCommand> position_;  ///< the present position command, within the limits
   vismem::PanTilt last_goal_;
+  bool turning_ = false;  ///< the last command was a velocity other than 0
   Samples samples_;
 };
 
@@ -78,13 +88,13 @@ class RemotePanTiltUnit : public PanTiltUnit {
  public:
   explicit RemotePanTiltUnit(const std::shared_ptr<avm::PanTiltPrx>& proxy, LinkReport report = {});
 
-  /// As the server said last; all zero before it was reached. Never blocks.
+  /// The last limits from the server; all zero before it was reached. Never blocks.
   PanTiltLimits limits() const override;
   /// Waits up to a second for the server; accepted even without it.
   PortReply start() override;
   PortReply command(const PanTiltCommand& command) override;
   SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override;
-  /// The unit stands if this client's last command was a velocity; whoever else commands it is not disturbed.
+  /// Stops the unit if this client's last command was a velocity; commands of other clients stay in effect.
   void stop() override;
 
  private:

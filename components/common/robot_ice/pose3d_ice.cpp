@@ -20,7 +20,7 @@ jderobot::Pose3DData toPose3D(const Pose2& pose, double scale) {
 
 std::optional<Pose2> fromPose3D(const jderobot::Pose3DData& d, double scale) {
   const Eigen::Quaterniond q(d.q0, d.q1, d.q2, d.q3);
-  // Clients round; a length far from 1 is no rotation. Written so that a NaN fails too.
+  // Tolerance for rounding of clients; a length far from 1 is no rotation. Written so that a NaN fails too.
   if (!allFinite({d.x, d.y}) || !(std::abs(q.norm() - 1.0) < 0.1)) return std::nullopt;
   Pose3 pose = Pose3::Identity();
   pose.linear() = q.normalized().toRotationMatrix();

@@ -1,4 +1,4 @@
-/// @file Poses of the robot as jderobot::Pose3D has them. SPEC C4.
+/// @file Poses of the robot in the format of jderobot::Pose3D. See C4.
 #pragma once
 
 #include <jderobot/pose3d.h>
@@ -9,8 +9,8 @@
 
 namespace vismem {
 
-/// Quaternion w, x, y, z. @param scale of the wire's lengths per metre: 1000 for clients that want
-/// millimetres.
+/// Quaternion w, x, y, z.
+/// @param scale length units per metre: 1000 for clients that use millimetres.
 jderobot::Pose3DData toPose3D(const Pose2& pose, double scale = 1.0);
 /// @return empty unless position and quaternion are finite and the quaternion's length is about 1.
 std::optional<Pose2> fromPose3D(const jderobot::Pose3DData& data, double scale = 1.0);

@@ -1,4 +1,4 @@
-/// @file What every client of a remote server needs: bounded proxies, words for failures, pending requests.
+/// @file Tools of clients of remote servers: proxies with timeouts, messages for failures, pending requests.
 #pragma once
 
 #include <Ice/Ice.h>
@@ -22,12 +22,12 @@
 
 namespace vismem {
 
-/// Long-polls: the server's wait and some more. Used only for proxies without any bound of their own.
+/// Timeout of long-polls [ms]: above the server's wait. Only for proxies without a timeout of their own.
 constexpr int kInvocationTimeout_ms = 3000;
-/// Commands: a frozen peer must not stop a control loop for longer.
+/// Timeout of commands [ms]: the longest pause of a control loop by a frozen peer.
 constexpr int kCommandTimeout_ms = 1000;
 
-/// The proxy with an invocation timeout of at most `max_ms`: no remote call waits for ever. Null stays null.
+/// The proxy with an invocation timeout of at most `max_ms`. Null stays null.
 template <typename Prx>
 std::shared_ptr<Prx> boundedProxy(const std::shared_ptr<Prx>& proxy, int max_ms) {
   if (!proxy) return nullptr;
@@ -36,17 +36,17 @@ std::shared_ptr<Prx> boundedProxy(const std::shared_ptr<Prx>& proxy, int max_ms)
   return proxy->ice_invocationTimeout(max_ms);
 }
 
-/// Told after each request of a client's stream: why it failed (reasonOf), or empty when it was answered.
-/// Called on the thread that uses the client; it is how a component's status learns of its peers.
+/// Called after each request of a client's stream with the reason of its failure (reasonOf), or empty after
+/// an answer. Called on the thread that uses the client; connects the client to a component's status.
 using LinkReport = std::function<void(const std::string& failure)>;
 
-/// For people: why a call failed, in one line.
+/// Reason of a failed call in one line, for people.
 std::string reasonOf(const Ice::ObjectPrx& proxy, const std::exception_ptr& error);
-/// As reasonOf, after whom was called; an answer of the peer's own stands alone.
+/// As reasonOf, preceded by the name of the peer; a message of the peer itself stands alone.
 std::string describeFailure(const Ice::ObjectPrx& proxy, const std::exception_ptr& error);
 
-/// Gives up the connection of a call that was not answered in time: it may be half-open (the host went away
-/// without a word), and then every later call would vanish in it too. The next call makes a new one.
+/// Closes the connection of a call without an answer in time. It may be half-open (the host disappeared), and
+/// later calls on it would be lost too. The next call opens a new connection.
 void leaveIfSilent(Ice::Connection& connection, const std::exception_ptr& error);
 
 /// Runs a command of a remote server. Never throws: failures are rejections with the reason.
@@ -62,10 +62,10 @@ PortReply runRemote(const std::shared_ptr<Prx>& proxy, const char* what, Call&& 
 }
 
 /// One request in flight to a server. A wait that ends before the answer leaves the request pending for the
-/// next wait, so short timeouts of a caller neither lose answers nor pile up requests. After a failure the
-/// next request goes out no sooner than kRetry later, and the failed wait lasts its whole timeout: a caller
-/// that asks again at once would spin while the peer is away. *Thread-safe*: waits exclude each other, and
-/// interrupt() may be called meanwhile.
+/// next wait. Short timeouts therefore neither lose answers nor accumulate requests. After a failure the next
+/// request follows kRetry later at the earliest. A failed wait lasts its whole timeout, so that callers do
+/// not spin while the peer is away. *Thread-safe*: waits exclude each other, and interrupt() may be called
+/// meanwhile.
 template <typename Result>
 class PendingCall {
  public:
@@ -76,7 +76,7 @@ class PendingCall {
 
   struct Outcome {
     std::optional<Result> result;
-    std::string failure;  ///< why there is none; empty while the answer is still awaited
+    std::string failure;  ///< reason why there is none; empty while the answer is pending
   };
 
   explicit PendingCall(std::shared_ptr<Ice::ObjectPrx> proxy, LinkReport report = {})
@@ -107,7 +107,7 @@ class PendingCall {
     }
     slot_.reset();
     if (result) {
-      // Of a call that failed Ice tells no connection.
+      // Ice reports no connection for a failed call.
       connection_ = proxy_->ice_getCachedConnection();
       failure_.clear();
       if (report_) report_(failure_);
@@ -121,7 +121,7 @@ class PendingCall {
     return {std::nullopt, failure_};
   }
 
-  /// Ends the wait, and those to come, at once, until allow() is called. What is in flight stays so.
+  /// Ends present and later waits at once, until allow() is called. A request in flight stays pending.
   void interrupt() { setInterrupted(true); }
   void allow() { setInterrupted(false); }
 
@@ -129,7 +129,7 @@ class PendingCall {
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kRetry{200};
 
-  /// What waits look at. Shared with the answer, which may come after this object has gone.
+  /// State of the waits. Shared with the answer, which may arrive after the destruction of this object.
   struct Gate {
     std::mutex mutex;
     std::condition_variable changed;
@@ -187,8 +187,8 @@ class PendingCall {
   std::string failure_;  ///< of the last request that ended; empty when it succeeded
 };
 
-/// One wait of a client's samplesSince: what is newer than asked for, or all that the server holds when its
-/// time went back. `call` must be used for this stream alone; `convert` makes one Sample of one of the wire.
+/// One wait of a client's samplesSince: samples newer than requested, or all samples of the server when its
+/// time went back. `call` must belong to this stream alone; `convert` converts one sample from the wire.
 template <typename Sample, typename IceBatch, typename Convert>
 SampleBatch<Sample> pollRemoteSamples(PendingCall<IceBatch>& call, StampUs after_us,
                                       std::chrono::milliseconds timeout,

@@ -47,6 +47,22 @@ ReplayStatus fromIce(const avm::ReplayInfo& i) {
   return {fromIce(i.state), i.file, i.firstUs, i.lastUs, i.stampUs, i.rate, i.loop};
 }
 
+avm::ReplayContents toIce(const ReplayContents& c) {
+  avm::ReplayContents result{{}, c.notes, static_cast<Ice::Long>(c.images), c.begin_us, c.end_us};
+  for (const LogTopicInfo& topic : c.topics) {
+    result.topics.push_back({topic.name, topic.type, static_cast<Ice::Long>(topic.messages)});
+  }
+  return result;
+}
+
+ReplayContents fromIce(const avm::ReplayContents& c) {
+  ReplayContents result{{}, c.notes, static_cast<std::uint64_t>(c.images), c.beginUs, c.endUs};
+  for (const avm::LogTopic& topic : c.topics) {
+    result.topics.push_back({topic.name, topic.type, static_cast<std::uint64_t>(topic.messages)});
+  }
+  return result;
+}
+
 avm::CommandReply ReplayServant::setPaused(bool paused, const Ice::Current&) {
   return toIce(paused ? replay_.pause() : replay_.play());
 }
@@ -64,6 +80,24 @@ avm::CommandReply ReplayServant::setLoop(bool loop, const Ice::Current&) {
   return toIce(replay_.setLoop(loop));
 }
 
+avm::CommandReply ReplayServant::step(int images, const Ice::Current&) {
+  requireInRange("images", images, -100'000, 100'000);
+  if (images == 0) throw avm::InvalidArgument("images = 0 (must not be 0)");
+  return toIce(replay_.step(images));
+}
+
+avm::CommandReply ReplayServant::setRange(Ice::Long begin_us, Ice::Long end_us, const Ice::Current&) {
+  if (begin_us >= end_us) {
+    throw avm::InvalidArgument("beginUs = " + std::to_string(begin_us) +
+                               " (must be less than endUs = " + std::to_string(end_us) + ")");
+  }
+  return toIce(replay_.setRange(begin_us, end_us));
+}
+
+bool ReplayServant::setStep(int step_ms, const Ice::Current&) {
+  return step_ms >= 0 && replay_.setPlayLength(step_ms * kMillisecondUs).ok();
+}
+
 Ice::Long ReplayServant::getTime(const Ice::Current&) {
   const ReplayStatus status = replay_.status();
   return (status.stamp_us - status.first_us) / kMillisecondUs;
@@ -71,7 +105,7 @@ Ice::Long ReplayServant::getTime(const Ice::Current&) {
 
 bool ReplayServant::goTo(Ice::Long seek_ms, const Ice::Current&) {
   const ReplayStatus status = replay_.status();
-  // A stranger's number: the sum below must not overflow.
+  // A number from an untrusted client: the sum below must not overflow.
   if (seek_ms < 0 || seek_ms > (status.last_us - status.first_us) / kMillisecondUs) return false;
   return replay_.seek(status.first_us + seek_ms * kMillisecondUs).ok();
 }
@@ -112,6 +146,35 @@ PortReply RemoteReplay::seek(StampUs stamp_us) {
 
 PortReply RemoteReplay::setRate(double rate) {
   return runRemote(proxy_, "replay", [rate](avm::ReplayPrx& r) { return r.setRate(rate); });
+}
+
+PortReply RemoteReplay::step(int images) {
+  return runRemote(proxy_, "replay", [images](avm::ReplayPrx& r) { return r.step(images); });
+}
+
+PortReply RemoteReplay::setRange(StampUs begin_us, StampUs end_us) {
+  return runRemote(proxy_, "replay", [=](avm::ReplayPrx& r) { return r.setRange(begin_us, end_us); });
+}
+
+PortReply RemoteReplay::setPlayLength(StampUs length_us) {
+  if (length_us < 0 || length_us / kMillisecondUs > std::numeric_limits<int>::max()) {
+    return PortReply::rejected("a length of " + std::to_string(length_us) + " us (must be 0..2147483 s)");
+  }
+  return runRemote(proxy_, "replay", [length_us](avm::ReplayPrx& r) {
+    if (!r.setStep(static_cast<int>(length_us / kMillisecondUs)))
+      throw avm::Refused("it does not play in pieces");
+    return avm::CommandReply{false, ""};
+  });
+}
+
+ReplayContents RemoteReplay::contents() const {
+  try {
+    if (proxy_) return fromIce(proxy_->contents());
+  } catch (const Ice::Exception&) {
+    // A peer that is away has no contents, as the header says.
+    return {};
+  }
+  return {};
 }
 
 PortReply RemoteReplay::setLoop(bool loop) {

@@ -1,5 +1,5 @@
-/// @file A replayed log over Ice: the servant over any ReplayControl, and the client, which is one again.
-/// JdeRobot's operations count milliseconds since the log's beginning; they are converted here. SPEC C4.
+/// @file A replayed log over Ice: the servant of a ReplayControl, and a client that implements ReplayControl.
+/// JdeRobot's operations count milliseconds since the log's beginning; they are converted here. See C4.
 #pragma once
 
 #include <avm/replay.h>
@@ -12,11 +12,13 @@
 
 namespace vismem {
 
+avm::ReplayContents toIce(const ReplayContents& contents);
+ReplayContents fromIce(const avm::ReplayContents& contents);
 avm::ReplayInfo toIce(const ReplayStatus& status);
 ReplayStatus fromIce(const avm::ReplayInfo& info);
 
-/// avm::Replay and with it jderobot::replayControl. *Thread-safe* over a control that is; it must outlive the
-/// adapter.
+/// Serves avm::Replay and with it jderobot::replayControl. *Thread-safe* for a thread-safe control, which
+/// must outlive the adapter.
 class ReplayServant : public avm::Replay {
  public:
   explicit ReplayServant(ReplayControl& replay) : replay_(replay) {}
@@ -26,11 +28,14 @@ class ReplayServant : public avm::Replay {
   avm::CommandReply seek(Ice::Long stamp_us, const Ice::Current&) override;
   avm::CommandReply setRate(double rate, const Ice::Current&) override;
   avm::CommandReply setLoop(bool loop, const Ice::Current&) override;
+  avm::ReplayContents contents(const Ice::Current&) override { return toIce(replay_.contents()); }
+  avm::CommandReply step(int images, const Ice::Current&) override;
+  avm::CommandReply setRange(Ice::Long begin_us, Ice::Long end_us, const Ice::Current&) override;
 
   bool pause(const Ice::Current&) override { return replay_.pause().ok(); }
   bool resume(const Ice::Current&) override { return replay_.play().ok(); }
   void setReplay(bool replay, const Ice::Current&) override { replay_.setLoop(replay); }
-  bool setStep(int, const Ice::Current&) override { return false; }
+  bool setStep(int step_ms, const Ice::Current&) override;
   Ice::Long getTime(const Ice::Current&) override;
   bool goTo(Ice::Long seek_ms, const Ice::Current&) override;
   jderobot::ReplayerStatus getStatus(const Ice::Current&) override;
@@ -44,13 +49,18 @@ class RemoteReplay : public ReplayControl {
  public:
   explicit RemoteReplay(const std::shared_ptr<avm::ReplayPrx>& proxy);
 
-  /// As the server said last, in state kWaiting, while it cannot be reached.
+  /// The last status from the server; in state kWaiting while it cannot be reached.
   ReplayStatus status() const override;
   PortReply play() override;
   PortReply pause() override;
   PortReply seek(StampUs stamp_us) override;
   PortReply setRate(double rate) override;
   PortReply setLoop(bool loop) override;
+  PortReply step(int images) override;
+  PortReply setPlayLength(StampUs length_us) override;
+  PortReply setRange(StampUs begin_us, StampUs end_us) override;
+  /// Nothing while it cannot be reached.
+  ReplayContents contents() const override;
 
  private:
   std::shared_ptr<avm::ReplayPrx> proxy_;

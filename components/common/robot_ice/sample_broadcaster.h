@@ -21,7 +21,7 @@
 namespace vismem {
 
 constexpr StampUs kBeforeAllStamps = std::numeric_limits<StampUs>::min();
-/// Stamps that go back by more than this are a restart, a loop or a seek (DESIGN 14).
+/// Stamps that go back by more than this are a restart, a loop or a seek.
 constexpr StampUs kBackwards_us = kSecondUs;
 
 /// True when `stamp_us` lies more than kBackwards_us before `known_us`.
@@ -29,10 +29,10 @@ constexpr bool wentBack(StampUs stamp_us, StampUs known_us) {
   return known_us > kBeforeAllStamps + kBackwards_us && stamp_us < known_us - kBackwards_us;
 }
 
-/// Asks a port for samples on a thread of its own, keeps the last seconds of them, and answers who waits. So
-/// no dispatch thread ever blocks on a device, and a hundred readers cost the device as much as one. Notices
-/// that the source's time went back and begins anew. *Thread-safe*; the port must allow its other operations
-/// while samplesSince waits.
+/// Polls a port for samples on a thread of its own, keeps the last seconds and answers waiting requests.
+/// Dispatch threads therefore never block on a device, and the load of the device does not depend on the
+/// number of readers. It restarts when the source's time went back. *Thread-safe*; the port must allow its
+/// other operations while samplesSince waits.
 template <typename Sample>
 class SampleBroadcaster {
  public:
@@ -46,14 +46,14 @@ class SampleBroadcaster {
   SampleBroadcaster(const SampleBroadcaster&) = delete;
   SampleBroadcaster& operator=(const SampleBroadcaster&) = delete;
 
-  /// @param report is told of each answer of the port, on the broadcaster's thread.
+  /// @param report called with each answer of the port, on the broadcaster's thread.
   void start(Report report = {}) {
     if (thread_.joinable()) return;
     report_ = std::move(report);
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
 
-  /// Answers all who wait, now and from now on, and ends the thread.
+  /// Answers all waiting and later requests at once, and ends the thread.
   void stop() {
     thread_.request_stop();
     polls_.stop();
@@ -67,7 +67,7 @@ class SampleBroadcaster {
   }
 
   /// Calls `answer` exactly once, here or later on another thread: with the samples after the stamp, or with
-  /// none after `timeout`. A stamp too far ahead of the newest sample gets all that is held.
+  /// none after `timeout`. A stamp too far ahead of the newest sample gets all kept samples.
   void whenAfter(StampUs after_us, std::chrono::milliseconds timeout, Answer answer) {
     polls_.add(timeout, [this, after_us, answer = std::move(answer)](bool last_chance) {
       const Batch batch = read(after_us);
@@ -81,7 +81,7 @@ class SampleBroadcaster {
 
  private:
   static constexpr std::chrono::milliseconds kPollWait{100};
-  /// A port that answers "nothing" without waiting must not make the poller spin.
+  /// Pause after an empty answer, for ports that answer without waiting.
   static constexpr std::chrono::milliseconds kPause{10};
   static constexpr StampUs kHeld_us = 2 * kSecondUs;
   static constexpr std::size_t kMaxHeld = 4096;
@@ -136,7 +136,7 @@ class SampleBroadcaster {
     }
   }
 
-  /// @return true when the source has just come to its end.
+  /// @return true when the source has just ended.
   bool accept(const Batch& batch, bool restarted) {
     const std::lock_guard lock(mutex_);
     if (restarted) samples_.clear();
@@ -163,11 +163,10 @@ class SampleBroadcaster {
   std::mutex pause_mutex_;
   std::condition_variable_any pause_;
   LongPolls polls_;
-  std::jthread thread_;  ///< last member: ends before the rest goes
+  std::jthread thread_;  ///< last member: joined before the others are destroyed
 };
 
-/// What a reader keeps of a batch that it asked for with `after_us`: the newer samples; all of them when the
-/// source's time went back.
+/// The samples of a batch that are newer than `after_us`; all samples when the source's time went back.
 template <typename Sample>
 std::vector<Sample> newerThan(std::vector<Sample> samples, StampUs after_us) {
   if (samples.empty() || wentBack(samples.back().stamp_us, after_us)) return samples;

@@ -232,7 +232,7 @@ std::vector<ModelStatus> RemoteSimulation::models() {
     if (!commands_) return result;
     for (const auto& model : commands_->models()) result.push_back(fromIce(model));
   } catch (const Ice::Exception&) {
-    // None that can be told of now, as the header says.
+    // Empty while the server cannot be reached, as declared in the header.
     result.clear();
   }
   return result;

@@ -1,5 +1,5 @@
-/// @file A simulated world over Ice: the servant over any SimulationControl, and the client, which is one
-/// again.
+/// @file A simulated world over Ice: the servant of a SimulationControl, and a client that implements
+/// SimulationControl.
 #pragma once
 
 #include <avm/simulation.h>
@@ -22,12 +22,13 @@ SimulationStatus fromIce(const avm::SimulationStatus& status);
 avm::PropShape toIce(const PropShape& shape);
 PropShape fromIce(const avm::PropShape& shape);
 avm::ModelStatus toIce(const ModelStatus& status);
-/// A pose that is none becomes the identity.
+/// An invalid pose becomes the identity.
 ModelStatus fromIce(const avm::ModelStatus& status);
 avm::Way toIce(const Way& way);
 Way fromIce(const avm::Way& way);
 
-/// avm::Simulation. *Thread-safe* over a control that is; it must outlive stop() and the adapter.
+/// Serves avm::Simulation. *Thread-safe* for a thread-safe control, which must outlive stop() and the
+/// adapter.
 class SimulationServant : public avm::Simulation {
  public:
   explicit SimulationServant(SimulationControl& simulation);
@@ -64,7 +65,7 @@ class RemoteSimulation : public SimulationControl {
  public:
   explicit RemoteSimulation(const std::shared_ptr<avm::SimulationPrx>& proxy);
 
-  /// As the server said last while it cannot be reached; an empty world before the first time.
+  /// The last status from the server; an empty world before the first answer.
   SimulationStatus status() const override;
   SampleBatch<TruthSample> truthSince(StampUs after_us, std::chrono::milliseconds timeout) override;
   PortReply kidnap(const Pose2& T_world_robot) override;
@@ -74,7 +75,7 @@ class RemoteSimulation : public SimulationControl {
   PortReply step(int steps) override;
   PortReply setLockStep(int consumers) override;
   PortReply reset(std::uint64_t seed) override;
-  /// None while the server cannot be reached.
+  /// Empty while the server cannot be reached.
   std::vector<ModelStatus> models() override;
   PortReply addModel(const std::string& name, const PropShape& shape, const Pose3& T_world_model) override;
   PortReply removeModel(const std::string& name) override;

@@ -102,6 +102,10 @@ Route parseRoute(std::string_view text, const std::string& file_name) {
       problems.push_back(where + found + " (must be two finite numbers: x_m,y_m)");
       continue;
     }
+    if (std::abs(*x) > kFarthest_m || std::abs(*y) > kFarthest_m) {
+      problems.push_back(where + found + " (must be within 100 km of the origin)");
+      continue;
+    }
     const Eigen::Vector2d point(*x, *y);
     if (!route.points.empty() && (point - route.points.back()).norm() < kMinimumLine_m) {
       problems.push_back(where + found + " (must be 0.05 m or more from the way-point before)");
@@ -124,7 +128,7 @@ Route parseRoute(std::string_view text, const std::string& file_name) {
 RouteStart startOnRoute(const Route& route, std::uint64_t seed) {
   constexpr double kPlayBeside_m = 0.10;
   constexpr double kPlayHeading_rad = 0.26;  // 15 degrees
-  // Neighbouring seeds must not give neighbouring starts: a seed sequence spreads them.
+  // A seed sequence decorrelates the starts of neighbouring seeds.
   std::seed_seq spread{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), 0x726f7574u};
   std::mt19937_64 engine(spread);
   const RoutePlace place = placeAlong(route, uniform(engine) * route.length());

@@ -1,4 +1,4 @@
-/// @file A way through a world: way-points, how they are read, and where on them a run begins. Pure.
+/// @file A route through a world: way-points, their file format, and the random start of a run. Pure.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,9 @@ namespace vismem {
 /// Way-points joined by straight lines. Invariant: at least two, neighbours apart from each other.
 struct Route {
   std::vector<Eigen::Vector2d> points;  ///< in world [m]
-  bool closed = false;  ///< the last is joined to the first; otherwise the route is driven to and fro
+  bool closed = false;  ///< a loop from the last point to the first; otherwise driven back and forth
 
-  double length() const;  ///< [m], the closing line included
+  double length() const;  ///< [m], including the closing line
   int lineCount() const { return static_cast<int>(points.size()) - (closed ? 0 : 1); }
   const Eigen::Vector2d& begin(int line) const { return points[line]; }
   const Eigen::Vector2d& end(int line) const { return points[(line + 1) % points.size()]; }
@@ -30,7 +30,7 @@ struct RoutePlace {
 
 /// @param along_m is wrapped into a closed route and clamped to an open one.
 RoutePlace placeAlong(const Route& route, double along_m);
-/// The nearest place of the route. The first one wins a tie.
+/// The nearest place of the route; the first one in a tie.
 RoutePlace nearestPlace(const Route& route, const Eigen::Vector2d& position);
 
 /// Reads a route: the line `closed` or `open`, the header `x_m,y_m`, then a way-point a line; `#` begins a
@@ -38,15 +38,15 @@ RoutePlace nearestPlace(const Route& route, const Eigen::Vector2d& position);
 /// @throws ConfigError with every problem: FILE:LINE, what was found, what was expected.
 Route parseRoute(std::string_view text, const std::string& file_name);
 
-/// Where a run begins: a place of the route and one of its two directions, both drawn from the seed, with a
-/// little play beside the line and in the heading. The same seed gives the same start on every machine.
+/// Start of a run: a place of the route and one of its two directions, both drawn from the seed, with small
+/// random offsets of lateral position and heading. The same seed gives the same start on every machine.
 struct RouteStart {
   Pose2 T_world_robot;
   bool backwards = false;  ///< the route is to be driven from its last point to its first
 };
 RouteStart startOnRoute(const Route& route, std::uint64_t seed);
 
-/// The same way in the other direction.
+/// The same route in the other direction.
 Route reversed(const Route& route);
 
 }  // namespace vismem

@@ -22,8 +22,8 @@ void SimulatedOperator::advance(const Eigen::Vector2d& position) {
     along_m_ = nearestPlace(route_, position).along_m;
     on_route_ = true;
   }
-  // The aim moves on along the route until it is the look-ahead away; it never goes back, so corners are not
-  // cut by a nearer stretch of the same route.
+  // The look-ahead point advances along the route and never goes back, so that a nearer part of the same
+  // route does not cut a corner.
   constexpr double kStep_m = 0.02;
   const double length = route_.length();
   for (double moved = 0.0; moved < length; moved += kStep_m) {
@@ -40,7 +40,8 @@ DriveCommand SimulatedOperator::drive(const Pose2& T_world_robot) {
   const double angle = std::atan2(aim.y(), aim.x());
   const double w_max = params_.max_turn_rate_radps;
   if (std::abs(angle) > params_.turn_on_spot_beyond_rad) return {0.0, std::copysign(w_max, angle)};
-  // The arc through the aim has the curvature 2 y / d^2; a sharper one is driven more slowly.
+  // Pure pursuit: the arc through the look-ahead point has the curvature 2 y / d^2; higher curvature reduces
+  // the speed.
   const double curvature = 2.0 * aim.y() / std::max(aim.squaredNorm(), 1e-6);
   double v = params_.speed_mps * (1.0 - 0.7 * std::abs(angle) / params_.turn_on_spot_beyond_rad);
   if (std::abs(v * curvature) > w_max) v = w_max / std::abs(curvature);

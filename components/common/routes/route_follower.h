@@ -1,7 +1,7 @@
 /// @file A simulated operator who drives the robot along a route. Pure.
 ///
-/// It stands for a person with a joystick who sees the robot from outside: it is given the true pose, which
-/// no estimator reads, and exists for simulations only.
+/// It simulates a person with a joystick who sees the robot from outside. It uses the true pose, which no
+/// estimator reads, and exists for simulations only.
 #pragma once
 
 #include "common/routes/route.h"
@@ -16,23 +16,23 @@ struct DriveCommand {
 struct RouteFollowerParams {
   double speed_mps = 0.3;  ///< on straight lines
   double max_turn_rate_radps = 0.8;
-  /// It drives at a point of the route this far ahead: nearer follows closer, farther is smoother.
+  /// Look-ahead distance of pure pursuit [m]: a smaller one follows closer, a larger one is smoother.
   double look_ahead_m = 0.45;
-  /// Beyond this angle to that point it turns on the spot.
+  /// Turns on the spot above this angle to the look-ahead point [rad].
   double turn_on_spot_beyond_rad = 0.9;
 };
 
-/// Pure pursuit with slowing in corners. *Single-threaded*.
+/// Pure pursuit with reduced speed in corners. *Single-threaded*.
 class SimulatedOperator {
  public:
-  /// Begins at the route's nearest place to the first pose it is given; goes round a closed route for ever,
-  /// and an open one to and fro.
+  /// Starts at the route's nearest place to the first pose. Repeats a closed route, and drives an open one
+  /// back and forth.
   /// @throws std::invalid_argument for a parameter that is not positive.
   SimulatedOperator(Route route, const RouteFollowerParams& params);
 
   /// @param T_world_robot the true pose now.
   DriveCommand drive(const Pose2& T_world_robot);
-  /// To be called after the robot was put elsewhere: finds the route again.
+  /// To be called after a kidnapping: continues at the nearest place of the route.
   void lost() { on_route_ = false; }
 
  private:

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "common/config/config_error.h"
+#include "common/config/text_fields.h"
 #include "common/config/text_file.h"
 
 namespace vismem {
@@ -19,14 +20,12 @@ constexpr std::string_view kHeader = "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label";
 constexpr std::string_view kHeaderWithWidth = "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label,width_m";
 constexpr std::array<std::string_view, 8> kColumns{"x1_m", "y1_m", "z1_m",  "x2_m",
                                                    "y2_m", "z2_m", "label", "width_m"};
-/// No robot comes that far, and grids of what is farther would not fit in memory [m].
-constexpr double kFarthest_m = 1e5;
 constexpr std::size_t kLabelColumn = 6;
 constexpr std::size_t kWidthColumn = 7;
 
 struct Cell {
   std::string_view text;
-  std::size_t column = 1;  // of its first character, from 1
+  std::size_t column = 1;  // of its first character, counted from 1
 };
 
 Cell trimmed(Cell cell) {
@@ -68,6 +67,7 @@ class Reader {
   explicit Reader(const std::string& file_name) : file_name_(file_name) {}
 
   SegmentMap read(std::string_view text) {
+    map_.ends_inside_row = !text.empty() && text.back() != '\n';
     while (!text.empty()) {
       ++line_;
       const auto end = std::min(text.find('\n'), text.size());
@@ -147,6 +147,7 @@ class Reader {
     segment.world.b = {values[3], values[4], values[5]};
     segment.label = label.text;
     segment.width_m = values[kWidthColumn];
+    segment.line = line_;
     if (segment.world.length() <= 0.0) {
       problem(cells[0].column, "both ends are the same point (a segment needs a length)");
       return;
@@ -165,12 +166,12 @@ class Reader {
 
   std::string file_name_;
   std::size_t line_ = 0;
-  std::size_t columns_ = 0;  // 0: header not seen yet
+  std::size_t columns_ = 0;  // 0: before the header line
   SegmentMap map_;
   std::vector<std::string> problems_;
 };
 
-/// Shortest text that reads back as the same number.
+/// Shortest text that parses to the same number.
 std::string text(double value) {
   std::array<char, 32> buffer{};
   const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value == 0.0 ? 0.0 : value);

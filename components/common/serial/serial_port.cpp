@@ -34,7 +34,7 @@ const std::pair<int, speed_t>* findRate(int baud_bps) {
   return rate == kRates.end() ? nullptr : rate;
 }
 
-/// As poll wants it, rounded up so that a wait never ends before its deadline.
+/// Timeout for poll [ms], rounded up so that a wait never ends before its deadline.
 int millisecondsUntil(SerialPort::Clock::time_point deadline) {
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - SerialPort::Clock::now()).count();
   return static_cast<int>(std::clamp<long>(left, 0, 60'000));
@@ -56,7 +56,7 @@ SerialPort::~SerialPort() {
 std::string SerialPort::open(const std::string& path, int baud_bps) {
   close();
   path_ = path;
-  // Without O_NONBLOCK the opening itself may wait for a modem's carrier.
+  // Without O_NONBLOCK, open() may wait for a modem's carrier.
   fd_ = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd_ < 0) return failed(deviceErrorText(errno, kSerialPorts));
   std::string why;
@@ -87,7 +87,7 @@ std::string SerialPort::configure(int baud_bps) {
   cfsetispeed(&line, rate->second);
   cfsetospeed(&line, rate->second);
   if (tcsetattr(fd_, TCSANOW, &line) != 0) return failed(std::strerror(errno));
-  // tcsetattr is content when it could do any of it.
+  // tcsetattr succeeds after any partial change.
   termios now{};
   if (tcgetattr(fd_, &now) != 0 || cfgetospeed(&now) != rate->second) {
     return failed("does not take a rate of " + std::to_string(baud_bps) + " bit/s");
@@ -160,10 +160,6 @@ std::string SerialPort::write(std::span<const std::uint8_t> bytes, Clock::time_p
     }
   }
   return {};
-}
-
-void SerialPort::discardInput() {
-  if (isOpen()) tcflush(fd_, TCIFLUSH);
 }
 
 void SerialPort::wake() {

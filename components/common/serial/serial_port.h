@@ -1,5 +1,5 @@
 /// @file A serial line (RS-232, a USB adapter, a pseudo terminal) in raw mode: 8 data bits, no parity, one
-/// stop bit, no flow control. Failures are returned with words for people, never thrown.
+/// stop bit, no flow control. Failures are returned as messages for people, never thrown.
 #pragma once
 
 #include <chrono>
@@ -10,19 +10,19 @@
 
 namespace vismem {
 
-/// Invariant: an open port is this process's alone, as far as other programs keep to flock or TIOCEXCL.
+/// Invariant: an open port belongs to this process alone, as far as other programs respect flock or TIOCEXCL.
 /// *Single-threaded* (owner: the driver's thread), but for wake().
 class SerialPort {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// What read() came back with.
+  /// Result of read().
   struct Input {
     enum class Kind {
       kBytes,
-      kNothing,  ///< until the deadline
+      kNothing,  ///< no byte until the deadline
       kWoken,    ///< by wake()
-      kGone,     ///< unplugged, hung up, or not open; `why` says so and the port wants to be opened anew
+      kGone,     ///< unplugged, hung up, or not open; `why` has the reason; open() it again
     };
     Kind kind = Kind::kNothing;
     std::vector<std::uint8_t> bytes;
@@ -34,25 +34,25 @@ class SerialPort {
   SerialPort(const SerialPort&) = delete;
   SerialPort& operator=(const SerialPort&) = delete;
 
-  /// Opens and takes the port; one that was open is closed first. @param path as "/dev/ttyUSB0", which a
-  /// symbolic link may be. @param baud_bps as termios has it: 50 ... 4000000. @return empty, or why not:
-  /// "/dev/ttyUSB0: no such device", "... no permission ...", "... another program uses it", "... not a
-  /// serial port".
+  /// Opens the port exclusively, after closing an open one.
+  /// @param path such as "/dev/ttyUSB0"; symbolic links are followed.
+  /// @param baud_bps a rate of termios [bit/s]: 50 ... 4000000.
+  /// @return empty, or the reason of the failure: "/dev/ttyUSB0: no such device", "... no permission ...",
+  /// "... another program uses it", "... not a serial port".
   std::string open(const std::string& path, int baud_bps);
-  /// What was sent and received before is dropped. @return empty, or why not.
+  /// Changes the rate; bytes in both buffers are dropped.
+  /// @return empty, or the reason of the failure.
   std::string setBaud(int baud_bps);
   bool isOpen() const { return fd_ >= 0; }
   void close();
 
-  /// Whatever has come, waiting for the first byte until the deadline.
+  /// Reads the received bytes; waits for the first one until the deadline.
   Input read(Clock::time_point deadline);
-  /// All of it, or none of it has reached the device for certain. @return empty, or why not: "... hung up",
-  /// "... takes no bytes".
+  /// Writes all bytes; after a failure some may not have reached the device.
+  /// @return empty, or the reason of the failure: "... hung up", "... takes no bytes".
   std::string write(std::span<const std::uint8_t> bytes, Clock::time_point deadline);
-  /// Drops what has come and was not read.
-  void discardInput();
 
-  /// Ends a read() that waits, or the next one, at once. Any thread.
+  /// Ends a waiting read(), or the next one, at once. Any thread.
   void wake();
 
  private:

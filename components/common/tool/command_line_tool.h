@@ -1,4 +1,4 @@
-/// @file Command lines of tools that are no components, with the exit codes that components have.
+/// @file Command lines of tools, with the exit codes of components.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,11 +6,12 @@
 
 namespace vismem {
 
-/// Of a wrong command line or configuration, as of components; CLI11's own codes begin at 100.
+/// Exit code for a wrong command line or configuration, as of components; CLI11's own codes begin at 100.
 inline constexpr int kExitUsage = 2;
 
-/// Parses; prints help or what is wrong. @return the exit code if the tool shall end now: 0 after --help or
-/// --version, kExitUsage for a wrong command line.
+/// Parses the command line; prints help or the problem.
+/// @return the exit code if the tool has to end: 0 after --help or --version, kExitUsage for a wrong command
+/// line.
 inline std::optional<int> parseTool(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);

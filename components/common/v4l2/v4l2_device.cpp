@@ -18,7 +18,7 @@
 namespace vismem {
 namespace {
 
-/// The fields of V4L2 are as long as their names may be, not always ended by a zero.
+/// Text fields of V4L2 have a fixed size and need no terminating zero.
 template <std::size_t kSize>
 std::string textOf(const __u8 (&field)[kSize]) {
   const char* const text = reinterpret_cast<const char*>(field);
@@ -43,14 +43,14 @@ std::string V4l2Device::open(const std::string& path) {
   v4l2_capability found{};
   if (const int error = request(VIDIOC_QUERYCAP, &found); error != 0) {
     close();
-    // What knows nothing of the request is no video device, whichever way it says so.
+    // A device that does not support the request is no video device, whatever its errno.
     return failed(error == EINVAL ? deviceErrorText(ENOTTY, kVideoDevices)
                                   : deviceErrorText(error, kVideoDevices));
   }
   identity_.card = textOf(found.card);
   identity_.driver = textOf(found.driver);
   identity_.bus = textOf(found.bus_info);
-  // A device with several nodes tells in `capabilities` what they can together.
+  // For a device with several nodes, `capabilities` is the union of all nodes.
   const unsigned can =
       (found.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? found.device_caps : found.capabilities;
   const bool streams = (can & V4L2_CAP_STREAMING) != 0;
@@ -79,7 +79,7 @@ void* V4l2Device::map(std::size_t bytes, std::int64_t offset) const {
 }
 
 std::string V4l2Device::failed(const std::string& what, int error) const {
-  // Whatever was asked: these are not about the request, but about the device.
+  // For any request: these errors concern the device.
   if (error == ENODEV || error == ENXIO) return failed("was unplugged");
   if (error == EBUSY || error == EACCES || error == EPERM)
     return failed(deviceErrorText(error, kVideoDevices));
@@ -104,7 +104,7 @@ V4l2Device::Wait V4l2Device::wait(Clock::time_point deadline, bool frame) const 
       static_cast<void>(::read(wake_fd_, &count, sizeof count) == 0);
       return Wait::kWoken;
     }
-    // An error shows in the request that follows.
+    // The next request reports an error.
     if (waits[1].revents != 0) return (waits[1].revents & POLLIN) != 0 ? Wait::kReady : Wait::kError;
   }
 }

@@ -1,4 +1,4 @@
-/// @file Boxes in columns of numbers, which are compared many at a time. Pure; plain numbers only, see
+/// @file Boxes as columns of numbers, for the comparison of many at a time. Pure; plain numbers only, see
 /// line_run_kernel.h.
 #pragma once
 
@@ -16,15 +16,17 @@ struct BoxLanes {
 };
 constexpr int kBoxBlock = 32;
 
-/// A box, and the directions that are near enough: from the lowest one on, over the end of the turn.
+/// A box with an interval of directions; the interval may wrap.
 struct BoxQuery {
   std::int16_t left, right, top, bottom;
   std::uint16_t lowest_angle, angle_span;
 };
 
-/// Lists those of the lanes begin..end-1 whose boxes meet another one, with a direction near its own.
-/// @param lanes room for end - begin and a block. @return how many.
-using ListMeetings = int (*)(const BoxLanes& boxes, const BoxQuery& query, int begin, int end,
+/// Lists the lanes of begin..end-1 whose boxes overlap the query's box and whose directions lie in its
+/// interval.
+/// @param lanes room for end - begin and a block.
+/// @return their number.
+using ListOverlaps = int (*)(const BoxLanes& boxes, const BoxQuery& query, int begin, int end,
                              std::int32_t* lanes);
 
 }  // namespace vismem

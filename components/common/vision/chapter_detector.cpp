@@ -1,4 +1,4 @@
-// The Solis flow as the chapter's authors published it. Constants: DESIGN 7.
+// The Solis flow as the chapter's authors published it. See V1.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
@@ -10,12 +10,12 @@
 namespace vismem {
 namespace {
 
-/// The published flow follows the border of a band beside the edge: look further out for both sides.
+/// The published flow follows the border of a band beside the edge: sample both sides further out.
 constexpr double kSideDistance_px = 3.0;
 constexpr int kUndecided = -1;
 
-/// Chords are classified into eight directions: along an axis up to a slope of one half, else diagonal. One
-/// that hardly leaves its place has none.
+/// Chords are classified into eight directions: along an axis up to a slope of one half, else diagonal. A
+/// chord shorter than 2 px has none.
 int directionClass(const cv::Point& chord) {
   const int across = std::abs(chord.x);
   const int down = std::abs(chord.y);
@@ -58,7 +58,7 @@ class ChapterDetector final : public SegmentDetector {
   }
 
  private:
-  /// A fragment of another direction (or of none) ends a run and is itself lost, as published.
+  /// A fragment of another direction (or of none) ends a run and is dropped, as published.
   std::vector<Run> runs(const std::vector<cv::Point>& contour) const {
     std::vector<Run> found;
     Run run;

@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
+
+#include "common/geometry/plane.h"
 
 namespace vismem {
 namespace {
 
 constexpr double kTurn = 65536.0;  // what an angle of 16 bits wraps at
 constexpr double kDiamondTurn = 4.0;
-constexpr double kPi = 3.14159265358979;
 constexpr int kShift = 32768;  // makes numbers of 16 bits positive
 constexpr int kBins = 32;      // by direction; a power of two
 constexpr int kAngles = 65536;
@@ -100,15 +102,16 @@ struct CollinearMerger::Box {
   int rod;
 };
 
-/// What tells most rods apart, as columns of numbers that are compared many at a time. Rods are sorted into
-/// bins by direction, and in a bin into cells from left to right where it is steep, from top to bottom where
-/// it is flat: across the rods, in which few are near.
+/// Boxes and directions of rods as columns of numbers, for fast rejection of most pairs. Rods are sorted into
+/// bins by direction. In a bin they are sorted into cells across the rods: from left to right for steep ones,
+/// from top to bottom for flat ones.
 class CollinearMerger::Lanes {
  public:
-  /// About a rod made longer at both ends by half of the longest gap that it may be joined over, and
-  /// `reach_px` aside: boxes of two that can be joined meet.
+  /// Box of a rod, extended at both ends by half of the longest allowed gap and by `reach_px` aside: boxes of
+  /// two that can be joined overlap.
   static Box boxOf(const Rod& rod, int index, double half_gap_px, double reach_px) {
-    // Beyond its range a number stays at its end: boxes that meet still do. Rounded down; up is one more.
+    // Numbers saturate at the ends of their range: overlapping boxes still overlap. Rounded down; up is one
+    // more.
     const auto whole = [](double value) {
       return static_cast<int>(std::min(std::max(value, -32000.0), 32000.0) + kShift) - kShift;
     };
@@ -131,7 +134,7 @@ class CollinearMerger::Lanes {
     angle_.reserve(count + kBoxBlock);
     rod_.reserve(count);
   }
-  /// Lays rods out, counted by cell first.
+  /// Sorts rods into the lanes, after counting them per cell.
   void lay(const std::vector<Box>& boxes) {
     const std::size_t count = boxes.size();
     rod_.resize(count);
@@ -167,7 +170,7 @@ class CollinearMerger::Lanes {
   Box box(int lane) const {
     return {left_[lane], right_[lane], top_[lane], bottom_[lane], angle_[lane], rod_[lane]};
   }
-  /// The first lane of a bin whose box may meet this one, and the end of those that may.
+  /// The first lane of a bin whose box may overlap this one, and the end of those that may.
   int firstOf(int bin, const Box& box) const { return begin_[cellAt(bin, lowOf(box, bin) - extent_[bin])]; }
   int endOf(int bin, const Box& box) const { return begin_[cellAt(bin, highOf(box, bin)) + 1]; }
 
@@ -221,10 +224,10 @@ void CollinearMerger::reserve(std::size_t segments) {
   given_->reserve(segments);
   joined_->reserve(segments);
   boxes_.reserve(segments);
-  meetings_.reserve(segments + kBoxBlock);
+  overlapping_.reserve(segments + kBoxBlock);
 }
 
-/// Lays rods from `begin` on that are not part of another one.
+/// Sorts the rods from `begin` on that are not part of another one.
 void CollinearMerger::lay(int begin, const CollinearMergeParams& params, Lanes& lanes) {
   boxes_.clear();
   for (int i = begin; i < static_cast<int>(rods_.size()); ++i) {
@@ -234,8 +237,8 @@ void CollinearMerger::lay(int begin, const CollinearMergeParams& params, Lanes& 
   lanes.lay(boxes_);
 }
 
-/// All pairs that may be joined and have at least one rod from `first_fresh` on, closest first. Of long gaps
-/// only the length is judged.
+/// All pairs that may be joined and have at least one rod from `first_fresh` on, closest first. Long gaps are
+/// checked for their length only.
 void CollinearMerger::findCandidates(int given, int first_fresh, const CollinearMergeParams& params) {
   candidates_.clear();
   if (first_fresh == 0) {
@@ -255,8 +258,8 @@ void CollinearMerger::findCandidates(int given, int first_fresh, const Collinear
   });
 }
 
-/// Judges all rods in lanes that may be joined with the box's. Where those before `begin` have been compared
-/// with it, it lies in the lane before that, and bins of smaller angles are left to theirs.
+/// Compares all rods in lanes with the box's rod. If those before `begin` have been compared already, the rod
+/// lies in the lane before, and bins of smaller angles compare with it themselves.
 void CollinearMerger::compare(const Box& box, int begin, const Lanes& lanes,
                               const CollinearMergeParams& params) {
   const int lowest = box.angle - (begin == 0 ? angle_limit_ : 0);
@@ -269,14 +272,14 @@ void CollinearMerger::compare(const Box& box, int begin, const Lanes& lanes,
                        static_cast<std::uint16_t>(box.angle - angle_limit_),
                        static_cast<std::uint16_t>(2 * angle_limit_)};
   const auto room = static_cast<std::size_t>(lanes.count() + kBoxBlock);
-  if (meetings_.size() < room) meetings_.resize(room);
+  if (overlapping_.size() < room) overlapping_.resize(room);
   for (int bin = first_bin; bin <= last_bin; ++bin) {
     const int which = bin % kBins;
     const int lane = begin != 0 && bin == first_bin ? begin : lanes.firstOf(which, box);
     const int found =
-        kernel_->meetings(lanes.boxes(), query, lane, lanes.endOf(which, box), meetings_.data());
+        kernel_->overlaps(lanes.boxes(), query, lane, lanes.endOf(which, box), overlapping_.data());
     for (int k = 0; k < found; ++k) {
-      const int other = lanes.rod(meetings_[k]);
+      const int other = lanes.rod(overlapping_[k]);
       if (other != box.rod) judge(box.rod, other, params);
     }
   }
@@ -286,11 +289,11 @@ void CollinearMerger::judge(int index, int other_index, const CollinearMergePara
   const Rod& rod = rods_[index];
   const Rod& other = rods_[other_index];
   if (rod.direction.dot(other.direction) < cos_limit_ || !other.alive || other.group != rod.group) return;
-  // Of two of the same length the earlier is the measure, whichever looks at the other.
+  // Of two of the same length the earlier is the reference, in either order of comparison.
   const bool rod_is_longer = rod.length > other.length || (rod.length == other.length && index < other_index);
   const Rod& longer = rod_is_longer ? rod : other;
   const Rod& shorter = rod_is_longer ? other : rod;
-  const Eigen::Vector2d normal(-longer.direction.y(), longer.direction.x());
+  const Eigen::Vector2d normal = turned90(longer.direction);
   const Eigen::Vector2d a = shorter.px.a - longer.px.a;
   const Eigen::Vector2d b = shorter.px.b - longer.px.a;
   const double offset = std::max(std::abs(a.dot(normal)), std::abs(b.dot(normal)));
@@ -302,7 +305,7 @@ void CollinearMerger::judge(int index, int other_index, const CollinearMergePara
   candidates_.push_back({gap, offset, std::min(index, other_index), std::max(index, other_index)});
 }
 
-/// Whether the edge goes on in the long gap between two rods.
+/// Whether the edge continues in the long gap between two rods.
 bool CollinearMerger::goesOn(const Rod& a, const Rod& b) const {
   const bool ahead = (b.middle - a.middle).dot(a.direction) > 0.0;
   const Rod& before = ahead ? a : b;
@@ -320,9 +323,12 @@ void CollinearMerger::merge(std::vector<GroupedSegment>& segments, const Colline
   segments.clear();
   if (rods_.empty()) return;
   cos_limit_ = std::cos(params.angle_rad);
-  // Half of the way between the tips of two rods that meet in the middle of a gap: their directions differ.
+  // Half of the distance between the ends of two rods extended to the middle of a gap: their directions
+  // differ.
   const double longest_px = evidence == nullptr ? params.gap_px : std::max(params.gap_px, params.bridge_px);
-  reach_px_ = 0.5 * (params.offset_px + longest_px * std::sin(std::min(params.angle_rad, 0.5 * kPi))) + 0.01;
+  reach_px_ =
+      0.5 * (params.offset_px + longest_px * std::sin(std::min(params.angle_rad, 0.5 * std::numbers::pi))) +
+      0.01;
   angle_limit_ = static_cast<std::uint16_t>(
       std::min(std::ceil(params.angle_rad * (kTurn / kDiamondTurn)) + 2.0, 0.5 * kTurn - 1.0));
   const auto given = static_cast<int>(rods_.size());
@@ -335,8 +341,8 @@ void CollinearMerger::merge(std::vector<GroupedSegment>& segments, const Colline
     for (const Candidate& pair : candidates_) {
       const Rod& a = rods_[pair.a];
       const Rod& b = rods_[pair.b];
-      // The image is asked only now: most rods with a long gap beside them have been joined over a shorter
-      // one.
+      // The image is evaluated only now: most rods with a long gap beside them have been joined over a
+      // shorter one.
       if (!a.alive || !b.alive || (pair.gap > params.gap_px && !goesOn(a, b))) continue;
       rods_[pair.a].alive = rods_[pair.b].alive = false;
       rods_.emplace_back(Rod(rods_[pair.a], rods_[pair.b]));

@@ -15,13 +15,13 @@ struct CollinearMergeParams {
   double angle_rad = 0.07;  ///< between the directions over the full circle: polarity counts
   double offset_px = 1.5;   ///< of the shorter one's ends from the longer one's line
   double gap_px = 8.0;      ///< between the near ends along the line; overlapping pieces have none
-  /// A longer gap is closed where the edge goes on in it (see GapEvidence): up to so many times the shorter
-  /// one's length, and so long.
+  /// A longer gap is closed where the edge continues in it (see GapEvidence): at most this multiple of the
+  /// shorter one's length, and at most this long.
   double bridge_share = 0.0;
   double bridge_px = 0.0;
 };
 
-/// What an image says about the gap between two pieces.
+/// Evidence of the image for an edge in the gap between two pieces.
 class GapEvidence {
  public:
   virtual ~GapEvidence() = default;
@@ -36,7 +36,7 @@ struct GroupedSegment {
   double value = 0.0;
 };
 
-/// *Single-threaded*; keeps its work space and no memory of earlier segments.
+/// *Single-threaded*; keeps its work space, but no data of earlier segments.
 class CollinearMerger {
  public:
   explicit CollinearMerger(const EdgeRowKernel& kernel = bestEdgeRows());
@@ -44,14 +44,14 @@ class CollinearMerger {
   CollinearMerger(CollinearMerger&&) noexcept;
   CollinearMerger& operator=(CollinearMerger&&) noexcept;
 
-  /// Takes the work space for so many segments now, so that merging them allocates nothing.
+  /// Allocates the work space for a number of segments, so that merging them allocates nothing.
   void reserve(std::size_t segments);
 
   /// Joins, pass by pass, the pairs with the smallest gaps, each segment at most once in a pass, until no
-  /// pair is left. A joined segment lies on the total-least-squares line of its parts (taken as rods of even
+  /// pair is left. A joined segment lies on the total-least-squares line of its parts (as rods of uniform
   /// density) and reaches as far as they do. Segments without length are dropped.
   /// @param segments replaced by the joined ones; their order depends on the order of the input.
-  /// @param evidence closes longer gaps; none: those stay.
+  /// @param evidence closes longer gaps; nullptr: none is closed.
   void merge(std::vector<GroupedSegment>& segments, const CollinearMergeParams& params,
              const GapEvidence* evidence = nullptr);
 
@@ -75,7 +75,7 @@ class CollinearMerger {
   std::unique_ptr<Lanes> given_;   // the rods given
   std::unique_ptr<Lanes> joined_;  // those joined that are left
   std::vector<Box> boxes_;
-  std::vector<std::int32_t> meetings_;
+  std::vector<std::int32_t> overlapping_;
   const GapEvidence* evidence_ = nullptr;
   double cos_limit_ = 0.0;
   double reach_px_ = 0.0;  // of a rod aside, see Lanes::boxOf

@@ -1,4 +1,5 @@
-/// @file Edges between colours of nearly equal brightness, which the gray picture hides. Pure. SPEC V1, V3.
+/// @file Edges between colours of nearly equal brightness, which are absent in the gray image. Pure. See V1,
+/// V3.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -8,13 +9,14 @@
 
 namespace vismem {
 
-/// The largest of each pixel's channels: a strong red or blue is bright there, beside a dark floor, too.
-/// @param rgb CV_8UC3. @param plane becomes CV_8UC1 of its size.
+/// The largest channel of each pixel. A saturated red or blue is bright in it, also beside a dark floor.
+/// @param rgb CV_8UC3.
+/// @param plane becomes CV_8UC1 of its size.
 void strongestChannel(const cv::Mat& rgb, cv::Mat& plane);
 
-/// Joins to `segments`, found in the gray picture, what was found in the plane of the strongest channel and
-/// is not there yet, or only in pieces, which it replaces. Polarity and strength stay those of the gray
-/// picture. @param image CV_8UC3.
+/// Adds the segments of the strongest channel to those of the gray image. It adds segments that are absent
+/// there and replaces pieces by the whole segment. Polarity and strength are those of the gray image.
+/// @param image CV_8UC3.
 void joinColourEdges(const cv::Mat& image, const std::vector<RawSegment>& found_in_plane,
                      std::vector<RawSegment>& segments);
 

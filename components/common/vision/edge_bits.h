@@ -1,14 +1,14 @@
-/// @file Rows of edge points as bits, and the links between them. Pure. SPEC V1.
+/// @file Rows of edge points as bits, and the links between them. Pure. See V1.
 #pragma once
 
 #include <cstdint>
 
 namespace vismem {
 
-/// Words of zeros before and after each plane of a row, which looking sideways reads.
+/// Words of zeros before and after each plane of a row, read by the search to both sides.
 constexpr int kEdgeWordMargin = 4;
 
-/// One row of an image, a bit a pixel. Planes other than `edge` mean something only where that is set. A
+/// One row of an image, one bit per pixel. Planes other than `edge` are valid only where `edge` is set. A
 /// point is *steep* if |gx| >= |gy|, else *flat*: its edge goes rather down than across.
 struct EdgeBits {
   std::uint64_t* edge = nullptr;
@@ -16,11 +16,11 @@ struct EdgeBits {
   std::uint64_t* right = nullptr;          ///< gx > 0
   std::uint64_t* down = nullptr;           ///< gy > 0
   std::uint64_t* diagonal = nullptr;       ///< within 22 degrees of a diagonal
-  std::uint64_t* free_next = nullptr;      ///< no other one follows yet
-  std::uint64_t* free_previous = nullptr;  ///< it follows no other one yet
+  std::uint64_t* free_next = nullptr;      ///< it has no successor yet
+  std::uint64_t* free_previous = nullptr;  ///< it has no predecessor yet
 };
 
-/// Which points of a row were linked to which earlier ones: to their left, or in a row above.
+/// Links from the points of a row to earlier points: to their left, or in a row above.
 struct EdgeLinks {
   std::uint64_t* left = nullptr;
   std::uint64_t* above_left = nullptr;
@@ -28,10 +28,10 @@ struct EdgeLinks {
   std::uint64_t* above_right = nullptr;
 };
 
-/// Where in the list of points the one is that a point follows.
+/// Position of a point's predecessor in the list.
 enum PreviousPoint : std::uint8_t { kNone, kEarlier, kLater };
 
-/// How many points of a list begin chains, and how many may begin rings.
+/// Numbers of chain starts, and of possible ring starts, in a list of points.
 struct EdgeChainEnds {
   int starts = 0;
   int tops = 0;

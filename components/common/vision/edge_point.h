@@ -1,11 +1,11 @@
-/// @file A sub-pixel edge point. Pure. SPEC V1.
+/// @file A sub-pixel edge point. Pure. See V1.
 #pragma once
 
 #include <cstdint>
 
 namespace vismem {
 
-/// Where the gradient is largest across an edge. Small, for large images have more of them than a cache
+/// Point of the largest gradient across an edge. Compact, because large images have more points than a cache
 /// holds.
 struct EdgePoint {
   /// From the lowest bit on: column (16 bits), row modulo 256 (8), whether it is steep (1), and how far it

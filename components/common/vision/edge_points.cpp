@@ -16,10 +16,10 @@ constexpr int kWordBits = 64;
 constexpr int kNarrow = 10000;  // columns: any step over two rows fits 16 bits
 constexpr int kCacheLine = 64;
 
-/// How often each size of second differences along x of those along y comes: weights 1 -2 1 each way.
+/// Histogram of the second differences along x of those along y: weights 1 -2 1 in both directions.
 using SecondDifferences = std::array<std::uint16_t, 8 * 256 + 1>;
 
-/// @return of how many places.
+/// @return the number of places.
 template <int kChannels>
 int countDifferences(const cv::Mat& image, SecondDifferences& histogram) {
   constexpr int kAlong = 64;  // places in each direction, at most
@@ -31,7 +31,7 @@ int countDifferences(const cv::Mat& image, SecondDifferences& histogram) {
     const std::uint8_t* above = image.ptr<std::uint8_t>(y - 1);
     const std::uint8_t* here = image.ptr<std::uint8_t>(y);
     const std::uint8_t* below = image.ptr<std::uint8_t>(y + 1);
-    // No processor expects rows so far apart.
+    // Prefetches the next rows: hardware prefetchers do not follow such distances.
     for (int row = y + step_y - 1; row <= std::min(y + step_y + 1, image.rows - 1); ++row) {
       const std::uint8_t* later = image.ptr<std::uint8_t>(row);
       for (int i = 0; i < kChannels * image.cols; i += kCacheLine) __builtin_prefetch(later + i);

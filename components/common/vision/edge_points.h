@@ -1,4 +1,4 @@
-/// @file Sub-pixel edge points of an image, linked along their edges. Pure. SPEC V1.
+/// @file Sub-pixel edge points of an image, linked along their edges. Pure. See V1.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace vismem {
 
-/// Room that is taken once for a size of image and never cleared: pages that no frame touches cost nothing.
+/// Memory that is allocated once per image size and never cleared: untouched pages need no memory.
 template <typename T>
 class Room {
  public:
@@ -35,23 +35,23 @@ class EdgePointFinder {
 
   /// @param image CV_8UC1 or CV_8UC3 (R, G, B), at least 5x5; none of the outer 2 px are edge points.
   /// @param minimum_contrast of an ideal step that is an edge [grey levels].
-  /// @param bridge           whether a single missing point is jumped.
+  /// @param bridge whether a single missing point is bridged.
   void find(const cv::Mat& image, double minimum_contrast, bool bridge);
 
   /// In raster order.
   int count() const { return count_; }
-  /// No image of this size can have more.
+  /// Largest number of points in an image of this size.
   int capacity() const { return width_ * height_; }
   const EdgePoint* points() const { return points_.data(); }
   /// For each row of the image, the first point that lies in it or in a later one.
   const std::int32_t* rowBegins() const { return row_begins_.data(); }
-  /// For each point, how much further in the list the one is that follows with the brighter side on the left;
-  /// 0 where none does, or is too far for the type: that takes rows of more than 10 000 points.
+  /// For each point, the distance in the list to its successor, with the brighter side on the left. 0 without
+  /// a successor, or beyond the type's range, which takes rows of more than 10 000 points.
   const std::int16_t* next() const { return next_.data(); }
-  /// For each point, where in the list the one is that it follows.
+  /// For each point, the position of its predecessor in the list.
   const std::uint8_t* previous() const { return previous_.data(); }
-  /// Lists where chains of two points or more begin, and where rings may: at points that lie before both of
-  /// their neighbours in the list, as the first one of every ring does. In raster order.
+  /// Lists the starts of chains of two or more points, and of possible rings: points that lie before both
+  /// neighbours in the list, as the first point of every ring does. In raster order.
   /// @param starts, tops room for all points and a block more.
   EdgeChainEnds listStarts(std::int32_t* starts, std::int32_t* tops) const {
     return kernel_.starts(next_.data(), previous_.data(), count_, starts, tops);
@@ -101,10 +101,10 @@ class EdgePointFinder {
   EdgeWork work_;
 };
 
-/// Standard deviation of the image's own noise [grey levels]: from second differences that neither edges nor
-/// slopes excite, at their lower quartile, so that texture counts little. A few thousand places all over the
-/// image are looked at, whatever its size. 0 for a flat image.
-/// @param image CV_8UC1 or CV_8UC3 (R, G, B): there the noise of its brightness.
+/// Standard deviation of the image noise [grey levels]: from the lower quartile of second differences, which
+/// are insensitive to edges and slopes and little sensitive to texture. Samples a few thousand places of the
+/// image. 0 for a uniform image.
+/// @param image CV_8UC1, or CV_8UC3 (R, G, B) for the noise of its brightness.
 double estimateNoise(const cv::Mat& image);
 
 /// Length of the gradient in the middle of an ideal step of one grey level.

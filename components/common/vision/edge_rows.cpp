@@ -74,7 +74,7 @@ const EdgeRowKernel& portableEdgeRows() {
   static constexpr EdgeRowKernel kKernel{"portable",         kWordBlock,    grayLoop,        columnsLoop,
                                          gradientLoop,       maximaLoop,    listLoop,        pointsLoop,
                                          linkLoop,           listLinksLoop, bridgeSteepLoop, bridgeFlatLoop,
-                                         bridgeDiagonalLoop, startsLoop,    findRuns,        meetingsLoop};
+                                         bridgeDiagonalLoop, startsLoop,    findRuns,        overlapsLoop};
   return kKernel;
 }
 

@@ -1,4 +1,4 @@
-/// @file The dense part of the detector, row by row: every implementation gives the same bits. Pure. SPEC V1.
+/// @file The dense part of the detector, row by row: every implementation gives the same bits. Pure. See V1.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@ constexpr int kEdgeRowMargin = 2;
 /// Rows of gradients and magnitudes are readable (not more) so many values before their first one, and to the
 /// end of the last word of planes and so many beyond.
 constexpr int kEdgeReadMargin = 16;
-/// So many columns are worked on together: a list of them must be readable that far beyond its end.
+/// Number of columns in one block: a list of columns must be readable that far beyond its end.
 constexpr int kEdgePointBlock = 16;
 
-/// Which points of a row are wanted.
+/// The selected points of a row.
 struct EdgeRowPoints {
   EdgeBits bits;
   int words = 0;
@@ -41,7 +41,7 @@ struct EdgeRowKernel {
   void (*columns)(const std::uint8_t* const rows[5], int width, std::int16_t* smooth,
                   std::int16_t* difference);
   /// -> gradient (pairs of gx, gy), its length (within 3 per cent: the larger component and half of the
-  /// smaller one) and bits that say how it lies.
+  /// smaller one) and bits of its direction.
   void (*gradient)(const std::int16_t* smooth, const std::int16_t* difference, int width,
                    std::int16_t* gradient, std::int16_t* magnitude, std::int16_t* kind);
   /// Marks the columns in begin..end-1 where the magnitude (rows above, here, below) is at least `minimum`
@@ -52,30 +52,32 @@ struct EdgeRowKernel {
   void (*maxima)(const std::int16_t* const magnitude[3], const std::int16_t* kind, int begin, int end,
                  std::int16_t minimum, std::uint8_t* mask, int words, const EdgeBits& out);
   /// Lists the columns of a row's points, and numbers them from `first` on.
-  /// @param columns room for a row and a block. @param index of each column that has a point; others are
-  /// undefined.
-  /// @return how many.
+  /// @param columns room for a row and a block.
+  /// @param index of each column with a point; others are undefined.
+  /// @return their number.
   int (*list)(const std::uint64_t* edge, int words, std::int32_t first, std::uint16_t* columns,
               std::int32_t* index);
   /// The points of row y, from the gradients above, here and below.
   /// @param points has room for two blocks more.
   void (*points)(const std::int16_t* const gradient[3], const EdgeRowPoints& row, EdgePoint* points);
-  /// Links between neighbours in a row and to the row above, whose ends are free and whose directions agree.
+  /// Links points with their neighbours in the row and in the row above, if both ends are free and the
+  /// directions agree.
   /// @param words a multiple of word_block.
   void (*link)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                const EdgeLinks& links);
-  /// Lists the links of a row: from which point to which one, the brighter side on the left.
-  /// @param from, to room for two rows. @return how many.
+  /// Lists the links of a row as pairs of points, the brighter side on the left.
+  /// @param from, to room for two rows.
+  /// @return their number.
   int (*list_links)(const EdgeBits& here, const EdgeLinks& links, int words, const EdgeColumns& columns,
                     std::int32_t* from, std::int32_t* to);
-  /// The same over one missing point; they return whether there is any such link. Of a steep edge: to the row
-  /// two above, at most one column aside.
+  /// Links over one missing point;
+  /// @return whether there is any. Steep edge: to the row two above, at most one column aside.
   bool (*bridge_steep)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                        const EdgeLinks& links);
-  /// Of a flat edge: two columns aside, in its row or to the row above.
+  /// Flat edge: two columns aside, in its row or to the row above.
   bool (*bridge_flat)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                       const EdgeLinks& links);
-  /// Of an edge along a diagonal: two columns aside in the row two above.
+  /// Diagonal edge: two columns aside in the row two above.
   bool (*bridge_diagonal)(const EdgeBits& here, const EdgeBits& above, int words, const EdgeWork& work,
                           const EdgeLinks& links);
   /// See EdgePointFinder::listStarts. `next` and `previous` are readable for two blocks more.
@@ -84,14 +86,14 @@ struct EdgeRowKernel {
   /// See LineRunFinder.
   FindLineRuns runs;
   /// See CollinearMerger.
-  ListMeetings meetings;
+  ListOverlaps overlaps;
 };
 
-/// For any processor.
+/// The implementation for any processor.
 const EdgeRowKernel& portableEdgeRows();
-/// All that this processor runs, the fastest last.
+/// All implementations for this processor, the fastest last.
 std::vector<const EdgeRowKernel*> edgeRowKernels();
-/// The fastest one that this processor runs; chosen once.
+/// The fastest implementation for this processor; selected once.
 const EdgeRowKernel& bestEdgeRows();
 
 }  // namespace vismem

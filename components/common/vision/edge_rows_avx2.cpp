@@ -80,7 +80,7 @@ const EdgeRowKernel& avx2EdgeRows() {
   static constexpr EdgeRowKernel kKernel{
       "avx2",     kWordBlock,  grayLoop,      columnsLoop,     gradientLoop,   maximaLoop,         listLoop,
       pointsLoop, linkLoop,    listLinksLoop, bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsLoop,
-      findRuns,   meetingsLoop};
+      findRuns,   overlapsLoop};
   return kKernel;
 }
 

@@ -175,7 +175,7 @@ int listLinksMasks(const EdgeBits& here, const EdgeLinks& links_made, int words,
   return list.found;
 }
 
-int meetingsMasks(const BoxLanes& boxes, const BoxQuery& query, int begin, int end, std::int32_t* lanes) {
+int overlapsMasks(const BoxLanes& boxes, const BoxQuery& query, int begin, int end, std::int32_t* lanes) {
   const __m512i left = _mm512_set1_epi16(query.left);
   const __m512i right = _mm512_set1_epi16(query.right);
   const __m512i top = _mm512_set1_epi16(query.top);
@@ -230,7 +230,7 @@ const EdgeRowKernel& avx512EdgeRows() {
   static constexpr EdgeRowKernel kKernel{"avx512",           kWordBlock,     grayLoop,        columnsLoop,
                                          gradientLoop,       maximaMasks,    listMasks,       pointsMasks,
                                          linkLoop,           listLinksMasks, bridgeSteepLoop, bridgeFlatLoop,
-                                         bridgeDiagonalLoop, startsMasks,    findRuns,        meetingsMasks};
+                                         bridgeDiagonalLoop, startsMasks,    findRuns,        overlapsMasks};
   return kKernel;
 }
 

@@ -23,7 +23,7 @@ inline int brightness(const std::uint8_t* row, int x, int channels) {
 /// @throws std::invalid_argument for another type.
 cv::Mat toGray(const cv::Mat& image);
 
-/// Unit normal to the left of a -> b, as a person sees the picture (v points down). Length must be > 0.
+/// Unit normal to the left of a -> b, as seen on the screen (v points down). Length must be > 0.
 Eigen::Vector2d leftNormal(const Segment2& px);
 
 /// Mean brightness on the left minus that on the right [grey levels], sampled (nearest pixel) every 2 px or

@@ -10,7 +10,7 @@
 namespace vismem {
 namespace {
 
-/// Nothing where a sample lies outside the image.
+/// Value of a sample outside the image.
 constexpr int kNothing = std::numeric_limits<int>::min();
 
 int brightnessAt(const cv::Mat& image, const Eigen::Vector2d& px) {
@@ -77,7 +77,7 @@ std::vector<ImageSegment> splitAtGaps(const cv::Mat& image, const CameraIntrinsi
              steps[static_cast<std::size_t>(end)] < flat) {
         ++end;
       }
-      // Where the segment's own end is, its detector knows better.
+      // Gaps at the ends are ignored: the detector locates the ends more precisely.
       if (i > 0 && end < count && end - i >= params.min_gap_px) {
         piece(i);
         from = end;

@@ -1,5 +1,5 @@
-/// @file Cuts a segment where the image has no edge: where a painted line joins another one, or a post stands
-/// on it. Pure. SPEC V4.
+/// @file Cuts a segment at places without an edge in the image: at a junction of painted lines, or behind a
+/// post. Pure. See V4.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -13,15 +13,17 @@ namespace vismem {
 struct GapSplitParams {
   bool enabled = false;
   double min_gap_px = 3.0;   ///< shorter gaps are bridged
-  double flat_share = 0.35;  ///< of the usual step of brightness: less of it is no edge
-  double least_step = 20.0;  ///< grey levels; weaker segments are left alone
+  double flat_share = 0.35;  ///< share of the usual brightness step; below it there is no edge
+  double least_step = 20.0;  ///< [grey levels]; weaker segments are not cut
   double minimum_px = 10.0;  ///< shorter pieces are dropped
 };
 
-/// Detection and merging bridge gaps of some pixels, so that noise does not break an edge. This looks at what
-/// is there: at the step of brightness, every pixel along the segment, 1 and 2 px beside it.
-/// @param image CV_8UC3 (R, G, B) or CV_8UC1, raw pixels. @param intrinsics of that image.
-/// @param segments in ideal pixels. @return the same order; the pieces of one segment from a to b.
+/// Detection and merging bridge gaps of some pixels, so that noise does not break an edge. This function
+/// measures the brightness step at every pixel along the segment, 1 and 2 px beside it.
+/// @param image CV_8UC3 (R, G, B) or CV_8UC1, raw pixels.
+/// @param intrinsics intrinsics of that image.
+/// @param segments segments in ideal pixels.
+/// @return the same order; the pieces of one segment from a to b.
 std::vector<ImageSegment> splitAtGaps(const cv::Mat& image, const CameraIntrinsics& intrinsics,
                                       const std::vector<ImageSegment>& segments,
                                       const GapSplitParams& params);

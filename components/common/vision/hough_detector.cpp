@@ -1,4 +1,4 @@
-// Canny edges and the probabilistic Hough transform (SPEC V2).
+// Canny edges and the probabilistic Hough transform (see V2).
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -20,7 +20,7 @@ class HoughDetector final : public SegmentDetector {
     const cv::Mat gray = toGray(image);
     if (gray.cols < 16 || gray.rows < 16) return;
     cv::Mat edges;
-    // Isolated: of a part of a larger image, the smoothing must not look at what lies around it.
+    // Isolated: for a part of a larger image, the smoothing must not read pixels around it.
     cv::GaussianBlur(gray, edges, cv::Size(5, 5), 0, 0, cv::BORDER_REFLECT_101 | cv::BORDER_ISOLATED);
     cv::Canny(edges, edges, params_.canny_low, params_.canny_high);
     // OpenCV seeds its own generator the same way in every call: the same image gives the same lines.

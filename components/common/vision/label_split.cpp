@@ -9,24 +9,24 @@ namespace vismem {
 namespace {
 
 constexpr double kStep_px = 2.0;    // between the windows that are labelled
-constexpr double kWindow_px = 6.0;  // their length: three samples tell a majority
+constexpr double kWindow_px = 6.0;  // their length: three samples give a majority
 
-/// A stretch of one known label, in pixels from end a.
+/// An interval of one known label, in pixels from end a.
 struct Run {
   const Label* label;
   double from_px;
   double to_px;
 };
 
-/// Where one thing ends and the next begins is no line across the segment: the side of a door stands upright
-/// in the image however its foot runs. So the border is located in rows beside the segment ..
+/// Rows beside the segment in which the border between two labels is located [px]. The border need not be
+/// perpendicular to the segment: the side of a door is upright in the image for any direction of its foot.
 constexpr std::array<double, 5> kRows_px{1.5, 2.25, 3.0, 3.75, 4.5};
-constexpr double kReach_px = 8.0;    // .. so far to both sides of a cut ..
-constexpr double kPlateau_px = 3.0;  // .. of which the outer parts show what each of the two looks like ..
+constexpr double kReach_px = 8.0;    // length of a row to both sides of a cut
+constexpr double kPlateau_px = 3.0;  // outer parts of a row: the colours of both labels
 constexpr double kPitch_px = 0.5;
-constexpr double kLeastContrast = 20.0;  // .. where they differ by this [grey levels] ..
-constexpr double kContrastShare = 0.5;   // .. and by this share of what the best row does.
-constexpr double kMostOff_px = 4.0;      // the border is not further from a cut than this
+constexpr double kLeastContrast = 20.0;  // least difference of these colours [grey levels]
+constexpr double kContrastShare = 0.5;   // and least share of the best row's difference
+constexpr double kMostOff_px = 4.0;      // largest distance of the border from a cut
 constexpr double kMostSlope = 2.5;       // along the segment per pixel away from it
 constexpr double kMostScatter_px = 0.7;  // of the rows about a straight border
 
@@ -50,7 +50,9 @@ struct Border {
   double contrast = 0.0;
 };
 
-/// Where the colour of a row changes. @param middle of the row. @return empty where it hardly does.
+/// Position of the colour change in a row.
+/// @param middle of the row.
+/// @return empty for a difference below kLeastContrast.
 std::optional<Border> borderInRow(const cv::Mat& image, const Eigen::Vector2d& middle,
                                   const Eigen::Vector2d& along) {
   constexpr auto kSamples = static_cast<int>(2.0 * kReach_px / kPitch_px);
@@ -68,7 +70,7 @@ std::optional<Border> borderInRow(const cv::Mat& image, const Eigen::Vector2d& m
   const Eigen::Vector3f change = after - before;
   const double contrast = change.norm();
   if (contrast < kLeastContrast) return std::nullopt;
-  // What looks as before takes so much of the row: no threshold, so no step of whole pixels.
+  // Length of the first colour in the row, by interpolation without a threshold: subpixel.
   double length = 0.0;
   for (const Eigen::Vector3f& colour : colours) {
     const double share = (colour - before).dot(change) / (contrast * contrast);
@@ -77,8 +79,8 @@ std::optional<Border> borderInRow(const cv::Mat& image, const Eigen::Vector2d& m
   return Border{length - kReach_px, contrast};
 }
 
-/// Where the border that the labels showed near `cut` meets the segment itself. @return empty where no
-/// straight border is to be seen.
+/// Intersection of the border near `cut` with the segment.
+/// @return empty without a straight border.
 std::optional<double> borderAt(const cv::Mat& image, const Eigen::Vector2d& cut,
                                const Eigen::Vector2d& along) {
   const Eigen::Vector2d left(along.y(), -along.x());
@@ -142,7 +144,7 @@ std::vector<LabelledPiece> splitByLabel(const cv::Mat& image, const Segment2& px
   for (double at = half; at <= length - half; at += kStep_px) {
     const Segment2 part{px.a + (at - half) * along, px.a + (at + half) * along};
     const Label& label = segmentLabel(image, part, palette, window);
-    if (label == kUnknownLabel) continue;  // says nothing: it neither ends nor begins a run
+    if (label == kUnknownLabel) continue;  // uninformative: neither ends nor begins a run
     if (!runs.empty() && *runs.back().label == label) {
       runs.back().to_px = at;
     } else {

@@ -11,7 +11,7 @@ namespace vismem {
 namespace {
 
 constexpr int kAcross = 8;            // pixels side by side that are read at a place
-constexpr int kBefore = 3;            // so many of them before the segment
+constexpr int kBefore = 3;            // number of them before the segment
 constexpr int kPhases = 4;            // quarters of a pixel: sums are kept for each, and interpolated once
 constexpr int kMaximumPlaces = 128;   // along the segment; 16 bits hold the sums of 257
 constexpr double kOne = 65536.0;      // fixed point with 16 bits of fraction
@@ -126,7 +126,7 @@ LineProfile profileAcross(const cv::Mat& image, const Segment2& px, double noise
   if (sums.places == 0) return {};
   const HalfSums profile = interpolate(sums);
   const double scale = 1.0 / (kPhases * sums.places);
-  // Across is along an axis: of that way so much is across the segment, to its left where it is positive.
+  // The sums are along an axis: its component across the segment, positive to the left.
   const Eigen::Vector2d left = leftNormal(px);
   const double way = steep ? left.x() : left.y();
   const double sign = way < 0.0 ? -1.0 : 1.0;

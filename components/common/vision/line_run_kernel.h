@@ -1,5 +1,5 @@
-/// @file The part of the search for straight runs that is compiled for each kind of processor: plain numbers
-/// only, for code of other headers must not be compiled twice. Pure. SPEC V1.
+/// @file The part of the search for straight runs that is compiled for each kind of processor. Plain numbers
+/// only, because code of other headers must not be compiled twice. Pure. See V1.
 #pragma once
 
 #include <cstdint>
@@ -59,8 +59,9 @@ struct LineRunWork {
   std::int32_t* agrees = nullptr;
 };
 
-/// @param ends of the lists `starts` and `tops`. @param runs room for as many as there are points. @return
-/// how many.
+/// @param ends of the lists `starts` and `tops`.
+/// @param runs room for one run per point.
+/// @return the number of runs.
 using FindLineRuns = int (*)(const LineRunParams& params, const LinkedPoints& points, EdgeChainEnds ends,
                              const LineRunWork& work, LineRun* runs);
 

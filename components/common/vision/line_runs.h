@@ -1,4 +1,4 @@
-/// @file Straight runs of edge points, fitted by total least squares. Pure. SPEC V1.
+/// @file Straight runs of edge points, fitted by total least squares. Pure. See V1.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace vismem {
 
-/// Follows the links of edge points and cuts them into straight runs; the point that breaks a run begins the
-/// next one. Keeps its work space.
+/// Cuts linked edge points into straight runs; the point that ends a run begins the next one. Keeps its work
+/// space.
 class LineRunFinder {
  public:
   LineRunFinder(const SolisParams& params, const EdgeRowKernel& kernel);

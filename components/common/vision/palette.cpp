@@ -91,7 +91,7 @@ bool matches(const ColorClassDefinition& definition, const Hsv& hsv) {
   if (!inside(hsv.saturation_percent, definition.saturation_percent)) return false;
   if (!inside(hsv.value_percent, definition.value_percent)) return false;
   const ColorRange& hue = definition.hue_deg;
-  // A pure grey has no hue: it belongs only where hue does not matter.
+  // A pure grey has no hue: it belongs only to classes of all hues.
   if (!hsv.has_hue) return hue.low <= 0.0 && hue.high >= 360.0;
   if (hue.low <= hue.high) return inside(hsv.hue_deg, hue);
   return hsv.hue_deg >= hue.low || hsv.hue_deg <= hue.high;
@@ -211,7 +211,7 @@ class Reader {
       problem(line, key, value, "at most 64 classes");
       return;
     }
-    classes.push_back(definition);  // also a faulty one, so that pairs are not blamed for it
+    classes.push_back(definition);  // also an invalid one, so that its pairs cause no further problems
   }
 
   void readPair(int line, std::string_view key, std::string_view name, std::string_view value) {

@@ -1,4 +1,4 @@
-/// @file Colour classes and the names of their pairs. SPEC V3; DESIGN 14. Pure but for loadPalette.
+/// @file Colour classes and the names of their pairs. See V3. Pure but for loadPalette.
 ///
 /// A palette is a text file, `#` begins a comment, one `key = value` a line:
 ///
@@ -9,8 +9,8 @@
 ///
 /// `class.NAME`: a region of colours; hue in degrees 0..360 (340..20 wraps over red), saturation and value in
 /// per cent; a part left out is the whole range; a colour belongs to the first class of the file that has it.
-/// `pair.LABEL`: the label of an edge between two classes, in either order.
-/// `stripe.NAME`: rows of a map called NAME that have a width are stripes; both their edges carry that label.
+/// `pair.LABEL`: the label of an edge between two classes, in either order. `stripe.NAME`: rows of a map
+/// called NAME with a width are stripes; both their edges have that label.
 #pragma once
 
 #include <array>
@@ -45,7 +45,8 @@ struct ColorClassDefinition {
 /// Immutable after construction: *thread-safe*. Holds a table of 256 kB.
 class Palette {
  public:
-  /// @param text the file's content. @param file_name is used in messages only.
+  /// @param text the file's content.
+  /// @param file_name is used in messages only.
   /// @throws ConfigError with every problem: file, line, key, value, rule.
   static Palette parse(std::string_view text, const std::string& file_name);
 
@@ -80,7 +81,8 @@ class Palette {
   std::vector<ColorClass> table_;
 };
 
-/// Reads a palette. @throws ConfigError as Palette::parse, also when the file cannot be read.
+/// Reads a palette.
+/// @throws ConfigError as Palette::parse, also when the file cannot be read.
 Palette loadPalette(const std::filesystem::path& file);
 
 }  // namespace vismem

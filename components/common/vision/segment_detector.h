@@ -1,5 +1,4 @@
-/// @file Straight segments of one image. SPEC V1, V2; DESIGN 7. Pure: the same image gives the same segments,
-/// whatever came before.
+/// @file Straight segments of one image. Implements V1, V2. Pure: the result depends on the image only.
 #pragma once
 
 #include <memory>
@@ -19,7 +18,7 @@ struct RawSegment {
   double strength = 0.0;  ///< mean difference of brightness across the segment [grey levels, 0..255]
 };
 
-/// *Single-threaded*: an object may keep work space, but no memory of earlier images.
+/// *Single-threaded*: an object may keep work space, but no data of earlier images.
 class SegmentDetector {
  public:
   virtual ~SegmentDetector() = default;
@@ -29,33 +28,34 @@ class SegmentDetector {
   virtual void detect(const cv::Mat& image, std::vector<RawSegment>& out) = 0;
 };
 
-/// Ours: edge points where the gradient is largest across the edge, chained along the edge; runs of equal
-/// direction become lines by sub-pixel total least squares.
+/// The default detector: edge points at the largest gradient across the edge, linked along the edge. Runs of
+/// equal direction become lines by sub-pixel total least squares.
 struct SolisParams {
   double minimum_length_px = 9.0;
-  /// Length squared times strength [px^2 grey levels]: a short segment must be strong, a faint one long.
+  /// Minimum of length squared times strength [px^2 grey levels]: a short segment must be strong, a faint one
+  /// long.
   double minimum_significance = 2800.0;
-  /// Strength times the root of length over the image's own noise [root px]: what the place of a line is
-  /// worth.
+  /// Minimum of strength times the root of length over the image noise [px^0.5]: certainty of the line's
+  /// position.
   double minimum_certainty = 17.0;
-  /// Edge points need this many times the image's own noise, and at least `minimum_contrast`.
+  /// Minimum contrast of edge points in multiples of the image noise, and at least `minimum_contrast`.
   double noise_factor = 3.2;
   double minimum_contrast = 9.0;     ///< [grey levels] of an ideal step
-  bool bridge_missing_point = true;  ///< chains go on over one missing point
+  bool bridge_missing_point = true;  ///< chains continue over one missing point
   int first_fit_points = 7;          ///< a run begins with this many points in line
   double first_fit_rms_px = 0.4;
   double line_tolerance_px = 0.7;  ///< a point further than this from the run's line breaks it
-  int maximum_strays = 2;          ///< but so many in a row are passed over
+  int maximum_strays = 2;          ///< number of consecutive outliers that do not break a run
   double maximum_rms_px = 0.6;     ///< of the points of a run about its line
   double piece_length_px = 6.0;    ///< shorter runs are left out before merging
   double alignment_cos = 0.95;     ///< a point agrees with its line if its gradient is this near the normal
   double alignment_share = 0.7;    ///< share of the points that must agree
-  double maximum_shift_px = 0.15;   ///< so far the image's brightness may move a line aside
+  double maximum_shift_px = 0.15;  ///< maximum lateral correction by the brightness profile
   double merge_angle_rad = 0.1;    ///< collinear pieces: direction
   double merge_offset_px = 1.8;    ///< collinear pieces: normal distance of the shorter one's ends
   double merge_gap_px = 4.0;       ///< collinear pieces: distance of the near ends along the line
-  /// A longer gap, up to so many times the shorter piece and so long, is closed if the step of brightness in
-  /// it is at least such a share of that of the weaker piece.
+  /// A longer gap, up to bridge_share times the shorter piece and bridge_px, is closed if its brightness step
+  /// is at least bridge_step_share of the weaker piece's step.
   double bridge_share = 1.0;
   double bridge_px = 20.0;
   double bridge_step_share = 0.75;

@@ -18,7 +18,7 @@ SegmentExtractor& SegmentExtractor::operator=(SegmentExtractor&&) noexcept = def
 
 std::vector<ImageSegment> SegmentExtractor::extract(const cv::Mat& image, const CameraIntrinsics& intrinsics,
                                                     StageProbe* probe) {
-  // Collinear is a matter of ideal pixels: a straight edge is bent by the lens.
+  // Merging uses ideal pixels, because the lens bends straight edges.
   auto segments = mergeSegments(extractPieces(image, intrinsics, probe), params_.merge);
   std::erase_if(segments, [this](const ImageSegment& segment) {
     return segment.px.length() < params_.minimum_length_px;

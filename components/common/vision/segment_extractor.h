@@ -1,4 +1,4 @@
-/// @file From an image to its labelled segments. Pure. SPEC V1-V4.
+/// @file From an image to its labelled segments. Pure. See V1-V4.
 #pragma once
 
 #include <memory>
@@ -22,11 +22,11 @@ struct ExtractorParams {
   MergeParams merge;                ///< V4
   double minimum_length_px = 10.0;  ///< shorter segments are dropped after merging (V4)
   LabellerParams labeller;
-  GapSplitParams gaps;        ///< what merging bridged although there is no edge
+  GapSplitParams gaps;        ///< cuts bridged gaps without an edge
   bool colour_edges = false;  ///< also edges between colours of equal brightness
 };
 
-/// *Single-threaded*; no memory of earlier images.
+/// *Single-threaded*; keeps no data of earlier images.
 class SegmentExtractor {
  public:
   /// @param palette may be null: every label is kUnknownLabel then.
@@ -39,14 +39,18 @@ class SegmentExtractor {
   /// Detects, labels, undistorts the ends, merges, drops short ones and cuts the rest at gaps (those pieces
   /// may be shorter).
   /// @param image      CV_8UC3 (R, G, B) or CV_8UC1, raw pixels.
-  /// @param intrinsics of that image; its distortion is taken out of the ends.
+  /// @param intrinsics of that image; its distortion is removed from the ends.
   /// @throws std::invalid_argument when the image's size is not the intrinsics' or its type is another.
-  /// @param probe      hears of the stages "detect" and "label"; may be null.
+  /// @param probe called at the stages "detect" and "label"; may be null.
   std::vector<ImageSegment> extract(const cv::Mat& image, const CameraIntrinsics& intrinsics,
                                     StageProbe* probe = nullptr);
-  /// What `extract` has before it merges and drops: detected, labelled, ends undistorted (figure 10, left).
+  /// The segments of `extract` before merging and dropping: detected, labelled, ends undistorted (figure 10,
+  /// left).
   std::vector<ImageSegment> extractPieces(const cv::Mat& image, const CameraIntrinsics& intrinsics,
                                           StageProbe* probe = nullptr);
+
+  /// From the next image on. @param length_px >= 0.
+  void setMinimumLength(double length_px) { params_.minimum_length_px = length_px; }
 
  private:
   ExtractorParams params_;

@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::size_t kMaximumDistances = 16;
 
-/// What is at the distances of one side.
+/// Colour classes at the distances of one side.
 struct Side {
   std::array<ColorClass, kMaximumDistances> classes{};
   std::size_t count = 0;
 
-  /// Of the nearest distance that has one.
+  /// The class of the nearest distance with one.
   ColorClass first() const {
     const auto* end = classes.data() + count;
     const auto* found = std::find_if(classes.data(), end, [](ColorClass c) { return c != kNoColorClass; });
@@ -40,7 +40,7 @@ int nearestPixel(double value, int size) {
   return std::min(static_cast<int>(value + 0.5), size - 1);
 }
 
-/// The class that most of the samples from `first` on have, or kNoColorClass without a clear majority.
+/// The majority class of the samples from `first` on, or kNoColorClass without a clear majority.
 ColorClass classAlong(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step,
                       const Palette& palette, const LabellerParams& params) {
   std::array<int, 256> votes;  // of those that the palette has; the rest is never touched

@@ -1,4 +1,4 @@
-/// @file The colour label of a segment. Pure. SPEC V3; DESIGN 7, 14.
+/// @file The colour label of a segment. Pure. Implements V3.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -10,20 +10,19 @@
 namespace vismem {
 
 struct LabellerParams {
-  /// Distances from the segment at which each side is sampled [px], at most 16. The near ones see stripes
-  /// that are only a few pixels wide, the far ones get over a blurred edge. Paint is brighter than what it is
-  /// on, so only the brighter side is looked at very near: what is there on the darker one is a blend of
-  /// both.
+  /// Distances from the segment at which each side is sampled [px], at most 16. The near ones reach stripes
+  /// that are only a few pixels wide, the far ones lie beyond a blurred edge. Paint is brighter than its
+  /// surroundings, so only the brighter side is sampled very near: the darker side is a mixture there.
   std::vector<double> bright_distances_px{1.0, 1.5, 2.5, 3.5};
   std::vector<double> dark_distances_px{1.5, 2.5, 3.5};
   int samples = 9;                ///< along the segment, at each distance
-  double trim = 0.1;              ///< share of the length left out at each end, where corners disturb
+  double trim = 0.1;              ///< share of the length left out at each end, because of corners
   double minimum_majority = 0.6;  ///< share of the samples of a side that must have one class
 };
 
-/// What lies on both sides of a segment.
+/// Colour classes on both sides of a segment, and its label.
 struct SegmentSides {
-  ColorClass bright = kNoColorClass;  ///< left of a -> b as a person sees the picture
+  ColorClass bright = kNoColorClass;  ///< left of a -> b as seen on the screen
   ColorClass dark = kNoColorClass;
   Label label = kUnknownLabel;
 };

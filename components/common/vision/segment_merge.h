@@ -1,4 +1,4 @@
-/// @file Joins collinear segments of one label whose ends are close. Pure. SPEC V4.
+/// @file Joins collinear segments of one label whose ends are close. Pure. Implements V4.
 #pragma once
 
 #include <vector>
@@ -13,8 +13,8 @@ struct MergeParams {
   double gap_px = 8.0;      ///< between the near ends along the line; overlapping pieces have none
 };
 
-/// Joins until nothing more can be joined, closest pairs first, so the result does not depend on the order of
-/// the input. A joined segment is the length-weighted line of its parts over the extent of both.
+/// Joins the closest pairs first until no pair is left; the result does not depend on the order of the input.
+/// A joined segment is the length-weighted line of its parts over the extent of both.
 /// @return sorted by position (first end, then second).
 std::vector<ImageSegment> mergeSegments(std::vector<ImageSegment> segments, const MergeParams& params);
 

@@ -1,4 +1,4 @@
-// Our own detector: edge points, chains, runs of one direction fitted by total least squares (SPEC V1).
+// The default detector: edge points, chains, runs of one direction fitted by total least squares (see V1).
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +17,7 @@ constexpr std::size_t kMaximumReserved = 1U << 16;
 
 constexpr double kSideDistance_px = 2.0;
 
-/// The edge of two pieces goes on in a gap where brightness differs as it does across them.
+/// Evidence for a gap: the brightness step in it is similar to that across both pieces.
 class StepInGap final : public GapEvidence {
  public:
   StepInGap(const cv::Mat& image, double share) : image_(image), share_(share) {}
@@ -61,8 +61,8 @@ class SolisDetector final : public SegmentDetector {
       const double length = piece.px.length();
       if (length < params_.minimum_length_px) continue;
       const LineProfile profile = profileAcross(image, piece.px, noise);
-      // The gradient along the edge has decided which side is brighter; brightness may disagree on a thin
-      // stripe.
+      // The gradient along the edge defines the brighter side; the brightness beside a thin stripe may
+      // differ.
       const double strength = std::abs(profile.step);
       if (length * length * strength < params_.minimum_significance) continue;
       if (strength * std::sqrt(length) < params_.minimum_certainty * noise) continue;
@@ -74,7 +74,7 @@ class SolisDetector final : public SegmentDetector {
   }
 
  private:
-  /// Room for more runs than scenes have, so that later frames of a size allocate nothing.
+  /// Reserves space for more runs than scenes have, so that later frames of a size allocate nothing.
   void reserve(std::size_t pixels) {
     if (pixels <= reserved_pixels_) return;
     reserved_pixels_ = pixels;

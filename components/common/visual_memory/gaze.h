@@ -1,4 +1,4 @@
-/// @file Attention: what can be looked at, what is looked at, and how clients ask for gaze. Pure. SPEC A1-A6.
+/// @file Attention points, state of the gaze, and requests of gaze clients. Pure. See A1-A6.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,7 @@ namespace vismem {
 
 enum class AttentionKind { kSegment, kPrimitive, kScanning, kHypothesis, kClient };
 
-/// Something to look at (A2): a place in odom, or, for scanning points, a direction of the head.
+/// An attention point (A2): a place in odom or, for scanning points, a direction of the head.
 struct AttentionPoint {
   std::uint64_t id = 0;
   AttentionKind kind = AttentionKind::kSegment;
@@ -40,19 +40,31 @@ struct GazeStatus {
   std::uint64_t given_up = 0;  ///< targets not reached in time (A6)
 };
 
-/// A wish of at least this priority begins above all that no client asked for, and as the most salient point
-/// it ends the visit of an object at once (what lies within that visit's angle was looked at with it).
+/// A request of at least this priority begins above all that no client asked for, and as the most salient
+/// point it ends the visit of an object at once (what lies within that visit's angle was looked at with it).
 inline constexpr double kUrgentPriority = 50.0;
+/// No request has a higher one.
+inline constexpr double kMaxPriority = 100.0;
 
-/// A client's wish: look at a place or a direction, more likely the higher the priority, until the deadline.
+/// A client's request: look at a place or a direction, more likely the higher the priority, until the
+/// deadline.
 struct GazeRequest {
-  std::string client;  ///< who asks; a new request of the same client and key replaces the old one
+  std::string client;  ///< name; a request of the same client and key replaces the older one
   std::string key;
   std::optional<Eigen::Vector3d> p_odom;
   std::optional<PanTilt> direction;
   double priority = 1.0;    ///< growth of salience relative to a remembered segment's, > 0, at most 100
   StampUs deadline_us = 0;  ///< forgotten after this stamp
 };
+
+/// The one check of gaze requests, for all ways they come. Fields are named as on the wire.
+/// @return empty if usable, otherwise field, value and rule: an empty client, names of more than 100
+/// characters, not exactly one of place and direction, numbers that are not finite, a priority outside
+/// (0, 100].
+std::string checkGazeRequest(const GazeRequest& request);
+/// The same of the names alone, and of a place [m].
+std::string checkGazeClient(const std::string& client, const std::string& key);
+std::string checkGazePlace(const Eigen::Vector3d& p_odom);
 
 /// The port of gaze clients: the local component, or the client of a remote one.
 class GazeClient {

@@ -1,4 +1,4 @@
-/// @file What the visual memory tells the world: immutable values, and the port to them. Pure.
+/// @file Published values of the visual memory, immutable, and the port to them. Pure. See V5, M4.
 /// The component active_visual_memory produces them; localization, recorder and viewers consume them.
 #pragma once
 
@@ -21,7 +21,7 @@ namespace vismem {
 
 /// One remembered segment. Positions in odom [m].
 struct MemorySegment {
-  std::uint64_t id = 0;  ///< never used twice in a component's life; 0 is nobody
+  std::uint64_t id = 0;  ///< never used twice in a component's life; 0 is none
   Segment3 odom;
   Eigen::Matrix3d P_a = Eigen::Matrix3d::Zero();  ///< covariance of end a [m^2]
   Eigen::Matrix3d P_b = Eigen::Matrix3d::Zero();
@@ -38,14 +38,14 @@ struct MemorySegment {
 struct MemorySnapshot {
   StampUs stamp_us = 0;        ///< of the image it includes
   std::uint64_t revision = 0;  ///< counts up by one per iteration
-  std::uint32_t epoch = 0;     ///< counts up when the memory was set aside and begun anew
+  std::uint32_t epoch = 0;     ///< counts up when the memory was dropped and begun anew
   Pose2 T_odom_robot;          ///< at stamp_us
   std::vector<MemorySegment> segments;
   std::vector<Primitive> primitives;         ///< shapes made of the segments (M8), oldest first
   std::vector<VertexHypothesis> hypotheses;  ///< corners of them to look for (M9)
 };
 
-/// What the memory expected in an image: the visible part of a remembered segment.
+/// Prediction for an image: the visible part of a remembered segment.
 struct PredictedSegment {
   std::uint64_t id = 0;
   Segment2 px;  ///< ideal pixels

@@ -1,4 +1,4 @@
-/// @file Shapes on the floor that several remembered segments make up. Pure. SPEC M8, M9.
+/// @file Shapes on the floor that several remembered segments make up. Pure. See M8, M9.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,8 @@ struct Primitive {
   std::vector<Eigen::Vector2d> vertices;
   /// Mean of the corners, middle of the stripe or circle, middle between tip and tail.
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-  /// Direction of the stripe or of the parallelogram's longer side (in [0, pi)); where an arrow points.
+  /// [rad] in odom: direction of the stripe or of the parallelogram's longer side (in [0, pi)), or of the
+  /// arrow.
   double heading_rad = 0.0;
   double length_m = 0.0;  ///< of a stripe or an arrow; longer side of a parallelogram
   double width_m = 0.0;  ///< of a stripe or of a painted circle's line (0: an edge); shorter side; arrow head

@@ -1,4 +1,4 @@
-/// @file list_devices: which of a robot's devices are connected. See its --help.
+/// @file list_devices: lists the connected devices of a robot. See its --help.
 #include <iostream>
 #include <nlohmann/json.hpp>
 

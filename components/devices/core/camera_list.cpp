@@ -21,7 +21,7 @@ double highestRate(const v4l2::Mode& mode) {
   return highest_hz;
 }
 
-/// A QuickCam Orbit or Sphere by its numbers; whether it turns shows when it is told to.
+/// A QuickCam Orbit or Sphere by its USB ids; only a pan-tilt command shows whether it has motors.
 bool isOrbit(const DeviceRoots& roots, const fs::path& node) {
   const auto line = [&](const char* name) {
     std::string text;
@@ -78,7 +78,7 @@ std::vector<FoundCamera> listCameras(const DeviceRoots& roots) {
   std::vector<FoundCamera> cameras;
   for (const fs::path& node : nodes) {
     FoundCamera camera = look(roots, node);
-    // Nodes for metadata stand beside each camera of uvcvideo.
+    // uvcvideo has a second node for metadata for each camera.
     if (camera.problem != "gives no pictures") cameras.push_back(std::move(camera));
   }
   return cameras;

@@ -32,7 +32,7 @@ std::vector<fs::path> entriesOf(const fs::path& folder) {
   return entries;
 }
 
-/// The USB device that something in /sys belongs to.
+/// The USB device of a path in /sys.
 std::optional<fs::path> usbDeviceAbove(fs::path path) {
   std::error_code error;
   for (path = fs::canonical(path, error); !error && path.has_relative_path(); path = path.parent_path()) {
@@ -100,7 +100,7 @@ std::vector<FoundSerialPort> listSerialPorts(const DeviceRoots& roots) {
     // Consoles and pseudo terminals have no device behind them.
     if (!fs::exists(tty / "device", error)) continue;
     const std::string type = lineOf(tty / "type");
-    if (type == "0") continue;  // a port that the computer could have and has not
+    if (type == "0") continue;  // a possible port without hardware
     FoundSerialPort port;
     const fs::path node = roots.dev / tty.filename();
     port.path = node.string();

@@ -1,5 +1,5 @@
-/// @file What of a robot's devices is connected to this computer. Nothing is sent to any of them but the
-/// kernel's own questions: no port is opened, and nothing moves.
+/// @file List of a robot's devices that are connected to this computer. Only queries of the kernel reach the
+/// devices: no port is opened, and no device moves.
 #pragma once
 
 #include <filesystem>
@@ -8,34 +8,34 @@
 
 namespace vismem {
 
-/// Where a computer tells of its devices; elsewhere in tests.
+/// Folders in which the system lists its devices; other folders in tests.
 struct DeviceRoots {
   std::filesystem::path sys = "/sys";
   std::filesystem::path dev = "/dev";
 };
 
 struct CameraMode {
-  std::string format;  ///< "YUYV", as the driver's key has it; formats that we do not read as V4L2 names them
+  std::string format;  ///< "YUYV", as in the driver's key; the V4L2 name for formats that no driver reads
   int width = 0;
   int height = 0;
-  double rate_hz = 0.0;  ///< the highest; 0: not told
+  double rate_hz = 0.0;  ///< the highest; 0: not reported
 };
 
 struct FoundCamera {
   std::string path;                ///< "/dev/video0"
-  std::vector<std::string> names;  ///< that stay: "/dev/v4l/by-id/..."
+  std::vector<std::string> names;  ///< persistent names: "/dev/v4l/by-id/..."
   std::string card, driver, bus;
   std::vector<CameraMode> modes;
-  bool turns = false;         ///< tells of absolute pan and tilt
-  bool may_be_orbit = false;  ///< of Logitech's numbers: `Motors = orbit` may work
-  std::string problem;        ///< "no permission ..."; then nothing but the path is known
+  bool turns = false;         ///< has controls of absolute pan and tilt
+  bool may_be_orbit = false;  ///< has USB ids of a Logitech Orbit: `Motors = orbit` may work
+  std::string problem;        ///< "no permission ..."; then only the path is known
 };
 
 struct FoundMaestro {
   std::string model;
   std::string serial;
   std::string path;     ///< "/dev/bus/usb/001/004"
-  std::string problem;  ///< why it cannot be used
+  std::string problem;  ///< reason why it cannot be used
 };
 
 struct FoundSerialPort {
@@ -52,14 +52,14 @@ struct FoundDevices {
   std::vector<FoundSerialPort> serial_ports;
 };
 
-/// @return all, sorted by path. Never fails: what cannot be looked at has a `problem`.
+/// @return all devices, sorted by path. Never fails: an inaccessible device has a `problem`.
 FoundDevices listDevices(const DeviceRoots& roots = {});
 
-// Its parts.
+// The parts of listDevices.
 std::vector<FoundCamera> listCameras(const DeviceRoots& roots);
 std::vector<FoundMaestro> listMaestros(const DeviceRoots& roots);
 std::vector<FoundSerialPort> listSerialPorts(const DeviceRoots& roots);
-/// Links to a device that udev made: in /dev itself, and in the folders by-id below it.
+/// Links of udev to a device: in /dev itself, and in the folders by-id below it.
 std::vector<std::string> namesThatStay(const DeviceRoots& roots, const std::filesystem::path& device);
 
 }  // namespace vismem

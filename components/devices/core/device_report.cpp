@@ -49,7 +49,7 @@ std::string devicesText(const FoundDevices& devices) {
   }
   if (devices.cameras.empty()) text += "  none\n";
   text +=
-      "Pan-tilt units that tell what they are (pantilt_server: Driver = uvc, Device = ...; Driver = "
+      "Pan-tilt units that identify themselves (pantilt_server: Driver = uvc, Device = ...; Driver = "
       "maestro)\n";
   bool any = false;
   for (const FoundCamera& camera : devices.cameras) {

@@ -6,10 +6,10 @@
 #include "active_visual_memory/core/overlay.h"
 #include "common/geometry/angles.h"
 #include "common/vision/app/image_file.h"
+#include "evaluation/figures/board.h"
 #include "experiments/app/experiment_files.h"
 #include "experiments/app/experiment_run.h"
 #include "experiments/app/look_around_run.h"
-#include "experiments/core/board.h"
 #include "simulator/app/render_view.h"
 
 namespace vismem {
@@ -21,7 +21,7 @@ struct Variant {
   const char* name;
   const char* world;
   const char* title;
-  double noise;  ///< grey levels; below 0: as the setup says
+  double noise;  ///< grey levels; below 0: the setup's
   double tilt_error_deg;
 };
 

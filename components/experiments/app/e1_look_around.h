@@ -1,4 +1,5 @@
-/// @file E1: the robot turns in the middle of a room; one image against the memory (figure 13). SPEC E1.
+/// @file E1: the robot turns in the middle of a room; one image against the memory (figure 13).
+/// Implements E1.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -12,9 +12,9 @@
 #include "common/geometry/angles.h"
 #include "common/kinematics/kinematics.h"
 #include "common/vision/app/image_file.h"
+#include "evaluation/figures/board.h"
 #include "experiments/app/experiment_files.h"
 #include "experiments/app/experiment_run.h"
-#include "experiments/core/board.h"
 #include "experiments/core/corridor_follower.h"
 
 namespace vismem {
@@ -24,9 +24,9 @@ constexpr int kPanel_px = 520;
 constexpr double kTilt_rad = -0.30;    ///< of the camera that looks ahead: both walls' feet from 0.6 m on
 constexpr double kLookAround_s = 8.0;  ///< standing, before the drive
 constexpr double kAtMost_s = 90.0;
-constexpr double kPatience_s = 20.0;  ///< standing for so long the follower has given up
+constexpr double kPatience_s = 20.0;  ///< a follower that stands for longer has stopped for good
 constexpr double kRange_m = 4.0;
-constexpr double kRemembered_m = 0.10;  ///< a place of an edge is remembered when an element is so near
+constexpr double kRemembered_m = 0.10;  ///< largest distance of a remembered point from an element
 /// The curve of the world `curve`: a quarter circle about this point between two walls.
 const Eigen::Vector2d kCentre{0.0, 1.75};
 constexpr double kMiddle_m = 1.75;
@@ -47,17 +47,17 @@ Pose2 startOf(std::uint64_t seed) {
   return {draw(-3.2, -2.4), draw(-0.12, 0.12), draw(-0.12, 0.12)};
 }
 
-/// Edges of walls that the follower may use: what has a name stands or lies where the floor ends.
-bool isNamed(const Label& label) {
+/// Edges that the follower may use: labelled edges lie where the floor ends.
+bool isLabelled(const Label& label) {
   return label != kUnknownLabel;
 }
 
-/// What is not confirmed may stand up: the outline of the inner wall moves along as the robot goes on.
+/// Unconfirmed elements may be upright: the outline of the inner wall moves along with the robot.
 std::vector<Segment2> rememberedWalls(const ExperimentRun& run, bool confirmed) {
   std::vector<Segment2> walls;
   const Pose2 T_robot_odom = inverse(run.snapshot().T_odom_robot);
   for (const MemorySegment& segment : run.snapshot().segments) {
-    if (segment.confirmed != confirmed || !isNamed(segment.label)) continue;
+    if (segment.confirmed != confirmed || !isLabelled(segment.label)) continue;
     walls.push_back(transform(T_robot_odom, segment.odom.floor()));
   }
   return walls;
@@ -69,12 +69,12 @@ std::vector<Segment2> seenWalls(const ExperimentRun& run) {
   std::vector<Segment2> walls;
   for (const FloorSegment& segment :
        projector.project(analysis.intrinsics, analysis.T_robot_camera, analysis.observed)) {
-    if (isNamed(segment.label)) walls.push_back(segment.odom);
+    if (isLabelled(segment.label)) walls.push_back(segment.odom);
   }
   return walls;
 }
 
-/// How much of a wall's edge in the curve an image shows, and how much more is remembered [m].
+/// Lengths of a wall's edge in the curve [m]: shown by the image, and remembered beyond it.
 struct WallKnowledge {
   double in_image_m = 0.0;
   double only_remembered_m = 0.0;
@@ -86,7 +86,7 @@ struct CurveKnowledge {
 
 CurveKnowledge knowledgeOf(ExperimentRun& run) {
   FloorTruth now(run.params().map_edges, {});
-  now.look(run.analysis().intrinsics, run.truePoseOfImage(), run.seesFloor(), 1.0);
+  now.addView(run.analysis().intrinsics, run.truePoseOfImage(), run.seesFloor(), 1.0);
   const auto memory = rememberedIn(run.snapshot(), run.trueRobot());
   CurveKnowledge known;
   for (const TrueEdge& edge : now.edges()) {
@@ -100,7 +100,7 @@ CurveKnowledge knowledgeOf(ExperimentRun& run) {
       if (sample.seen) {
         wall.in_image_m += piece;
       } else if (std::any_of(memory.begin(), memory.end(), [&](const RememberedEdge& e) {
-                   return isNamed(e.label) && distanceToSegment(sample.p, e.world) <= kRemembered_m;
+                   return isLabelled(e.label) && distanceToSegment(sample.p, e.world) <= kRemembered_m;
                  })) {
         wall.only_remembered_m += piece;
       }
@@ -149,8 +149,7 @@ constexpr Variant kVariants[] = {
     {"image_ahead", "The curve by single images, the camera looking ahead", false, true},
 };
 
-nlohmann::json drive(const ExperimentOptions& options, const Variant& variant) {
-  const bool by_memory = variant.by_memory;
+ExperimentRunOptions runOptions(const ExperimentOptions& options, const Variant& variant) {
   ExperimentRunOptions run_options;
   run_options.world = "curve";
   run_options.mode = options.mode;
@@ -161,7 +160,23 @@ nlohmann::json drive(const ExperimentOptions& options, const Variant& variant) {
       memory.memory.gaze.initial_mode = GazeMode::kOff;
     };
   }
-  ExperimentRun run(run_options);
+  return run_options;
+}
+
+/// @param end how the drive ended.
+void writeFigure(Board board, const ExperimentOptions& options, const Variant& variant, const char* end) {
+  board.title = variant.by_memory ? "The curve by the memory (figures 14, 15)"
+                                  : "The curve by single images (figures 14, 15)";
+  board.subtitle = text("E2, %s mode, seed %llu: %s", options.mode.c_str(),
+                        static_cast<unsigned long long>(options.seed), end);
+  board.legend = {
+      {"walls", {205, 208, 214}}, {"known to the follower", {20, 150, 70}}, {"way", colors::kEstimate}};
+  writeImageFile(drawBoard(board, kPanel_px), options.out / (std::string(variant.name) + ".png"));
+}
+
+nlohmann::json drive(const ExperimentOptions& options, const Variant& variant) {
+  const bool by_memory = variant.by_memory;
+  ExperimentRun run(runOptions(options, variant));
   const auto obstacles = obstaclesOf(run.simulation().config().world);
   double nearest_m = std::numeric_limits<double>::max();
   std::vector<Eigen::Vector2d> way;
@@ -172,8 +187,7 @@ nlohmann::json drive(const ExperimentOptions& options, const Variant& variant) {
   const auto show = [&](const char* when) {
     board.rows[0].push_back(picturePanel(run, std::string("the image ") + when));
     board.rows[1].push_back(
-        planPanel(run, by_memory ? "what the memory holds of the walls" : "what the image shows of the walls",
-                  known(), way));
+        planPanel(run, by_memory ? "walls in the memory" : "walls in the image", known(), way));
   };
   run.onFrame([&](const LockstepFrame&) {
     const Eigen::Vector2d at = run.trueRobot().position();
@@ -191,17 +205,17 @@ nlohmann::json drive(const ExperimentOptions& options, const Variant& variant) {
     run.simulation().panTilt().command({PanTiltCommand::Kind::kPosition, 0.0, kTilt_rad, 1.0, 1.0});
   run.stand(kLookAround_s);
   CorridorFollower follower({});
-  DriveWish wish;
+  ArcCommand command;
   StampUs thought_us = 0;
   double moved_s = run.now_s();
   const auto driver = [&](MobileBase& base) {
     // Once per image.
     if (run.snapshot().stamp_us != thought_us) {
       thought_us = run.snapshot().stamp_us;
-      wish = follower.follow(known(), by_memory ? rememberedWalls(run, false) : std::vector<Segment2>());
+      command = follower.follow(known(), by_memory ? rememberedWalls(run, false) : std::vector<Segment2>());
     }
-    if (wish.v_mps > 0.0) moved_s = run.now_s();
-    base.setVelocity(wish.v_mps, wish.w_radps);
+    if (command.v_mps > 0.0) moved_s = run.now_s();
+    base.setVelocity(command.v_mps, command.w_radps);
   };
   const double radius = run.simulation().config().base.radius_m;
   bool touched = false;
@@ -213,15 +227,10 @@ nlohmann::json drive(const ExperimentOptions& options, const Variant& variant) {
   run.run(driver, done, kAtMost_s);
   const bool taken = !touched && run.trueRobot().y >= kTaken_y_m;
   show("at the end");
-  board.title =
-      by_memory ? "The curve by the memory (figures 14, 15)" : "The curve by single images (figures 14, 15)";
-  board.subtitle =
-      text("E2, %s mode, seed %llu: %s", options.mode.c_str(), static_cast<unsigned long long>(options.seed),
-           taken ? "the curve was taken"
-                 : (touched ? "the robot touched a wall" : "it stands where it knows of no corridor"));
-  board.legend = {
-      {"walls", {205, 208, 214}}, {"known to the follower", {20, 150, 70}}, {"way", colors::kEstimate}};
-  writeImageFile(drawBoard(board, kPanel_px), options.out / (std::string(variant.name) + ".png"));
+  writeFigure(std::move(board), options, variant,
+              taken     ? "the curve was taken"
+              : touched ? "the robot touched a wall"
+                        : "the robot stopped: no corridor known ahead");
   nlohmann::json json{{"taken", taken},
                       {"touched", touched},
                       {"seconds", run.now_s() - begin_s},

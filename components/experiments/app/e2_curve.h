@@ -1,4 +1,4 @@
-/// @file E2: before and in a curve of a corridor (figures 14, 15). SPEC E2; DESIGN 11.
+/// @file E2: a robot before and in a curve of a corridor (figures 14, 15). Implements E2.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -7,8 +7,8 @@
 
 namespace vismem {
 
-/// Variants: the same follower of the walls' feet knows the memory (`memory`) or the current image only, with
-/// the same attending gaze (`image`) or with a camera that stays looking ahead (`image_ahead`).
+/// Variants: a corridor follower with the walls of the memory (`memory`), of the current image with the same
+/// attending gaze (`image`), or of the current image with the camera fixed ahead (`image_ahead`).
 nlohmann::json followCurve(const ExperimentOptions& options);
 
 }  // namespace vismem

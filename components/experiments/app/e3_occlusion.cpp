@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <opencv2/core.hpp>
 #include <random>
 #include <stdexcept>
@@ -10,19 +11,19 @@
 #include "active_visual_memory/core/overlay.h"
 #include "common/geometry/angles.h"
 #include "common/vision/app/image_file.h"
+#include "evaluation/figures/board.h"
 #include "experiments/app/experiment_files.h"
 #include "experiments/app/experiment_run.h"
 #include "experiments/app/score_json.h"
-#include "experiments/core/board.h"
 
 namespace vismem {
 namespace {
 
-constexpr double kCovered_s = 10.0;
+constexpr double kOccluded_s = 10.0;
 constexpr double kSpeed_mps = 0.13;
-constexpr double kAhead_m = 0.72;  ///< of the other robot's middle: it leaves little of the view
+constexpr double kAhead_m = 0.72;  ///< of the other robot's middle: it occludes most of the view
 constexpr int kPanel_px = 420;
-constexpr const char* kGuest = "guest";
+constexpr const char* kOtherRobot = "other_robot";
 constexpr const char* kRemoved = "rectangle";
 
 ExperimentRunOptions runOptions(const ExperimentOptions& options) {
@@ -38,8 +39,8 @@ ExperimentRunOptions runOptions(const ExperimentOptions& options) {
   return run;
 }
 
-/// Learns the surroundings: a short way, and time to look about.
-void learn(ExperimentRun& run) {
+/// Builds the memory: a short drive, and time to look about.
+void buildMemory(ExperimentRun& run) {
   run.drive(0.4, 0.2);
   run.stand(14.0);
 }
@@ -50,7 +51,7 @@ void lookAhead(ExperimentRun& run) {
   run.pipeline().memory().gazeClient().fixate({ahead.x(), ahead.y(), -4.5});
 }
 
-/// Of the remembered edges, those in world.
+/// The remembered edges in world.
 struct Remembered {
   std::vector<RememberedEdge> edges;
   const RememberedEdge* find(std::uint64_t id) const {
@@ -63,7 +64,7 @@ Remembered memoryOf(const ExperimentRun& run) {
   return {rememberedIn(run.snapshot(), run.trueRobot())};
 }
 
-/// An element by its id, or one that has taken its place.
+/// The element with the same id, or one at the same place.
 const RememberedEdge* survivorOf(const RememberedEdge& before, const Remembered& after) {
   if (const RememberedEdge* same = after.find(before.id)) return same;
   for (const RememberedEdge& e : after.edges) {
@@ -76,6 +77,40 @@ const RememberedEdge* survivorOf(const RememberedEdge& before, const Remembered&
   return nullptr;
 }
 
+/// The elements before an occlusion that are still there after it.
+struct Survival {
+  int known = 0;  ///< confirmed elements before it
+  int known_with_unconfirmed = 0;
+  int survived = 0;  ///< of the confirmed ones
+  int survived_with_unconfirmed = 0;
+  int in_place = 0;      ///< of the survivors
+  double worst_m = 0.0;  ///< largest shift of a survivor
+
+  double share(int count) const { return known > 0 ? static_cast<double>(count) / known : 0.0; }
+};
+
+/// @param T_world_odom_before, T_world_odom_after true poses of odom: odometry drift may shift elements.
+Survival survivalOf(const Remembered& before, const Remembered& after, const Pose2& T_world_odom_before,
+                    const Pose2& T_world_odom_after) {
+  constexpr double kInPlace_m = 0.05;  // beside the drift
+  Survival survival;
+  for (const RememberedEdge& e : before.edges) {
+    const RememberedEdge* now = survivorOf(e, after);
+    ++survival.known_with_unconfirmed;
+    survival.survived_with_unconfirmed += now != nullptr;
+    if (!e.confirmed) continue;
+    ++survival.known;
+    if (!now) continue;
+    ++survival.survived;
+    const Eigen::Vector2d p = transform(inverse(T_world_odom_before), e.world.middle());
+    const double drift = (transform(T_world_odom_after, p) - e.world.middle()).norm();
+    const double moved = distanceToLine(e.world.middle(), now->world);
+    survival.worst_m = std::max(survival.worst_m, moved);
+    survival.in_place += moved <= drift + kInPlace_m;
+  }
+  return survival;
+}
+
 BoardPanel pictureOf(const ExperimentRun& run, std::string title) {
   return {std::move(title), {}, drawAnalysis(run.lastImage()->image, run.analysis(), 2), {}};
 }
@@ -83,14 +118,14 @@ BoardPanel pictureOf(const ExperimentRun& run, std::string title) {
 BoardPanel planOf(ExperimentRun& run, const MemoryScore& score, const std::string& title) {
   BoardPanel panel{title, {}, {}, planOfScore(score, memoryOf(run).edges, run.truth().edges())};
   panel.plan->robot = run.trueRobot();
-  const auto model = run.simulation().scene().find(kGuest);
+  const auto model = run.simulation().scene().find(kOtherRobot);
   for (const ModelStatus& status : run.simulation().scene().status()) {
-    if (!model || status.name != kGuest || !status.present) continue;
+    if (!model || status.name != kOtherRobot || !status.present) continue;
     const Eigen::Vector2d at = status.T_world_model.translation().head<2>();
     constexpr int kSides = 12;
     for (int i = 0; i < kSides; ++i) {
       const auto corner = [&](int k) {
-        const double a = 2.0 * 3.14159265358979 * k / kSides;
+        const double a = 2.0 * std::numbers::pi * k / kSides;
         return Eigen::Vector2d(at + 0.35 * Eigen::Vector2d(std::cos(a), std::sin(a)));
       };
       panel.plan->lines.push_back({{corner(i), corner(i + 1)}, colors::kLost, 3.0, false});
@@ -102,14 +137,14 @@ BoardPanel planOf(ExperimentRun& run, const MemoryScore& score, const std::strin
 
 void place(ExperimentRun& run, double ahead_m) {
   const Pose2 at = run.simulation().truth().T_world_robot * Pose2{ahead_m, 0.0, 0.0};
-  const PortReply reply = run.simulation().scene().place(kGuest, toPose3(at));
-  if (!reply.ok()) throw std::runtime_error(std::string(kGuest) + ": " + reply.message);
+  const PortReply reply = run.simulation().scene().place(kOtherRobot, toPose3(at));
+  if (!reply.ok()) throw std::runtime_error(std::string(kOtherRobot) + ": " + reply.message);
 }
 
 /// Stands or drives while another robot is close in front.
 nlohmann::json bridge(const ExperimentOptions& options, bool drives) {
   ExperimentRun run(runOptions(options));
-  learn(run);
+  buildMemory(run);
   lookAhead(run);
   run.stand(1.5);
   const Remembered before = memoryOf(run);
@@ -129,54 +164,34 @@ nlohmann::json bridge(const ExperimentOptions& options, bool drives) {
 
   const PropShape shape{PropShape::Kind::kRobot, {0.7, 0.7, 1.0}, {0.2, 0.3, 0.7}};
   const PortReply added = run.simulation().scene().add(
-      kGuest, shape, toPose3(run.simulation().truth().T_world_robot * Pose2{kAhead_m, 0.0, 0.0}));
-  if (!added.ok()) throw std::runtime_error(std::string(kGuest) + ": " + added.message);
-  double covered = 0.0;
+      kOtherRobot, shape, toPose3(run.simulation().truth().T_world_robot * Pose2{kAhead_m, 0.0, 0.0}));
+  if (!added.ok()) throw std::runtime_error(std::string(kOtherRobot) + ": " + added.message);
+  double occluded = 0.0;
   int images = 0;
   run.onFrame([&](const LockstepFrame& frame) {
-    // The share of the view that the other robot takes, as the world itself says.
+    // The share of the view that the other robot takes, from the true object image.
     const auto truth = run.simulation().truthImages();
-    const auto model = run.simulation().scene().find(kGuest);
+    const auto model = run.simulation().scene().find(kOtherRobot);
     if (!truth || !model || frame.observation.frame.image.empty()) return;
-    covered += static_cast<double>(cv::countNonZero(truth->model == *model)) /
-               static_cast<double>(truth->model.total());
+    occluded += static_cast<double>(cv::countNonZero(truth->model == *model)) /
+                static_cast<double>(truth->model.total());
     ++images;
   });
-  const StampUs end = run.simulation().now() + toStampUs(kCovered_s);
+  const StampUs end = run.simulation().now() + toStampUs(kOccluded_s);
   run.run(
       [&](MobileBase& base) {
         place(run, kAhead_m);
         base.setVelocity(drives ? kSpeed_mps : 0.0, 0.0);
       },
-      [&] { return run.simulation().now() >= end; }, kCovered_s + 1.0);
-  const MemoryScore score_covered = run.score();
-  show("covered for 10 s", score_covered);
-  const Remembered covered_memory = memoryOf(run);
+      [&] { return run.simulation().now() >= end; }, kOccluded_s + 1.0);
+  const MemoryScore score_occluded = run.score();
+  show("occluded for 10 s", score_occluded);
+  const Remembered occluded_memory = memoryOf(run);
   const Pose2 T_world_odom_after = run.trueRobot() * inverse(run.snapshot().T_odom_robot);
   run.onFrame({});
-  run.simulation().scene().remove(kGuest);
+  run.simulation().scene().remove(kOtherRobot);
 
-  int known = 0;
-  int known_all = 0;
-  int survived_all = 0;
-  int survived = 0;
-  int in_place = 0;
-  double worst_m = 0.0;
-  for (const RememberedEdge& e : before.edges) {
-    const RememberedEdge* now = survivorOf(e, covered_memory);
-    ++known_all;
-    survived_all += now != nullptr;
-    if (!e.confirmed) continue;
-    ++known;
-    if (!now) continue;
-    ++survived;
-    // What odometry did to this place meanwhile, and 5 cm.
-    const Eigen::Vector2d p = transform(inverse(T_world_odom_before), e.world.middle());
-    const double drift = (transform(T_world_odom_after, p) - e.world.middle()).norm();
-    const double moved = distanceToLine(e.world.middle(), now->world);
-    worst_m = std::max(worst_m, moved);
-    in_place += moved <= drift + 0.05;
-  }
+  const Survival survival = survivalOf(before, occluded_memory, T_world_odom_before, T_world_odom_after);
   run.pipeline().memory().gazeClient().setMode(GazeMode::kAttend);
   run.stand(10.0);
   const MemoryScore score_after = run.score();
@@ -184,19 +199,19 @@ nlohmann::json bridge(const ExperimentOptions& options, bool drives) {
   board.legend = legendOfScore();
   writeImageFile(drawBoard(board, kPanel_px),
                  options.out / (drives ? "figure16_18_drive.png" : "figure16_18_stand.png"));
-  const auto share = [&](int count) { return known > 0 ? static_cast<double>(count) / known : 0.0; };
-  return {{"known_before", known},
-          {"view_covered", images > 0 ? covered / images : 0.0},
-          {"survived", share(survived)},
-          {"survived_with_unconfirmed", known_all > 0 ? static_cast<double>(survived_all) / known_all : 0.0},
-          {"survived_in_place", share(in_place)},
-          {"worst_shift_m", worst_m},
+  const double known_all = survival.known_with_unconfirmed;
+  return {{"known_before", survival.known},
+          {"view_occluded_share", images > 0 ? occluded / images : 0.0},
+          {"survived", survival.share(survival.survived)},
+          {"survived_with_unconfirmed", known_all > 0 ? survival.survived_with_unconfirmed / known_all : 0.0},
+          {"survived_in_place", survival.share(survival.in_place)},
+          {"worst_shift_m", survival.worst_m},
           {"before", toJson(score_before)},
-          {"covered", toJson(score_covered)},
+          {"occluded", toJson(score_occluded)},
           {"after", toJson(score_after)}};
 }
 
-/// Elements on the sides of the model that will go.
+/// Elements on the sides of the model that is removed.
 std::vector<RememberedEdge> onModel(const ExperimentRun& run) {
   // The rectangle of room.world.
   const Eigen::Vector2d corners[] = {{-1.8, 0.9}, {-1.2, 0.9}, {-1.2, 1.3}, {-1.8, 1.3}};
@@ -216,7 +231,7 @@ std::vector<RememberedEdge> onModel(const ExperimentRun& run) {
 
 nlohmann::json removal(const ExperimentOptions& options) {
   ExperimentRun run(runOptions(options));
-  learn(run);
+  buildMemory(run);
   const Pose2 T_odom_world = run.snapshot().T_odom_robot * inverse(run.trueRobot());
   const Eigen::Vector2d middle = transform(T_odom_world, Eigen::Vector2d(-1.5, 1.1));
   run.pipeline().memory().gazeClient().fixate({middle.x(), middle.y(), 0.0});
@@ -233,7 +248,7 @@ nlohmann::json removal(const ExperimentOptions& options) {
 
 nlohmann::json outOfView(const ExperimentOptions& options) {
   ExperimentRun run(runOptions(options));
-  learn(run);
+  buildMemory(run);
   const auto known = onModel(run);
   if (known.empty()) return {{"known", 0}};
   // Away from it.

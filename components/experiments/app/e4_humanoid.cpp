@@ -11,8 +11,8 @@
 #include "common/geometry/angles.h"
 #include "common/recording/robot_log.h"
 #include "common/vision/app/image_file.h"
+#include "evaluation/core/recorded_memory_score.h"
 #include "experiments/app/look_around_run.h"
-#include "experiments/core/recorded_memory_score.h"
 #include "replay_server/core/stepped_log.h"
 
 namespace vismem {
@@ -22,10 +22,10 @@ namespace fs = std::filesystem;
 
 constexpr int kPanel_px = 400;
 constexpr std::size_t kSnapshots = 4;
-/// From here on the robot's own kinematics lose the camera's pose (README of the recording).
+/// From this stamp on the recorded camera pose is wrong (README of the recording).
 constexpr StampUs kCameraPoseLost_us = 509'900'000;
 
-/// Annotated images of a run, of which a figure shows a few.
+/// Annotated images of a run; a figure shows a few of them.
 class Snapshots {
  public:
   void add(const cv::Mat& image, const ImageAnalysis& analysis, double time_s) {
@@ -34,14 +34,14 @@ class Snapshots {
     taken_.push_back({drawAnalysis(image, analysis, 2), time_s, radToDeg(std::atan2(axis.y(), axis.x())),
                       radToDeg(std::asin(std::clamp(axis.z(), -1.0, 1.0)))});
   }
-  /// Evenly spread over what was taken.
+  /// A few of them, evenly spread.
   std::vector<BoardPanel> panels() const {
     std::vector<BoardPanel> chosen;
     const std::size_t n = std::min(kSnapshots, taken_.size());
     for (std::size_t i = 0; i < n; ++i) {
       const Taken& t = taken_[(2 * i + 1) * taken_.size() / (2 * n)];
       chosen.push_back(
-          {text("after %.1f s: looks %.0f deg to the %s, %.0f deg %s", t.time_s, std::abs(t.pan_deg),
+          {text("after %.1f s: camera %.0f deg to the %s, %.0f deg %s", t.time_s, std::abs(t.pan_deg),
                 t.pan_deg < 0.0 ? "right" : "left", std::abs(t.tilt_deg), t.tilt_deg < 0.0 ? "down" : "up"),
            {},
            t.picture,
@@ -97,12 +97,12 @@ nlohmann::json simulated(const std::string& world, const ExperimentOptions& opti
   });
   nlohmann::json json;
   const MemoryScore score = lookAroundTwice(run, world, way, files, json);
-  writeFigure(
-      "The memory of a walking humanoid that turns its neck (figure 19): " + world,
-      text("E4, %s mode, seed %llu: it turned, walked a metre, turned again; its kinematics know no sway",
-           options.mode.c_str(), static_cast<unsigned long long>(options.seed)),
-      snapshots, scorePanel(run, score, "the memory over the true edges"),
-      options.out / ("figure19_" + world + ".png"));
+  writeFigure("The memory of a walking humanoid that turns its neck (figure 19): " + world,
+              text("E4, %s mode, seed %llu: it turned, walked a metre, turned again; its kinematics do not "
+                   "model body sway",
+                   options.mode.c_str(), static_cast<unsigned long long>(options.seed)),
+              snapshots, scorePanel(run, score, "the memory over the true edges"),
+              options.out / ("figure19_" + world + ".png"));
   return json;
 }
 

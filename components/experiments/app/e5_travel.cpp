@@ -18,10 +18,10 @@ struct Variant {
   int trials;
   bool rendered;
 };
-/// The setup `humanoid` brings slip, sway of a degree, latency of 0.1 s and half a degree of calibration
+/// The setup `humanoid` has slip, body sway of a degree, latency of 0.1 s and half a degree of calibration
 /// error.
 constexpr Variant kVariants[] = {
-    {"made_up", "humanoid in the corridor, made-up observations", 20, false},
+    {"synthetic", "humanoid in the corridor, synthetic observations", 20, false},
     {"rendered", "humanoid in the corridor, rendered images", 10, true},
 };
 
@@ -45,6 +45,7 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
   };
   series.known_start = {"default", "chapter", "mcl_stock", "mcl_tuned"};
   series.drawn = {"default", "default_unknown_start", "chapter"};
+  series.published = kPublishedTravel;
   series.summary.kidnaps_only = false;
   series.summary.within_s = kSeconds;
   return runSeries(series, options.out);

@@ -1,4 +1,4 @@
-/// @file E5: a humanoid travels a corridor (the chapter's figure 20).
+/// @file E5: a humanoid travels a corridor; error over time (figure 20). Implements E5.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

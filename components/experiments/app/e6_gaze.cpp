@@ -11,13 +11,13 @@
 namespace vismem {
 namespace {
 
-/// 20 % of the segments false and 20 % lost: what looks alike at once is told apart by looking more.
+/// 20 % of the segments false and 20 % lost: similar places need several views to be distinguished.
 const E6Place kIrregularHard{.name = "irregular_hard",
                              .title = "irregular corridor, 20 % false segments, 20 % lost",
                              .trials = 50,
                              .disturbance = {0.2, 0.2, 3.0}};
 
-/// Half of the time that E6 gives: what gaze can help with lies within seconds.
+/// Half of the time of E6: gaze changes the recovery within seconds.
 constexpr double kEvent_s = 30.0;
 
 struct Policy {
@@ -29,7 +29,7 @@ constexpr std::array<Policy, 3> kPolicies{{{"salience", TrialGaze::kSalience, tr
                                            {"localization", TrialGaze::kLocalization, true},
                                            {"oracle", TrialGaze::kOracle, false}}};
 
-/// How a policy does against the first.
+/// Recovery times of a policy over those of the first.
 nlohmann::json ratios(const Comparison& comparison, std::size_t policy, const SummaryParams& params) {
   const auto& records = comparison.records();
   nlohmann::json json;
@@ -59,7 +59,7 @@ nlohmann::json compareGaze(const ExperimentOptions& options) {
     series.name = "gaze_" + series.name;
     series.trial.event_s = kEvent_s;
     series.summary.within_s = kEvent_s;
-    // Each policy of gaze is a method: the same localization on the record that it brought about itself.
+    // Each gaze policy is a method: the same localization on the record of its own closed loop.
     std::vector<std::string> names;
     series.recordings.clear();
     for (const Policy& policy : kPolicies) {

@@ -41,9 +41,9 @@ const std::vector<Variant>& variants() {
         .title = "irregular corridor, 30 % false segments, parts of the default mode off",
         .disturbance = kFalse30},
        Methods::kAblation},
-      {{.name = "room", .title = "room, made-up observations", .world = "room"}, Methods::kDefaultAndMcl},
+      {{.name = "room", .title = "room, synthetic observations", .world = "room"}, Methods::kDefaultAndMcl},
       {{.name = "field",
-        .title = "football field, made-up observations",
+        .title = "football field, synthetic observations",
         .world = "field_6x4",
         .twins = true},
        Methods::kDefaultAndMcl},
@@ -70,11 +70,12 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
   series.trial.blackout_from_s = kBlackoutFrom_s;
   series.trial.blackout_s = variant.blackout_s;
   series.methods = [&variant](const LocalizerParams& ours) { return methodsOf(variant, ours); };
+  series.published = kPublishedKidnapping;
   series.drawn = {"default", "chapter"};
   return runSeries(series, options.out);
 }
 
-/// How the made-up observations compare with what images give, in the same trials.
+/// Statistics of synthetic observations and of rendered images in the same trials.
 nlohmann::json compareVision(const ExperimentOptions& options) {
   nlohmann::json json;
   const int trials = options.trials > 0 ? options.trials : 3;
@@ -93,7 +94,7 @@ nlohmann::json compareVision(const ExperimentOptions& options) {
         run.measureVision(&all);
         run.record();
       }
-      const char* name = rendered ? "rendered" : "made_up";
+      const char* name = rendered ? "rendered" : "synthetic";
       json[world][name] = toJson(all);
       std::cerr << "E6 vision: " << world << ", " << name << "\n" << json[world][name].dump(1) << "\n";
     }

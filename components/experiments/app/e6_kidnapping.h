@@ -1,4 +1,5 @@
-/// @file E6: symmetries and kidnappings (the chapter's figure 21), and what else spoils localization.
+/// @file E6: symmetries and kidnappings (figure 21), false segments, lost segments and blackouts.
+/// Implements E6.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,4 +1,4 @@
-/// @file Where the trials of E6 take place: worlds, and what is done to the observations. SPEC E6.
+/// @file The worlds of E6, and the disturbances of the observations in each. See E6.
 #pragma once
 
 #include <string>
@@ -8,21 +8,21 @@
 
 namespace vismem {
 
-/// What kidnappings and the comparison of gaze have in common.
+/// A world of the kidnappings and of the gaze comparison.
 struct E6Place {
   const char* name;   ///< of the variant
   const char* title;  ///< for people
   const char* world = "corridor_irregular";
-  int trials = 25;  ///< unless the caller says otherwise
+  int trials = 25;  ///< by default
   bool rendered = false;
   Disturbance disturbance{};
   bool twins = false;  ///< a half turn about the origin maps the world onto its twin
 };
 
 inline const E6Place kIrregular{
-    .name = "irregular", .title = "irregular corridor, made-up observations", .trials = 50};
+    .name = "irregular", .title = "irregular corridor, synthetic observations", .trials = 50};
 inline const E6Place kAliased{.name = "aliased",
-                              .title = "corridor with two wings alike, made-up observations",
+                              .title = "corridor with two wings alike, synthetic observations",
                               .world = "corridor",
                               .trials = 50,
                               .twins = true};
@@ -35,12 +35,13 @@ inline const E6Place kRenderedAliased{.name = "rendered_aliased",
                                       .rendered = true,
                                       .twins = true};
 
-/// True if the options ask for the variant: by its name, or for all.
+/// @return whether the options select the variant: by its name, or all.
 inline bool isWanted(const E6Place& place, const ExperimentOptions& options) {
   return options.variant.empty() || options.variant == place.name;
 }
 
-/// The place's trials, without methods. @param kind begins the title.
+/// The place's trials, without methods.
+/// @param kind begins the title.
 inline TrialSeries seriesAt(const E6Place& place, const std::string& kind, const ExperimentOptions& options) {
   TrialSeries series;
   series.name = place.name;

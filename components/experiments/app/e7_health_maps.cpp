@@ -10,43 +10,46 @@
 #include "active_visual_memory/core/overlay.h"
 #include "common/geometry/angles.h"
 #include "common/vision/app/image_file.h"
+#include "evaluation/figures/board.h"
 #include "experiments/app/experiment_files.h"
 #include "experiments/app/experiment_run.h"
 #include "experiments/app/health_picture.h"
-#include "experiments/core/board.h"
 #include "localization/core/random_engine.h"
 
 namespace vismem {
 namespace {
 
 constexpr const char* kWorld = "corridor";
-/// The chapter's health is smooth, and slow to rate by; our likelihood has peaks of a few centimetres.
+/// The chapter's health is smooth and slow to compute; our likelihood has peaks of a few centimetres.
 constexpr double kCell_m = 0.1;
 constexpr int kHeadings = 36;
 constexpr double kFineCell_m = 0.05;
 constexpr int kFineHeadings = 180;
 constexpr int kPanel_px = 520;
-constexpr double kGuestAhead_m = 1.0;
-/// Half of the segments that localization is given are false.
+constexpr double kOtherRobotAhead_m = 1.0;
+/// Share of false segments among those that localization gets.
 constexpr double kFalseShare = 0.5;
 
-enum class Spoiled { kNo, kGuest, kFalse };
+enum class SceneDisturbance { kNone, kOcclusion, kFalseSegments };
 
 struct Scene {
   const char* name;
   const char* title;
   Pose2 start;
-  Spoiled spoiled;
+  SceneDisturbance disturbance;
 };
 
 const Scene kScenes[] = {
-    {"normal", "a corner (figures 22, 23)", {-4.25, 2.25, -0.4}, Spoiled::kNo},
+    {"normal", "a corner (figures 22, 23)", {-4.25, 2.25, -0.4}, SceneDisturbance::kNone},
     {"door",
-     "a door that has its like elsewhere (figure 24)",
+     "a door, with similar doors elsewhere (figure 24)",
      {0.4, 2.1, 0.5 * std::numbers::pi},
-     Spoiled::kNo},
-    {"occlusion", "another robot in the view (figure 25)", {-4.25, 2.25, -0.4}, Spoiled::kGuest},
-    {"false", "half of the segments false (figure 26)", {-4.25, 2.25, -0.4}, Spoiled::kFalse},
+     SceneDisturbance::kNone},
+    {"occlusion", "another robot in the view (figure 25)", {-4.25, 2.25, -0.4}, SceneDisturbance::kOcclusion},
+    {"false",
+     "half of the segments false (figure 26)",
+     {-4.25, 2.25, -0.4},
+     SceneDisturbance::kFalseSegments},
 };
 
 ExperimentRunOptions runOptions(const ExperimentOptions& options, const Pose2& start) {
@@ -58,14 +61,14 @@ ExperimentRunOptions runOptions(const ExperimentOptions& options, const Pose2& s
   return run;
 }
 
-void addGuest(ExperimentRun& run) {
+void addOtherRobot(ExperimentRun& run) {
   const PropShape shape{PropShape::Kind::kRobot, {0.5, 0.5, 0.8}, {0.2, 0.3, 0.7}};
-  const Pose2 at = run.simulation().truth().T_world_robot * Pose2{kGuestAhead_m, 0.0, 0.0};
-  const PortReply reply = run.simulation().scene().add("guest", shape, toPose3(at));
-  if (!reply.ok()) throw std::runtime_error("guest: " + reply.message);
+  const Pose2 at = run.simulation().truth().T_world_robot * Pose2{kOtherRobotAhead_m, 0.0, 0.0};
+  const PortReply reply = run.simulation().scene().add("other_robot", shape, toPose3(at));
+  if (!reply.ok()) throw std::runtime_error("other_robot: " + reply.message);
 }
 
-/// The analysis with as many made-up segments as it has labelled ones, anywhere in the lower half.
+/// The analysis with as many synthetic segments as it has labelled ones, anywhere in the lower half.
 ImageAnalysis withFalse(const ImageAnalysis& analysis, std::uint64_t seed) {
   ImageAnalysis result = analysis;
   RandomEngine engine(seed);
@@ -97,7 +100,7 @@ nlohmann::json toJson(const HealthMapReading& reading) {
           {"places_as_good_share", reading.rivals}};
 }
 
-/// One measure over all places, best of all headings: a panel and its numbers.
+/// Panel and figures of one measure over all places, the best of all headings at each.
 BoardPanel panelOf(const std::string& title, const MemoryUpdate& update, const LocalizerParams& params,
                    const SegmentMap& map_edges, PlaceRating rating, const Pose2& truth,
                    nlohmann::json& json) {
@@ -106,7 +109,7 @@ BoardPanel panelOf(const std::string& title, const MemoryUpdate& update, const L
   const bool is_chapter = rating == PlaceRating::kImage || rating == PlaceRating::kMemory;
   request.headings = is_chapter ? kHeadings : kFineHeadings;
   request.cell_m = is_chapter ? kCell_m : kFineCell_m;
-  const auto map = HealthMapper(params, map_edges).map(update, request);
+  const auto map = HealthMapper(healthMapParams(params), map_edges).map(update, request);
   if (!map) throw std::runtime_error(title + ": nothing was seen that could be rated");
   const HealthMapReading reading = readHealthMap(*map, truth);
   json = toJson(reading);
@@ -134,7 +137,7 @@ nlohmann::json healthFromImages(const ExperimentOptions& options) {
   for (const Scene& scene : kScenes) {
     if (!options.variant.empty() && options.variant != scene.name) continue;
     ExperimentRun run(runOptions(options, scene.start));
-    if (scene.spoiled == Spoiled::kGuest) addGuest(run);
+    if (scene.disturbance == SceneDisturbance::kOcclusion) addOtherRobot(run);
     // The gaze stays where it looks first, ahead and a little down.
     const Pose2 T_odom_robot;
     run.pipeline().memory().gazeClient().fixate(
@@ -142,11 +145,11 @@ nlohmann::json healthFromImages(const ExperimentOptions& options) {
     run.stand(1.5);
     MemoryUpdate update{std::make_shared<MemorySnapshot>(run.snapshot()),
                         std::make_shared<ImageAnalysis>(run.analysis())};
-    if (scene.spoiled == Spoiled::kFalse) {
+    if (scene.disturbance == SceneDisturbance::kFalseSegments) {
       update.analysis = std::make_shared<ImageAnalysis>(withFalse(run.analysis(), options.seed));
     }
     LocalizerParams params = run.params().localizer;
-    params.robust.source = HealthSource::kImage;
+    params.robust.observation.source = ObservationSource::kImage;
     const SegmentMap& edges = run.params().map_edges;
     BoardPanel image{scene.title, {}, drawAnalysis(run.lastImage()->image, *update.analysis, 2), {}};
     image.caption = {text("%zu segments", update.analysis->observed.size())};
@@ -171,12 +174,14 @@ nlohmann::json healthFromMemory(const ExperimentOptions& options) {
       text("E8, seed %llu: after looking about and half a metre of way; beside it the last image alone",
            static_cast<unsigned long long>(options.seed));
   nlohmann::json json;
-  for (const bool covered : {false, true}) {
+  for (const bool occluded : {false, true}) {
+    const char* variant = occluded ? "occlusion" : "normal";
+    if (!options.variant.empty() && options.variant != variant) continue;
     ExperimentRun run(runOptions(options, {-2.6, 2.25, std::numbers::pi}));
     run.drive(0.5, 0.2);
     run.stand(10.0);
-    if (covered) {
-      addGuest(run);
+    if (occluded) {
+      addOtherRobot(run);
       const Pose2 T_odom_ahead = run.snapshot().T_odom_robot * Pose2{1.6, 0.0, 0.0};
       run.pipeline().memory().gazeClient().fixate({T_odom_ahead.x, T_odom_ahead.y, 0.0});
       run.stand(2.0);
@@ -184,10 +189,10 @@ nlohmann::json healthFromMemory(const ExperimentOptions& options) {
     const MemoryUpdate update{std::make_shared<MemorySnapshot>(run.snapshot()),
                               std::make_shared<ImageAnalysis>(run.analysis())};
     LocalizerParams params = run.params().localizer;
-    params.robust.source = HealthSource::kMemory;
+    params.robust.observation.source = ObservationSource::kMemory;
     const SegmentMap& edges = run.params().map_edges;
-    nlohmann::json& numbers = json[covered ? "occlusion" : "normal"];
-    BoardPanel image{covered ? "another robot in the view" : "the last image",
+    nlohmann::json& numbers = json[variant];
+    BoardPanel image{occluded ? "another robot in the view" : "the last image",
                      {},
                      drawAnalysis(run.lastImage()->image, *update.analysis, 2),
                      {}};
@@ -200,6 +205,7 @@ nlohmann::json healthFromMemory(const ExperimentOptions& options) {
                           panelOf("the memory, our likelihood, logarithmic", update, params, edges,
                                   PlaceRating::kLikelihood, run.trueRobot(), numbers["memory_likelihood"])});
   }
+  if (json.empty()) throw std::invalid_argument("E8 has no variant \"" + options.variant + "\"");
   writeImageFile(drawBoard(board, kPanel_px), options.out / "figure27.png");
   return json;
 }

@@ -1,5 +1,5 @@
-/// @file E7, E8: how well every place fits, from images (the chapter's figures 22 to 26) and from the memory
-/// (figure 27).
+/// @file E7, E8: the health of every place, from images (figures 22 to 26) and from the memory (figure 27).
+/// Implements E7. Implements E8.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

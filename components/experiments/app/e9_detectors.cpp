@@ -12,12 +12,12 @@
 #include "common/segment_map/segment_map.h"
 #include "common/vision/app/image_file.h"
 #include "common/vision/segment_extractor.h"
-#include "experiments/app/annotated_images.h"
-#include "experiments/app/evaluation_setup.h"
+#include "evaluation/app/annotated_images.h"
+#include "evaluation/app/evaluation_setup.h"
+#include "evaluation/core/map_projection.h"
+#include "evaluation/core/segment_accuracy.h"
+#include "evaluation/figures/segment_figure.h"
 #include "experiments/app/experiment_files.h"
-#include "experiments/core/map_projection.h"
-#include "experiments/core/segment_accuracy.h"
-#include "experiments/core/segment_figure.h"
 #include "simulator/app/render_view.h"
 #include "simulator/core/renderer.h"
 #include "simulator/core/simulation.h"
@@ -35,14 +35,14 @@ constexpr int kPanel_px = 470;
 constexpr int kSmallPanel_px = 400;
 constexpr int kLargePanel_px = 640;
 
-/// One image and what is known about it.
+/// One image with its known lines.
 struct Scene {
   std::string name;
   std::string kind;  ///< "simulated", "real"
   std::string title;
   cv::Mat rgb;
   CameraIntrinsics intrinsics;             ///< without distortion
-  std::vector<Segment2> truth;             ///< where lines are known to be; empty: not known
+  std::vector<Segment2> truth;             ///< true lines; empty: not known
   std::shared_ptr<const Palette> palette;  ///< null: no labels, not in figure 10
 };
 
@@ -57,7 +57,7 @@ const SimulatedScene kSimulated[] = {
     {"corridor", "simulated corridor with doors", {-4.25, -1.5, 1.57}, -12.0},
     {"texture", "simulated room with a textured floor", {-1.8, 0.8, -0.3}, -20.0},
 };
-/// A photograph of a corridor, and a moment at which the Nao sees the field's lines and a goal.
+/// A photograph of a corridor, and an image of the Nao with the field's lines and a goal.
 constexpr const char* kPhotograph = "P1040811";
 constexpr std::size_t kNaoFrame = 10;
 
@@ -142,7 +142,7 @@ constexpr DetectorView kViews[] = {{"hough", "Canny + Hough"},
                                    {"chapter", "Solis as published (chapter)"},
                                    {"solis", "Solis, ours (default)"}};
 
-/// Figure 3: what each detector finds.
+/// Figure 3: the segments of each detector.
 SegmentRow detectedRow(const Scene& scene, nlohmann::json& json, CsvFile& counts, CsvFile& all) {
   SegmentRow row{scene.title, scene.rgb, {}};
   for (const DetectorView& view : kViews) {
@@ -180,7 +180,7 @@ SegmentRow detectedRow(const Scene& scene, nlohmann::json& json, CsvFile& counts
   return row;
 }
 
-/// Colours of labels in the order in which the scenes bring them.
+/// Colours of labels, in the order of their first use.
 class LabelColors {
  public:
   Rgb of(const Label& label) {

@@ -1,4 +1,4 @@
-/// @file experiment: the chapter's experiments, one command each. SPEC E1-E9; DESIGN 11.
+/// @file experiment: the chapter's experiments, one command each.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -11,7 +11,8 @@
 #include <vector>
 
 #include "common/tool/command_line_tool.h"
-#include "experiments/app/evaluation_setup.h"
+#include "evaluation/app/commit_id.h"
+#include "evaluation/app/evaluation_setup.h"
 #include "experiments/app/experiment_files.h"
 #include "experiments/app/experiments.h"
 #include "experiments/app/over_runs.h"
@@ -20,12 +21,33 @@ namespace {
 
 using namespace vismem;
 
-nlohmann::json runOnce(const Experiment& experiment, const ExperimentOptions& options) {
+/// The origin of a result.
+struct Origin {
+  std::string commit;   ///< of the sources
+  std::string command;  ///< without folders
+};
+
+/// The command line without the program's folder and without options that do not change the results.
+std::string commandOf(int argc, char** argv) {
+  const std::vector<std::string> left_out{"--out", "--data", "--commit"};
+  std::string command = "experiment";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const std::string option = word.substr(0, word.find('='));
+    if (std::find(left_out.begin(), left_out.end(), option) == left_out.end()) {
+      command += " " + word;
+    } else if (option == word) {
+      ++i;
+    }
+  }
+  return command;
+}
+
+nlohmann::json runOnce(const Experiment& experiment, const ExperimentOptions& options, const Origin& origin) {
   std::filesystem::create_directories(options.out);
-  nlohmann::json result{{"experiment", experiment.name},
-                        {"mode", options.mode},
-                        {"seed", options.seed},
-                        {"out", options.out.string()}};
+  nlohmann::json result{{"experiment", experiment.name}, {"commit", origin.commit},
+                        {"command", origin.command},     {"mode", options.mode},
+                        {"seed", options.seed},          {"out", options.out.string()}};
   result.update(experiment.run(options));
   replaceFile(options.out / "result.json", result.dump(2) + "\n");
   return result;
@@ -52,45 +74,42 @@ Seeds parseSeeds(const std::string& text) {
   return seeds;
 }
 
-/// Each seed in a folder of its own and a line of its own; then the numbers over all of them.
-int runSeeds(const Experiment& experiment, const ExperimentOptions& options, const Seeds& seeds) {
+/// Runs each seed into its own folder and prints its line; then the statistics over all of them.
+int runSeeds(const Experiment& experiment, const ExperimentOptions& options, const Seeds& seeds,
+             const Origin& origin) {
   std::vector<nlohmann::json> results;
   for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
     ExperimentOptions one = options;
     one.seed = seed;
     one.out = options.out / ("seed" + std::to_string(seed));
-    results.push_back(runOnce(experiment, one));
+    results.push_back(runOnce(experiment, one, origin));
     std::cout << results.back().dump() << std::endl;
   }
-  const nlohmann::json all{{"experiment", experiment.name},
-                           {"mode", options.mode},
-                           {"seeds", {seeds.first, seeds.last}},
-                           {"out", options.out.string()},
+  const nlohmann::json all{{"experiment", experiment.name},      {"commit", origin.commit},
+                           {"command", origin.command},          {"mode", options.mode},
+                           {"seeds", {seeds.first, seeds.last}}, {"out", options.out.string()},
                            {"over_seeds", overRuns(results)}};
   replaceFile(options.out / "result.json", all.dump(2) + "\n");
   std::cout << all.dump() << "\n";
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// The command line.
+struct Arguments {
   ExperimentOptions options;
-  std::string name;
-  std::vector<std::string> names;
-  std::string list = "The experiments of the chapter, with figures, CSV and JSON. EXPERIMENT is one of\n";
-  for (const Experiment& experiment : experiments()) {
-    names.push_back(experiment.name);
-    list += "  " + experiment.name + "  " + experiment.title + "\n";
-  }
-  CLI::App app(list);
-  app.add_option("EXPERIMENT", name, "its name")->required()->check(CLI::IsMember(names));
-  app.add_option("--mode", options.mode, "default or chapter")
+  std::string name;    ///< of the experiment
+  std::string seeds;   ///< "A..B"; empty: one seed
+  std::string commit;  ///< of the sources
+};
+
+void declare(CLI::App& app, const std::vector<std::string>& names, Arguments& arguments) {
+  app.add_option("EXPERIMENT", arguments.name, "its name")->required()->check(CLI::IsMember(names));
+  app.add_option("--mode", arguments.options.mode, "default or chapter")
       ->check(CLI::IsMember({"default", "chapter"}))
       ->capture_default_str();
-  CLI::Option* seed = app.add_option("--seed", options.seed, "of all that is random")->capture_default_str();
-  std::string seeds;
-  app.add_option("--seeds", seeds,
+  CLI::Option* seed =
+      app.add_option("--seed", arguments.options.seed, "of all that is random")->capture_default_str();
+  app.add_option("--seeds", arguments.seeds,
                  "A..B: once for each seed, a line each, then mean, least and most over all")
       ->excludes(seed)
       ->check([](const std::string& text) {
@@ -101,37 +120,60 @@ int main(int argc, char** argv) {
           return std::string(error.what());
         }
       });
-  app.add_option("--variant", options.variant,
+  app.add_option("--variant", arguments.options.variant,
                  "of an experiment that has several: only the one of this name (default: all)");
-  app.add_option("--trials", options.trials,
+  app.add_option("--trials", arguments.options.trials,
                  "runs of each variant of an experiment over many (E5, E6; default: as documented)")
       ->check(CLI::Range(1, 10'000));
   app.add_option(
-         "--methods", options.methods,
+         "--methods", arguments.options.methods,
          "of E5 and E6: only these, by name, with commas between them: \"default\" leaves out the peers, "
          "which take most of the time (default: all)")
       ->delimiter(',');
-  app.add_option("--gaze", options.gaze,
-                 "of E6: who decides where the camera looks: salience alone, localization too, or "
-                 "localization that is told the true place (oracle, a bound); both: the first two, "
-                 "all: all, each in trials of its own with the same kidnappings, compared")
-      ->check(CLI::IsMember({"salience", "localization", "oracle", "both", "all"}));
-  app.add_option("--out", options.out, "folder for all that is written (default: out/EXPERIMENT)");
   app.add_option(
-      "--data", options.data,
+         "--gaze", arguments.options.gaze,
+         "of E6: the gaze policy: salience alone, with requests of localization, or with requests of a "
+         "localization that knows the true place (oracle, a bound); both: the first two, "
+         "all: all, each in trials of its own with the same kidnappings, compared")
+      ->check(CLI::IsMember({"salience", "localization", "oracle", "both", "all"}));
+  app.add_option("--out", arguments.options.out, "folder for all that is written (default: out/EXPERIMENT)");
+  app.add_option("--commit", arguments.commit, "id of the sources, for the results (default: of this build)");
+  app.add_option(
+      "--data", arguments.options.data,
       "folder of recordings and photographs (default: AVM_DATA, else ../shared/data beside the project)");
-  if (const auto code = parseTool(app, argc, argv)) return *code;
-  if (options.data.empty()) {
-    const char* data = std::getenv("AVM_DATA");
-    options.data = data != nullptr ? std::filesystem::path(data) : projectFile("../shared/data");
+}
+
+/// Where recordings and photographs lie when the command line does not name it.
+std::filesystem::path defaultData() {
+  const char* data = std::getenv("AVM_DATA");
+  return data != nullptr ? std::filesystem::path(data) : projectFile("../shared/data");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  arguments.commit = commitId();
+  std::vector<std::string> names;
+  std::string list = "The experiments of the chapter, with figures, CSV and JSON. EXPERIMENT is one of\n";
+  for (const Experiment& experiment : experiments()) {
+    names.push_back(experiment.name);
+    list += "  " + experiment.name + "  " + experiment.title + "\n";
   }
+  CLI::App app(list);
+  declare(app, names, arguments);
+  if (const auto code = parseTool(app, argc, argv)) return *code;
+  ExperimentOptions& options = arguments.options;
+  if (options.data.empty()) options.data = defaultData();
+  const Origin origin{arguments.commit, commandOf(argc, argv)};
   try {
     cv::setNumThreads(1);
-    const auto chosen = std::find_if(experiments().begin(), experiments().end(),
-                                     [&](const Experiment& experiment) { return experiment.name == name; });
+    const auto chosen =
+        std::find_if(experiments().begin(), experiments().end(),
+                     [&](const Experiment& experiment) { return experiment.name == arguments.name; });
     if (options.out.empty()) options.out = std::filesystem::path("out") / chosen->name;
-    if (!seeds.empty()) return runSeeds(*chosen, options, parseSeeds(seeds));
-    std::cout << runOnce(*chosen, options).dump() << "\n";
+    if (!arguments.seeds.empty()) return runSeeds(*chosen, options, parseSeeds(arguments.seeds), origin);
+    std::cout << runOnce(*chosen, options, origin).dump() << "\n";
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "experiment: " << error.what() << "\n";

@@ -17,7 +17,7 @@ std::string text(const char* pattern, auto... values) {
   return buffer;
 }
 
-/// Writes a whole file in the place of an old one: whoever is stopped meanwhile leaves one or the other.
+/// Replaces a file as a whole: a program that is stopped meanwhile leaves the old file or the new one.
 /// @throws std::runtime_error naming the file when it could not be written.
 inline void replaceFile(const std::filesystem::path& file, const std::string& content) {
   std::filesystem::path unfinished = file;

@@ -11,7 +11,7 @@ namespace vismem {
 namespace {
 
 constexpr double kVisible_px = 10.0;
-/// A ray that ends this little before a floor point met what stands or is painted there.
+/// Tolerance of a ray's length up to a visible floor point.
 constexpr double kRayTolerance_m = 0.03;
 
 EvaluationOptions evaluationOptions(const ExperimentRunOptions& options) {
@@ -21,8 +21,8 @@ EvaluationOptions evaluationOptions(const ExperimentRunOptions& options) {
   return evaluation;
 }
 
-/// The edges that the world really has. A map of stripes has both edges of each line as long as the line is;
-/// but the line that joins or crosses it parts them.
+/// The true edges of the world. A map of stripes has both edges of a line in its full length; in the world,
+/// joining and crossing lines interrupt them.
 SegmentMap trueEdges(const EvaluationParams& params, const World& world) {
   if (params.palette->stripes().empty()) return params.map_edges;
   MapBuilderParams as_they_are;
@@ -54,7 +54,7 @@ void ExperimentRun::frame(const LockstepFrame& frame) {
     if (sample.stamp_us <= stamp_us) true_robot_ = sample.T_world_robot;
   }
   const int edges =
-      truth_.look(frame.observation.frame.intrinsics, truePoseOfImage(), seesFloor(), kVisible_px);
+      truth_.addView(frame.observation.frame.intrinsics, truePoseOfImage(), seesFloor(), kVisible_px);
   ++images_;
   edges_in_images_ += edges;
   most_edges_ = std::max(most_edges_, edges);

@@ -1,5 +1,5 @@
-/// @file One run of an experiment: the robot in its world and its memory in lock-step, what it does, and the
-/// truth of what its images showed. SPEC E1-E4.
+/// @file One run of an experiment: a simulated robot and its memory in lock-step, its motions, and the true
+/// edges that its images showed. See E1, E2, E3, E4.
 #pragma once
 
 #include <functional>
@@ -7,10 +7,10 @@
 #include <optional>
 #include <string>
 
-#include "experiments/app/evaluation_setup.h"
-#include "experiments/core/floor_truth.h"
-#include "experiments/core/lockstep.h"
-#include "experiments/core/memory_score.h"
+#include "evaluation/app/evaluation_setup.h"
+#include "evaluation/core/floor_truth.h"
+#include "evaluation/core/lockstep.h"
+#include "evaluation/core/memory_score.h"
 
 namespace vismem {
 
@@ -32,16 +32,17 @@ class ExperimentRun {
   /// Called after each image.
   using Visitor = std::function<void(const LockstepFrame&)>;
 
-  /// @throws ConfigError, std::invalid_argument with what is wrong with a file or the start.
+  /// @throws ConfigError, std::invalid_argument naming a wrong file or start.
   explicit ExperimentRun(const ExperimentRunOptions& options);
 
   void onFrame(Visitor visitor) { visitor_ = std::move(visitor); }
 
-  /// Turns on the spot by an angle of any size (positive: to the left), and stands.
+  /// Turns on the spot by an angle of any size (positive: to the left), then stands.
   void turn(double angle_rad, double rate_radps);
-  /// Drives straight on, and stands.
+  /// Drives straight ahead, then stands.
   void drive(double distance_m, double speed_mps);
-  /// Any driver, until `done`, at most so long. @return whether it was done.
+  /// Runs a driver until `done`, at most this long.
+  /// @return whether it was done.
   bool run(const Lockstep::Driver& driver, const std::function<bool()>& done, double at_most_s);
   void stand(double seconds);
 
@@ -58,11 +59,11 @@ class ExperimentRun {
   Pose2 trueRobot() const { return true_robot_; }
   MemoryScore score() const;
 
-  /// Of the last image: the true pose of its camera, and what it could see of the floor.
+  /// True camera pose of the last image, and its visibility of floor points.
   Pose3 truePoseOfImage() const { return simulation_->lastExposure()->T_world_camera; }
   SeesFloor seesFloor() const;
 
-  /// Of the images so far: true edges with a visible part of 10 px or more.
+  /// Number of true edges with a visible part of 10 px or more in the images so far.
   double meanEdgesPerImage() const { return images_ > 0 ? edges_in_images_ / images_ : 0.0; }
   int mostEdgesInAnImage() const { return most_edges_; }
   int images() const { return images_; }

@@ -18,14 +18,14 @@ const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> all{
       {"E1", "The robot turns in a room: one image against the memory (figure 13)", lookAround},
       {"E2", "A curve ahead: the memory holds what the image does not show (figures 14, 15)", followCurve},
-      {"E3", "A second robot covers the view: the memory bridges it (figures 16 to 18)", occlusion},
-      {"E4", "A humanoid that sways and turns its neck, simulated and recorded (figure 19)", humanoid},
+      {"E3", "A second robot occludes the view: the memory bridges it (figures 16 to 18)", occlusion},
+      {"E4", "A humanoid that walks and turns its neck, simulated and recorded (figure 19)", humanoid},
       {"E5", "A humanoid travels a corridor: error over time (figure 20)", travel},
       {"E6", "Symmetries and kidnappings, every method on the same observations (figure 21)", kidnapping},
       {"E7", "How well every place fits an image (figures 22 to 26)", healthFromImages},
       {"E8", "How well every place fits the memory (figure 27)", healthFromMemory},
       {"E9", "Canny+Hough beside Solis on the same images, and merging (figures 3 and 10)", compareDetectors},
-      {"primitives", "Shapes found on the floor, and completed behind what hides a corner (figure 7)",
+      {"primitives", "Shapes found on the floor, and completed behind an object on a corner (figure 7)",
        primitives},
   };
   return all;

@@ -1,4 +1,4 @@
-/// @file The chapter's experiments by name: SPEC E1-E9, DESIGN 11.
+/// @file The chapter's experiments by name. See E1, E2, E3, E4, E5, E6, E7, E8, E9.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,20 @@ struct ExperimentOptions {
   std::string mode = "default";  ///< "default" or "chapter"
   std::uint64_t seed = 1;
   std::string variant;  ///< only the variant of this name; empty: all
-  /// Of E6: "salience", "localization", "oracle", "both", "all"; empty: no question of gaze.
+  /// Of E6: "salience", "localization", "oracle", "both", "all"; empty: no gaze comparison.
   std::string gaze;
   std::vector<std::string> methods;  ///< of E5 and E6: only these; empty: all
-  int trials = 0;                    ///< of experiments over many runs: how many; 0: as many as it needs
-  std::filesystem::path out;         ///< exists; everything is written there
+  int trials = 0;                    ///< of experiments over many runs: their number; 0: the default
+  std::filesystem::path out;         ///< exists; all files are written there
   std::filesystem::path data;        ///< recordings and photographs; may be absent
 };
 
 struct Experiment {
   std::string name;   ///< "E9"
   std::string title;  ///< for people
-  /// Writes figures and CSV files into options.out. @return what it found, for the last line and result.json.
-  /// @throws std::exception with what is wrong with an input.
+  /// Writes figures and CSV files into options.out.
+  /// @return the figures of merit, for the last line and result.json.
+  /// @throws std::exception naming a wrong input.
   std::function<nlohmann::json(const ExperimentOptions&)> run;
 };
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "experiments/core/canvas.h"
+#include "evaluation/figures/canvas.h"
 
 namespace vismem {
 namespace {

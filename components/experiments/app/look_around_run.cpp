@@ -17,13 +17,14 @@ namespace {
 
 constexpr double kClearance_m = 0.3;
 
-/// What the memory believes of the camera's lean: about the robot's x and y and the camera's x and z axes.
-nlohmann::json leanOf(const AttentiveVisualMemory& memory) {
+/// Estimated camera tilt error about the robot's x and y and the camera's x and z axes, with its standard
+/// deviations.
+nlohmann::json cameraTiltOf(const AttentiveVisualMemory& memory) {
   constexpr const char* kNames[] = {"robot_x_deg", "robot_y_deg", "camera_x_deg", "camera_z_deg"};
   nlohmann::json json;
-  const LeanCovariance P = memory.leanCovariance();
+  const CameraTiltCovariance P = memory.cameraTiltCovariance();
   for (int i = 0; i < 4; ++i) {
-    json[kNames[i]] = radToDeg(memory.lean()[i]);
+    json[kNames[i]] = radToDeg(memory.cameraTilt()[i]);
     json[kNames[i] + std::string("_sigma")] = radToDeg(std::sqrt(P(i, i)));
   }
   return json;
@@ -31,16 +32,16 @@ nlohmann::json leanOf(const AttentiveVisualMemory& memory) {
 
 /// The stretches of an edge that were visible, from its beginning [m]: "0.00-0.42 0.78-2.00".
 std::string seenOf(const TrueEdge& edge) {
-  std::string told;
+  std::string spans;
   const auto& samples = edge.samples;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (!samples[i].seen) continue;
     const bool begins = i == 0 || !samples[i - 1].seen;
     const bool ends = i + 1 == samples.size() || !samples[i + 1].seen;
-    if (begins) told += text("%s%.2f-", told.empty() ? "" : " ", samples[i].along_m);
-    if (ends) told += text("%.2f", samples[i].along_m);
+    if (begins) spans += text("%s%.2f-", spans.empty() ? "" : " ", samples[i].along_m);
+    if (ends) spans += text("%.2f", samples[i].along_m);
   }
-  return told;
+  return spans;
 }
 
 }  // namespace
@@ -69,8 +70,8 @@ void JudgementFiles::add(const std::string& variant, const std::string& after, c
     const bool missed = std::count(score.missed.begin(), score.missed.end(), static_cast<int>(i)) > 0;
     const Eigen::Vector2d a = edge.pieces.front().a;
     const Eigen::Vector2d b = edge.pieces.back().b;
-    edges_.row(text("%s,%s,%zu,%.3f,%.3f,%.3f,%.3f,%s,%d,%.1f,%s,%s", variant.c_str(), after.c_str(), i, a.x(),
-                    a.y(), b.x(), b.y(), edge.label.c_str(), edge.curve ? 1 : 0, edge.longest_view_px,
+    edges_.row(text("%s,%s,%zu,%.3f,%.3f,%.3f,%.3f,%s,%d,%.1f,%s,%s", variant.c_str(), after.c_str(), i,
+                    a.x(), a.y(), b.x(), b.y(), edge.label.c_str(), edge.curve ? 1 : 0, edge.longest_view_px,
                     !edge.shown_in_full ? "not shown in full"
                     : missed            ? "missed"
                                         : "found",
@@ -91,7 +92,7 @@ MemoryScore lookAroundTwice(ExperimentRun& run, const std::string& variant, cons
     json[after] = toJson(score);
     json[after]["edges_per_image_mean"] = run.meanEdgesPerImage();
     json[after]["edges_per_image_most"] = run.mostEdgesInAnImage();
-    json[after]["lean"] = leanOf(run.pipeline().memory());
+    json[after]["camera_tilt"] = cameraTiltOf(run.pipeline().memory());
     json[after]["memory_over_image"] = score.right / std::max(1.0, run.meanEdgesPerImage());
     return score;
   };

@@ -1,4 +1,4 @@
-/// @file The numbers of several runs of one experiment, summed up.
+/// @file Statistics over several runs of one experiment.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -6,9 +6,9 @@
 
 namespace vismem {
 
-/// The structure of a run's JSON with, in place of each number that the runs have, its mean, least and most
-/// and in how many runs it was (`mean`, `min`, `max`, `runs`); truth values count as 0 and 1. Texts, lists
-/// and the run's own seed are left out.
+/// The structure of a run's JSON with the statistics of each number in its place: `mean`, `min`, `max`, and
+/// `runs`, the number of runs that have it. Truth values count as 0 and 1. Texts, lists and the seed are left
+/// out.
 nlohmann::json overRuns(const std::vector<nlohmann::json>& runs);
 
 }  // namespace vismem

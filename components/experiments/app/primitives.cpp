@@ -11,19 +11,19 @@
 
 #include "active_visual_memory/core/overlay.h"
 #include "common/vision/app/image_file.h"
+#include "evaluation/core/shape_score.h"
 #include "experiments/app/look_around_run.h"
-#include "experiments/core/shape_score.h"
 #include "simulator/core/props.h"
 
 namespace vismem {
 namespace {
 
 constexpr int kPanel_px = 460;
-/// A shape counts when the images together showed so much of its outline.
+/// A shape counts when the images together showed this share of its outline.
 constexpr double kShown_share = 0.98;
-constexpr const char* kCover = "cover";
-constexpr double kCover_m = 0.2;
-constexpr double kCoverHeight_m = 0.15;
+constexpr const char* kOccluder = "occluder";
+constexpr double kOccluder_m = 0.2;
+constexpr double kOccluderHeight_m = 0.15;
 constexpr std::array kKinds{PrimitiveKind::kParallelogram, PrimitiveKind::kTriangle, PrimitiveKind::kArrow,
                             PrimitiveKind::kCircle};
 
@@ -34,16 +34,16 @@ std::vector<TrueShape> loadShapes() {
   return parseTrueShapes(std::string(std::istreambuf_iterator<char>(in), {}), file.string());
 }
 
-/// What hides a corner.
-struct Cover {
+/// A box on a corner.
+struct Occluder {
   std::size_t shape = 0;
   std::size_t corner = 0;
   Eigen::Vector2d at = Eigen::Vector2d::Zero();
 };
 
 /// One of the corners of the painted parallelograms, each as often as any other.
-Cover coverOf(const std::vector<TrueShape>& shapes, std::uint64_t seed) {
-  std::vector<Cover> corners;
+Occluder occluderOf(const std::vector<TrueShape>& shapes, std::uint64_t seed) {
+  std::vector<Occluder> corners;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     if (shapes[i].kind != PrimitiveKind::kParallelogram || !shapes[i].painted) continue;
     for (std::size_t k = 0; k < shapes[i].vertices.size(); ++k)
@@ -52,15 +52,15 @@ Cover coverOf(const std::vector<TrueShape>& shapes, std::uint64_t seed) {
   return corners.at(seed % corners.size());
 }
 
-/// The cover's foot is a parallelogram on the floor, too.
-TrueShape footOf(const Cover& cover) {
+/// The box's foot is a parallelogram on the floor, too.
+TrueShape footOf(const Occluder& occluder) {
   TrueShape foot;
-  foot.name = kCover;
+  foot.name = kOccluder;
   foot.painted = false;
-  foot.centre = cover.at;
-  const double h = 0.5 * kCover_m;
+  foot.centre = occluder.at;
+  const double h = 0.5 * kOccluder_m;
   for (const auto& [x, y] : {std::pair{-h, -h}, {h, -h}, {h, h}, {-h, h}}) {
-    foot.vertices.push_back(cover.at + Eigen::Vector2d(x, y));
+    foot.vertices.push_back(occluder.at + Eigen::Vector2d(x, y));
   }
   return foot;
 }
@@ -107,13 +107,13 @@ BoardPanel planOf(const ExperimentRun& run, const ShapeTruth& truth, const std::
 }
 
 std::vector<LegendEntry> legend() {
-  return {{"right shape (dashed: towards a corner nobody saw)", colors::kTruth},
+  return {{"right shape (dashed: towards an unseen corner)", colors::kTruth},
           {"false shape", colors::kLost},
           {"painted line", colors::kOdometry},
           {"confirmed edge", colors::kFaintInk}};
 }
 
-/// Found and shown shapes, remembered and false ones, by kind and in all.
+/// Counts of shown, found, remembered and false shapes, by kind and in all.
 nlohmann::json count(const ShapeTruth& truth, const std::vector<JudgedShape>& judged) {
   nlohmann::json json;
   int all_shown = 0;
@@ -159,10 +159,10 @@ nlohmann::json count(const ShapeTruth& truth, const std::vector<JudgedShape>& ju
   return json;
 }
 
-/// Two images that show the covered shape, from different places.
-class ImagesOfCover {
+/// Two images of the occluded shape, from different places.
+class ImagesOfOcclusion {
  public:
-  void look(const ExperimentRun& run, const std::vector<Segment2>& sides) {
+  void addView(const ExperimentRun& run, const std::vector<Segment2>& sides) {
     if (!run.lastImage()) return;
     const ImageAnalysis& analysis = run.analysis();
     const Pose3 T_camera_world =
@@ -225,27 +225,29 @@ nlohmann::json runVariant(bool corner_hidden, const ExperimentOptions& options, 
                           ShapeFile& shape_file) {
   const std::string variant = corner_hidden ? "corner" : "open";
   std::vector<TrueShape> shapes = loadShapes();
-  std::optional<Cover> cover;
+  std::optional<Occluder> occluder;
   if (corner_hidden) {
-    cover = coverOf(shapes, options.seed);
-    shapes.push_back(footOf(*cover));
+    occluder = occluderOf(shapes, options.seed);
+    shapes.push_back(footOf(*occluder));
   }
   ShapeTruth truth(shapes);
   ExperimentRunOptions run_options;
   run_options.mode = options.mode;
   run_options.seed = options.seed;
   run_options.change_robot = [&](SimulationConfig& robot) {
-    if (cover) {
-      const PropShape box{PropShape::Kind::kBox, {kCover_m, kCover_m, kCoverHeight_m}, {0.2, 0.3, 0.75}};
-      robot.world.models.push_back(makeProp(kCover, box, toPose3(Pose2{cover->at.x(), cover->at.y(), 0.0})));
+    if (occluder) {
+      const PropShape box{
+          PropShape::Kind::kBox, {kOccluder_m, kOccluder_m, kOccluderHeight_m}, {0.2, 0.3, 0.75}};
+      robot.world.models.push_back(
+          makeProp(kOccluder, box, toPose3(Pose2{occluder->at.x(), occluder->at.y(), 0.0})));
     }
     robot.start = startNearMiddle(robot.world, options.seed);
   };
   ExperimentRun run(run_options);
-  ImagesOfCover images;
+  ImagesOfOcclusion images;
   run.onFrame([&](const LockstepFrame& frame) {
-    truth.look(frame.observation.frame.intrinsics, run.truePoseOfImage(), run.seesFloor());
-    if (cover) images.look(run, outlineOf(truth.shapes()[cover->shape]));
+    truth.addView(frame.observation.frame.intrinsics, run.truePoseOfImage(), run.seesFloor());
+    if (occluder) images.addView(run, outlineOf(truth.shapes()[occluder->shape]));
   });
   nlohmann::json look;
   lookAroundTwice(run, variant, LookAroundWay{}, files, look);
@@ -259,24 +261,24 @@ nlohmann::json runVariant(bool corner_hidden, const ExperimentOptions& options, 
                        json["all"]["shown"].get<int>(), json["all"]["false"].get<int>())};
   const std::string subtitle =
       text("%s mode, seed %llu", options.mode.c_str(), static_cast<unsigned long long>(options.seed));
-  if (cover) {
+  if (occluder) {
     const auto completed = std::find_if(judged.begin(), judged.end(), [&](const JudgedShape& j) {
-      return j.true_shape == static_cast<int>(cover->shape);
+      return j.true_shape == static_cast<int>(occluder->shape);
     });
     int other_corners_seen = 0;
-    for (std::size_t k = 0; k < shapes[cover->shape].vertices.size(); ++k) {
-      other_corners_seen += k != cover->corner && truth.seenCorner(cover->shape, k);
+    for (std::size_t k = 0; k < shapes[occluder->shape].vertices.size(); ++k) {
+      other_corners_seen += k != occluder->corner && truth.seenCorner(occluder->shape, k);
     }
-    json["covered"] = {{"shape", shapes[cover->shape].name},
-                       {"corner", cover->corner},
-                       {"corner_seen", truth.seenCorner(cover->shape, cover->corner)},
-                       {"three_corners_seen", other_corners_seen == 3},
-                       {"outline_seen", truth.seenShare(cover->shape)},
-                       {"completed", completed != judged.end()}};
-    Board board{"Shapes completed behind what hides them (figure 7)", subtitle, {}, legend()};
+    json["occluded"] = {{"shape", shapes[occluder->shape].name},
+                        {"corner", occluder->corner},
+                        {"corner_seen", truth.seenCorner(occluder->shape, occluder->corner)},
+                        {"three_corners_seen", other_corners_seen == 3},
+                        {"outline_seen", truth.seenShare(occluder->shape)},
+                        {"completed", completed != judged.end()}};
+    Board board{"Shapes completed behind an object (figure 7)", subtitle, {}, legend()};
     board.rows.emplace_back();
     for (const cv::Mat& picture : images.pictures()) {
-      board.rows.back().push_back({"an image of the covered shape", {}, picture, {}});
+      board.rows.back().push_back({"an image of the occluded shape", {}, picture, {}});
     }
     if (board.rows.back().empty()) board.rows.clear();
     plan.columns = board.rows.empty() ? 1 : static_cast<int>(board.rows.back().size());

@@ -1,5 +1,5 @@
-/// @file The shapes in memory: found among the markings of a room, and completed behind what hides a corner
-/// (figure 7). SPEC M8, M9.
+/// @file The shapes in memory: found among the markings of a room, and completed where an object occludes a
+/// corner (figure 7). See M8, M9.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

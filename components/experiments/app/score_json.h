@@ -3,7 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "experiments/core/memory_score.h"
+#include "evaluation/core/memory_score.h"
 
 namespace vismem {
 

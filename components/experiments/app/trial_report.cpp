@@ -10,16 +10,15 @@
 
 #include "common/geometry/angles.h"
 #include "common/vision/app/image_file.h"
-#include "experiments/app/cpu_stages.h"
+#include "evaluation/app/cpu_stages.h"
+#include "evaluation/figures/canvas.h"
+#include "evaluation/figures/error_figure.h"
 #include "experiments/app/experiment_files.h"
-#include "experiments/core/canvas.h"
-#include "experiments/core/figures.h"
 
 namespace vismem {
 namespace {
 
-/// An update without a cycle only carries the pose forward; cycles come every second image at 10 Hz. What
-/// takes less than this was none.
+/// Length of a cycle. Updates within it only predict the pose; their time is added to its first update.
 constexpr double kTick_s = 0.2;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
@@ -125,8 +124,8 @@ nlohmann::json toJson(const TrialSummary& summary) {
                       {"position_error_m", toJson(summary.position_error_m)},
                       {"median_position_error_m", toJson(summary.median_position_error_m)},
                       {"heading_error_deg", toJson(summary.heading_error_rad, kDegrees)},
-                      {"inside_stated_95_share", toJson(summary.inside_stated)},
-                      {"error_over_stated", toJson(summary.error_over_stated)},
+                      {"inside_reported_95_share", toJson(summary.inside_reported)},
+                      {"error_over_reported", toJson(summary.error_over_reported)},
                       {"wrong_at_end_share", summary.wrong_at_end}};
   if (summary.true_alive) json["true_place_alive_share"] = *summary.true_alive;
   if (summary.right_after_evidence) json["right_10_s_after_evidence"] = toJson(summary.right_after_evidence);
@@ -164,7 +163,7 @@ void Comparison::run(std::size_t m, const Trial& trial, const SegmentMap& map_ed
   last.trial.truth = trial.truth;
   last.trial.events_us = trial.events_us;
   const auto method = methods_[m].make(map_edges, trial.seed);
-  bool tell = is_start_known;
+  bool start_is_due = is_start_known;
   std::vector<PoseEstimate> estimates;
   std::optional<StampUs> last_tick_us;
   for (std::size_t i = 0; i < trial.updates.size(); ++i) {
@@ -173,17 +172,16 @@ void Comparison::run(std::size_t m, const Trial& trial, const SegmentMap& map_ed
     estimates.push_back(method->step(update, trial.T_odom_robot_now[i]));
     const double spent_s = CpuStages::now_s() - before_s;
     const StampUs stamp_us = update.snapshot->stamp_us;
-    // All count; what came between two ticks is added to the first.
     if (!last_tick_us || stamp_us >= *last_tick_us + toStampUs(kTick_s)) {
       record.cycle_ms.push_back(0.0);
       last_tick_us = stamp_us;
     }
     record.cycle_ms.back() += 1e3 * spent_s;
-    if (!tell) continue;
+    if (!start_is_due) continue;
     const auto truth = poseAt(trial.truth, stamp_us);
     if (!truth) continue;
     method->setPose(*truth);
-    tell = false;
+    start_is_due = false;
   }
   for (EventScore& event : scoreEvents(trial, estimates)) record.events.push_back(event);
   for (const PoseEstimate& estimate : estimates) {
@@ -216,7 +214,7 @@ void Comparison::noteEvidence(const std::vector<std::optional<double>>& evidence
 nlohmann::json Comparison::write(const std::filesystem::path& out, const SummaryParams& params) const {
   std::string csv =
       "method,seed,event,settled_after_s,position_error_m,heading_error_deg,right_at_end,true_alive,"
-      "evidence_after_s,inside_stated_95,error_over_stated\n";
+      "evidence_after_s,inside_reported_95,error_over_reported\n";
   const auto number = [](const std::optional<double>& value, double scale = 1.0) {
     return value ? text("%.4f", scale * *value) : std::string();
   };
@@ -228,7 +226,7 @@ nlohmann::json Comparison::write(const std::filesystem::path& out, const Summary
                   number(event.settled_after_s).c_str(), number(event.position_error_m).c_str(),
                   number(event.heading_error_rad, kDegrees).c_str(), event.right_at_end ? 1 : 0,
                   number(event.true_alive).c_str(), number(event.evidence_after_s).c_str(),
-                  number(event.inside_stated).c_str(), number(event.error_over_stated).c_str());
+                  number(event.inside_reported).c_str(), number(event.error_over_reported).c_str());
     }
     json[record.name] = toJson(summarize(record.events, params));
     json[record.name]["cpu_ms_mean"] = mean(record.cycle_ms).value_or(0.0);
@@ -242,7 +240,7 @@ nlohmann::json Comparison::write(const std::filesystem::path& out, const Summary
 nlohmann::json Comparison::report(const std::filesystem::path& out, const SummaryParams& params) const {
   nlohmann::json json = write(out, params);
   std::vector<std::vector<std::string>> rows{{"method", "recovered", "median s", "p90 s", "error cm",
-                                              "median cm", "deg", "in stated 95 %", "error/stated",
+                                              "median cm", "deg", "in reported 95 %", "error/reported",
                                               "wrong at end", "CPU ms, p99"}};
   const bool twins = std::any_of(records_.begin(), records_.end(), [](const MethodRecord& record) {
     return std::any_of(record.events.begin(), record.events.end(),
@@ -260,8 +258,8 @@ nlohmann::json Comparison::report(const std::filesystem::path& out, const Summar
          shown(summary.median_s, 1.0, "%.1f"), shown(summary.p90_s, 1.0, "%.1f"),
          shown(summary.position_error_m, 100.0, "%.1f"),
          shown(summary.median_position_error_m, 100.0, "%.1f"),
-         shown(summary.heading_error_rad, kDegrees, "%.2f"), shown(summary.inside_stated, 100.0, "%.1f"),
-         shown(summary.error_over_stated, 1.0, "%.2f"), text("%.1f %%", 100.0 * summary.wrong_at_end),
+         shown(summary.heading_error_rad, kDegrees, "%.2f"), shown(summary.inside_reported, 100.0, "%.1f"),
+         shown(summary.error_over_reported, 1.0, "%.2f"), text("%.1f %%", 100.0 * summary.wrong_at_end),
          text("%.2f, %.2f", json[record.name]["cpu_ms_mean"].get<double>(),
               json[record.name]["cpu_ms_p99"].get<double>())});
     if (twins) {

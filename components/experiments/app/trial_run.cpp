@@ -12,16 +12,16 @@
 #include "common/geometry/angles.h"
 #include "common/kinematics/random_stream.h"
 #include "common/routes/route_follower.h"
-#include "experiments/app/cpu_stages.h"
+#include "evaluation/app/cpu_stages.h"
 #include "experiments/trials/trial_score.h"
-#include "localization/core/gaze_planner.h"
+#include "localization/core/gaze/gaze_planner.h"
 #include "localization/core/localizer.h"
 #include "simulator/core/renderer.h"
 
 namespace vismem {
 namespace {
 
-/// A kidnapping goes at least this far, or turns the robot by this much: else nothing has happened.
+/// Least displacement or turn of a kidnapping.
 constexpr double kLeastMove_m = 2.0;
 constexpr double kLeastTurn_rad = 0.5 * std::numbers::pi;
 constexpr int kTries = 1000;
@@ -30,23 +30,23 @@ EvaluationOptions evaluationOptions(const TrialOptions& options) {
   return inProjectWorld(options.world, options.setup, options.seed, options.camera_rate_hz);
 }
 
-/// What a localization would say that knows the place but that another one leads: the planner then looks for
-/// what tells the true place from those that are believed, until the winner is right.
-PoseEstimate told(PoseEstimate estimate, const Pose2& truth) {
+/// The estimate of a localization that knows the true place while another race leads. The planner then
+/// requests views that distinguish the true place from the estimated ones, until the winner is right.
+PoseEstimate withTruth(PoseEstimate estimate, const Pose2& truth) {
   constexpr double kTrueShare = 0.9;
   std::vector<RaceReport> races;
   double rivals = 0.0;
   for (const RaceReport& race : estimate.races) {
     const bool is_true = isRight(race.T_world_robot, truth);
     if (is_true && race.winner) {
-      // Sure of it at once.
+      // Unambiguous at once.
       estimate.races = {race};
       estimate.races.front().weight = estimate.races.front().health = estimate.reliability = 1.0;
       return estimate;
     }
     if (is_true) continue;
     races.push_back(race);
-    // The one that leads has to be overcome, whatever it explains now.
+    // The leading race counts as a full rival, whatever it explains now.
     if (race.winner) races.back().weight = std::max(0.5, race.weight);
     if (race.winner) races.back().health = 1.0;
     rivals += races.back().weight;
@@ -63,22 +63,22 @@ PoseEstimate told(PoseEstimate estimate, const Pose2& truth) {
 
 }  // namespace
 
-/// The localization of the robot itself, which asks for gaze.
-struct Seeker {
-  Seeker(const EvaluationParams& params, std::uint64_t seed)
+/// The robot's own localization, which requests gaze.
+struct GazeRequester {
+  GazeRequester(const EvaluationParams& params, std::uint64_t seed)
       : localizer(params.localizer, params.map_edges, seed),
-        planner(params.gaze, params.localizer, params.map_edges) {}
+        planner(params.gaze, params.localizer.robust.likelihood, params.localizer.map, params.map_edges) {}
 
-  /// @param oracle the true pose at the update's stamp, if the planner is to be told; else empty.
-  void steer(const MemoryUpdate& update, const Pose2& T_odom_robot_now, const std::optional<Pose2>& oracle,
-             GazeClient& client, Trial& trial) {
-    PoseEstimate estimate = localizer.step(update, T_odom_robot_now);
-    if (oracle) estimate = told(std::move(estimate), *oracle);
+  /// @param oracle the true pose at the update's stamp for the oracle policy; else empty.
+  void request(const MemoryUpdate& update, const Pose2& T_odom_robot_now, const std::optional<Pose2>& oracle,
+               GazeClient& client, Trial& trial) {
+    PoseEstimate estimate = localizer.update(update, T_odom_robot_now);
+    if (oracle) estimate = withTruth(std::move(estimate), *oracle);
     const double before_s = CpuStages::now_s();
     const GazePlan plan = planner.plan(estimate, update);
     trial.gaze_plan_ms.push_back(1e3 * (CpuStages::now_s() - before_s));
-    trial.gaze_wishes += static_cast<int>(plan.requests.size());
-    if (carryOut(plan, client) > 0) throw std::logic_error("the gaze rejected a wish of localization");
+    trial.gaze_requests += static_cast<int>(plan.requests.size());
+    if (carryOut(plan, client) > 0) throw std::logic_error("the gaze rejected a request of localization");
   }
 
   Localizer localizer;
@@ -92,8 +92,9 @@ struct TrialRun::Impl {
         route(routeFromFile(projectFile("cfg/worlds/" + given.world + ".route"))),
         memory(params.pipeline, params.palette),
         assembler(params.assembler),
-        made_up(params.map_edges, given.errors, given.disturbance, subStream(given.seed, "made-up vision"),
-                subStream(given.map_seed.value_or(given.seed), "made-up map")),
+        // The streams' names seed their numbers: renaming one changes every published result.
+        synthetic(params.map_edges, given.errors, given.disturbance, subStream(given.seed, "made-up vision"),
+                  subStream(given.map_seed.value_or(given.seed), "made-up map")),
         places(subStream(given.seed, "places")),
         losses(subStream(given.seed, "losses")) {
     SimulationConfig robot = simulationConfig(evaluationOptions(options));
@@ -113,7 +114,7 @@ struct TrialRun::Impl {
     driver.emplace(start.backwards ? reversed(route) : route, RouteFollowerParams{});
   }
 
-  /// Elsewhere on the route.
+  /// Moves the robot elsewhere on the route.
   void kidnap(Trial& trial) {
     const Pose2 here = simulation->truth().T_world_robot;
     for (int i = 0; i < kTries; ++i) {
@@ -122,7 +123,7 @@ struct TrialRun::Impl {
                        std::abs(angleDifference(place.T_world_robot.theta, here.theta)) >= kLeastTurn_rad;
       if (!far || !simulation->kidnap(place.T_world_robot).ok()) continue;
       follow(place);
-      // The truth of this very moment is of the event before.
+      // The truth of this stamp belongs to the event before.
       trial.events_us.push_back(simulation->now() + 1);
       append(trial.truth, {simulation->now() + 1, simulation->truth().T_world_robot});
       return;
@@ -136,22 +137,22 @@ struct TrialRun::Impl {
     return since_s >= options.blackout_from_s && since_s < options.blackout_from_s + options.blackout_s;
   }
 
-  /// What the memory makes of one image.
+  /// Updates the memory with one image.
   Step process(const RobotObservation& observation, const Trial& trial) {
     const auto exposed = exposures.find(observation.frame.seq);
     if (exposed == exposures.end()) throw std::logic_error("a frame without its exposure");
     const Pose3 T_world_camera = exposed->second;
     exposures.erase(exposures.begin(), std::next(exposed));
     AttentiveVisualMemory& attentive = memory.memory();
-    if (!attentive.wants(observation)) return attentive.glance(observation);
+    if (!attentive.wants(observation)) return attentive.predict(observation);
     std::vector<ImageSegment> observed;
     if (!isDark(observation.frame.stamp_us, trial)) {
       if (options.rendered) {
         observed = memory.extractor().extract(observation.frame.image, observation.frame.intrinsics, nullptr);
         loseSegments(options.disturbance, losses, observed);
       } else {
-        observed = made_up.look(toSeconds(observation.frame.stamp_us), observation.frame.intrinsics,
-                                T_world_camera, cast);
+        observed = synthetic.observe(toSeconds(observation.frame.stamp_us), observation.frame.intrinsics,
+                                     T_world_camera, cast);
       }
     }
     if (statistics != nullptr) {
@@ -163,11 +164,11 @@ struct TrialRun::Impl {
       }
       statistics->add(toSeconds(observation.frame.stamp_us), intrinsics, params.map_edges, visible, observed);
     }
-    return attentive.step(observation, observed);
+    return attentive.update(observation, observed);
   }
 
   std::optional<Frame> takeFrame() {
-    // The exposure is what knows the true pose; rendering it takes it, too.
+    // The exposure holds the true camera pose; rendering consumes it.
     if (options.rendered) {
       auto frame = simulation->takeFrame();
       if (frame) exposures[frame->seq] = simulation->lastExposure()->T_world_camera;
@@ -190,8 +191,8 @@ struct TrialRun::Impl {
     trial.seed = options.seed;
     trial.events_us.push_back(0);
     append(trial.truth, {0, simulation->truth().T_world_robot});
-    std::optional<Seeker> seeker;
-    if (options.gaze != TrialGaze::kSalience) seeker.emplace(params, options.seed);
+    std::optional<GazeRequester> requester;
+    if (options.gaze != TrialGaze::kSalience) requester.emplace(params, options.seed);
     StampUs newest_pan_tilt_us = -1;
     StampUs newest_odometry_us = -1;
     Pose2 T_odom_robot_now;
@@ -217,12 +218,12 @@ struct TrialRun::Impl {
         if (trial.updates.empty() || trial.updates.back().snapshot != step.update.snapshot) {
           trial.updates.push_back(step.update);
           trial.T_odom_robot_now.push_back(T_odom_robot_now);
-          if (seeker) {
+          if (requester) {
             const StampUs stamp_us = step.update.analysis->stamp_us;
             const auto oracle =
                 options.gaze == TrialGaze::kOracle ? poseAt(trial.truth, stamp_us) : std::nullopt;
-            seeker->steer(step.update, T_odom_robot_now, oracle, memory.memory().gazeClient(), trial);
-            if (const auto command = memory.memory().redirect()) simulation->panTilt().command(*command);
+            requester->request(step.update, T_odom_robot_now, oracle, memory.memory().gazeClient(), trial);
+            if (const auto command = memory.memory().preempt()) simulation->panTilt().command(*command);
           }
         }
         if (visit) visit(step, memory.memory().gazeClient());
@@ -238,7 +239,7 @@ struct TrialRun::Impl {
   Route route;
   MemoryPipeline memory;
   ObservationAssembler assembler;
-  SyntheticVision made_up;
+  SyntheticVision synthetic;
   RandomEngine places;
   RandomEngine losses;
   std::unique_ptr<Simulation> simulation;
@@ -270,7 +271,7 @@ nlohmann::json toJson(const VisionStatistics& statistics) {
     return nlohmann::json{{"from", from},
                           {"pieces", b.pieces},
                           {"found", b.found / pieces},
-                          {"covered", b.covered / pieces},
+                          {"length_found", b.length_found / pieces},
                           {"fragments", b.fragments / static_cast<double>(std::max(1, b.found))}};
   };
   const auto error = [](const LastingError& e) {

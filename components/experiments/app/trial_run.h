@@ -1,5 +1,5 @@
-/// @file Runs with kidnappings in a simulated world: closed loop of robot, memory and gaze, with images that
-/// are rendered or with segments that are made up from the map. SPEC E5, E6, B4.
+/// @file Runs with kidnappings in a simulated world: closed loop of robot, memory and gaze, with rendered
+/// images or with synthetic segments. See E5, E6, B4.
 #pragma once
 
 #include <functional>
@@ -9,19 +9,19 @@
 #include <string>
 
 #include "active_visual_memory/core/memory_pipeline.h"
-#include "experiments/app/evaluation_setup.h"
+#include "evaluation/app/evaluation_setup.h"
 #include "experiments/trials/synthetic_vision.h"
 #include "experiments/trials/trial.h"
 #include "experiments/trials/vision_statistics.h"
 
 namespace vismem {
 
-/// Who decides where the camera looks.
+/// The gaze policy.
 enum class TrialGaze {
   kSalience,      ///< salience alone
-  kLocalization,  ///< the robot's own localization (the default mode, with the trial's seed) asks while in
-                  ///< doubt, as the setup's Localization.Gaze keys say
-  kOracle,        ///< the same, but told the true place: a bound for what asking can bring
+  kLocalization,  ///< the robot's localization (default mode, the trial's seed) requests gaze while
+                  ///< ambiguous, by the setup's Localization.Gaze keys
+  kOracle,        ///< the same with the true place known: a bound for the benefit of requests
 };
 
 struct TrialOptions {
@@ -30,12 +30,13 @@ struct TrialOptions {
   std::uint64_t seed = 1;
   int events = 5;         ///< the start and kidnappings
   double event_s = 60.0;  ///< from one to the next
-  bool rendered = false;  ///< images of the renderer and the whole vision; else segments made up
-  VisionErrors errors;    ///< of those
-  std::optional<std::uint64_t> map_seed;  ///< of what errs in every image alike; empty: a map for each seed
+  bool rendered = false;  ///< rendered images and the whole vision; else synthetic segments
+  VisionErrors errors;    ///< of synthetic segments
+  /// Seed of the map's errors, which are equal in all images; empty: the trial's seed.
+  std::optional<std::uint64_t> map_seed;
   Disturbance disturbance;
-  double blackout_from_s = 0.0;  ///< in each event: nothing is seen from then on ..
-  double blackout_s = 0.0;       ///< .. for so long
+  double blackout_from_s = 0.0;  ///< begin of the blackout within each event
+  double blackout_s = 0.0;       ///< its length: no segments are observed
   double camera_rate_hz = 10.0;
   TrialGaze gaze = TrialGaze::kSalience;
   std::function<void(SimulationConfig&)> change_robot;  ///< may be empty
@@ -45,19 +46,20 @@ struct TrialOptions {
 class TrialRun {
  public:
   using Step = AttentiveVisualMemory::StepResult;
-  /// Called after each image, with the gaze's mailbox: whoever wants to steer the camera.
+  /// Called after each image, with the gaze's request queue.
   using Visitor = std::function<void(const Step&, GazeClient&)>;
 
-  /// @throws ConfigError, std::invalid_argument with what is wrong with a file.
+  /// @throws ConfigError, std::invalid_argument naming a wrong file.
   explicit TrialRun(const TrialOptions& options);
   ~TrialRun();
 
   const EvaluationParams& params() const;
   Simulation& simulation();
-  /// Counts the vision's errors too, whoever makes the segments. @param statistics must outlive the run.
+  /// Also measures the errors of the segments, rendered or synthetic.
+  /// @param statistics must outlive the run.
   void measureVision(VisionStatistics* statistics);
 
-  /// From the start to the end.
+  /// Runs from the start to the end.
   Trial record(const Visitor& visit = {});
 
  private:

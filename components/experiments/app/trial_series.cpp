@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "common/geometry/angles.h"
 #include "experiments/app/experiment_files.h"
 #include "experiments/trials/twin_evidence.h"
 
@@ -17,8 +18,8 @@ namespace {
 std::vector<std::optional<double>> evidenceOf(const Trial& trial, const SegmentMap& map_edges,
                                               const LocalizerParams& ours) {
   MapIndex::Params index;
-  index.cell_m = ours.cell_m;
-  index.direction_gate_rad = ours.robust.direction_gate_rad;
+  index.cell_m = ours.map.cell_m;
+  index.direction_gate_rad = ours.robust.likelihood.direction_gate_rad;
   index.minimum_plan_length_m = 0.03;
   const MapIndex map(map_edges, index);
   const Pose2 half_turn{0.0, 0.0, std::numbers::pi};
@@ -27,6 +28,17 @@ std::vector<std::optional<double>> evidenceOf(const Trial& trial, const SegmentM
     all.push_back(evidenceAfter(trial, event, half_turn, map));
   }
   return all;
+}
+
+/// Adds the chapter's figures, and to each method whether all of its own are better.
+void addPublished(const PublishedResult& published, const Comparison& comparison, const SummaryParams& params,
+                  nlohmann::json& json) {
+  for (const MethodRecord& record : comparison.records()) {
+    json[record.name]["better_than_published"] = isBetterThan(published, summarize(record.events, params));
+  }
+  json["published"] = {{"position_error_m", published.position_error_m},
+                       {"heading_error_deg", radToDeg(published.heading_error_rad)}};
+  if (published.recovery_s) json["published"]["median_s"] = *published.recovery_s;
 }
 
 std::vector<MethodMaker> chosen(std::vector<MethodMaker> methods, const std::vector<std::string>& only) {
@@ -57,7 +69,7 @@ nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path&
   const std::uint64_t last = first + static_cast<std::uint64_t>(series.trials) - 1;
   std::optional<Comparison> comparison;
   std::vector<double> plan_ms;
-  int wishes = 0;
+  int gaze_requests = 0;
   for (std::uint64_t seed = first; seed <= last; ++seed) {
     for (const TrialRecording& recording : series.recordings) {
       TrialOptions options = series.trial;
@@ -73,7 +85,7 @@ nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path&
       }
       const Trial trial = run.record();
       plan_ms.insert(plan_ms.end(), trial.gaze_plan_ms.begin(), trial.gaze_plan_ms.end());
-      wishes += trial.gaze_wishes;
+      gaze_requests += trial.gaze_requests;
       if (recording.method.empty()) {
         comparison->add(trial, run.params().map_edges, series.known_start);
       } else {
@@ -94,10 +106,11 @@ nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path&
                       static_cast<unsigned long long>(last), spent_s());
   }
   nlohmann::json json = comparison->report(out, series.summary);
+  if (series.published) addPublished(*series.published, *comparison, series.summary, json);
   if (!plan_ms.empty()) {
     json["gaze_plan_ms_mean"] = mean(plan_ms).value_or(0.0);
     json["gaze_plan_ms_p99"] = quantile(plan_ms, 0.99).value_or(0.0);
-    json["gaze_wishes"] = wishes;
+    json["gaze_requests"] = gaze_requests;
   }
   if (add_figures) add_figures(*comparison, json);
   json["seeds"] = {first, last};

@@ -1,19 +1,21 @@
-/// @file Many trials of one kind, every method on each, written down as they come. SPEC E5, E6.
+/// @file Many trials of one kind with every method, and their results on disk after each trial. See E5, E6.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "experiments/app/trial_report.h"
 #include "experiments/app/trial_run.h"
+#include "experiments/trials/published_results.h"
 
 namespace vismem {
 
-/// A record of each trial, and who is given it.
+/// A record of each trial, and the methods that get it.
 struct TrialRecording {
   /// Changes the series' trial for this record; may be empty.
   std::function<void(TrialOptions&)> change;
@@ -31,21 +33,22 @@ struct TrialSeries {
   std::function<std::vector<MethodMaker>(const LocalizerParams& ours)> methods;
   std::vector<std::string> only;  ///< of the methods, by name; empty: all
   std::vector<TrialRecording> recordings{{}};
-  std::vector<std::string> known_start;  ///< methods that are told where the first event begins
-  /// Of the first trial: the error of each of these methods over time, as NAME_METHOD.png.
+  std::vector<std::string> known_start;  ///< methods that get the true pose at the first event
+  /// Methods whose error over time in the first trial is drawn, as NAME_METHOD.png.
   std::vector<std::string> drawn;
-  bool twins = false;  ///< a half turn about the origin maps the world onto its twin
+  std::optional<PublishedResult> published;  ///< of the chapter, for the same experiment
+  bool twins = false;                        ///< a half turn about the origin maps the world onto its twin
   SummaryParams summary;
 };
 
-/// Trials of `experiment --seed N` have the seeds 1000 N + 1, 1000 N + 2 ... Those of N = 7 were used for
+/// Trials of `experiment --seed N` have the seeds 1000 N + 1, 1000 N + 2 and so on. N = 7 was used for
 /// tuning.
 inline constexpr std::uint64_t kSeedsApart = 1000;
 
-/// Runs them. After each trial NAME_events.csv and NAME.json hold all so far.
-/// @param add_figures adds to the JSON at the end what only this series has; may be empty.
+/// Runs the trials. After each of them NAME_events.csv and NAME.json hold all results so far.
+/// @param add_figures adds the figures of this series only to the JSON at the end; may be empty.
 /// @return the figures, with "seeds" and "took_s".
-/// @throws std::invalid_argument where `only` names a method that the series does not have.
+/// @throws std::invalid_argument when `only` names an unknown method.
 nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path& out,
                          const std::function<void(const Comparison&, nlohmann::json&)>& add_figures = {});
 

@@ -2,31 +2,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "common/geometry/plane.h"
 #include "common/geometry/pose.h"
 
 namespace vismem {
 namespace {
 
-/// Does a ray meet a segment within the range?
-bool meets(const Eigen::Vector2d& from, double heading_rad, double range_m, const Segment2& wall) {
+/// @return whether a ray intersects a segment within the range.
+bool intersects(const Eigen::Vector2d& from, double heading_rad, double range_m, const Segment2& wall) {
   const Eigen::Vector2d d{std::cos(heading_rad), std::sin(heading_rad)};
   const Eigen::Vector2d e = wall.b - wall.a;
-  const double turn = d.x() * e.y() - d.y() * e.x();
+  const double turn = cross2(d, e);
   if (std::abs(turn) < 1e-9) return false;
   const Eigen::Vector2d to = wall.a - from;
-  const double along = (to.x() * e.y() - to.y() * e.x()) / turn;
-  const double share = (to.x() * d.y() - to.y() * d.x()) / turn;
+  const double along = cross2(to, e) / turn;
+  const double share = cross2(to, d) / turn;
   return along >= 0.0 && along <= range_m && share >= 0.0 && share <= 1.0;
 }
 
-/// Is a wall known on this side of the pose (+1: left)? Small gaps between its pieces do not matter.
+/// @return whether a wall is known on this side of the pose (+1: left), across small gaps between its pieces.
 bool hasWall(const Pose2& pose, double side, double range_m, std::span<const Segment2> walls) {
   constexpr double kSpread_rad = 0.3;
   for (const double off : {0.0, -kSpread_rad, kSpread_rad}) {
-    const double heading = pose.theta + side * 1.5707963267948966 + off;
+    const double heading = pose.theta + side * 0.5 * std::numbers::pi + off;
     for (const Segment2& wall : walls) {
-      if (meets(pose.position(), heading, range_m, wall)) return true;
+      if (intersects(pose.position(), heading, range_m, wall)) return true;
     }
   }
   return false;
@@ -34,9 +36,9 @@ bool hasWall(const Pose2& pose, double side, double range_m, std::span<const Seg
 
 }  // namespace
 
-DriveWish CorridorFollower::follow(std::span<const Segment2> walls, std::span<const Segment2> supposed) {
+ArcCommand CorridorFollower::follow(std::span<const Segment2> walls, std::span<const Segment2> uncertain) {
   const auto known = [&](const Pose2& pose, double side) {
-    return hasWall(pose, side, params_.widest_m, walls) || hasWall(pose, side, params_.widest_m, supposed);
+    return hasWall(pose, side, params_.widest_m, walls) || hasWall(pose, side, params_.widest_m, uncertain);
   };
   constexpr double kStep_m = 0.1;
   const int steps = static_cast<int>(std::lround(params_.reach_m / kStep_m));
@@ -52,7 +54,7 @@ DriveWish CorridorFollower::follow(std::span<const Segment2> walls, std::span<co
     for (int i = 0; i < steps; ++i) {
       pose = pose * Pose2{kStep_m * std::cos(0.5 * curvature * kStep_m),
                           kStep_m * std::sin(0.5 * curvature * kStep_m), curvature * kStep_m};
-      double nearest = params_.wished_m;
+      double nearest = params_.desired_clearance_m;
       for (const Segment2& wall : walls)
         nearest = std::min(nearest, distanceToSegment(pose.position(), wall));
       if (nearest < params_.clearance_m) break;
@@ -61,7 +63,7 @@ DriveWish CorridorFollower::follow(std::span<const Segment2> walls, std::span<co
         break;
       }
       free += kStep_m;
-      room += nearest / params_.wished_m / steps;
+      room += nearest / params_.desired_clearance_m / steps;
     }
     const double score = free / params_.reach_m + params_.clearance_weight * room -
                          params_.straight_weight * std::abs(curvature) -
@@ -73,13 +75,13 @@ DriveWish CorridorFollower::follow(std::span<const Segment2> walls, std::span<co
     }
   }
   last_curvature_ = best_curvature;
-  DriveWish wish;
-  wish.free_m = best_free;
-  if (best_free <= params_.blind_m + 0.5 * kStep_m) return wish;  // no corridor known: stand
-  wish.v_mps = params_.speed_mps;
-  const double turn = std::abs(best_curvature) * wish.v_mps;
-  wish.w_radps = std::copysign(std::min(turn, params_.max_turn_radps), best_curvature);
-  return wish;
+  ArcCommand command;
+  command.free_m = best_free;
+  if (best_free <= params_.blind_m + 0.5 * kStep_m) return command;  // no corridor known: stand
+  command.v_mps = params_.speed_mps;
+  const double turn = std::abs(best_curvature) * command.v_mps;
+  command.w_radps = std::copysign(std::min(turn, params_.max_turn_radps), best_curvature);
+  return command;
 }
 
 }  // namespace vismem

@@ -1,4 +1,4 @@
-/// @file Follows a corridor by the feet of its walls, from whatever knows of them. Pure. SPEC E2.
+/// @file Follows a corridor by the lower edges of its walls. Pure. See E2.
 #pragma once
 
 #include <span>
@@ -7,26 +7,27 @@
 
 namespace vismem {
 
-struct DriveWish {
+/// Velocities along the chosen arc.
+struct ArcCommand {
   double v_mps = 0.0;
   double w_radps = 0.0;
-  double free_m = 0.0;  ///< of the chosen arc
+  double free_m = 0.0;  ///< free length of the arc
 };
 
-/// Chooses the arc on which the robot gets furthest ahead without coming near a wall that it knows of. It
-/// goes on only where it knows of a wall on either side: beyond the part before its feet, which no camera on
-/// it sees, what it does not know of is no corridor. *Pure value*; remembers its last choice.
+/// Chooses the arc with the longest free length. An arc is free while it keeps its clearance from all known
+/// walls and, beyond the blind range in front of the robot, has a known wall on either side.
+/// *Single-threaded*; keeps its last choice.
 class CorridorFollower {
  public:
   struct Params {
     double speed_mps = 0.25;
     double max_turn_radps = 0.6;
-    double reach_m = 2.0;            ///< arcs are looked at so far
-    double blind_m = 1.5;            ///< nearer, no walls need to be known
-    double widest_m = 1.6;           ///< a wall further aside is none of this corridor's
-    double clearance_m = 0.30;       ///< of the robot's middle from a wall, at least
-    double wished_m = 0.60;          ///< more is worth nothing
-    double largest_curvature = 1.6;  ///< [1/m]
+    double reach_m = 2.0;               ///< length of the arcs
+    double blind_m = 1.5;               ///< range without required walls: no camera on the robot sees it
+    double widest_m = 1.6;              ///< largest distance of a corridor's wall to the side
+    double clearance_m = 0.30;          ///< least distance of the robot's middle from a wall
+    double desired_clearance_m = 0.60;  ///< larger clearances score the same
+    double largest_curvature = 1.6;     ///< [1/m]
     double curvature_step = 0.1;
     double clearance_weight = 0.8;
     double straight_weight = 0.05;  ///< against curvature
@@ -35,9 +36,9 @@ class CorridorFollower {
 
   explicit CorridorFollower(const Params& params) : params_(params) {}
 
-  /// @param walls on the floor, in the robot's frame [m]. @param supposed further ones that are not sure to
-  /// be where they seem: they make a side known, and bar no way.
-  DriveWish follow(std::span<const Segment2> walls, std::span<const Segment2> supposed);
+  /// @param walls on the floor, in the robot's frame [m].
+  /// @param uncertain unconfirmed walls: they count as a known side but do not block an arc.
+  ArcCommand follow(std::span<const Segment2> walls, std::span<const Segment2> uncertain);
 
  private:
   Params params_;

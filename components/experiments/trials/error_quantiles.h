@@ -1,4 +1,4 @@
-/// @file A distribution of errors as it was measured: by its quantiles, whatever its shape. Pure. SPEC E5-E8.
+/// @file A measured distribution of errors, given by its quantiles. Pure. See E5, E6, E7, E8.
 #pragma once
 
 #include <array>
@@ -9,11 +9,10 @@ namespace vismem {
 struct ErrorQuantiles {
   static constexpr std::array<double, 11> kShares{0.002, 0.01, 0.05, 0.1,  0.25, 0.5,
                                                   0.75,  0.9,  0.95, 0.99, 0.998};
-  /// Not less than its predecessor; kShares[i] of the errors are at most so large.
+  /// Increasing; the share kShares[i] of the errors is at most px[i].
   std::array<double, kShares.size()> px{};
 
-  /// The error that this share of all do not exceed: between two quantiles in proportion, never beyond the
-  /// outermost.
+  /// The quantile of a share, linear between the stored ones and constant beyond the outermost.
   constexpr double at(double share) const {
     if (share <= kShares.front()) return px.front();
     for (std::size_t i = 1; i < kShares.size(); ++i) {

@@ -1,4 +1,4 @@
-/// @file Normal random numbers that are the same with every standard library. Pure.
+/// @file Normal random numbers, equal with every standard library (Box-Muller). Pure.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace vismem {
 
-/// Of mean 0 and standard deviation 1.
+/// A normal random number of mean 0 and standard deviation 1.
 inline double standardNormal(RandomEngine& engine) {
   const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform(engine, 0.0, 1.0)));
   return radius * std::cos(2.0 * std::numbers::pi * uniform(engine, 0.0, 1.0));

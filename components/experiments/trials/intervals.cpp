@@ -28,7 +28,7 @@ std::optional<double> quantile(std::vector<double> values, double q) {
   const double at = std::clamp(q, 0.0, 1.0) * static_cast<double>(values.size() - 1);
   const auto below = static_cast<std::size_t>(at);
   const double fraction = at - static_cast<double>(below);
-  // Not by arithmetic with an infinite neighbour: zero times infinity is no number.
+  // An infinite neighbour needs a case of its own: zero times infinity is not a number.
   if (fraction == 0.0) return values[below];
   return std::isinf(values[below + 1]) ? values[below + 1]
                                        : values[below] + fraction * (values[below + 1] - values[below]);

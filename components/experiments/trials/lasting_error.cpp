@@ -66,7 +66,7 @@ std::vector<double> LastingError::ranks() const {
   std::vector<double> ranks(errors_.size());
   const auto half = 0.5 * static_cast<double>(errors_.size());
   for (std::size_t i = 0; i < order.size();) {
-    // Equals share the middle of their ranks: in order of time they would seem to last.
+    // Equal errors get their mean rank: ranks in order of time would look correlated.
     std::size_t end = i + 1;
     while (end < order.size() && errors_[order[end]] == errors_[order[i]]) ++end;
     const double rank = 0.5 * static_cast<double>(i + end) / half - 1.0;

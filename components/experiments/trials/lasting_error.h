@@ -1,4 +1,4 @@
-/// @file How long an error lasts: one that is seen again and again does not average out. Pure. SPEC E5-E8.
+/// @file Autocorrelation of an error over repeated observations of the same thing. Pure. See E5, E6, E7, E8.
 #pragma once
 
 #include <array>
@@ -10,28 +10,28 @@
 
 namespace vismem {
 
-/// Mean, spread and quantiles of an error over many things that are seen again and again, in one or several
-/// runs, and how much it is the same again. Correlations are Spearman's: of ranks among all errors, because a
-/// few errors that are far off would hide what the others do. *Single-threaded*.
+/// Mean, spread, quantiles and autocorrelation of an error over many things that are seen repeatedly, in one
+/// or several runs. Correlations are Spearman's (of ranks), because a few outliers would dominate others.
+/// *Single-threaded*.
 class LastingError {
  public:
   static constexpr std::array<double, 4> kLags_s{0.1, 1.0, 3.0, 10.0};
 
-  /// What follows is of another run, whose time begins anew.
+  /// Begins another run, with its own time.
   void beginRun();
-  /// @param thing whose error it is. @param time_s increases for each thing within a run.
+  /// @param thing the error belongs to it.
+  /// @param time_s increases for each thing within a run.
   void add(std::int64_t thing, double time_s, double error);
 
   int count() const { return static_cast<int>(errors_.size()); }
   double mean() const;
   double standardDeviation() const;
-  /// This share of the errors is at most so large. 0 without errors.
+  /// The quantile of this share; 0 without errors.
   double quantile(double share) const;
-  /// Correlation of errors of one thing that lie kLags_s[lag] apart; 0 before there were any.
+  /// Correlation of errors of one thing that lie kLags_s[lag] apart; 0 without such pairs.
   double correlation(std::size_t lag) const;
-  /// Correlation of errors of one thing in different runs: what belongs to the thing itself, as an error of
-  /// the map does. Things seen fewer than kOftenSeen times in a run are left out of it; 0 before there were
-  /// any.
+  /// Correlation of errors of one thing in different runs: the share that belongs to the thing itself, such
+  /// as a map error. Things seen fewer than kOftenSeen times in a run are left out; 0 without such pairs.
   double correlationBetweenRuns() const;
 
  private:
@@ -48,7 +48,7 @@ class LastingError {
     }
   };
 
-  /// Of each error, its rank as a number from -1 to 1.
+  /// The rank of each error as a number from -1 to 1.
   std::vector<double> ranks() const;
 
   std::map<std::int64_t, std::deque<Seen>> past_;  ///< of this run

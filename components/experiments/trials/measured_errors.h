@@ -1,5 +1,5 @@
-/// @file How far the ends of floor lines lie from those of the map in rendered images: quantiles. Pure. SPEC
-/// E5-E8.
+/// @file Quantiles of the distances between the ends of floor lines in rendered images and in the map. Pure.
+/// See E5, E6, E7, E8.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace vismem {
 
-/// Measured by `experiment E6 --variant vision --seed 7 --trials 5` in `corridor_irregular` (6005 images), as
-/// VisionStatistics tells them, at ErrorQuantiles::kShares [px].
+/// Measured with VisionStatistics by `experiment E6 --variant vision --seed 7 --trials 5` in
+/// `corridor_irregular` (6005 images), at ErrorQuantiles::kShares [px].
 using ErrorsByRange = std::array<ErrorQuantiles, VisionStatistics::kRanges_m.size()>;
 
 inline constexpr ErrorsByRange kMeasuredAcrossFloor{

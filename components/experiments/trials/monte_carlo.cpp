@@ -8,7 +8,8 @@
 
 #include "common/geometry/angles.h"
 #include "experiments/trials/gaussian.h"
-#include "localization/core/robust_likelihood.h"
+#include "localization/core/likelihood/robust_likelihood.h"
+#include "localization/core/localizer.h"
 
 namespace vismem {
 namespace {
@@ -17,15 +18,15 @@ constexpr double kTruncation_m = 1.0;          // as the default mode's
 constexpr double kMinimumPlanLength_m = 0.03;  // likewise
 constexpr double kStartStd_m = 0.1;
 constexpr double kStartStd_rad = 0.1;
-/// A turn before the way has no direction when there is no way.
+/// Shorter motions have no direction.
 constexpr double kLeastWay_m = 0.01;
 
 MapIndex::Params indexParams() {
   const LocalizerParams ours;
   MapIndex::Params index;
-  index.cell_m = ours.cell_m;
+  index.cell_m = ours.map.cell_m;
   index.reach_m = kTruncation_m;
-  index.direction_gate_rad = ours.robust.direction_gate_rad;
+  index.direction_gate_rad = ours.robust.likelihood.direction_gate_rad;
   index.minimum_plan_length_m = kMinimumPlanLength_m;
   return index;
 }
@@ -40,7 +41,7 @@ BinKey packed(std::int64_t x, std::int64_t y, std::int64_t heading) {
   return ((x + kOffset) << (2 * kBits)) | ((y + kOffset) << kBits) | heading;
 }
 
-/// Bins of headings meet again after a whole turn.
+/// Bins of headings are cyclic.
 int headingBins(const MonteCarloParams& params) {
   return std::max(1, static_cast<int>(std::lround(2.0 * std::numbers::pi / params.bin_rad)));
 }
@@ -142,7 +143,7 @@ void MonteCarlo::move(const Pose2& T_before_now) {
   const double way = T_before_now.position().norm();
   const double turn1 = way < kLeastWay_m ? 0.0 : std::atan2(T_before_now.y, T_before_now.x);
   const double turn2 = angleDifference(T_before_now.theta, turn1);
-  // Driving backwards turns by half a turn twice, which is no turn.
+  // Driving backwards has two half turns, which do not count as turns.
   const double as_turn1 = std::min(std::abs(turn1), std::numbers::pi - std::abs(turn1));
   const double as_turn2 = std::min(std::abs(turn2), std::numbers::pi - std::abs(turn2));
   const auto& [a1, a2, a3, a4] = params_.motion;
@@ -161,13 +162,13 @@ void MonteCarlo::move(const Pose2& T_before_now) {
 }
 
 bool MonteCarlo::weigh(const MemoryUpdate& update) {
-  const RobustObservation all = observe(update, map_, observation_params_);
+  const FloorObservation all = observe(update, map_, observation_params_);
   if (all.points.empty()) return false;
   double worth = 0.0;
-  for (const EvidencePoint& point : all.points) worth += point.weight;
+  for (const FloorPoint& point : all.points) worth += point.weight;
   std::vector<Point> points;
   double sum_worth = 0.0;
-  for (const EvidencePoint& point : all.points) {
+  for (const FloorPoint& point : all.points) {
     sum_worth += point.weight;
     while (points.size() + 0.5 <= sum_worth / worth * params_.points) {
       points.push_back({point.p_robot, point.direction_robot, point.label});

@@ -1,6 +1,6 @@
-/// @file The peer to measure against: augmented Monte Carlo localization with KLD sampling, as in the
-/// textbook (Thrun, Burgard, Fox: Probabilistic Robotics, 5.4, 6.4, 8.3), on the same observations, map and
-/// distance fields as ours. Pure. SPEC E5, E6.
+/// @file The peer of E5 and E6: augmented Monte Carlo localization with KLD sampling (Thrun, Burgard, Fox:
+/// Probabilistic Robotics, 5.4, 6.4, 8.3; Fox 2003), on the same observations, map and distance fields as
+/// ours. Pure. See E5, E6.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/visual_memory/memory_snapshot.h"
-#include "localization/core/map_index.h"
-#include "localization/core/params.h"
+#include "localization/core/map/map_index.h"
+#include "localization/core/observation/floor_observation.h"
 #include "localization/core/pose_estimate.h"
 #include "localization/core/random_engine.h"
 
@@ -33,7 +33,7 @@ struct MonteCarloParams {
   double gate_rad = 0.2;
   double sigma_m = 0.2;  ///< of the likelihood field
   double hit = 0.5;      ///< share of points that lie on the map; the rest may be anywhere
-  int points = 60;       ///< of an observation that are used, drawn evenly by what they are worth
+  int points = 60;       ///< used of an observation, drawn evenly by weight
   /// > 0: weight = exp(this times the sum of the points' log likelihoods). 0: Nav2's 1 + sum of the cubes.
   double log_likelihood_share = 0.0;
   double tick_s = 0.2;  ///< of stamps between updates
@@ -41,12 +41,12 @@ struct MonteCarloParams {
 
 /// Nav2's defaults, with the recovery that its documentation suggests (its own default is off).
 MonteCarloParams stockMonteCarlo();
-/// The better of what was tried on other seeds.
+/// Tuned on seeds that no table uses.
 MonteCarloParams tunedMonteCarlo();
 
-/// How many particles make the Kullback-Leibler distance between the true distribution and that of the
-/// particles stay below `error`, with the certainty of the quantile, when `bins` bins are occupied. 1 for
-/// less than two bins. (Fox 2003, equation 7.)
+/// Number of particles that keeps the Kullback-Leibler distance between the true distribution and that of the
+/// particles below `error`, with the quantile's probability (Fox 2003, equation 7).
+/// @param bins occupied bins; 1 particle for fewer than two.
 double kldParticleCount(int bins, double error, double quantile);
 
 /// *Single-threaded*. The same updates with the same seed give the same estimates.
@@ -55,7 +55,7 @@ class MonteCarlo {
   MonteCarlo(const MonteCarloParams& params, const SegmentMap& map_edges, std::uint64_t seed);
 
   PoseEstimate step(const MemoryUpdate& update);
-  /// All particles around a known place.
+  /// Puts all particles around a known pose.
   void setPose(const Pose2& T_world_robot);
 
   std::size_t particleCount() const { return particles_.size(); }
@@ -73,13 +73,13 @@ class MonteCarlo {
 
   Pose2 anywhere();
   void move(const Pose2& T_before_now);
-  /// @return whether there was something to weigh by.
+  /// @return whether there was an observation to weigh by.
   bool weigh(const MemoryUpdate& update);
   void resample();
   void estimate();
 
   MonteCarloParams params_;
-  RobustParams observation_params_;  ///< of what is observed, not of how it is rated
+  ObservationParams observation_params_;  ///< of the observation only
   MapIndex map_;
   RandomEngine engine_;
   std::vector<Particle> particles_;

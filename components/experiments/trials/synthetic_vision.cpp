@@ -10,7 +10,7 @@
 namespace vismem {
 namespace {
 
-/// A state that old says nothing about the present.
+/// An older state is not correlated with the present one.
 constexpr double kForgotten_s = 1.0;
 constexpr double kImage_s = 0.1;  // the time over which `persistence` is given
 constexpr double kOnFloor_m = 0.02;
@@ -59,8 +59,8 @@ Eigen::Vector2d SyntheticVision::anyPixel(const CameraIntrinsics& intrinsics) {
   return {u, v};
 }
 
-std::vector<ImageSegment> SyntheticVision::look(double time_s, const CameraIntrinsics& intrinsics,
-                                                const Pose3& T_world_camera, const CastRay& cast) {
+std::vector<ImageSegment> SyntheticVision::observe(double time_s, const CameraIntrinsics& intrinsics,
+                                                   const Pose3& T_world_camera, const CastRay& cast) {
   std::vector<ImageSegment> image;
   for (const VisiblePiece& piece : visiblePieces(edges_, intrinsics, T_world_camera, cast)) {
     addPiece(time_s, intrinsics, piece, image);
@@ -98,7 +98,7 @@ double SyntheticVision::fresh(const VisionErrors::Lasting& same, double always, 
 
 Eigen::Vector2d SyntheticVision::endError(const CameraIntrinsics& intrinsics, const VisiblePiece& piece,
                                           bool first, bool on_floor, const EndState& state) {
-  // All are drawn in any case: one more or less must not change all that follows.
+  // All numbers are drawn in any case, so that the later ones do not depend on the case.
   const MapError& map = map_errors_[static_cast<std::size_t>(piece.edge)];
   const std::size_t range = VisionStatistics::rangeBin(piece.range_m);
   const auto& by_range = errors_.along_floor;
@@ -180,7 +180,7 @@ void SyntheticVision::addClutter(double time_s, const CameraIntrinsics& intrinsi
   std::erase_if(clutter_, [&](const Clutter& one) { return one.until_s <= time_s; });
   const auto labelled =
       std::count_if(image.begin(), image.end(), [](const auto& one) { return one.label != kUnknownLabel; });
-  // As many false ones that the odds are as asked for; the fraction is drawn.
+  // Number of false segments for the requested share; its fraction is drawn.
   const double wanted = share / (1.0 - share) * static_cast<double>(labelled);
   auto left = static_cast<int>(wanted);
   if (uniform(engine_, 0.0, 1.0) < wanted - left) ++left;
@@ -192,7 +192,7 @@ void SyntheticVision::addClutter(double time_s, const CameraIntrinsics& intrinsi
     --left;
   };
   for (const Clutter& one : clutter_) show(one);
-  // An image that looks over the floor has no place for more.
+  // An image without floor in range has no place for more.
   for (int tries = 4 * left; left > 0 && tries > 0; --tries) {
     const Eigen::Vector2d px = anyPixel(intrinsics);
     const double direction = uniform(engine_, -std::numbers::pi, std::numbers::pi);

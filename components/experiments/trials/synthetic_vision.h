@@ -1,5 +1,5 @@
-/// @file Segments as a detector would see them, made up from the map: what is visible, with a detector's
-/// errors. Pure. SPEC E5-E8, L12.
+/// @file Synthetic segments: the visible edges of the map with the errors of a detector. Pure. See E5, E6,
+/// E7, E8, L12.
 #pragma once
 
 #include <array>
@@ -16,34 +16,33 @@
 
 namespace vismem {
 
-/// How a detector errs. The values were fitted to what `experiment E6 --variant vision` measures on rendered
-/// images (docs/localization.md).
+/// The error model of a detector. The values were fitted to the measurements of `experiment E6 --variant
+/// vision` on rendered images.
 struct VisionErrors {
   /// A piece of length L is found with probability `found / (1 + exp((half_px - L) / soft_px))`.
   double found = 0.9995;
   double half_px = 10.8;
   double soft_px = 1.7;
-  /// Correlation of the luck of one edge from one image to the next 0.1 s later.
+  /// Correlation of the detection of one edge between images 0.1 s apart.
   double persistence = 0.9;
-  /// What is seen again and again errs alike again and again. Shares of the variance of the normal errors
-  /// from which all are made: what is an error of the map and stays, and what lasts for about `lasts_s`; the
-  /// rest is new in each image.
+  /// Errors of neighbouring images are correlated. Shares of the variance of the underlying normal errors:
+  /// `always` is constant (an error of the map), `lasting` has the time constant `lasts_s`, the rest is new
+  /// in each image.
   struct Lasting {
     double always = 0.0;
     double lasting = 0.0;
     double lasts_s = 15.0;
   };
-  /// Of edges on the floor errors are made up by their quantiles, in the ranges of VisionStatistics. Normal
-  /// ones of the same standard deviation, or symmetrical ones, would push a localization that gets over ends
-  /// that are short, but not over those that reach too far.
+  /// Errors of floor edges follow measured quantiles, by the ranges of VisionStatistics. They are not
+  /// symmetric: ends beyond the true end bias localization, ends short of it do not.
   struct ByRange {
     ErrorsByRange px{};
     Lasting same;
   };
   ByRange across_floor{kMeasuredAcrossFloor, {0.45, 0.28, 1.0}};  ///< `always`: both ends alike
-  /// Of an end of the edge itself (positive: too long) ..
+  /// At an end of the edge itself (positive: too long).
   ByRange along_floor{kMeasuredAlongFloor, {0.47, 0.25, 15.0}};
-  /// .. and of one where something nearer hides what follows.
+  /// At an end where a nearer object occludes the edge.
   ErrorQuantiles hidden_end{kMeasuredHidden};
   Lasting hidden_end_same{0.0, 0.4, 15.0};
   /// Standard deviations of other edges' errors: the part that lasts, and the part that is new in each image.
@@ -55,7 +54,7 @@ struct VisionErrors {
   Spread across_upright{0.12, 0.28};
   Spread along_upright{0.85, 0.64};
   double along_upright_mean_px = -1.0;
-  double border_px = 2.2;  ///< where the image's border cuts a line, so much is not found
+  double border_px = 2.2;  ///< undetected length where the image's border cuts a line
   /// Mean lengths between breaks; 0: never broken.
   double floor_broken_every_px = 70000.0;
   double upright_broken_every_px = 8000.0;
@@ -65,35 +64,35 @@ struct VisionErrors {
   ErrorQuantiles outline_foot{kMeasuredOutlineFoot};
   ErrorQuantiles outline_top{kMeasuredOutlineTop};
   ErrorQuantiles outline_across{kMeasuredOutlineAcross};
-  /// Share of those that are long enough to be found. In images it is 0.95 to 0.98; made up so, they pull the
-  /// position further than images do, for a reason that is not known, so there are none unless asked for.
+  /// Share of sufficiently long outlines that are found. Images have 0.95 to 0.98. Synthetic outlines of this
+  /// share bias the position more than images do, for an unknown reason, so the default is none.
   double outlines_found = 0.0;
   double false_on_floor = 0.13;    ///< share of the false ones with a label of the floor's edges
-  double false_per_image = 0.165;  ///< labelled segments of nothing, each seen once
+  double false_per_image = 0.165;  ///< false labelled segments, each seen once
   double longest_false_px = 126.0;
   double least_px = 4.0;  ///< shorter ones are not reported
 };
 
-/// What is done to the observations beside the detector's own errors.
+/// Disturbances of the observations beside the detector's own errors.
 struct Disturbance {
-  /// Of all labelled segments, this share is of things that are not in the map: they lie on the floor near
-  /// the robot for a while, with labels of the map.
+  /// Share of labelled segments that belong to unmapped objects: they lie on the floor near the robot for a
+  /// while, with labels of the map.
   double false_share = 0.0;
   double lost_share = 0.0;  ///< of all segments, independently
-  double clutter_s = 3.0;   ///< mean time for which a false thing lies there
+  double clutter_s = 3.0;   ///< mean time for which an unmapped object stays
 };
 
 /// *Single-threaded*. The same seed and calls give the same segments.
 class SyntheticVision {
  public:
   /// @param edges of the map, stripes expanded.
-  /// @param map_seed of the errors that are the map's, and the same in all images.
+  /// @param map_seed of the map's errors, equal in all images.
   SyntheticVision(const SegmentMap& edges, const VisionErrors& errors, const Disturbance& disturbance,
                   std::uint64_t seed, std::uint64_t map_seed);
 
-  /// One image.
-  std::vector<ImageSegment> look(double time_s, const CameraIntrinsics& intrinsics,
-                                 const Pose3& T_world_camera, const CastRay& cast);
+  /// The segments of one image.
+  std::vector<ImageSegment> observe(double time_s, const CameraIntrinsics& intrinsics,
+                                    const Pose3& T_world_camera, const CastRay& cast);
 
  private:
   /// Values of standard normals that change with time.
@@ -102,14 +101,14 @@ class SyntheticVision {
     double along = 0.0;
     double hidden = 0.0;
   };
-  /// What is remembered of an edge from image to image.
+  /// The state of an edge between images.
   struct EdgeState {
     double time_s = -1e9;
     double luck = 0.0;
     EndState a;
     EndState b;
   };
-  /// What the map errs by at an edge, as values of standard normals.
+  /// The map's errors at an edge, as values of standard normals.
   struct MapError {
     double across = 0.0;
     double along_a = 0.0;
@@ -122,7 +121,7 @@ class SyntheticVision {
   };
 
   void age(double time_s, bool on_floor, EdgeState& state);
-  /// By how much an end of a piece that was found lies beside its line and beyond its end [px].
+  /// Distances of the end of a found piece beside its line and beyond its end [px].
   Eigen::Vector2d endError(const CameraIntrinsics& intrinsics, const VisiblePiece& piece, bool first,
                            bool on_floor, const EndState& state);
   double fresh(const VisionErrors::Lasting& same, double always, double lasting);
@@ -131,7 +130,7 @@ class SyntheticVision {
   void addFalse(const CameraIntrinsics& intrinsics, std::vector<ImageSegment>& image);
   void addClutter(double time_s, const CameraIntrinsics& intrinsics, const Pose3& T_world_camera,
                   std::vector<ImageSegment>& image);
-  /// Of one of the map's edges: of what touches the floor, or of what does not.
+  /// The label of a random edge of the map, on the floor or above it.
   const Label& anyLabel(bool on_floor);
   Eigen::Vector2d anyPixel(const CameraIntrinsics& intrinsics);
 
@@ -139,7 +138,7 @@ class SyntheticVision {
   VisionErrors errors_;
   Disturbance disturbance_;
   RandomEngine engine_;
-  std::vector<Label> floor_labels_;    ///< of what touches the floor
+  std::vector<Label> floor_labels_;    ///< of edges on the floor
   std::vector<Label> upright_labels_;  ///< of the other edges
   std::map<int, EdgeState> states_;
   std::map<int, EdgeState> outline_states_;
@@ -147,7 +146,7 @@ class SyntheticVision {
   std::vector<Clutter> clutter_;
 };
 
-/// @param disturbance its lost_share: the disturbance of images that were rendered.
+/// Removes the share `disturbance.lost_share` of the segments: the disturbance of rendered images.
 void loseSegments(const Disturbance& disturbance, RandomEngine& engine, std::vector<ImageSegment>& image);
 
 }  // namespace vismem

@@ -1,4 +1,5 @@
-/// @file A method of localization as trials know it. Pure. SPEC E5, E6.
+/// @file The interface of a localization method in trials, with ours and Monte Carlo localization. Pure. See
+/// E5, E6.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +19,13 @@ namespace vismem {
 class TrialMethod {
  public:
   virtual ~TrialMethod() = default;
-  /// @param T_odom_robot_now when the update came.
+  /// @param T_odom_robot_now odometry at the arrival of the update.
   virtual PoseEstimate step(const MemoryUpdate& update, const Pose2& T_odom_robot_now) = 0;
-  /// The robot is here, at the stamp of the last update.
+  /// Sets the robot's pose at the stamp of the last update.
   virtual void setPose(const Pose2& T_world_robot) = 0;
 };
 
-/// Makes a method anew for each run. @param map_edges stripes expanded.
+/// Makes a new method for each run, on a map with stripes expanded.
 struct MethodMaker {
   std::string name;  ///< "default", "chapter", "mcl_stock" ...
   std::function<std::unique_ptr<TrialMethod>(const SegmentMap& map_edges, std::uint64_t seed)> make;
@@ -33,7 +34,7 @@ struct MethodMaker {
 MethodMaker localizerMethod(std::string name, const LocalizerParams& params);
 MethodMaker monteCarloMethod(std::string name, const MonteCarloParams& params);
 
-/// One part of the default mode switched off (DESIGN 9), with a name for it.
+/// The default mode without one of its parts.
 struct Ablation {
   std::string name;
   LocalizerParams params;

@@ -12,10 +12,10 @@ namespace vismem {
 namespace {
 
 constexpr double kEvidenceGrace_s = 10.0;
-constexpr double kChiSquare95 = 7.815;  // of three degrees of freedom: nineteen of twenty are less
-constexpr double kChiSquare50 = 2.366;  // .. and half of them
+constexpr double kChiSquare95 = 7.815;  // 95 % quantile, three degrees of freedom
+constexpr double kChiSquare50 = 2.366;  // median, three degrees of freedom
 
-/// @return empty where no race ever stood there.
+/// @return empty when no race was ever at the true place.
 std::optional<double> shareAlive(const std::vector<PoseEstimate>& estimates, const Trajectory& truth,
                                  const ScoreParams& params) {
   int since_first = 0;
@@ -33,14 +33,14 @@ std::optional<double> shareAlive(const std::vector<PoseEstimate>& estimates, con
   return static_cast<double>(alive) / since_first;
 }
 
-/// Square of the distance between truth and estimate in stated standard deviations.
-/// @return empty where no pose was stated; infinite where its covariance is none.
-std::optional<double> squareInStated(const PoseEstimate& estimate, const Trajectory& truth) {
+/// Squared Mahalanobis distance of the true pose from the estimate.
+/// @return empty without a published pose; infinite for an invalid covariance.
+std::optional<double> squaredMahalanobis(const PoseEstimate& estimate, const Trajectory& truth) {
   const auto true_pose = poseAt(truth, estimate.stamp_us);
   if (!true_pose || !estimate.T_world_robot) return std::nullopt;
-  const Pose2& stated = *estimate.T_world_robot;
-  const Eigen::Vector3d error(true_pose->x - stated.x, true_pose->y - stated.y,
-                              angleDifference(true_pose->theta, stated.theta));
+  const Pose2& published = *estimate.T_world_robot;
+  const Eigen::Vector3d error(true_pose->x - published.x, true_pose->y - published.y,
+                              angleDifference(true_pose->theta, published.theta));
   const Eigen::LLT<Eigen::Matrix3d> root(estimate.P);
   if (root.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
   return root.matrixL().solve(error).squaredNorm();
@@ -51,16 +51,16 @@ void scoreCovariance(const std::vector<PoseEstimate>& estimates, const Trajector
   std::vector<double> squares;
   for (const PoseEstimate& estimate : estimates) {
     if (estimate.stamp_us < from_us) continue;
-    if (const auto square = squareInStated(estimate, truth)) squares.push_back(*square);
+    if (const auto square = squaredMahalanobis(estimate, truth)) squares.push_back(*square);
   }
   if (squares.empty()) return;
   const auto inside =
       std::count_if(squares.begin(), squares.end(), [](double s) { return s <= kChiSquare95; });
-  score.inside_stated = static_cast<double>(inside) / static_cast<double>(squares.size());
-  score.error_over_stated = std::sqrt(*median(squares) / kChiSquare50);
+  score.inside_reported = static_cast<double>(inside) / static_cast<double>(squares.size());
+  score.error_over_reported = std::sqrt(*median(squares) / kChiSquare50);
 }
 
-/// An event that did not recover is infinitely late.
+/// Infinite for an event that did not recover.
 double recoveryTime(const EventScore& event, double within_s) {
   const bool recovered = event.settled_after_s && *event.settled_after_s <= within_s;
   return recovered ? *event.settled_after_s : std::numeric_limits<double>::infinity();
@@ -99,7 +99,7 @@ std::vector<EventScore> scoreEvents(const Trial& trial, const std::vector<PoseEs
     std::vector<PoseEstimate> here;
     for (const PoseEstimate& estimate : estimates) {
       if (estimate.stamp_us < truth.front().stamp_us || estimate.stamp_us > truth.back().stamp_us) continue;
-      // An estimate that was repeated because nothing new came is the same pose again.
+      // Without new data an estimate is repeated: it counts once.
       if (!published.empty() && published.back().stamp_us >= estimate.stamp_us) continue;
       published.push_back({estimate.stamp_us, estimate.T_world_robot, estimate.reliability});
       here.push_back(estimate);
@@ -120,7 +120,7 @@ std::vector<EventScore> scoreEvents(const Trial& trial, const std::vector<PoseEs
 
 std::optional<Figure> ratioOfQuantiles(const std::vector<EventScore>& a, const std::vector<EventScore>& b,
                                        double q, const SummaryParams& params) {
-  // The bootstrap draws whole groups of one list of numbers: those of `b` are told by their sign.
+  // The bootstrap draws whole groups of one list of numbers: those of `b` have a negative sign.
   std::map<std::uint64_t, std::vector<double>> pairs;
   const auto add = [&](const std::vector<EventScore>& events, double sign) {
     for (const EventScore& event : events) {
@@ -183,8 +183,8 @@ TrialSummary summarize(const std::vector<EventScore>& events, const SummaryParam
     if (!event.right_at_end) ++wrong;
     if (event.position_error_m) positions[event.seed].push_back(*event.position_error_m);
     if (event.heading_error_rad) headings[event.seed].push_back(*event.heading_error_rad);
-    if (event.inside_stated) inside[event.seed].push_back(*event.inside_stated);
-    if (event.error_over_stated) over[event.seed].push_back(*event.error_over_stated);
+    if (event.inside_reported) inside[event.seed].push_back(*event.inside_reported);
+    if (event.error_over_reported) over[event.seed].push_back(*event.error_over_reported);
   }
   summary.seeds = static_cast<int>(times.size());
   if (summary.events == 0) return summary;
@@ -211,8 +211,8 @@ TrialSummary summarize(const std::vector<EventScore>& events, const SummaryParam
   summary.p90_s = figure(times, quantileOf(0.9));
   summary.position_error_m = figure(positions, mean);
   summary.heading_error_rad = figure(headings, mean);
-  summary.inside_stated = figure(inside, mean);
-  summary.error_over_stated = figure(over, mean);
+  summary.inside_reported = figure(inside, mean);
+  summary.error_over_reported = figure(over, mean);
   summary.median_position_error_m = figure(positions, quantileOf(0.5));
   if (summary.recovered > 0) summary.wrong_at_end = static_cast<double>(wrong) / summary.recovered;
   summary.true_alive = mean(alive);

@@ -1,5 +1,5 @@
-/// @file How a method did in trials: event by event, and over all of them with intervals. Pure.
-/// SPEC L11; the definitions of settled, recovered and of errors are those of metrics.h.
+/// @file Scores of a method in trials: of each event, and over all events with 95 % intervals. Pure.
+/// The definitions of settled, recovered and of errors are those of metrics.h. See L11, E5, E6.
 #pragma once
 
 #include <cstdint>
@@ -7,17 +7,17 @@
 #include <string>
 #include <vector>
 
-#include "experiments/core/metrics.h"
+#include "evaluation/core/metrics.h"
 #include "experiments/trials/intervals.h"
 #include "experiments/trials/trial.h"
 #include "localization/core/pose_estimate.h"
 
 namespace vismem {
 
-/// As ScoreParams say.
+/// @return whether a pose is right by ScoreParams.
 bool isRight(const Pose2& pose, const Pose2& truth, const ScoreParams& params = {});
 
-/// One start or kidnapping, and what came of it.
+/// The score of one start or kidnapping.
 struct EventScore {
   std::uint64_t seed = 0;
   int event = 0;  ///< 0: the start of the run, with an unknown pose
@@ -27,15 +27,16 @@ struct EventScore {
   std::optional<double> position_error_m;  ///< from then to the event's end, losses included
   std::optional<double> heading_error_rad;
   bool right_at_end = false;
-  /// Of the images after some race first stood at the true place: share with a race there.
+  /// Share of images with a race at the true place, after the first such image.
   std::optional<double> true_alive;
-  /// Of the images after settling: share whose true pose lies inside the region that the stated covariance
-  /// calls 95 %. A normal filter that knows itself has 0.95; less is overconfident, more is timid.
-  std::optional<double> inside_stated;
-  /// Of these images: median error, in stated standard deviations, over the median of a filter that knows
-  /// itself. 2: errors are twice as large as stated.
-  std::optional<double> error_over_stated;
-  /// When enough was seen that tells the true place from its twin (TwinEvidence); empty: never, or no twin.
+  /// Share of images after settling whose true pose lies inside the 95 % region of the reported covariance. A
+  /// consistent filter has 0.95; a smaller share is overconfident, a larger one pessimistic.
+  std::optional<double> inside_reported;
+  /// Median error of these images in reported standard deviations, over that of a consistent filter. 2:
+  /// errors are twice as large as reported.
+  std::optional<double> error_over_reported;
+  /// Time of sufficient evidence for the true place against its twin (TwinEvidence); empty: never, or no
+  /// twin.
   std::optional<double> evidence_after_s;
 };
 
@@ -45,7 +46,7 @@ std::vector<EventScore> scoreEvents(const Trial& trial, const std::vector<PoseEs
 
 /// A figure over events with its 95 % interval.
 struct Figure {
-  double value = 0.0;  ///< infinite: more events failed than the quantile leaves room for
+  double value = 0.0;  ///< infinite: too many events failed for this quantile
   Interval interval;
 };
 
@@ -69,17 +70,18 @@ struct TrialSummary {
   std::optional<Figure> median_position_error_m;  ///< median over events
   double wrong_at_end = 0.0;                      ///< share of the recovered events that ended wrong
   /// Means over the events that recovered.
-  std::optional<Figure> inside_stated;
-  std::optional<Figure> error_over_stated;
+  std::optional<Figure> inside_reported;
+  std::optional<Figure> error_over_reported;
   /// Twins: share of images with the true place among the races once it was, and share of events with
   /// evidence that had settled 10 s after it.
   std::optional<double> true_alive;
   std::optional<Figure> right_after_evidence;
 };
 
-/// How a quantile of the recovery times of `a` compares with that of `b`, both of the same seeds: a / b, with
-/// the bootstrap's interval over pairs of runs. @param params its `within_s` and `kidnaps_only` count.
-/// @return empty where the quantile of either is no finite time.
+/// Ratio of the quantiles of the recovery times of `a` and `b`, both of the same seeds, with the bootstrap's
+/// interval over pairs of runs.
+/// @param params its `within_s` and `kidnaps_only` apply.
+/// @return empty when either quantile is infinite.
 std::optional<Figure> ratioOfQuantiles(const std::vector<EventScore>& a, const std::vector<EventScore>& b,
                                        double q, const SummaryParams& params = {});
 

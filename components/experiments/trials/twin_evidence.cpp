@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "localization/core/robust_likelihood.h"
+#include "localization/core/likelihood/robust_likelihood.h"
 
 namespace vismem {
 
@@ -10,9 +10,9 @@ std::optional<double> evidenceAfter(const Trial& trial, std::size_t event, const
                                     const MapIndex& map, const TwinEvidenceParams& params) {
   const Trajectory truth = truthOfEvent(trial, event);
   if (truth.empty()) return std::nullopt;
-  RobustParams observation;
-  observation.effective_points = 1e9;  // weights stay what the points stand for: metres of line
-  const auto distanceAt = [&](const EvidencePoint& point, const Pose2& pose) {
+  ObservationParams observation;
+  observation.effective_points = 1e9;  // weights stay metres of line
+  const auto distanceAt = [&](const FloorPoint& point, const Pose2& pose) {
     const auto nearest =
         map.nearest(point.label, transform(pose, point.p_robot), point.direction_robot + pose.theta);
     return nearest ? nearest->distance_m : 1e9;
@@ -26,7 +26,7 @@ std::optional<double> evidenceAfter(const Trial& trial, std::size_t event, const
     last_us = stamp_us;
     const Pose2 twin = T_world_twin * *pose;
     double here_m = 0.0;
-    for (const EvidencePoint& point : observeImage(*update.analysis, map, observation).points) {
+    for (const FloorPoint& point : observeImage(*update.analysis, map, observation).points) {
       if (distanceAt(point, *pose) > params.on_map_m || distanceAt(point, twin) <= params.off_map_m) continue;
       here_m += point.weight / observation.points_per_metre;
     }

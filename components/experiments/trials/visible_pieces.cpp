@@ -8,23 +8,23 @@
 namespace vismem {
 namespace {
 
-/// A ray that ends this little before an edge met what the edge belongs to.
+/// Tolerance of a ray's length up to a visible edge.
 constexpr double kTolerance_m = 0.03;
 /// Brightness is compared this far from the edge.
 constexpr double kBeside_px = 3.0;
 constexpr int kMostRays = 120;
 /// The outermost pixels reach 0.5 px beyond their centres; rays come in steps.
 constexpr double kBorder_px = 0.5;
-/// Ends of edges that lie so near to each other are one corner.
+/// Largest distance between ends of edges at one corner.
 constexpr double kSameEnd_m = 0.02;
 constexpr double kOnFloor_m = 0.02;
 constexpr double kHighest_m = 2.5;  ///< outlines are looked for up to there
-/// A wall beside its outline is hardly further away.
+/// Largest difference in range between a wall and its outline.
 constexpr double kWallWithin_m = 0.3;
-/// What meets at an outline is looked at this far from it; what lies lower than this is floor.
+/// Surfaces at an outline are sampled this far from it; lower points than this are floor.
 constexpr double kBesideOutline_px = 1.0;
 constexpr double kFloorSeen_m = 0.003;
-/// Where something begins to hide an edge is found this closely.
+/// Accuracy of the ends of visible parts.
 constexpr double kHiddenTo_px = 0.2;
 
 /// The point of a segment of space that a pixel on its image shows. Both in camera coordinates.
@@ -70,7 +70,7 @@ std::vector<Part> visibleParts(double length_px, double step_px, const IsVisible
   return parts;
 }
 
-/// Of a line in the image, as it runs; whose it is, how far and which side is brighter are not known yet.
+/// A part of a line in the image; its edge, range and brighter side are set later.
 VisiblePiece pieceOf(const Segment2& px, const Part& part) {
   VisiblePiece piece;
   piece.px.a = px.a + part.begin * (px.b - px.a);

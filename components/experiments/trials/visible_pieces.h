@@ -1,4 +1,4 @@
-/// @file Which parts of a map's edges an image shows, by rays in the world itself. Pure. SPEC L3, E5-E8.
+/// @file The parts of a map's edges that an image shows, by rays in the world. Pure. See L3, E5, E6, E7, E8.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,12 +13,13 @@
 
 namespace vismem {
 
-/// What a ray meets first.
+/// The first surface on a ray.
 struct SeenSurface {
   double distance_m = 0.0;
   double brightness = 0.0;  ///< 0..1
 };
-/// @param direction of unit length. @return empty when the ray meets nothing.
+/// @param direction of unit length.
+/// @return empty when there is no surface on the ray.
 using CastRay = std::function<std::optional<SeenSurface>(const Eigen::Vector3d& origin,
                                                          const Eigen::Vector3d& direction)>;
 
@@ -27,30 +28,31 @@ struct VisiblePiece {
   int edge = 0;          ///< index into the map's segments
   Segment2 px;           ///< ideal pixels; the brighter side lies to the left of a -> b (see ImageSegment)
   double range_m = 0.0;  ///< of its middle from the camera
-  /// The edge goes on beyond that end, behind something nearer; an outline, before something else.
+  /// The edge continues beyond that end behind a nearer surface (an outline: in front of another one).
   bool hidden_a = false;
   bool hidden_b = false;
-  /// Not the edge, but the upright outline of a wall above its end (visibleOutlines).
+  /// The piece is the upright outline of a wall above the edge's end (visibleOutlines).
   bool is_outline = false;
 };
 
 struct VisiblePiecesParams {
   double step_px = 4.0;      ///< between the rays along an edge
   double least_px = 4.0;     ///< shorter pieces are left out
-  double farthest_m = 12.0;  ///< edges that are nowhere nearer are left out
+  double farthest_m = 12.0;  ///< farther edges are left out
 };
 
-/// True for an end of a piece where the image's border cuts it.
+/// @return whether the image's border cuts a piece at this end.
 bool isAtBorder(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px);
 
-/// @param edges stripes expanded. @param T_world_camera the true one.
+/// @param edges stripes expanded.
+/// @param T_world_camera the true one.
 std::vector<VisiblePiece> visiblePieces(const SegmentMap& edges, const CameraIntrinsics& intrinsics,
                                         const Pose3& T_world_camera, const CastRay& cast,
                                         const VisiblePiecesParams& params = {});
 
-/// Upright outlines of walls above the ends of floor edges, as far as floor is seen behind them: the same
-/// colours meet there as at the edge, so a detector gives them its label, though no such line lies on the
-/// floor. Ends above which the map has an upright edge of its own are left out.
+/// Upright outlines of walls above the ends of floor edges, where floor is visible behind them. Their colours
+/// are those of the edge, so a detector gives them its label although no such line lies on the floor. Ends
+/// below an upright edge of the map are left out.
 std::vector<VisiblePiece> visibleOutlines(const SegmentMap& edges, const CameraIntrinsics& intrinsics,
                                           const Pose3& T_world_camera, const CastRay& cast,
                                           const VisiblePiecesParams& params = {});

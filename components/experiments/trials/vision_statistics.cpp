@@ -141,7 +141,7 @@ void VisionStatistics::add(double time_s, const CameraIntrinsics& intrinsics, co
     }
     const auto count = [&](Bin& bin) {
       ++bin.pieces;
-      bin.covered += sum;
+      bin.length_found += sum;
       if (!found) return;
       ++bin.found;
       bin.fragments += fragments;

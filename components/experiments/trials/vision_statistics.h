@@ -1,4 +1,4 @@
-/// @file How a detector errs, counted against what images really show. Pure. SPEC V1, V3; E5-E8.
+/// @file Errors of a detector against the true visible edges. Pure. See V1, V3, E5, E6, E7, E8.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ class VisionStatistics {
  public:
   /// Pieces by their length in the image [px]: the borders of the bins; the last one is open.
   static constexpr std::array<double, 8> kLengths_px{4, 8, 12, 20, 30, 50, 80, 140};
-  /// Of pieces on the floor and of at least kFarFrom_px, by range [m].
+  /// Ranges of pieces on the floor of at least kFarFrom_px [m].
   static constexpr std::array<double, 6> kRanges_m{0, 1, 2, 3, 4, 6};
   static constexpr double kFarFrom_px = 20.0;
   static constexpr double kBeyond_px = 40.0;
@@ -24,35 +24,36 @@ class VisionStatistics {
 
   struct Bin {
     int pieces = 0;
-    int found = 0;       ///< of them, half or more of the length was found with its label
-    double covered = 0;  ///< sum of the shares found
-    int fragments = 0;   ///< segments on the pieces found
+    int found = 0;            ///< pieces of which at least half the length was found with its label
+    double length_found = 0;  ///< sum of the found shares of the length
+    int fragments = 0;        ///< segments on the pieces found
   };
 
-  /// What follows is of another run, whose time begins anew.
+  /// Begins another run, with its own time.
   void beginRun();
-  /// @param edges of the map. @param visible of this image, outlines too. @param observed likewise.
+  /// @param edges of the map.
+  /// @param visible pieces of this image, outlines too.
+  /// @param observed segments of this image.
   void add(double time_s, const CameraIntrinsics& intrinsics, const SegmentMap& edges,
            const std::vector<VisiblePiece>& visible, const std::vector<ImageSegment>& observed);
 
   int images() const { return images_; }
   const std::array<Bin, kLengths_px.size()>& byLength() const { return by_length_; }
   const std::array<Bin, kRanges_m.size()>& byRange() const { return by_range_; }
-  /// Of segments on pieces of kFarFrom_px or longer, by whether the edge lies on the floor: how far an end
-  /// lies beside the line, to the brighter side [px] ..
+  /// Distance of an end beside the line, to the brighter side [px]; of segments on pieces of kFarFrom_px or
+  /// longer.
   const LastingError& across(bool on_floor) const { return on_floor ? across_floor_ : across_upright_; }
-  /// .. and how much beyond (positive) or short of the edge's end [px]. An edge that was taken to go on as
-  /// something else counts up to kBeyond_px; what is missing by more than kShort_px counts as a break
-  /// instead.
+  /// Distance of an end beyond (positive) or short of the edge's end [px], of the same segments. Longer
+  /// continuations than kBeyond_px are left out; an end short by more than kShort_px counts as a break.
   const LastingError& along(bool on_floor) const { return on_floor ? along_floor_ : along_upright_; }
-  /// Those on the floor, by range.
+  /// The same of floor edges, by range.
   const std::array<LastingError, kRanges_m.size()>& acrossByRange() const { return across_by_range_; }
   const std::array<LastingError, kRanges_m.size()>& alongByRange() const { return along_by_range_; }
-  /// The same for ends where something nearer hides what follows of an edge on the floor, and for those
-  /// where the image's border cuts an edge.
+  /// The same at ends of floor edges that a nearer object occludes; atBorder at ends that the image's border
+  /// cuts.
   const LastingError& atHidden() const { return at_hidden_; }
-  /// How far the foot and the upper end of a wall's outline (visibleOutlines) that was found with its label
-  /// lie beyond or short of what rays tell, and how many of those of kFarFrom_px were found.
+  /// The same at the foot and at the upper end of a wall's outline (visibleOutlines) that was found with its
+  /// label; outlinesFound is the found share of those of kFarFrom_px or longer.
   const LastingError& atOutline(bool foot) const { return foot ? outline_foot_ : outline_top_; }
   double outlinesFound() const {
     return outlines_ > 0 ? static_cast<double>(outlines_found_) / outlines_ : 0.0;

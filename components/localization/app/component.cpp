@@ -4,36 +4,43 @@
 #include <optional>
 #include <utility>
 
-#include "active_visual_memory/ice/visual_memory_ice.h"
 #include "common/geometry/angles.h"
+#include "common/memory_ice/visual_memory_ice.h"
+#include "common/process/parameter_table.h"
 #include "localization/app/gaze_sender.h"
 #include "localization/app/health_map_worker.h"
 #include "localization/app/localization_loop.h"
 #include "localization/ice/localization_ice.h"
+#include "localization/ice/map_ice.h"
 
 namespace vismem {
 namespace {
 
-void tellOdometry(const OdometryBelief& belief, StatusBoard& status) {
-  const auto tell = [&](const char* name, int i, double scale, const char* unit) {
-    status.gauge({name, scale * belief.errors[i], scale * std::sqrt(belief.P(i, i)), unit});
+void reportOdometry(const OdometryBias& bias, StatusBoard& status) {
+  const auto report = [&](const char* name, int i, double scale, const char* unit) {
+    status.gauge({name, scale * bias.errors[i], scale * std::sqrt(bias.P(i, i)), unit});
   };
-  tell("odometry turns too little", 0, radToDeg(1.0), "deg/m");
-  tell("odometry turns too narrow", 1, 100.0, "%");
-  tell("odometry goes too short", 2, 100.0, "%");
+  report("odometry yaw bias", 0, radToDeg(1.0), "deg/m");
+  report("odometry yaw scale error", 1, 100.0, "%");
+  report("odometry distance scale error", 2, 100.0, "%");
 }
 
 class LocalizationComponent final : public Component, public LocalizationControl {
  public:
-  LocalizationComponent(LocalizationConfig config, SegmentMap map_edges)
+  LocalizationComponent(LocalizationConfig config, LoadedMap loaded, avm::MapContents map)
       : config_(std::move(config)),
-        map_edges_(std::move(map_edges)),
+        map_edges_(std::move(loaded.edges)),
+        map_warnings_(std::move(loaded.warnings)),
+        map_(std::move(map)),
         localizer_(config_.params, map_edges_, config_.seed) {
-    if (!config_.gaze_proxy.empty()) planner_.emplace(config_.gaze, config_.params, map_edges_);
+    if (!config_.gaze_proxy.empty()) {
+      planner_.emplace(config_.gaze, config_.params.robust.likelihood, config_.params.map, map_edges_);
+    }
     if (config_.start) localizer_.setPose(*config_.start);
   }
 
   void start(ComponentHost& host) override {
+    for (const std::string& warning : map_warnings_) host.log().warning(warning);
     const auto proxy = host.communicator()->stringToProxy(config_.visual_memory_proxy);
     auto link = std::make_shared<PeerLink>("VisualMemory", proxy, host.status(), host.log());
     memory_ = std::make_unique<VisualMemoryClient>(Ice::uncheckedCast<avm::VisualMemoryPrx>(proxy),
@@ -53,29 +60,30 @@ class LocalizationComponent final : public Component, public LocalizationControl
         gaze_->send(plan);
       });
     } else {
-      host.status().note("asks for no gaze: Localization.Gaze.Proxy is not set");
+      host.status().note("requests no gaze: Localization.Gaze.Proxy is not set");
     }
-    health_maps_ =
-        std::make_unique<HealthMapWorker>(config_.params, map_edges_, [this] { return loop_->newest(); });
-    host.serve("Localization",
-               std::make_shared<LocalizationServant>(*this, estimates_, *health_maps_, config_.pose3d_scale));
+    health_maps_ = std::make_unique<HealthMapWorker>(healthMapParams(config_.params), map_edges_,
+                                                     [this] { return loop_->newest(); });
+    host.serve("Localization", std::make_shared<LocalizationServant>(*this, estimates_, *health_maps_, map_,
+                                                                     config_.pose3d_scale));
+    if (gaze_) listGazeParameters(host.parameters());
     loop_->start(
         [this, &host](const PoseEstimate& estimate, double step_s) {
           host.status().count("estimates");
           host.status().latency("step", step_s);
-          if (estimate.odometry) tellOdometry(*estimate.odometry, host.status());
+          if (estimate.odometry) reportOdometry(*estimate.odometry, host.status());
           estimates_.publish(estimate);
         },
         [this, &host](SourceState state, const std::string& why) {
           if (state == SourceState::kRunning) {
             host.status().healthy("visual memory");
-            return;  // the next estimate tells the clients
+            return;  // the next estimate reports it to the clients
           }
           estimates_.setState(state, "no visual memory: " + why);
           if (state == SourceState::kFinished) {
             host.status().healthy("visual memory");
           } else {
-            host.status().fault("visual memory", "no news (" + why + ")");
+            host.status().fault("visual memory", "no update (" + why + ")");
           }
         },
         [&host](std::exception_ptr failure) { host.fail(std::move(failure)); },
@@ -100,29 +108,50 @@ class LocalizationComponent final : public Component, public LocalizationControl
   PortReply relocalize() override { return loop_->relocalize(); }
 
  private:
+  void listGazeParameters(ParameterTable& table) {
+    const auto add = [&](RuntimeParameter parameter, void (GazePlanner::*change)(double)) {
+      table.add(std::move(parameter), [this, change](double value) {
+        return loop_->changePlanner([change, value](GazePlanner& planner) { (planner.*change)(value); })
+            .message;
+      });
+    };
+    add({"Gaze.UncertaintyAbove", "", 0.0, 1.0, false, config_.gaze.uncertainty_above,
+         "Gaze is requested while the reliability is below 1 minus this"},
+        &GazePlanner::setUncertaintyAbove);
+    add({"Gaze.Confirm_s", "s", 0.0, 60.0, false, config_.gaze.confirm_s,
+         "Gaze is requested for so long after the pose became reliable"},
+        &GazePlanner::setConfirmation);
+  }
+
   const LocalizationConfig config_;
   const SegmentMap map_edges_;
+  const std::vector<std::string> map_warnings_;
+  const avm::MapContents map_;          ///< as clients get it
   Localizer localizer_;                 ///< until start(), then the loop's
   std::optional<GazePlanner> planner_;  ///< until start(), then the loop's
   EstimateBroadcaster estimates_;
   std::unique_ptr<VisualMemoryClient> memory_;
-  std::unique_ptr<GazeSender> gaze_;              ///< null: no gaze is asked for
+  std::unique_ptr<GazeSender> gaze_;              ///< null: no gaze requests
   std::unique_ptr<LocalizationLoop> loop_;        ///< its thread uses all of the above
-  std::unique_ptr<HealthMapWorker> health_maps_;  ///< last member: its thread asks the loop
+  std::unique_ptr<HealthMapWorker> health_maps_;  ///< last member: its thread uses the loop
 };
 
 }  // namespace
 
 std::unique_ptr<Component> makeLocalization(const LocalizationConfig& config) {
-  return std::make_unique<LocalizationComponent>(config, loadMapEdges(config.map, config.palette));
+  // First, because it reports what is wrong with map and palette together.
+  LoadedMap loaded = loadMapEdges(config.map, config.palette);
+  return std::make_unique<LocalizationComponent>(
+      config, std::move(loaded), toIce(loadSegmentMap(config.map), config.map.filename().string()));
 }
 
 ComponentSpec localizationSpec() {
   ComponentSpec spec;
   spec.name = "localization";
   spec.prefix = "Localization";
-  spec.summary = "Tells where in the map the robot is, from what its visual memory holds.";
-  spec.default_endpoints = "tcp -h 127.0.0.1 -p 9971:ws -h 127.0.0.1 -p 11005";
+  spec.summary = "Estimates the robot's pose in the map from its visual memory.";
+  spec.default_endpoints = "tcp -h 127.0.0.1 -p 9971";
+  spec.default_web_endpoints = "ws -h 127.0.0.1 -p 11005";
   spec.configure = [](ConfigReader& root) -> std::unique_ptr<Component> {
     ConfigReader reader = root.group("Localization");
     const LocalizationConfig config = readLocalizationConfig(reader);

@@ -1,4 +1,4 @@
-/// @file The process localization: the visual memory as a peer, the loop, what it serves. SPEC C2, C3.
+/// @file The process localization: the visual memory as a peer, the loop, what it serves. See C2, C3.
 #pragma once
 
 #include <memory>

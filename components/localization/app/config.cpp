@@ -6,6 +6,7 @@
 
 #include "common/config/config_error.h"
 #include "common/geometry/angles.h"
+#include "common/segment_map/map_check.h"
 #include "common/vision/palette.h"
 
 namespace vismem {
@@ -13,10 +14,11 @@ namespace {
 
 constexpr double kFar = 1e4;
 
-HealthSource readSource(ConfigReader& r, HealthSource fallback) {
-  return r.choice(
-      "Source", fallback,
-      {{"memory", HealthSource::kMemory}, {"image", HealthSource::kImage}, {"both", HealthSource::kBoth}});
+ObservationSource readSource(ConfigReader& r, ObservationSource fallback) {
+  return r.choice("Source", fallback,
+                  {{"memory", ObservationSource::kMemory},
+                   {"image", ObservationSource::kImage},
+                   {"both", ObservationSource::kBoth}});
 }
 
 int count(ConfigReader& r, const char* name, int fallback, int minimum, int maximum) {
@@ -32,7 +34,8 @@ void readRaces(ConfigReader r, RaceParams& p) {
   p.protected_age = count(r, "ProtectedAge", p.protected_age, 0, 1000);
   p.protected_after_best = count(r, "ProtectedAfterBest", p.protected_after_best, 0, 1000);
   p.maximum_victories = count(r, "MaximumVictories", p.maximum_victories, 1, 1000);
-  p.spared_ahead = r.real("SparedAhead", p.spared_ahead, 0.0, 1e6);
+  r.alias("SparedAhead", "ProtectedLogOdds");
+  p.protected_log_odds = r.real("ProtectedLogOdds", p.protected_log_odds, 0.0, 1e6);
 }
 
 void readExplorers(ConfigReader r, ExplorerParams& p) {
@@ -67,16 +70,12 @@ void readHealth(ConfigReader r, HealthParams& p) {
   }
 }
 
-void readRobust(ConfigReader r, RobustParams& p) {
+void readObservation(ConfigReader& r, ObservationParams& p) {
   p.source = readSource(r, p.source);
   p.image_share = r.real("ImageShare", p.image_share, 0.0, 1.0);
   p.memory_below_points = r.real("MemoryBelow_points", p.memory_below_points, 0.0, 1e6);
   p.image_range_m = r.real("ImageRange_m", p.image_range_m, 0.1, kFar);
   p.camera_sigma_rad = r.angleDeg("CameraSigma_deg", radToDeg(p.camera_sigma_rad), 0.0, 20.0);
-  p.lean_bias_rad = r.angleDeg("LeanBias_deg", radToDeg(p.lean_bias_rad), 0.0, 20.0);
-  p.lean_sway_rad = r.angleDeg("LeanSway_deg", radToDeg(p.lean_sway_rad), 0.0, 20.0);
-  p.memory_shift_m = r.real("MemoryShift_m", p.memory_shift_m, 0.0, 10.0);
-  p.memory_turn_rad = r.angleDeg("MemoryTurn_deg", radToDeg(p.memory_turn_rad), 0.0, 90.0);
   p.point_step_m = r.real("PointStep_m", p.point_step_m, 0.01, 10.0);
   p.maximum_points = count(r, "MaximumPoints", p.maximum_points, 10, 100'000);
   p.range_m = r.real("Range_m", p.range_m, 0.1, kFar);
@@ -92,15 +91,25 @@ void readRobust(ConfigReader r, RobustParams& p) {
   if (p.maximum_sigma_m < p.remembered_sigma_m) {
     r.problem("MaximumSigma_m", "must not be less than " + r.key("RememberedSigma_m"));
   }
-  p.explained_sigma_m = r.real("ExplainedSigma_m", p.explained_sigma_m, 0.0, 10.0);
   p.drift_sigma_mps = r.real("DriftSigma_mps", p.drift_sigma_mps, 0.0, 10.0);
+}
+
+void readLikelihood(ConfigReader& r, LikelihoodParams& p) {
   p.outlier_share = r.real("OutlierShare", p.outlier_share, 1e-6, 0.9);
   p.bounded = r.boolean("Bounded", p.bounded);
-  p.negative_information = r.boolean("NegativeInformation", p.negative_information);
-  p.detection_probability = r.real("DetectionProbability", p.detection_probability, 0.0, 0.99);
   p.direction_gate = r.boolean("DirectionGate", p.direction_gate);
   p.direction_gate_rad = r.angleDeg("DirectionGate_deg", radToDeg(p.direction_gate_rad), 1.0, 90.0);
   p.use_field = r.boolean("UseField", p.use_field);
+  r.alias("LeanBias_deg", "CameraTilt.Bias_deg");
+  p.tilt_bias_rad = r.angleDeg("CameraTilt.Bias_deg", radToDeg(p.tilt_bias_rad), 0.0, 20.0);
+  r.alias("LeanSway_deg", "CameraTilt.PerFrame_deg");
+  p.frame_tilt_rad = r.angleDeg("CameraTilt.PerFrame_deg", radToDeg(p.frame_tilt_rad), 0.0, 20.0);
+  p.memory_shift_m = r.real("MemoryShift_m", p.memory_shift_m, 0.0, 10.0);
+  p.memory_turn_rad = r.angleDeg("MemoryTurn_deg", radToDeg(p.memory_turn_rad), 0.0, 90.0);
+  p.explained_sigma_m = r.real("ExplainedSigma_m", p.explained_sigma_m, 0.0, 10.0);
+}
+
+void readFilter(ConfigReader& r, RaceFilterParams& p) {
   p.refinement_steps = count(r, "RefinementSteps", p.refinement_steps, 0, 100);
   p.kalman = r.boolean("Kalman", p.kalman);
   p.odometry_share = r.real("OdometryShare", p.odometry_share, 0.0, 10.0);
@@ -109,27 +118,39 @@ void readRobust(ConfigReader r, RobustParams& p) {
   p.walk_m = r.real("Walk_m", p.walk_m, 0.0, 1.0);
   p.walk_rad = r.angleDeg("Walk_deg", radToDeg(p.walk_rad), 0.0, 90.0);
   p.information_share = r.real("InformationShare", p.information_share, 1e-4, 1.0);
-  p.news_share = r.real("NewsShare", p.news_share, 0.0, 1.0);
-  p.forgetting = r.real("Forgetting", p.forgetting, 0.0, 0.9999);
+}
+
+void readEvidence(ConfigReader& r, EvidenceParams& p, ScoreHistoryParams& history, NoveltyParams& novelty) {
+  r.alias("NewsShare", "NoveltyShare");
+  p.novelty_share = r.real("NoveltyShare", p.novelty_share, 0.0, 1.0);
   p.lead = r.real("Lead", p.lead, 0.0, 1e6);
-  p.repeats = r.real("Repeats", p.repeats, 0.0, 1e6);
-  p.repeat_time_s = r.real("RepeatTime_s", p.repeat_time_s, 0.01, 1e6);
-  p.birth_penalty = r.real("BirthPenalty", p.birth_penalty, 0.0, 1e6);
   p.delete_behind = r.real("DeleteBehind", p.delete_behind, 0.0, 1e6);
+  history.forgetting = r.real("Forgetting", history.forgetting, 0.0, 0.9999);
+  r.alias("BirthPenalty", "JumpLogPrior");
+  history.jump_log_prior = r.real("JumpLogPrior", history.jump_log_prior, 0.0, 1e6);
+  r.alias("Repeats", "HalfNoveltyViews");
+  novelty.half_novelty_views = r.real("HalfNoveltyViews", novelty.half_novelty_views, 0.0, 1e6);
+  r.alias("RepeatTime_s", "NoveltyDecay_s");
+  novelty.novelty_decay_s = r.real("NoveltyDecay_s", novelty.novelty_decay_s, 0.01, 1e6);
+}
+
+void readRobustExplorers(ConfigReader& r, RobustExplorerParams& p) {
   p.constructed_share = r.real("ConstructedShare", p.constructed_share, 0.0, 1.0);
   p.uniform_area_m2 = r.real("UniformArea_m2", p.uniform_area_m2, 0.0, 1e12);
   p.landmark_share = r.real("LandmarkShare", p.landmark_share, 0.0, 1.0);
-  p.corners = r.boolean("Corners", p.corners);
-  p.doors = r.boolean("Doors", p.doors);
-  p.parallelograms = r.boolean("Parallelograms", p.parallelograms);
+  p.landmarks.corners = r.boolean("Corners", p.landmarks.corners);
+  p.landmarks.doors = r.boolean("Doors", p.landmarks.doors);
+  p.landmarks.parallelograms = r.boolean("Parallelograms", p.landmarks.parallelograms);
   p.kld_error = r.real("KldError", p.kld_error, 0.0, 10.0);
   p.kld_place_m = r.real("KldPlace_m", p.kld_place_m, 0.01, kFar);
   p.kld_place_rad = r.angleDeg("KldPlace_deg", radToDeg(p.kld_place_rad), 1.0, 360.0);
   p.kld_least = count(r, "KldLeast", p.kld_least, 1, 100'000);
   p.refined_explorers = count(r, "RefinedExplorers", p.refined_explorers, 1, 1000);
+}
+
+void readReliability(ConfigReader& r, ReliabilityParams& p) {
   p.validity = r.boolean("Validity", p.validity);
-  p.rate_at_image_stamp = r.boolean("RateAtImageStamp", p.rate_at_image_stamp);
-  p.reliability_time_s = r.real("ReliabilityTime_s", p.reliability_time_s, 0.01, 1e4);
+  p.time_constant_s = r.real("ReliabilityTime_s", p.time_constant_s, 0.01, 1e4);
   p.enough_points = r.real("EnoughPoints", p.enough_points, 0.01, 1e6);
   p.explained_low = r.real("ExplainedLow", p.explained_low, 0.0, 1.0);
   p.explained_high = r.real("ExplainedHigh", p.explained_high, 0.0, 1.0);
@@ -138,8 +159,21 @@ void readRobust(ConfigReader r, RobustParams& p) {
   }
 }
 
-void readOdometry(ConfigReader r, LearntOdometryParams& p) {
-  p.enabled = r.boolean("Learn", p.enabled);
+void readRobust(ConfigReader r, RobustParams& p) {
+  readObservation(r, p.observation);
+  readLikelihood(r, p.likelihood);
+  p.negative.enabled = r.boolean("NegativeInformation", p.negative.enabled);
+  p.negative.detection_probability =
+      r.real("DetectionProbability", p.negative.detection_probability, 0.0, 0.99);
+  readFilter(r, p.filter);
+  readEvidence(r, p.evidence, p.history, p.novelty);
+  readRobustExplorers(r, p.explorers);
+  readReliability(r, p.reliability);
+}
+
+void readOdometry(ConfigReader r, OdometryCalibrationParams& p) {
+  r.alias("Learn", "Calibrate");
+  p.enabled = r.boolean("Calibrate", p.enabled);
   p.turn_per_m = r.angleDeg("Turn_degpm", radToDeg(p.turn_per_m), 0.0, 180.0);
   p.turn_share = r.real("TurnShare", p.turn_share, 0.0, 1.0);
   p.travel_share = r.real("TravelShare", p.travel_share, 0.0, 1.0);
@@ -173,15 +207,18 @@ LocalizerParams readLocalizerParams(ConfigReader& reader) {
                     {{"default", LocalizationMode::kDefault}, {"chapter", LocalizationMode::kChapter}});
   LocalizerParams params = localizerPreset(mode);
   params.tick_s = reader.real("Tick_s", params.tick_s, 0.001, 60.0);
-  params.doubt_tick_s = reader.real("DoubtTick_s", params.doubt_tick_s, 0.001, 60.0);
-  params.doubt_s = reader.real("Doubt_s", params.doubt_s, 0.0, 3600.0);
-  params.cell_m = reader.real("Cell_m", params.cell_m, 0.05, 10.0);
-  params.opaque_labels = readWords(reader, "OpaqueLabels", params.opaque_labels);
+  reader.alias("DoubtTick_s", "SuspectTick_s");
+  params.suspect_tick_s = reader.real("SuspectTick_s", params.suspect_tick_s, 0.001, 60.0);
+  reader.alias("Doubt_s", "SuspectTime_s");
+  params.suspect_time_s = reader.real("SuspectTime_s", params.suspect_time_s, 0.0, 3600.0);
+  params.map.cell_m = reader.real("Cell_m", params.map.cell_m, 0.05, 10.0);
+  params.map.opaque_labels = readWords(reader, "OpaqueLabels", params.map.opaque_labels);
   readRaces(reader.group("Races"), params.races);
   readExplorers(reader.group("Explorers"), params.explorers);
   readEvolution(reader.group("Evolution"), params.evolution);
   readHealth(reader.group("Health"), params.health);
   readRobust(reader.group("Robust"), params.robust);
+  params.rate_at_image_stamp = reader.boolean("Robust.RateAtImageStamp", params.rate_at_image_stamp);
   readOdometry(reader.group("Odometry"), params.odometry);
   return params;
 }
@@ -189,7 +226,8 @@ LocalizerParams readLocalizerParams(ConfigReader& reader) {
 GazePlannerParams readGazePlannerParams(ConfigReader& reader) {
   GazePlannerParams p;
   ConfigReader r = reader.group("Gaze");
-  p.doubt_above = r.real("DoubtAbove", p.doubt_above, 0.0, 1.0);
+  r.alias("DoubtAbove", "UncertaintyAbove");
+  p.uncertainty_above = r.real("UncertaintyAbove", p.uncertainty_above, 0.0, 1.0);
   p.least_priority = r.real("LeastPriority", p.least_priority, 0.01, 100.0);
   p.most_priority = r.real("MostPriority", p.most_priority, 0.01, 100.0);
   if (p.most_priority < p.least_priority) {
@@ -216,7 +254,8 @@ GazePlannerParams readGazePlannerParams(ConfigReader& reader) {
   a.none_share = r.real("NoneShare", a.none_share, 0.0, 1.0);
   a.horizon_s = r.real("Horizon_s", a.horizon_s, 0.1, 10.0);
   a.patience_s = r.real("Patience_s", a.patience_s, 0.01, 100.0);
-  a.repeat_s = r.real("Repeat_s", a.repeat_s, 0.001, 100.0);
+  r.alias("Repeat_s", "HalfNovelty_s");
+  a.half_novelty_s = r.real("HalfNovelty_s", a.half_novelty_s, 0.001, 100.0);
   a.forget_s = r.real("Forget_s", a.forget_s, 0.1, 1e4);
   a.head_speed_radps = r.angleDeg("HeadSpeed_degps", radToDeg(a.head_speed_radps), 1.0, 2000.0);
   a.head_acceleration_radps2 =
@@ -245,9 +284,9 @@ LocalizationConfig readLocalizationConfig(ConfigReader& reader) {
   return config;
 }
 
-SegmentMap loadMapEdges(const std::filesystem::path& map, const std::filesystem::path& palette) {
+LoadedMap loadMapEdges(const std::filesystem::path& map, const std::filesystem::path& palette) {
   SegmentMap rows;
-  std::map<Label, Label> stripes;
+  PaletteLabels labels;
   std::vector<std::string> problems;
   const auto collect = [&problems](auto&& step) {
     try {
@@ -258,10 +297,15 @@ SegmentMap loadMapEdges(const std::filesystem::path& map, const std::filesystem:
   };
   collect([&] { rows = loadSegmentMap(map); });
   collect([&] {
-    if (!palette.empty()) stripes = loadPalette(palette).stripes();
+    if (palette.empty()) return;
+    const Palette colours = loadPalette(palette);
+    const std::vector<Label> edges = colours.labels();
+    labels = {{edges.begin(), edges.end()}, colours.stripes()};
   });
   if (!problems.empty()) throw ConfigError(problems);
-  return expandStripes(rows, stripes);
+  LoadedMap loaded{expandStripes(rows, labels.stripes), {}};
+  if (!palette.empty()) loaded.warnings = checkMap(rows, map.string(), labels, palette.string());
+  return loaded;
 }
 
 }  // namespace vismem

@@ -1,4 +1,4 @@
-/// @file Configuration of localization: every key, checked once at start. Pure but for looking files up.
+/// @file Configuration of localization: every key, checked once at start. Pure except for reading files.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,12 @@
 #include "common/config/config_reader.h"
 #include "common/geometry/pose.h"
 #include "common/segment_map/segment_map.h"
-#include "localization/core/params.h"
+#include "localization/core/gaze/gaze_planner.h"
+#include "localization/core/localizer.h"
 
 namespace vismem {
 
-/// SPEC C2. All keys begin with "Localization."; the table is in the component's README.
+/// See C2. All keys begin with "Localization."; the table is in the component's README.
 struct LocalizationConfig {
   std::string visual_memory_proxy;
   std::filesystem::path map;
@@ -21,23 +22,30 @@ struct LocalizationConfig {
   std::uint64_t seed = 1;
   std::optional<Pose2> start;  ///< known from outside; empty: unknown
   double pose3d_scale = 1.0;   ///< of JdeRobot positions: 1 metres, 1000 for old millimetre clients
-  std::string gaze_proxy;      ///< empty: no gaze is asked for
+  std::string gaze_proxy;      ///< empty: no gaze requests
   GazePlannerParams gaze;
   LocalizerParams params;
 };
 
 /// Reads and checks every key of the component but the process's own. Problems are collected in `reader`;
-/// the caller finishes it. @param reader at the prefix "Localization".
+/// the caller finishes it.
+/// @param reader at the prefix "Localization".
 LocalizationConfig readLocalizationConfig(ConfigReader& reader);
 
 /// The part that lock-step tools share: mode and parameters. Keys and prefix as above.
 LocalizerParams readLocalizerParams(ConfigReader& reader);
 
-/// The same of the wishes for gaze. @param reader at the prefix "Localization".
+/// The same of the gaze requests.
+/// @param reader at the prefix "Localization".
 GazePlannerParams readGazePlannerParams(ConfigReader& reader);
 
-/// The map with its stripes expanded to edges, as the Localizer takes it.
-/// @param palette may be empty. @throws ConfigError: what is wrong in either file.
-SegmentMap loadMapEdges(const std::filesystem::path& map, const std::filesystem::path& palette);
+struct LoadedMap {
+  SegmentMap edges;                   ///< with stripes expanded, as the Localizer takes it
+  std::vector<std::string> warnings;  ///< where map and palette do not fit each other (checkMap)
+};
+
+/// @param palette may be empty.
+/// @throws ConfigError with the problems of both files, or if the palette names no label of the map.
+LoadedMap loadMapEdges(const std::filesystem::path& map, const std::filesystem::path& palette);
 
 }  // namespace vismem

@@ -3,19 +3,19 @@
 #include <mutex>
 #include <utility>
 
-#include "active_visual_memory/ice/gaze_ice.h"
+#include "common/memory_ice/gaze_ice.h"
 #include "common/robot_ice/remote.h"
 
 namespace vismem {
 namespace {
 
-/// A peer that leaves more calls than this unanswered gets no more of them.
+/// Largest number of unanswered calls; further requests are lost.
 constexpr int kMostCalls = 4;
 constexpr std::chrono::seconds kIdle{1};
 
 }  // namespace
 
-/// What the answers need; they may come after the sender has gone.
+/// State of the answers, which may arrive after the sender's end.
 struct GazeSender::Shared {
   Shared(const std::shared_ptr<Ice::ObjectPrx>& proxy, StatusBoard& board, Logger& log)
       : link("Gaze", proxy, board, log), status(&board) {}
@@ -27,19 +27,19 @@ struct GazeSender::Shared {
     connection = proxy->ice_getCachedConnection();
     link.succeeded();
   }
-  void failed(const std::shared_ptr<avm::GazePrx>& proxy, const std::exception_ptr& error, bool is_wish) {
+  void failed(const std::shared_ptr<avm::GazePrx>& proxy, const std::exception_ptr& error, bool is_request) {
     const std::lock_guard lock(mutex);
     --calls;
     if (!status) return;
     try {
       std::rethrow_exception(error);
     } catch (const Ice::UserException& refusal) {
-      // It is there, and says no.
+      // The peer is reachable and refuses.
       link.succeeded();
-      if (is_wish) status->count("gaze wishes refused");
+      if (is_request) status->count("gaze requests refused");
       status->error(describeFailure(*proxy, error));
     } catch (...) {
-      if (is_wish) status->count("gaze wishes lost");
+      if (is_request) status->count("gaze requests lost");
       link.failed(reasonOf(*proxy, error));
       if (const auto gone = std::exchange(connection, nullptr)) leaveIfSilent(*gone, error);
     }
@@ -66,19 +66,20 @@ bool GazeSender::beginCall() {
 
 void GazeSender::send(const GazePlan& plan) {
   const auto answered = [shared = shared_, proxy = proxy_](const auto&...) { shared->answered(proxy); };
-  const auto failed = [shared = shared_, proxy = proxy_](bool is_wish) {
-    return
-        [shared, proxy, is_wish](const std::exception_ptr& error) { shared->failed(proxy, error, is_wish); };
+  const auto failed = [shared = shared_, proxy = proxy_](bool is_request) {
+    return [shared, proxy, is_request](const std::exception_ptr& error) {
+      shared->failed(proxy, error, is_request);
+    };
   };
   for (const std::string& key : plan.withdrawn) {
-    // One that is lost runs into its deadline.
+    // A lost withdrawal ends at the request's deadline.
     if (beginCall()) proxy_->withdrawAsync(kGazeClientName, key, answered, failed(false));
   }
   for (const GazeRequest& request : plan.requests) {
     const bool is_free = beginCall();
     {
       const std::lock_guard lock(shared_->mutex);
-      if (shared_->status) shared_->status->count(is_free ? "gaze wishes" : "gaze wishes lost");
+      if (shared_->status) shared_->status->count(is_free ? "gaze requests" : "gaze requests lost");
     }
     if (is_free) proxy_->requestAsync(toIce(request), answered, failed(true));
   }

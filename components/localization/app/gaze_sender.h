@@ -1,4 +1,4 @@
-/// @file Wishes of localization on their way to a remote avm::Gaze, which may come and go. SPEC B4, C3.
+/// @file Sends the localization's gaze requests to a remote avm::Gaze, which may come and go. See B4, C3.
 #pragma once
 
 #include <avm/gaze.h>
@@ -9,28 +9,29 @@
 
 #include "common/process/peer.h"
 #include "common/process/status.h"
-#include "localization/core/gaze_planner.h"
+#include "localization/core/gaze/gaze_planner.h"
 
 namespace vismem {
 
-/// Never waits: a gaze that is away or frozen costs wishes, not poses. The component's status tells how it
-/// fares: the peer "Gaze", the rates "gaze wishes", "gaze wishes refused" and "gaze wishes lost".
-/// *Single-threaded* (owner: the loop); answers come on other threads.
+/// Never waits: an absent or frozen gaze loses requests, not poses. Status: the peer "Gaze" and the rates
+/// "gaze requests", "gaze requests refused" and "gaze requests lost". *Single-threaded* (owner: the loop);
+/// answers come on other threads.
 class GazeSender {
  public:
-  /// @param proxy of the configuration. @param status and @param log live until close() has returned.
+  /// @param proxy of the configuration.
+  /// @param status and @param log must outlive close().
   GazeSender(const std::shared_ptr<Ice::ObjectPrx>& proxy, StatusBoard& status, Logger& log);
   ~GazeSender() { close(); }
 
   void send(const GazePlan& plan);
-  /// To be called now and then: asks an idle peer whether it is there.
+  /// Pings an idle peer. To be called at least once per second.
   void keepInTouch();
-  /// Answers that come later count no more.
+  /// Later answers are ignored.
   void close();
 
  private:
   struct Shared;
-  /// @return false: too many calls are unanswered.
+  /// @return false with too many unanswered calls.
   bool beginCall();
 
   std::shared_ptr<avm::GazePrx> proxy_;

@@ -7,13 +7,12 @@
 namespace vismem {
 namespace {
 
-/// What a client of Ice takes that has set no limits of its own (a message of 1 MB), and half a minute's
-/// work.
+/// The default message size of an Ice client (1 MB), and half a minute of computation.
 constexpr HealthMapLimits kLimits{120'000.0, 5e6};
 
 }  // namespace
 
-HealthMapWorker::HealthMapWorker(const LocalizerParams& params, SegmentMap map_edges,
+HealthMapWorker::HealthMapWorker(const HealthMapParams& params, SegmentMap map_edges,
                                  std::function<MemoryUpdate()> newest)
     : params_(params),
       map_edges_(std::move(map_edges)),
@@ -33,7 +32,7 @@ PortReply HealthMapWorker::draw(const HealthMapRequest& request, Done done) {
     const std::lock_guard lock(mutex_);
     if (stopped_) return PortReply::rejected("localization stops");
     if (jobs_.size() >= kMaximumJobs) {
-      return PortReply::rejected(std::to_string(jobs_.size()) + " health maps are waited for already");
+      return PortReply::rejected(std::to_string(jobs_.size()) + " health maps are waiting already");
     }
     jobs_.push_back({request, std::move(done)});
   }

@@ -1,4 +1,4 @@
-/// @file The thread that draws health maps on request, beside the loop. SPEC L10.
+/// @file The thread that computes health maps on request, beside the loop. See L10.
 #pragma once
 
 #include <condition_variable>
@@ -9,23 +9,22 @@
 #include <thread>
 
 #include "common/segment_map/segment_map.h"
-#include "localization/core/health_map.h"
-#include "localization/core/params.h"
+#include "localization/core/likelihood/health_map.h"
 #include "localization/ice/localization_ice.h"
 
 namespace vismem {
 
-/// One request after another, each by the observation that is the newest when its turn comes. The map is
-/// indexed for the first. *Thread-safe.*
+/// Answers one request after another, each with the newest observation at its start. The map is indexed at
+/// the first request. *Thread-safe.*
 class HealthMapWorker : public HealthMapSource {
  public:
-  /// @param newest asked from the worker's thread; an update without snapshot or analysis: none yet.
-  HealthMapWorker(const LocalizerParams& params, SegmentMap map_edges, std::function<MemoryUpdate()> newest);
+  /// @param newest called from the worker's thread; returns an update without snapshot before the first.
+  HealthMapWorker(const HealthMapParams& params, SegmentMap map_edges, std::function<MemoryUpdate()> newest);
   ~HealthMapWorker() override;
 
   std::string check(const HealthMapRequest& request) const override;
   PortReply draw(const HealthMapRequest& request, Done done) override;
-  /// Answers all who wait, and from now on everybody at once: there is nothing to give.
+  /// Answers all waiting and all later requests without a map.
   void stop();
 
  private:
@@ -38,13 +37,13 @@ class HealthMapWorker : public HealthMapSource {
   void run(const std::stop_token& stop);
   void answer(const std::stop_token& stop, const Job& job);
 
-  const LocalizerParams params_;
+  const HealthMapParams params_;
   const SegmentMap map_edges_;
   const std::function<MemoryUpdate()> newest_;
   std::optional<HealthMapper> mapper_;  ///< the thread's
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::deque<Job> jobs_;  ///< the first is being drawn
+  std::deque<Job> jobs_;  ///< the first is in progress
   bool stopped_ = false;
   std::jthread thread_;  ///< last member: it uses all of the above
 };

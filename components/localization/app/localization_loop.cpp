@@ -7,9 +7,9 @@
 namespace vismem {
 namespace {
 
-/// A command waits at most this long for a memory that says nothing.
+/// Longest wait for an update, and so the longest delay of a command.
 constexpr std::chrono::milliseconds kWait{100};
-/// A memory without news for this long is no longer a source: recordings have two images a second.
+/// A memory without an update for this long counts as silent: recordings have down to two images per second.
 constexpr std::chrono::milliseconds kQuiet{1500};
 
 }  // namespace
@@ -56,6 +56,14 @@ PortReply LocalizationLoop::relocalize() {
   return enqueue(std::nullopt);
 }
 
+PortReply LocalizationLoop::changePlanner(std::function<void(GazePlanner&)> change) {
+  const std::lock_guard lock(mutex_);
+  if (planner_changes_.size() >= kMaximumCommands)
+    return PortReply::rejected(std::to_string(planner_changes_.size()) + " changes are waiting already");
+  planner_changes_.push_back(std::move(change));
+  return PortReply::accepted();
+}
+
 PortReply LocalizationLoop::enqueue(const Command& command) {
   const std::lock_guard lock(mutex_);
   if (commands_.size() >= kMaximumCommands) {
@@ -72,10 +80,13 @@ MemoryUpdate LocalizationLoop::newest() const {
 
 bool LocalizationLoop::runCommands() {
   std::deque<Command> commands;
+  std::deque<std::function<void(GazePlanner&)>> planner_changes;
   {
     const std::lock_guard lock(mutex_);
     commands.swap(commands_);
+    planner_changes.swap(planner_changes_);
   }
+  for (const auto& change : planner_changes) change(*planner_);
   for (const Command& command : commands) {
     if (command) {
       localizer_.setPose(*command);
@@ -88,24 +99,24 @@ bool LocalizationLoop::runCommands() {
 
 void LocalizationLoop::run(const std::stop_token& stop) {
   std::uint64_t memory_revision = 0;
-  std::optional<std::pair<SourceState, std::string>> told;
+  std::optional<std::pair<SourceState, std::string>> reported;
   auto last_update = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
     alive_();
-    // Nobody asks for an estimate that has no stamp: commands before the first update show with it.
+    // Before the first update an estimate has no stamp; commands are published with that update.
     if (runCommands() && memory_revision != 0) publish_(localizer_.latest(), 0.0);
     const MemoryResult result = source_.next(memory_revision, kWait);
     const auto now = std::chrono::steady_clock::now();
     const bool has_update =
         result.state == SourceState::kRunning && result.update.snapshot && result.update.analysis;
     if (has_update) last_update = now;
-    // A wait that ended without news says nothing about a source that runs; a long silence does.
+    // A single wait without an update is normal for a running source; a long silence is not.
     if (has_update || result.state == SourceState::kFinished || now - last_update > kQuiet) {
-      std::pair<SourceState, std::string> heard{has_update ? SourceState::kRunning : result.state,
+      std::pair<SourceState, std::string> found{has_update ? SourceState::kRunning : result.state,
                                                 result.message};
-      if (told != heard) {
-        source_changed_(heard.first, heard.second);
-        told = std::move(heard);
+      if (reported != found) {
+        source_changed_(found.first, found.second);
+        reported = std::move(found);
       }
     }
     if (!has_update) {
@@ -118,7 +129,7 @@ void LocalizationLoop::run(const std::stop_token& stop) {
     const auto spent_s = [&begin] {
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     };
-    const PoseEstimate estimate = localizer_.step(result.update);
+    const PoseEstimate estimate = localizer_.update(result.update);
     if (estimate.revision == before) continue;
     const double step_s = spent_s();
     {

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "common/visual_memory/memory_snapshot.h"
-#include "localization/core/gaze_planner.h"
+#include "localization/core/gaze/gaze_planner.h"
 #include "localization/core/localizer.h"
 
 namespace vismem {
@@ -19,7 +19,7 @@ namespace vismem {
 class LocalizationLoop {
  public:
   using Publish = std::function<void(const PoseEstimate&, double step_s)>;
-  /// kRunning: updates come (again). Anything else: none came for a while, or none will, and why.
+  /// kRunning: updates arrive (again). Other states: none arrived for a while, or none will, with the reason.
   using SourceChanged = std::function<void(SourceState, const std::string& why)>;
   using Failed = std::function<void(std::exception_ptr)>;
 
@@ -28,18 +28,23 @@ class LocalizationLoop {
   ~LocalizationLoop();
 
   using Ask = std::function<void(const GazePlan&, double plan_s)>;
-  /// Before start(): every update's plan is given to `ask`, from the loop's thread.
+  /// To be called before start(): every update's plan is passed to `ask`, from the loop's thread.
   void seekGaze(GazePlanner planner, Ask ask);
 
-  /// Called from the loop's thread: every new estimate, and every change of the source's state.
-  /// @param alive  called in every round, twice a second at least.
+  /// All functions are called from the loop's thread.
+  /// @param publish called with every new estimate.
+  /// @param source_changed called with every change of the source's state.
+  /// @param alive called in every round, at least twice per second.
   void start(Publish publish, SourceChanged source_changed, Failed failed, std::function<void()> alive);
   void stop();
 
-  /// Taken by the loop before its next update. Rejected: not finite, or too many wait.
+  /// Queued until before the loop's next update. Rejected if not finite or with a full queue.
   PortReply setPose(const Pose2& T_world_robot);
   PortReply relocalize();
-  /// The newest update that was used; without snapshot and analysis before the first.
+  /// Has the loop's thread change the planner before its next update. Only after seekGaze.
+  /// Rejected with a full queue.
+  PortReply changePlanner(std::function<void(GazePlanner&)> change);
+  /// The last update in use; without snapshot and analysis before the first one.
   MemoryUpdate newest() const;
 
  private:
@@ -52,7 +57,7 @@ class LocalizationLoop {
   void run(const std::stop_token& stop);
 
   Localizer localizer_;
-  std::optional<GazePlanner> planner_;  ///< empty: no gaze is asked for
+  std::optional<GazePlanner> planner_;  ///< empty: no gaze requests
   Ask ask_;
   VisualMemorySource& source_;
   Publish publish_;
@@ -61,6 +66,7 @@ class LocalizationLoop {
   std::function<void()> alive_;
   mutable std::mutex mutex_;
   std::deque<Command> commands_;
+  std::deque<std::function<void(GazePlanner&)>> planner_changes_;
   MemoryUpdate newest_;
   std::jthread thread_;  ///< last member: it uses all of the above
 };

@@ -1,18 +1,49 @@
-/// @file From visual memory to a pose in the world: races compete until one explains what is seen. Pure.
-/// SPEC L1-L9, L12; DESIGN 9, 14.
+/// @file From visual memory to a pose in the world: the loop of prediction, weighting, search and choice of
+/// races. Pure. Implements L2. See L1-L9, L12.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "common/segment_map/segment_map.h"
 #include "common/visual_memory/memory_snapshot.h"
-#include "localization/core/learnt_odometry.h"
-#include "localization/core/params.h"
+#include "localization/core/hypotheses/evolution.h"
+#include "localization/core/hypotheses/explorers.h"
+#include "localization/core/hypotheses/race_strategy.h"
+#include "localization/core/hypotheses/robust_races.h"
+#include "localization/core/hypotheses/state.h"
+#include "localization/core/likelihood/chapter_health.h"
+#include "localization/core/likelihood/health_map.h"
+#include "localization/core/odometry_calibration.h"
 #include "localization/core/pose_estimate.h"
-#include "localization/core/race_strategy.h"
 
 namespace vismem {
+
+enum class LocalizationMode { kDefault, kChapter };
+
+struct LocalizerParams {
+  LocalizationMode mode = LocalizationMode::kDefault;
+  double tick_s = 0.2;  ///< of stamps between iterations; every update predicts the races by odometry
+  /// Default mode: the same while the winner is suspect, and the longest suspicion (TrackingState).
+  double suspect_tick_s = 0.1;
+  double suspect_time_s = 3.0;
+  /// False: an image counts as taken when it arrives (Localizer::update with the odometry of that moment).
+  bool rate_at_image_stamp = true;
+  MapParams map;
+  RaceParams races;
+  ExplorerParams explorers;
+  EvolutionParams evolution;           ///< chapter mode
+  HealthParams health;                 ///< chapter mode
+  RobustParams robust;                 ///< default mode
+  OdometryCalibrationParams odometry;  ///< default mode
+};
+
+/// The presets: `chapter` as published, with the authors' program where the text is silent; `default` ours.
+LocalizerParams localizerPreset(LocalizationMode mode);
+
+/// The part of the parameters that health maps depend on.
+HealthMapParams healthMapParams(const LocalizerParams& params);
 
 /// One robot's localization. The same updates with the same seed give the same estimates.
 /// *Single-threaded* (owner: the component's loop).
@@ -24,31 +55,35 @@ class Localizer {
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
 
-  /// Moves the races by odometry to the update's stamp and, once per tick of stamps, iterates (L2). The
-  /// pose belongs to the stamp of the update's image: a late image is rated where the robot was then.
-  /// @param update both pointers set. An update that is not newer than the last one (but for a restart of
-  /// the source's time) returns the last estimate again.
-  PoseEstimate step(const MemoryUpdate& update);
-  /// The same for one who knows the odometry at the moment the update arrives. It is used only to show what
-  /// happens otherwise: with RobustParams::rate_at_image_stamp off a late image counts as taken now.
-  PoseEstimate step(const MemoryUpdate& update, const Pose2& T_odom_robot_now);
+  /// Predicts the races by odometry to the update's stamp and, once per tick of stamps, runs an iteration
+  /// (L2). The pose belongs to the stamp of the update's image: a late image is rated at the robot's pose of
+  /// that time.
+  /// @param update both pointers set. An update that is not newer than the last one (except after a restart
+  /// of the source's time) returns the last estimate again.
+  PoseEstimate update(const MemoryUpdate& update);
+  /// The same with the odometry at the moment of arrival, which replaces the image's if
+  /// LocalizerParams::rate_at_image_stamp is off. For the ablation only.
+  PoseEstimate update(const MemoryUpdate& update, const Pose2& T_odom_robot_now);
 
-  /// "The robot is here" (at the last update's stamp): this race alone, as reliable as
-  /// what was seen last lets it be (default mode), at one's word where that is too little. This and
-  /// relocalize() make a new estimate at the last stamp; before the first update latest() stays without a
-  /// stamp.
+  /// Replaces all races by one at this pose at the last update's stamp. Its reliability is what the last
+  /// observation supports, or 1 with too little evidence or in chapter mode. This and relocalize() make a new
+  /// estimate at the last stamp; before the first update latest() has no stamp.
   void setPose(const Pose2& T_world_robot);
-  /// "Forget where you were": no race, explore everywhere.
+  /// Deletes all races and searches the whole map.
   void relocalize();
 
   const PoseEstimate& latest() const { return estimate_; }
   const RaceTable& table() const { return table_; }
 
  private:
+  /// Predicts to the snapshot's stamp, or begins an epoch where its odometry does not continue.
+  void follow(const MemorySnapshot& snapshot);
+  void predict(const Pose2& T_before_now);
   void iterate(const MemoryUpdate& update, double elapsed_s);
-  void noteSurprise(bool is_surprised);
-  bool inDoubt() const;
-  void move(const Pose2& T_before_now);
+  void propose(const std::optional<double>& agreement, bool is_inconsistent);
+  void prune();
+  /// @param before the winner before this iteration; id 0: none.
+  void select(const Race& before, double elapsed_s);
   void beginEpoch();
   void report();
 
@@ -56,7 +91,7 @@ class Localizer {
   std::unique_ptr<RaceStrategy> strategy_;
   RaceTable table_;
   RandomEngine engine_;
-  std::optional<LearntOdometry> odometry_;
+  std::optional<OdometryCalibration> odometry_;
   PoseEstimate estimate_;
   bool has_last_ = false;
   StampUs last_stamp_us_ = 0;
@@ -66,9 +101,7 @@ class Localizer {
   std::uint32_t epoch_ = 0;
   std::uint64_t iteration_ = 0;
   double reliability_ = 0.0;
-  int calm_ = 0;                       ///< iterations since the last surprise
-  std::optional<StampUs> doubted_us_;  ///< when one came that began a doubt
-  int undisputed_ = 0;                 ///< iterations for which nothing spoke against the winner
+  TrackingState tracking_;
 };
 
 }  // namespace vismem

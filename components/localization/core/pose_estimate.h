@@ -1,4 +1,4 @@
-/// @file What localization tells the world. Pure. SPEC L1, L7, L8; DESIGN 9, 14.
+/// @file The estimate that localization publishes, and the commands that it takes. Pure. See L1, L7, L8.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,9 +23,10 @@ struct RaceReport {
   bool winner = false;
 };
 
-/// What odometry was found to do wrong all the time.
-struct OdometryBelief {
-  /// It turned too little per metre forward [rad/m], turned too little per radian, went too short per metre.
+/// Estimated lasting errors of odometry.
+struct OdometryBias {
+  /// Yaw bias per metre forward [rad/m], yaw scale error, distance scale error; positive where odometry
+  /// reports too little.
   Eigen::Vector3d errors = Eigen::Vector3d::Zero();
   Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
 };
@@ -33,17 +34,17 @@ struct OdometryBelief {
 struct PoseEstimate {
   StampUs stamp_us = 0;        ///< of the image used
   std::uint64_t revision = 0;  ///< counts up by one per update that was used
-  /// The winner's pose; empty while there is no race at all.
+  /// The winner's pose; empty without a race.
   std::optional<Pose2> T_world_robot;
-  Pose2 T_odom_robot;  ///< at stamp_us: carries the pose forward as odometry moves on
+  Pose2 T_odom_robot;  ///< at stamp_us; a reader predicts the present pose with newer odometry
   /// Of (x, y, theta) [m^2, m rad, rad^2].
   Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
-  double reliability = 0.0;  ///< 0 lost .. 1 sure
+  double reliability = 0.0;  ///< 0 (lost) .. 1 (reliable)
   std::vector<RaceReport> races;
-  std::optional<OdometryBelief> odometry;  ///< empty: nothing is learnt of it
+  std::optional<OdometryBias> odometry;  ///< empty: not estimated
 };
 
-/// Belief about the world frame that callers may force on the component.
+/// Access to the estimate, and commands that replace it.
 class LocalizationControl {
  public:
   virtual ~LocalizationControl() = default;
@@ -52,9 +53,9 @@ class LocalizationControl {
   /// The newest estimate with a revision above `after_revision`; waits at most `timeout`; empty if none came.
   virtual std::optional<PoseEstimate> next(std::uint64_t after_revision,
                                            std::chrono::milliseconds timeout) = 0;
-  /// "The robot is here": one race there, as reliable as what was seen last lets it be.
+  /// Replaces all races by one at this pose, with the reliability that the last observation supports.
   virtual PortReply setPose(const Pose2& T_world_robot) = 0;
-  /// "Forget where you were": no race, explore everywhere.
+  /// Deletes all races and searches the whole map.
   virtual PortReply relocalize() = 0;
 };
 

@@ -19,7 +19,7 @@ bool usable(const avm::PoseEstimate& e) {
          });
 }
 
-/// A health map of the largest size, and those that wait before it.
+/// A health map of the largest size after a full queue.
 constexpr int kDrawingTimeout_ms = 120'000;
 
 std::optional<std::int64_t> known(std::int64_t after_revision) {
@@ -245,7 +245,7 @@ RemoteLocalization::HealthMapResult RemoteLocalization::healthMap(const HealthMa
   if (!drawings_) return {std::nullopt, "no localization is configured"};
   try {
     auto map = fromIce(drawings_->healthMap(toIce(request)));
-    if (!map) return {std::nullopt, "localization sent a health map that is none"};
+    if (!map) return {std::nullopt, "localization sent an invalid health map"};
     return {std::move(map), {}};
   } catch (...) {
     return {std::nullopt, describeFailure(*drawings_, std::current_exception())};

@@ -48,7 +48,7 @@ class PanTiltServer : public Component {
   }
 
   void stop() override {
-    // The unit first: no command comes any more, and it shall stand while the rest ends.
+    // The unit first: there are no more commands, and it must stand while other parts end.
     unit_->stop();
     servant_->stop();
   }
@@ -75,7 +75,8 @@ ComponentSpec panTiltServerSpec() {
   spec.name = "pantilt_server";
   spec.prefix = "PanTiltServer";
   spec.summary = "Serves a pan-tilt unit.";
-  spec.default_endpoints = "tcp -h 127.0.0.1 -p 9977:ws -h 127.0.0.1 -p 11003";
+  spec.default_endpoints = "tcp -h 127.0.0.1 -p 9977";
+  spec.default_web_endpoints = "ws -h 127.0.0.1 -p 11003";
   spec.configure = configure;
   return spec;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "common/config/config_reader.h"
 #include "common/recording/robot_log.h"
@@ -9,9 +10,9 @@
 
 namespace vismem {
 
-/// SPEC C2. All keys begin with "ReplayServer."; the table is in the component's README.
+/// See C2. All keys begin with "ReplayServer."; the table is in the component's README.
 struct ReplayServerConfig {
-  std::string file;
+  std::vector<std::string> files;  ///< bags, or folders with the parts of one
   RobotLogOptions log;
   LogPlayer::Params player;
 };

@@ -10,7 +10,7 @@
 namespace vismem {
 namespace {
 
-/// Stamp up to which the log is played: what the last image needs to be interpolated at.
+/// End of the replay [us]: the stamp up to which the last image needs samples for its interpolation.
 StampUs endOf(const RobotLog& log) {
   const StampUs last_us = log.frameStamps().back();
   StampUs end_us = last_us;
@@ -46,12 +46,21 @@ class LogPlayer::CameraPort : public FrameSource {
  public:
   explicit CameraPort(LogPlayer& player) : player_(player) {}
   FrameCapabilities capabilities() const override { return capabilitiesOf(player_.log_); }
-  PortReply configure(const FrameRequest& request) override { return configureFor(player_.log_, request); }
+  PortReply configure(const FrameRequest& request) override {
+    PortReply reply = configureFor(player_.log_, request);
+    if (reply.ok()) {
+      const std::lock_guard lock(player_.mutex_);
+      player_.native_ = request.accept_native;
+    }
+    return reply;
+  }
   PortReply start() override {
     player_.setStopped(stopped_, false);
     return PortReply::accepted();
   }
-  FrameResult next(std::chrono::milliseconds timeout) override { return player_.nextFrame(stopped_, timeout); }
+  FrameResult next(std::chrono::milliseconds timeout) override {
+    return player_.nextFrame(stopped_, timeout);
+  }
   void stop() override { player_.setStopped(stopped_, true); }
 
  private:
@@ -67,7 +76,7 @@ class LogPlayer::PanTiltPort : public PanTiltUnit {
     player_.setStopped(stopped_, false);
     return PortReply::accepted();
   }
-  PortReply command(const PanTiltCommand&) override { return recordingCannotMove(); }
+  PortReply command(const PanTiltCommand& command) override { return ignored(command); }
   SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
     return player_.samplesSince(player_.log_.joints(), stopped_, after_us, timeout);
   }
@@ -86,7 +95,7 @@ class LogPlayer::BasePort : public MobileBase {
     player_.setStopped(stopped_, false);
     return PortReply::accepted();
   }
-  PortReply setVelocity(double, double) override { return recordingCannotMove(); }
+  PortReply setVelocity(double v_mps, double w_radps) override { return ignoredVelocity(v_mps, w_radps); }
   SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
     return player_.samplesSince(player_.log_.odometry(), stopped_, after_us, timeout);
   }
@@ -143,7 +152,7 @@ void LogPlayer::shutDown() {
 std::string LogPlayer::whyNothing() const {
   switch (timeline_.state()) {
     case ReplayState::kWaiting:
-      return "the replay waits for a client of its camera, or to be told to play";
+      return "the replay waits for a client of its camera, or for a command to play";
     case ReplayState::kPaused:
       return "the replay is paused";
     case ReplayState::kFinished:
@@ -182,9 +191,10 @@ FrameResult LogPlayer::nextFrame(const bool& stopped, std::chrono::milliseconds 
     if (begun && !shut_down_ && newest >= next_frame_ && newest < stamps.size()) {
       next_frame_ = newest + 1;
       const std::uint64_t seq_offset = seq_offset_;
+      const bool native = native_;
       lock.unlock();  // decoding takes its time; frames have one consumer
       try {
-        Frame frame = log_.readFrame(newest);
+        Frame frame = log_.readFrame(newest, native);
         frame.seq += seq_offset;
         return {SourceState::kRunning, std::move(frame), ""};
       } catch (const RecordingError& error) {
@@ -277,7 +287,7 @@ PortReply LogPlayer::seek(StampUs stamp_us) {
   }
   wake_.notify_all();
   if (reached_us == stamp_us) return PortReply::accepted();
-  return PortReply::adjusted("the log's stamps end at " + std::to_string(reached_us) + " us");
+  return PortReply::adjusted("the played stamps end at " + std::to_string(reached_us) + " us");
 }
 
 PortReply LogPlayer::setRate(double rate) {
@@ -290,6 +300,68 @@ PortReply LogPlayer::setRate(double rate) {
   }
   wake_.notify_all();
   return PortReply::accepted();
+}
+
+PortReply LogPlayer::setPlayLength(StampUs length_us) {
+  if (length_us < 0)
+    return PortReply::rejected("a length of " + std::to_string(length_us) + " us (must be 0 or more)");
+  const std::lock_guard lock(mutex_);
+  timeline_.setPlayLength(length_us);
+  return PortReply::accepted();
+}
+
+PortReply LogPlayer::setRange(StampUs begin_us, StampUs end_us) {
+  const StampUs first_us = log_.frameStamps().front();
+  const StampUs last_us = endOf(log_);
+  if (begin_us >= end_us || begin_us >= last_us || end_us <= first_us) {
+    return PortReply::rejected("the range " + std::to_string(begin_us) + ".." + std::to_string(end_us) +
+                               " us (must begin before its end and meet the log, " +
+                               std::to_string(first_us) + ".." + std::to_string(last_us) + " us)");
+  }
+  const StampUs begin = std::max(begin_us, first_us);
+  const StampUs end = std::min(end_us, last_us);
+  {
+    const std::lock_guard lock(mutex_);
+    timeline_.setRange(begin, end, clock_.now());
+  }
+  wake_.notify_all();
+  if (begin == begin_us && end == end_us) return PortReply::accepted();
+  return PortReply::adjusted("the range is " + std::to_string(begin) + ".." + std::to_string(end) +
+                             " us, where the log has stamps");
+}
+
+PortReply LogPlayer::step(int images) {
+  const auto& stamps = log_.frameStamps();
+  bool clamped = false;
+  {
+    const std::lock_guard lock(mutex_);
+    updateLocked();
+    timeline_.pause(clock_.now());
+    // The frame that is shown now; before the first play none is.
+    const auto shown = static_cast<std::int64_t>(frameAt(stamps, timeline_.position()));
+    const std::int64_t wanted = shown + images;
+    const std::int64_t reached =
+        std::clamp<std::int64_t>(wanted, 0, static_cast<std::int64_t>(stamps.size()) - 1);
+    const StampUs stamp_us = stamps[static_cast<std::size_t>(reached)];
+    const StampUs shown_us = timeline_.seek(stamp_us, clock_.now());
+    clamped = reached != wanted || shown_us != stamp_us;
+    timeline_.pause(clock_.now());
+  }
+  wake_.notify_all();
+  if (clamped) return PortReply::adjusted("the log's images end there");
+  return PortReply::accepted();
+}
+
+ReplayContents LogPlayer::contents() const {
+  ReplayContents contents;
+  for (const BagTopic& topic : log_.contents())
+    contents.topics.push_back({topic.name, topic.type, topic.messages});
+  contents.notes = log_.notes();
+  contents.images = log_.frameStamps().size();
+  const std::lock_guard lock(mutex_);
+  contents.begin_us = timeline_.begin();
+  contents.end_us = timeline_.end();
+  return contents;
 }
 
 PortReply LogPlayer::setLoop(bool loop) {

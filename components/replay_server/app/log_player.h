@@ -1,5 +1,5 @@
-/// @file A log that plays in time, for the ports of a process: frames, joints and odometry come out when
-/// their stamps are reached. DESIGN 2, 14.
+/// @file Real-time replay of a log for the ports of a process: frames, joints and odometry are delivered at
+/// their stamps.
 #pragma once
 
 #include <condition_variable>
@@ -14,7 +14,7 @@
 
 namespace vismem {
 
-/// What the pace of a replay is measured with; tests have their own.
+/// The clock of a replay; tests have their own.
 class PacingClock {
  public:
   virtual ~PacingClock() = default;
@@ -34,7 +34,7 @@ class SteadyPacingClock : public PacingClock {
 };
 
 /// *Thread-safe*, except that the camera has one consumer. Its time runs from the first image to the last,
-/// and on until odometry and joints cover that. Nothing is resampled; commands are rejected.
+/// and on until odometry and joints cover that. Nothing is resampled; commands are taken and ignored.
 class LogPlayer : public ReplayControl {
  public:
   struct Params {
@@ -47,13 +47,13 @@ class LogPlayer : public ReplayControl {
   LogPlayer(RobotLog log, const Params& params, PacingClock& clock);
   ~LogPlayer() override;
 
-  /// A consumer of the camera is there: begins to play if it was waiting for one.
+  /// Reports a consumer of the camera: starts a replay that waits for one.
   void consumerArrived();
   /// Ends all waits now and from now on.
   void shutDown();
 
-  /// A frame is never given twice; the newest that is due wins. After a seek the one at or before the stamp
-  /// is given. Sequence numbers go on over loops and seeks.
+  /// The newest due frame, never the same one twice. After a seek, the frame at or before the stamp. Sequence
+  /// numbers continue over loops and seeks.
   FrameSource& camera();
   PanTiltUnit& panTilt();
   MobileBase& base();
@@ -65,6 +65,10 @@ class LogPlayer : public ReplayControl {
   PortReply seek(StampUs stamp_us) override;
   PortReply setRate(double rate) override;
   PortReply setLoop(bool loop) override;
+  PortReply step(int images) override;
+  PortReply setPlayLength(StampUs length_us) override;
+  PortReply setRange(StampUs begin_us, StampUs end_us) override;
+  ReplayContents contents() const override;
 
  private:
   class CameraPort;
@@ -72,13 +76,14 @@ class LogPlayer : public ReplayControl {
   class BasePort;
 
   FrameResult nextFrame(const bool& stopped, std::chrono::milliseconds timeout);
-  /// @param stopped of the port that asks; guarded by the mutex.
+  /// @param stopped stop flag of the reading port; guarded by the mutex.
   template <typename Sample>
   SampleBatch<Sample> samplesSince(const std::vector<Sample>& samples, const bool& stopped, StampUs after_us,
                                    std::chrono::milliseconds timeout);
   void setStopped(bool& stopped, bool value);
   void updateLocked() const;
-  /// Waits for the stamp (where there is one), the deadline or a change. @return false at the deadline.
+  /// Waits for the stamp (if given), the deadline or a change.
+  /// @return false at the deadline.
   bool waitLocked(std::unique_lock<std::mutex>& lock, std::optional<StampUs> stamp_us, StampUs deadline_us);
   std::string whyNothing() const;
 
@@ -87,11 +92,12 @@ class LogPlayer : public ReplayControl {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   mutable ReplayTimeline timeline_;
-  /// First frame not yet given, as far as the jump numbered seen_jumps_.
+  /// First undelivered frame, after the jump numbered seen_jumps_.
   std::size_t next_frame_ = 0;
   std::uint32_t seen_jumps_ = 0;
   std::uint64_t seq_offset_ = 0;
   bool shut_down_ = false;
+  bool native_ = false;  ///< whether the camera's consumer takes pictures as they were captured
   std::unique_ptr<CameraPort> camera_;
   std::unique_ptr<PanTiltPort> pan_tilt_;
   std::unique_ptr<BasePort> base_;

@@ -17,7 +17,7 @@
 namespace vismem {
 namespace {
 
-/// Tells the player when somebody asks for images, so that a log begins with its first consumer.
+/// Reports to the player when a client asks for images, so that a log begins with its first consumer.
 class ReplayCameraServant : public CameraServant {
  public:
   ReplayCameraServant(FrameBroadcaster& frames, LogPlayer& player)
@@ -58,11 +58,16 @@ class ReplayComponent : public Component {
       host.log().warning(std::to_string(left_out) +
                          " images are left out: no transform to the camera at their stamps");
     }
+    for (const std::string& note : player_.log().notes()) host.log().warning(note);
     host.serve("cameraA", std::make_shared<ReplayCameraServant>(frames_, player_));
     host.serve("PanTilt", pan_tilt_);
     host.serve("Motors", std::make_shared<BaseServant>(player_.base()));
     host.serve("Encoders", odometry_);
     host.serve("Replay", std::make_shared<ReplayServant>(player_));
+    // A JPEG of the log is passed on as it is.
+    FrameRequest request;
+    request.accept_native = true;
+    player_.camera().configure(request);
     frames_.start(player_.camera(), [&status = host.status()](const FrameResult& result) {
       status.alive("reader of the recording");
       if (result.frame) status.count("cameraA");
@@ -91,7 +96,7 @@ std::unique_ptr<Component> configure(ConfigReader& config) {
   const ReplayServerConfig settings = readReplayServerConfig(reader);
   if (!reader.good()) return nullptr;
   try {
-    return std::make_unique<ReplayComponent>(RobotLog::open(settings.file, settings.log), settings.player);
+    return std::make_unique<ReplayComponent>(RobotLog::open(settings.files, settings.log), settings.player);
   } catch (const RecordingError& error) {
     throw ConfigError({error.what()});
   }
@@ -104,13 +109,14 @@ ComponentSpec replayServerSpec() {
   spec.name = "replay_server";
   spec.prefix = "ReplayServer";
   spec.summary = "Plays a recording of a robot over the robot's interfaces.";
-  // Every object is found at every port; each has the port of a hardware server's own.
+  // Every object is served at every port; each of these is the port of a hardware server.
   for (const int port : {9999, 9990, 9997, 9977, 9973}) {
     spec.default_endpoints +=
         (spec.default_endpoints.empty() ? "" : ":") + ("tcp -h 127.0.0.1 -p " + std::to_string(port));
   }
   for (const int port : {11000, 11001, 11002, 11003, 11007}) {
-    spec.default_endpoints += ":ws -h 127.0.0.1 -p " + std::to_string(port);
+    spec.default_web_endpoints +=
+        (spec.default_web_endpoints.empty() ? "" : ":") + ("ws -h 127.0.0.1 -p " + std::to_string(port));
   }
   spec.configure = configure;
   return spec;

@@ -1,4 +1,4 @@
-/// @file The process `replay_server`: a recording behind the interfaces of a robot. SPEC C1, C2.
+/// @file The process `replay_server`: a recording behind the interfaces of a robot. See C1, C2.
 #pragma once
 
 #include "common/process/component.h"

@@ -1,5 +1,7 @@
 #include "replay_server/core/log_ports.h"
 
+#include <cmath>
+#include <initializer_list>
 #include <string>
 
 namespace vismem {
@@ -11,10 +13,22 @@ double rateOf(const RobotLog& log) {
   return seconds > 0.0 ? static_cast<double>(stamps.size() - 1) / seconds : 0.0;
 }
 
+PortReply ignore(std::initializer_list<double> values) {
+  for (const double value : values) {
+    if (!std::isfinite(value))
+      return PortReply::rejected("a command with " + std::to_string(value) + " (must be finite)");
+  }
+  return PortReply::adjusted("a recording cannot be moved: the command is ignored");
+}
+
 }  // namespace
 
-PortReply recordingCannotMove() {
-  return PortReply::rejected("a recording cannot be moved");
+PortReply ignored(const PanTiltCommand& command) {
+  return ignore({command.pan_rad, command.tilt_rad, command.pan_rate_radps, command.tilt_rate_radps});
+}
+
+PortReply ignoredVelocity(double v_mps, double w_radps) {
+  return ignore({v_mps, w_radps});
 }
 
 PanTiltLimits limitsOf(const RobotLog& log) {

@@ -1,4 +1,4 @@
-/// @file What the replays of a log have in common. Pure.
+/// @file Functions shared by the replays of a log. Pure.
 #pragma once
 
 #include <algorithm>
@@ -10,16 +10,18 @@
 
 namespace vismem {
 
-/// The answer to every command: a recording cannot be moved.
-PortReply recordingCannotMove();
+/// The answer to a command that makes sense: taken and ignored, with a notice, so that whoever steers a robot
+/// works on its recording too. Rejected when its values are not finite.
+PortReply ignored(const PanTiltCommand& command);
+PortReply ignoredVelocity(double v_mps, double w_radps);
 
-/// The range that was recorded; no speed.
+/// Limits from the recorded range of angles; no speeds.
 PanTiltLimits limitsOf(const RobotLog& log);
 FrameCapabilities capabilitiesOf(const RobotLog& log);
-/// Accepted when the log has that size and the rate is left open; a rate is adjusted to the log's own.
+/// Accepted for the log's image size without a rate; a rate is adjusted to that of the log.
 PortReply configureFor(const RobotLog& log, const FrameRequest& request);
 
-/// Number of samples up to and with the first at or past a stamp: what is needed to interpolate at it.
+/// Number of samples up to and including the first at or past a stamp, as needed for an interpolation at it.
 template <typename Sample>
 std::size_t countToCover(const std::vector<Sample>& samples, StampUs stamp_us) {
   const auto covering = std::lower_bound(samples.begin(), samples.end(), stamp_us,

@@ -1,4 +1,4 @@
-/// @file Where a replay stands: the map from a clock to the stamps of a log. Pure.
+/// @file Position of a replay: the map from a clock to the stamps of a log. Pure.
 #pragma once
 
 #include <cstdint>
@@ -13,32 +13,37 @@ namespace vismem {
 class ReplayTimeline {
  public:
   /// @param begin_us, end_us stamps between which the log is played, begin <= end.
-  /// @param state kWaiting, kPlaying or kPaused: how it starts at `now_us`.
+  /// @param state initial state at `now_us`: kWaiting, kPlaying or kPaused.
   ReplayTimeline(StampUs begin_us, StampUs end_us, double rate, bool loop, ReplayState state, StampUs now_us);
 
-  /// Follows the clock: to be called before the position is read. Passing the end with `loop` goes on at the
-  /// beginning (jumps() counts), otherwise the state becomes kFinished.
+  /// Advances the position to the clock; to be called before the position is read. At the end it restarts
+  /// with `loop` (a jump), otherwise the state becomes kFinished.
   void update(StampUs now_us);
 
-  /// From kFinished it begins again.
+  /// Plays; restarts at the beginning from kFinished.
   void play(StampUs now_us);
   void pause(StampUs now_us);
-  /// @return the stamp reached: the asked one brought inside the log. A finished replay plays on from there.
+  /// @return the requested stamp, clamped to the log. A finished replay continues to play from there.
   StampUs seek(StampUs stamp_us, StampUs now_us);
   void setRate(double rate, StampUs now_us);
   void setLoop(bool loop, StampUs now_us);
+  /// Plays go on for so long and then pause; 0: to the end.
+  void setPlayLength(StampUs length_us) { play_length_us_ = length_us; }
+  /// Plays between other stamps; a position outside them is brought inside, which is a jump.
+  void setRange(StampUs begin_us, StampUs end_us, StampUs now_us);
+  StampUs begin() const { return begin_us_; }
+  StampUs end() const { return end_us_; }
 
   ReplayState state() const { return state_; }
   StampUs position() const { return position_us_; }
   double rate() const { return rate_; }
   bool loop() const { return loop_; }
-  /// Counts seeks and loops.
+  /// Number of seeks and loops.
   std::uint32_t jumps() const { return jumps_; }
-  /// Where the replay began, or went on after the last jump.
+  /// Position of the begin, or after the last jump.
   StampUs segmentBegin() const { return segment_begin_us_; }
 
-  /// When the clock must stand for the position to be `stamp_us`; empty while it does not play, or when the
-  /// stamp is past.
+  /// Clock time at which the position will be `stamp_us`; empty while it does not play, or for a past stamp.
   std::optional<StampUs> clockAt(StampUs stamp_us) const;
 
  private:
@@ -52,10 +57,12 @@ class ReplayTimeline {
   ReplayState state_;
   StampUs position_us_;
   StampUs segment_begin_us_;
-  /// The position was anchor_position_us_ when the clock stood at anchor_clock_us_.
+  /// The position was anchor_position_us_ at the clock time anchor_clock_us_.
   StampUs anchor_clock_us_;
   StampUs anchor_position_us_;
   std::uint32_t jumps_ = 0;
+  StampUs play_length_us_ = 0;
+  std::optional<StampUs> pause_at_us_;  ///< while a play has a length
 };
 
 }  // namespace vismem

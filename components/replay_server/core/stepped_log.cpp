@@ -36,7 +36,7 @@ class Camera : public FrameSource {
   bool stopped_ = false;
 };
 
-/// Samples of a list up to how many have been let out.
+/// The delivered part of a list of samples.
 template <typename Sample>
 SampleBatch<Sample> released(const std::vector<Sample>& samples, std::size_t count, StampUs after_us) {
   SampleBatch<Sample> batch;
@@ -55,7 +55,7 @@ class Joints : public PanTiltUnit {
 
   PanTiltLimits limits() const override { return limitsOf(log_); }
   PortReply start() override { return PortReply::accepted(); }
-  PortReply command(const PanTiltCommand&) override { return recordingCannotMove(); }
+  PortReply command(const PanTiltCommand& command) override { return ignored(command); }
   SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds) override {
     return released(log_.joints(), count, after_us);
   }
@@ -73,7 +73,7 @@ class Base : public MobileBase {
 
   BaseLimits limits() const override { return {}; }
   PortReply start() override { return PortReply::accepted(); }
-  PortReply setVelocity(double, double) override { return recordingCannotMove(); }
+  PortReply setVelocity(double v_mps, double w_radps) override { return ignoredVelocity(v_mps, w_radps); }
   SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds) override {
     return released(log_.odometry(), count, after_us);
   }
@@ -125,9 +125,6 @@ MobileBase& SteppedLog::base() {
 }
 const RobotLog& SteppedLog::log() const {
   return impl_->log;
-}
-std::size_t SteppedLog::framesReached() const {
-  return impl_->reached;
 }
 
 }  // namespace vismem

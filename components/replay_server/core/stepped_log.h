@@ -1,4 +1,4 @@
-/// @file A log as a robot in lock-step: every call gives the next frame, as fast as it is consumed. DESIGN 2.
+/// @file A log as a robot in lock-step: every call delivers the next frame without waiting.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,8 @@
 namespace vismem {
 
 /// Odometry and joints keep their own stamps: each step lets out those up to the first at or past the frame's
-/// stamp. Commands are rejected. *Single-threaded*; its ports are valid as long as it lives, their waits
-/// return at once.
+/// stamp. Commands are taken and ignored. *Single-threaded*; its ports are valid as long as it lives, their
+/// waits return at once.
 class SteppedLog : public SteppedRobot {
  public:
   explicit SteppedLog(RobotLog log);
@@ -23,8 +23,6 @@ class SteppedLog : public SteppedRobot {
   MobileBase& base() override;
 
   const RobotLog& log() const;
-  /// Frames reached so far.
-  std::size_t framesReached() const;
 
  private:
   struct Impl;

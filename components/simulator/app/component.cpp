@@ -8,6 +8,7 @@
 #include "common/process/log.h"
 #include "common/process/status.h"
 #include "common/robot_ice/base_ice.h"
+#include "common/robot_ice/base_parameters.h"
 #include "common/robot_ice/camera_ice.h"
 #include "common/robot_ice/pantilt_ice.h"
 #include "common/robot_ice/simulation_ice.h"
@@ -54,7 +55,9 @@ class SimulatorComponent : public Component {
       host.serve(name, std::make_shared<CameraServant>(*frames_[i], name));
     }
     host.serve("PanTilt", pan_tilt_);
-    host.serve("Motors", std::make_shared<BaseServant>(simulation_.base()));
+    const auto motors = std::make_shared<BaseServant>(simulation_.base());
+    host.serve("Motors", motors);
+    listBaseParameters(host.parameters(), simulation_.base(), motors);
     host.serve("Encoders", odometry_);
     host.serve("Simulation", truth_);
     simulation_.start();
@@ -142,13 +145,14 @@ ComponentSpec simulatorSpec() {
       "Simulates a robot with a camera on a pan-tilt unit in a world of SDF. Also: simulator --render WORLD "
       "[--pose x,y,theta] [--pan DEG] [--tilt DEG] [--top] [--camera NAME] [--depth FILE] [--ids FILE] -o "
       "FILE.png.";
-  // Every object is found at every port; each has the port of a hardware server's own.
+  // Every object is served at every port; each of these is the port of a hardware server.
   for (const int port : {9999, 9990, 9997, 9977, 9972}) {
     spec.default_endpoints +=
         (spec.default_endpoints.empty() ? "" : ":") + ("tcp -h 127.0.0.1 -p " + std::to_string(port));
   }
   for (const int port : {11000, 11001, 11002, 11003, 11006}) {
-    spec.default_endpoints += ":ws -h 127.0.0.1 -p " + std::to_string(port);
+    spec.default_web_endpoints +=
+        (spec.default_web_endpoints.empty() ? "" : ":") + ("ws -h 127.0.0.1 -p " + std::to_string(port));
   }
   spec.configure = configure;
   return spec;

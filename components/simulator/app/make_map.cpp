@@ -1,5 +1,5 @@
 // make_map WORLD.world|DRAWING.svg --palette FILE -o MAP.csv: the segment map of a simulated world or of a
-// drawing of the floor (DESIGN 9, 11, 14).
+// drawing of the floor.
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -27,9 +27,8 @@ bool isDrawing(const std::string& file) {
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Derives the segment map of a world, or of a drawing of the floor: its edges between colours that the "
-      "palette "
-      "names."};
+      "Derives the segment map of a world, or of a drawing of the floor: its edges between colour pairs of "
+      "the palette."};
   std::string input;
   std::string palette_file;
   std::string out;
@@ -48,21 +47,19 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();
   auto* unit =
-      app.add_option(
-             "--metres-per-unit", metres_per_unit,
-             "Of a drawing: size of its user unit [m]; else from its width and height in mm, cm or in")
+      app.add_option("--metres-per-unit", metres_per_unit,
+                     "Drawing: size of its user unit [m]; default: from its width and height in mm, cm or in")
           ->check(CLI::Range(1e-6, 1e6));
-  app.add_option("--scale", drawing.drawing.scale, "Of a drawing on paper: 50 for one of 1:50")
+  app.add_option("--scale", drawing.drawing.scale, "Drawing on paper: 50 for a scale of 1:50")
       ->check(CLI::Range(1e-3, 1e6))
       ->excludes(unit)
       ->capture_default_str();
   app.add_option(
          "--origin", origin,
-         "Of a drawing: X,Y of the world's (0, 0) in its user units (y down); else its lower left corner")
+         "Drawing: X,Y of the world's (0, 0) in its user units (y down); default: its lower left corner")
       ->delimiter(',')
       ->expected(2);
-  app.add_option("--ground", drawing.ground,
-                 "Of a drawing: colour class of where nothing is painted; else that is no colour");
+  app.add_option("--ground", drawing.ground, "Drawing: colour class of the unpainted ground; default: none");
   if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   try {
     const vismem::Palette palette = vismem::loadPalette(palette_file);
@@ -85,7 +82,7 @@ int main(int argc, char** argv) {
       throw vismem::ConfigError({input + ": no edge lies between two colour classes that " + palette_file +
                                  " pairs" +
                                  (isDrawing(input) && drawing.ground.empty()
-                                      ? " (what is the floor where nothing is painted? --ground)"
+                                      ? " (--ground sets the colour class of the unpainted ground)"
                                       : "")});
     }
     vismem::saveSegmentMap(map, out);

@@ -1,4 +1,4 @@
-/// @file Where models are searched, as Gazebo's users say it.
+/// @file The search path of models, with Gazebo's environment variables.
 #pragma once
 
 #include <filesystem>

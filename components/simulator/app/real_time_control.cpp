@@ -1,5 +1,4 @@
-// What people and experiments ask of a running simulation: each is checked here and done on the simulation's
-// thread.
+// Commands to a running simulation: checked here and executed on the simulation's thread.
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -30,7 +29,7 @@ PortReply RealTimeSimulation::pause() {
 PortReply RealTimeSimulation::resume() {
   return execute([this](Simulation&) {
     const std::lock_guard lock(mutex_);
-    // Who says so again and again must not set the clock back each time: it would never reach the next step.
+    // A repeated command must not set the clock back each time: it would never reach the next step.
     clock_changed_ = clock_changed_ || status_.paused;
     status_.paused = false;
     return PortReply::accepted();

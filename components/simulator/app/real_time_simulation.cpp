@@ -12,12 +12,12 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kMaxCommands = 64;
-/// A command waits at most for one frame to be rendered; longer means that the machine is lost.
+/// Timeout of a command: far above the rendering of one frame.
 constexpr auto kCommandPatience = 2s;
-/// Behind by more than this the clock is set back instead of catching up.
+/// Lag above which the clock is set back instead of catching up [us].
 constexpr StampUs kMaxLag_us = 100'000;
 constexpr StampUs kKept_us = 5 * kSecondUs;
-/// How often time looks whether its consumers are ready, in lock-step.
+/// Period at which lock-step checks its consumers.
 constexpr auto kLockStepPoll = 200us;
 
 template <typename Sample>
@@ -39,7 +39,7 @@ class RealTimeSimulation::OutputPort : public FrameSource {
       : owner_(owner), index_(index), camera_(camera), kind_(kind) {}
   std::size_t camera() const { return camera_; }
   OutputKind kind() const { return kind_; }
-  // What the camera is never changes: these need no lock.
+  // The camera's parameters never change: these need no lock.
   FrameCapabilities capabilities() const override {
     FrameCapabilities capabilities = owner_.simulation_->camera(camera_).capabilities();
     if (kind_ == OutputKind::kDepth) capabilities.name = "simulated camera: true depth (take RGB8)";
@@ -335,7 +335,7 @@ void RealTimeSimulation::publishSamples() {
     for (const auto& sample : joints.samples) append(pan_tilt_samples_, sample);
     const auto odometry = simulation_->base().samplesSince(newestOf(odometry_samples_), 0ms);
     for (const auto& sample : odometry.samples) append(odometry_samples_, sample);
-    // The truth of every step since the last round; a kidnapping shows in the next one.
+    // Ground truth of every step since the last round; a kidnapping appears in the next one.
     for (const auto& sample : simulation_->truthSince(newestOf(truth_samples_)))
       append(truth_samples_, sample);
     status_.stamp_us = simulation_->now();

@@ -1,4 +1,4 @@
-/// @file A simulation that runs by the clock on a thread of its own, with ports for any thread.
+/// @file A simulation in real time on a thread of its own, with ports for any thread.
 #pragma once
 
 #include <condition_variable>
@@ -18,20 +18,20 @@
 
 namespace vismem {
 
-/// Owns a Simulation and gives it to one thread, which steps it at `speed` simulated seconds per second, or
-/// as fast as it can where that is too much (SimulationStatus::real_speed tells). In lock-step it moves on to
-/// the next frame of the first camera as soon as its consumers want one, however fast or slow that is.
-/// Commands go to that thread through a bounded queue and are answered when they are done; frames and samples
-/// are published. *Thread-safe* between start() and stop(); the ports live as long as this.
+/// Owns a Simulation on one thread, which steps it at `speed` simulated seconds per second. A slower machine
+/// runs at its own maximum; SimulationStatus::real_speed reports the reached speed. In lock-step it advances
+/// to the next frame of the first camera as soon as all consumers wait for it. Commands go to that thread
+/// through a bounded queue and are answered after their execution; frames and samples are published.
+/// *Thread-safe* between start() and stop(); the ports live as long as this.
 class RealTimeSimulation : public SimulationControl {
  public:
   struct Hooks {
     std::function<void()> on_round;                      ///< ten times a second at least; must not block
     std::function<void()> on_frame;                      ///< after each frame; must not block
     std::function<void(std::exception_ptr)> on_failure;  ///< the loop has ended by this
-    std::function<void(const std::string&)> on_problem;  ///< what of a scenario could not be done
-    /// Lock-step: how many consumers have seen all of the `frames` that the first camera gave out and want
-    /// another. Asked some thousand times a second while time waits; must not block.
+    std::function<void(const std::string&)> on_problem;  ///< an event of a scenario that failed
+    /// Lock-step: number of consumers that have received all of the first camera's `frames` and wait for
+    /// another. Called about a thousand times a second while time waits; must not block.
     std::function<int(std::uint64_t frames)> consumers_waiting;
   };
 
@@ -41,10 +41,10 @@ class RealTimeSimulation : public SimulationControl {
   RealTimeSimulation(SimulationConfig config, double speed, Hooks hooks);
   ~RealTimeSimulation() override;
 
-  /// Before start(): a scenario to play from time 0. Rejected if it names models that are not there.
+  /// To be called before start(): a scenario to play from time 0. Rejected if it names unknown models.
   PortReply prepareScenario(Scenario scenario);
   void start();
-  /// Ends the loop and answers everyone who waits.
+  /// Ends the loop and answers all waiting requests.
   void stop();
 
   FrameSource& camera() { return output(0); }
@@ -54,7 +54,7 @@ class RealTimeSimulation : public SimulationControl {
   /// The camera's name, with /depth or /objects for ground truth.
   std::string outputName(std::size_t index) const;
   PanTiltUnit& panTilt();
-  /// Where the axes of the pan-tilt unit cross on the robot [m].
+  /// Crossing point of the pan-tilt axes on the robot [m].
   Eigen::Vector3d panTiltPosition() const;
   MobileBase& base();
 
@@ -86,9 +86,10 @@ class RealTimeSimulation : public SimulationControl {
   /// Runs a command on the simulation's thread and waits for its answer.
   PortReply execute(std::function<PortReply(Simulation&)> work);
   void loop(const std::stop_token& stop);
-  /// One round: commands, steps, the frames due. @return when the next round is due.
+  /// One round: commands, steps, the frames due.
+  /// @return when the next round is due.
   Clock::time_point advance();
-  /// The same by the clock, and by the consumers of images.
+  /// As advance, in real time, and in lock-step with the consumers of images.
   Clock::time_point advanceByClock(Clock::time_point now, double speed);
   Clock::time_point advanceInLockStep(Clock::time_point now, int consumers);
   void setOrigin(Clock::time_point now);
@@ -122,7 +123,7 @@ class RealTimeSimulation : public SimulationControl {
   bool running_ = false;
   std::deque<Command> commands_;
   SimulationStatus status_;
-  std::vector<std::optional<Frame>> frames_;  ///< by output: the newest that nobody took
+  std::vector<std::optional<Frame>> frames_;  ///< by output: the newest undelivered one
   std::uint64_t given_out_ = 0;               ///< frames of the first camera
   std::deque<PanTiltSample> pan_tilt_samples_;
   std::deque<OdometrySample> odometry_samples_;

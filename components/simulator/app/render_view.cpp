@@ -18,7 +18,7 @@
 namespace vismem {
 namespace {
 
-/// So far up that walls hide nothing.
+/// High enough that walls occlude no floor.
 constexpr double kTopHeight_m = 120.0;
 constexpr double kMaxBodySize_m = 50.0;
 constexpr double kBorder_m = 0.2;
@@ -150,19 +150,19 @@ void render(const RenderRequest& request) {
 }  // namespace
 
 int runRenderCommand(int argc, char** argv) {
-  CLI::App app{"Renders one picture of a world as PNG."};
+  CLI::App app{"Renders one image of a world as PNG."};
   RenderRequest request;
   app.add_option("--render", request.world_file, "World file (SDF)")->required();
   app.add_option("--pose", request.pose, "x,y,theta of the robot [m, m, rad]")->delimiter(',')->expected(3);
   app.add_option("--pan", request.pan_deg, "Degrees, > 0 to the left")->check(CLI::Range(-180.0, 180.0));
   app.add_option("--tilt", request.tilt_deg, "Degrees, > 0 up")->check(CLI::Range(-90.0, 90.0));
-  app.add_flag("--top", request.top, "The whole world from above instead");
-  app.add_option("--camera", request.camera, "A camera of the world's own instead, as model/link/sensor");
-  app.add_option("--depth", request.depth, "PNG of 16 bits to write too: depth in mm, 0 where nothing is");
+  app.add_flag("--top", request.top, "View of the whole world from above");
+  app.add_option("--camera", request.camera, "View of a camera in the world, as model/link/sensor");
+  app.add_option("--depth", request.depth, "Depth image to write (PNG, 16 bits): mm, 0 without a surface");
   app.add_option(
       "--ids", request.ids,
-      "PNG of 16 bits to write too: number of the model from 1 (their names are in the JSON line), "
-      "0 where nothing is");
+      "Model image to write (PNG, 16 bits): number of the model from 1 (names: in the JSON line), 0 without "
+      "a surface");
   app.add_option("--models", request.model_paths,
                  "Folders in which model:// names are searched, before those of GAZEBO_MODEL_PATH and "
                  "GZ_SIM_RESOURCE_PATH");

@@ -18,7 +18,7 @@ Pose3 readPose(ConfigReader& r, const std::string& prefix, const Pose3& fallback
   return poseFromXyzRpy(p[0], p[1], p[2], degToRad(turn[0]), degToRad(turn[1]), degToRad(turn[2]));
 }
 
-/// @param camera holds what a key that is left out means.
+/// @param camera holds the defaults.
 void readCamera(ConfigReader r, SimulatedCameraParams& camera) {
   CameraIntrinsics& k = camera.intrinsics;
   const int width = static_cast<int>(r.integer("Width_px", k.width, 16, 4096));
@@ -42,7 +42,8 @@ void readCamera(ConfigReader r, SimulatedCameraParams& camera) {
     camera.T_believed_true =
         poseFromXyzRpy(0.0, 0.0, 0.0, degToRad(error[0]), -degToRad(error[1]), degToRad(error[2]));
   }
-  camera.tells_pose = r.boolean("TellsPose", camera.tells_pose);
+  r.alias("TellsPose", "ReportsPose");
+  camera.reports_pose = r.boolean("ReportsPose", camera.reports_pose);
   camera.depth = r.boolean("Depth", camera.depth);
   camera.objects = r.boolean("Objects", camera.objects);
   if (const auto problem = checkCamera(camera); !problem.empty()) r.problem("Width_px", problem);

@@ -12,10 +12,10 @@ namespace vismem {
 struct SimulatorConfig {
   std::filesystem::path world_file;
   std::vector<std::filesystem::path> model_paths;
-  SimulationConfig simulation;  ///< without its world, which is loaded later
+  SimulationConfig simulation;  ///< without the world, which is loaded later
   double speed = 1.0;           ///< simulated seconds per second
-  bool paused = false;          ///< stands still until told to run
-  int lock_step = 0;            ///< consumers of images that time waits for; 0: by the clock
+  bool paused = false;          ///< starts paused
+  int lock_step = 0;            ///< number of image consumers that simulated time waits for; 0: real time
   int render_threads = 1;
   std::filesystem::path scenario;  ///< empty: none
 };

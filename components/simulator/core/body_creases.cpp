@@ -14,7 +14,7 @@ std::vector<Segment3> creasesOf(const WorldBody& body, const Pose3& T, double mi
   for (const auto& v : body.vertices) {
     vertices.push_back((T.cast<float>() * v).cast<double>());
   }
-  // Vertices are repeated per face: equal places (to 0.1 mm) are one corner.
+  // Vertices are repeated per face: equal positions (to 0.1 mm) are one corner.
   using Corner = std::tuple<long, long, long>;
   const auto corner = [&](std::uint32_t i) {
     const Eigen::Vector3d& v = vertices[i];

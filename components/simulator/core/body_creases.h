@@ -1,4 +1,4 @@
-/// @file The lines where the faces of a body meet at an angle, or end. Pure.
+/// @file The creases and borders of a body's faces. Pure.
 #pragma once
 
 #include <vector>
@@ -8,9 +8,9 @@
 
 namespace vismem {
 
-/// In the coordinates that `T` leads to from the body's [m]. Corners nearer than 0.1 mm are one. The order
-/// depends on places only.
-/// @param min_angle_rad faces that meet at a smaller angle make none (round bodies).
+/// Creases in the coordinates that `T` maps the body's to [m]. Corners nearer than 0.1 mm are one. The order
+/// depends on positions only.
+/// @param min_angle_rad smallest angle between the faces of a crease; round bodies have smaller ones [rad].
 std::vector<Segment3> creasesOf(const WorldBody& body, const Pose3& T, double min_angle_rad);
 
 }  // namespace vismem

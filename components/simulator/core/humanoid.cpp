@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// The next step's speed: slower or the other way by anything down to standing, faster by at most `gain`.
+/// The next step's speed: a decrease down to 0 is not limited, an increase is at most `gain`.
 double nextSpeed(double now, double wanted, double gain) {
   const double kept = now * wanted > 0.0 ? std::abs(now) : 0.0;
   return std::copysign(std::min(std::abs(wanted), kept + gain), wanted);
@@ -45,7 +45,7 @@ void HumanoidWalk::beginStep(const BaseSpeeds& wanted) {
 BaseSpeeds HumanoidWalk::step(const BaseSpeeds& wanted, double dt_s) {
   if (!walking_) beginStep(wanted);
   if (!walking_) return {};
-  // The pulse over [phase, phase + d], so that a step covers what its mean speed says whatever dt is.
+  // The integral of the pulse over [phase, phase + d]: the length of a step does not depend on dt.
   const double from = phase_;
   const double to = std::min(1.0, phase_ + dt_s / params_.step_s);
   const double covered =

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kTable = 1 << 18;
 constexpr int kNormalOne = 4096;
 constexpr int kSigmaOne = 256;
-/// Beyond these a picture would be black or white anyway.
+/// Larger gains give black or white images.
 constexpr double kMaxLogGain = 2.0;
 
 }  // namespace

@@ -16,15 +16,16 @@ namespace vismem {
 namespace {
 
 constexpr double kOnFloor_m = 0.005;
-/// The edge's own surface must be where the edge is, seen from the eye.
+/// Maximum depth difference between the edge and the visible surface at it [m].
 constexpr double kDepthTolerance_m = 0.015;
 constexpr int kEyeAzimuths = 12;
 constexpr std::array<double, 2> kEyeRanges_m{0.4, 0.9};
 constexpr int kBisections = 8;
-/// Eyes that look along the edge (sine of the angle) would see its sides far from the place asked for.
+/// Minimum sine of the angle between view ray and edge: views along the edge would sample its sides far from
+/// the requested place.
 constexpr double kMinAcross = 0.7;
 
-/// A line where two faces of a body meet, or where a face ends.
+/// A crease between two faces of a body, or the border of a face.
 struct Crease {
   int model = 0;
   int body = 0;
@@ -49,18 +50,18 @@ class EdgeLooker {
   EdgeLooker(const World& world, const Palette& palette, const MapBuilderParams& params)
       : params_(params), palette_(palette), renderer_(world) {}
 
-  /// The label that most eyes see at a place of a crease; empty if none sees a named pair.
+  /// The most frequent label of all views of a place on a crease; empty without a named pair.
   std::optional<Label> labelAt(const Crease& crease, double fraction) const {
     const Eigen::Vector3d p = crease.line.a + fraction * (crease.line.b - crease.line.a);
     const Eigen::Vector3d along = (crease.line.b - crease.line.a).normalized();
     std::map<Label, int> votes;
-    // From the camera's height, and level with what is above it.
+    // From the camera's height, and from the height of places above it.
     std::vector<double> heights{params_.eye_height_m};
     if (p.z() > params_.eye_height_m) heights.push_back(p.z());
     for (const double height : heights) {
       for (const double range : kEyeRanges_m) {
         for (int i = 0; i < kEyeAzimuths; ++i) {
-          // Off the axes, so that no eye looks along a wall.
+          // Off the axes, so that no view lies along a wall.
           const double azimuth = 2.0 * std::numbers::pi * (i + 0.37) / kEyeAzimuths;
           const Eigen::Vector3d eye(p.x() + range * std::cos(azimuth), p.y() + range * std::sin(azimuth),
                                     height);
@@ -116,7 +117,7 @@ void addRuns(const EdgeLooker& looker, const Crease& crease, const MapBuilderPar
   const auto fractionOf = [&](int i) { return (i + 0.5) / steps; };
   std::vector<std::optional<Label>> labels;
   for (int i = 0; i < steps; ++i) labels.push_back(looker.labelAt(crease, fractionOf(i)));
-  /// Where the label ends between a place that has it and one that has not.
+  /// Position of the label's end, by bisection between a place with it and one without it.
   const auto refine = [&](double has, double has_not, const Label& label) {
     for (int i = 0; i < kBisections; ++i) {
       const double middle = 0.5 * (has + has_not);
@@ -135,7 +136,7 @@ void addRuns(const EdgeLooker& looker, const Crease& crease, const MapBuilderPar
       MapSegment segment{{crease.line.a + from * d, crease.line.a + to * d}, label};
       for (Eigen::Vector3d* end : {&segment.world.a, &segment.world.b}) {
         if (std::abs(end->z()) < kOnFloor_m) end->z() = 0.0;
-        // Millimetres are enough for people to read, and -0 is not.
+        // Rounded to millimetres for readability, without -0.
         *end = (*end * 1e3).array().round() / 1e3 + 0.0;
       }
       if (segment.world.length() >= params.min_length_m) out.push_back(std::move(segment));

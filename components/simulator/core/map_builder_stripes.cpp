@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "common/geometry/plane.h"
+
 namespace vismem {
 namespace {
 
@@ -11,7 +13,7 @@ constexpr double kMinWidth_m = 0.03;
 constexpr double kMaxWidth_m = 0.12;
 constexpr double kParallel = 0.9986;  // cosine of 3 degrees
 constexpr double kMinOverlap_m = 0.02;
-/// Between the parts of a stripe that others cross, beyond their width.
+/// Maximum gap between the parts of a crossed stripe, beyond the width of the crossing one [m].
 constexpr double kJunction_m = 0.01;
 constexpr double kOnLine_m = 0.004;
 
@@ -20,7 +22,7 @@ struct Interval {
   double to = 0.0;
 };
 
-/// An edge on the floor and what of it has no partner yet, along it [m].
+/// An edge on the floor and its unpaired intervals, along it [m].
 struct Edge {
   Segment2 line;
   Eigen::Vector2d direction;
@@ -44,7 +46,7 @@ struct Stripe {
   double width = 0.0;
 };
 
-/// What both edges have beside each other becomes a stripe.
+/// The common interval of both edges becomes a stripe.
 void pair(Edge& a, Edge& b, double width, std::vector<Stripe>& stripes) {
   for (const Interval fa : std::vector(a.free)) {
     for (const Interval fb : std::vector(b.free)) {
@@ -61,7 +63,7 @@ void pair(Edge& a, Edge& b, double width, std::vector<Stripe>& stripes) {
   }
 }
 
-/// Joins `b` to `a` if they are parts of one stripe that another one crosses.
+/// Joins `b` to `a` if they are parts of one stripe on both sides of a crossing one.
 bool join(Stripe& a, const Stripe& b) {
   if (std::abs(a.width - b.width) > kOnLine_m) return false;
   if (distanceToLine(b.middle.a, a.middle) > kOnLine_m || distanceToLine(b.middle.b, a.middle) > kOnLine_m) {
@@ -77,25 +79,25 @@ bool join(Stripe& a, const Stripe& b) {
   return true;
 }
 
-/// Moves the ends of a stripe onto the middles of those that it runs into.
+/// Extends the ends of a stripe to the middle lines of the stripes at its junctions.
 void extendTo(Stripe& stripe, const Stripe& other) {
   const Eigen::Vector2d d = (stripe.middle.b - stripe.middle.a).normalized();
   const Eigen::Vector2d e = (other.middle.b - other.middle.a).normalized();
-  const double cross = d.x() * e.y() - d.y() * e.x();
+  const double cross = cross2(d, e);
   if (std::abs(cross) < 0.3) return;
   const Eigen::Vector2d r = other.middle.a - stripe.middle.a;
-  const Eigen::Vector2d meeting = stripe.middle.a + (r.x() * e.y() - r.y() * e.x()) / cross * d;
+  const Eigen::Vector2d crossing = stripe.middle.a + cross2(r, e) / cross * d;
   const double reach = 0.5 * other.width / std::abs(cross) + kJunction_m;
-  if (distanceToSegment(meeting, other.middle) > other.width) return;
+  if (distanceToSegment(crossing, other.middle) > other.width) return;
   for (Eigen::Vector2d* end : {&stripe.middle.a, &stripe.middle.b}) {
     const Eigen::Vector2d outwards = *end == stripe.middle.a ? Eigen::Vector2d(-d) : d;
-    const double ahead = (meeting - *end).dot(outwards);
-    if (ahead > 0.0 && ahead < reach) *end = meeting;
+    const double ahead = (crossing - *end).dot(outwards);
+    if (ahead > 0.0 && ahead < reach) *end = crossing;
   }
 }
 
 Eigen::Vector3d onFloor(const Eigen::Vector2d& p) {
-  // Millimetres, as in the rest of the map; -0 is nothing to read.
+  // Rounded to millimetres as in the rest of the map, without -0.
   return {std::round(p.x() * 1e3) / 1e3 + 0.0, std::round(p.y() * 1e3) / 1e3 + 0.0, 0.0};
 }
 
@@ -114,7 +116,7 @@ void joinStripesOf(const std::vector<Segment2>& lines, const Label& name, const 
       if (width >= kMinWidth_m && width <= kMaxWidth_m) pairs.push_back({width, i, j});
     }
   }
-  // To the millimetre, so that rounding decides nothing.
+  // To the millimetre, so that rounding errors do not change the order.
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) {
     return std::lround(x.width * 1e3) < std::lround(y.width * 1e3);
   });

@@ -1,4 +1,4 @@
-/// @file Painted stripes in a map of edges. Pure. DESIGN 14.
+/// @file Painted stripes in a map of edges. Pure.
 #pragma once
 
 #include <map>
@@ -7,9 +7,10 @@
 
 namespace vismem {
 
-/// Puts the middle of a stripe, with its width, in place of its two edges on the floor: parallel edges of a
-/// stripe's edge label 3 to 12 cm apart, the nearest first. Stripes that meet are made to touch; edges of a
-/// stripe that have no partner stay if they are longer than its width (ends and corners of stripes go).
+/// Replaces the two edges of a stripe on the floor by its middle line with its width. A pair has a stripe's
+/// edge label, is parallel and 3 to 12 cm apart; the nearest pairs are joined first. Stripes are extended to
+/// each other at junctions. Unpaired edges stay if they are longer than the stripe's width; shorter ones are
+/// ends and corners of stripes.
 /// @param stripe_edges name of a stripe -> label of its edges (Palette::stripes()).
 SegmentMap joinStripes(const SegmentMap& edges, const std::map<Label, Label>& stripe_edges);
 

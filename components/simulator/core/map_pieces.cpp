@@ -43,7 +43,7 @@ std::vector<MapSegment> joinPieces(const std::vector<MapSegment>& pieces, double
     joined.push_back(piece);
   }
 
-  // Both rims of a thin panel are one edge for a camera; the longer one stays.
+  // Both borders of a thin panel are one edge for a camera; the longer one stays.
   std::vector<std::size_t> order(joined.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {

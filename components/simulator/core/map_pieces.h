@@ -1,4 +1,4 @@
-/// @file Pieces of edges, as they were found one by one, as the edges of a map. Pure.
+/// @file Joining of collinear pieces into the edges of a map. Pure.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace vismem {
 
-/// Joins pieces of one label that lie on one line and touch (gaps up to `same_place_m`), and leaves out those
-/// all of which lies nearer than that to a longer one. Order: of the pieces that come first.
+/// Joins collinear pieces of one label with gaps up to `same_place_m`. Leaves out pieces that lie entirely
+/// within that distance of a longer one. Order: that of the first piece of each edge.
 std::vector<MapSegment> joinPieces(const std::vector<MapSegment>& pieces, double same_place_m);
 
 }  // namespace vismem

@@ -9,8 +9,9 @@
 
 namespace vismem {
 
-/// Builds a model that stands on its origin. kRobot: a round base with a pillar up to its height, which fills
-/// much of another robot's view. @return what is wrong with the shape; empty if nothing is.
+/// Builds a model whose origin lies at its bottom. kRobot: a round base with a pillar up to its height, which
+/// fills much of another robot's view.
+/// @return the problem of the shape; empty if it is valid.
 std::string checkProp(const PropShape& shape);
 WorldModel makeProp(const std::string& name, const PropShape& shape, const Pose3& T_world_model);
 

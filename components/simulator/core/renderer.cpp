@@ -25,10 +25,10 @@ static_assert(kPacket % kSamples == 0);
 /// Packets are blocks of the image: their rays stay together longer than those of a row.
 constexpr int kBlockWidth = 4;
 constexpr int kBlockHeight = 2;
-/// Rows of one task. Tasks never depend on how many threads there are.
+/// Rows of one task. Tasks do not depend on the number of threads.
 constexpr int kBandRows = 8;
 static_assert(kBandRows % kBlockHeight == 0);
-/// Cameras whose rays are kept.
+/// Number of cameras with cached rays.
 constexpr std::size_t kCameras = 8;
 
 std::uint8_t toByte(float value) {
@@ -39,7 +39,7 @@ std::uint8_t toByte(float value) {
 struct RayTable {
   CameraIntrinsics intrinsics;
   std::vector<Eigen::Vector3f> rays;  ///< of the pixels' centres, row by row
-  float pixel_rad = 0.0f;             ///< that a pixel covers in the image's middle
+  float pixel_rad = 0.0f;             ///< angle of a pixel in the image's middle
   /// Corners of the image, as it would be without distortion [px].
   Eigen::Vector2d ideal_low = Eigen::Vector2d::Zero();
   Eigen::Vector2d ideal_high = Eigen::Vector2d::Zero();
@@ -61,7 +61,7 @@ struct RayTable {
   const Eigen::Vector3f& at(int u, int v) const {
     return rays[static_cast<std::size_t>(v) * intrinsics.width + u];
   }
-  /// By how much the ray turns from a pixel to the next one to the right and below.
+  /// Change of the ray from a pixel to its right and lower neighbour.
   Eigen::Vector3f toRight(int u, int v) const {
     const int low = std::max(u - 1, 0);
     const int high = std::min(u + 1, intrinsics.width - 1);

@@ -13,15 +13,16 @@ namespace {
 constexpr std::size_t kMaxTriangles = 400;
 /// A body is narrow if its second longest side is shorter ...
 constexpr double kNarrow_m = 0.3;
-/// ... or if it lies as flat as paint: then another may leave only a strip of it (a circle within a circle).
+/// ... or if it is as flat as paint: another body may then leave only a strip of it visible (a circle within
+/// a circle).
 constexpr double kPaint_m = 0.01;
 constexpr double kStrip_m = 0.1;
-/// Seen this flat, a strip of the floor is as many times narrower than from above.
+/// Foreshortening of a floor strip at the flattest considered view.
 constexpr double kFlatness = 15.0;
 constexpr double kCreaseAngle_rad = 0.35;
 constexpr double kStep_px = 0.5;
 
-/// Lengths of the sides of a box around the points that is turned as they lie, the shortest first.
+/// Side lengths of the box along the principal axes of the points, the shortest first.
 Eigen::Vector3d sidesOf(const WorldBody& body) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& v : body.vertices) mean += v.cast<double>() / static_cast<double>(body.vertices.size());

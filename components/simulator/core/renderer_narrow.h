@@ -1,4 +1,4 @@
-/// @file Where in an image narrow bodies may lie between the pixels' centres. Private to Renderer.
+/// @file Pixels in which narrow bodies may lie between the pixels' centres. Private to Renderer.
 #pragma once
 
 #include <vector>
@@ -10,16 +10,17 @@
 
 namespace vismem {
 
-/// The creases of bodies that a ray through a pixel's centre easily misses: painted lines, legs, poles,
-/// whatever lies flat on the floor. Far away they would come out dashed; the pixels along their creases get
-/// more rays. *Single-threaded.*
+/// The creases of bodies that rays through pixel centres easily miss: painted lines, legs, poles, flat bodies
+/// on the floor. Without more rays along their creases they would be rendered dashed in the distance.
+/// *Single-threaded.*
 class NarrowBodies {
  public:
-  /// Of models in the order of their indices. Bodies of many triangles are left out: they would cost more
-  /// than they show.
+  /// Adds models in the order of their indices. Bodies of many triangles are left out, because their cost
+  /// exceeds their effect.
   void add(const WorldModel& model);
 
-  /// Marks the pixels that creases pass. @param low, high the image's corners in ideal pixels.
+  /// Marks the pixels on creases.
+  /// @param low, high the image's corners in ideal pixels.
   /// @param marks width * height; not zero: marked. Empty if no body is narrow.
   void mark(const CameraIntrinsics& k, const Pose3& T_world_camera, const Eigen::Vector2d& low,
             const Eigen::Vector2d& high, const RenderScene& scene, std::vector<char>& marks) const;

@@ -1,4 +1,5 @@
-/// @file The search trees of a renderer: which body a ray meets, wherever models stand. Private to Renderer.
+/// @file The search trees of a renderer: intersections of rays with the bodies of moving models. Private to
+/// Renderer.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -14,7 +15,7 @@ namespace vismem {
 constexpr int kPacket = 8;
 constexpr int kNoSlot = -1;
 
-/// A body as the shading needs it. Slots are numbered through all models in the order of their arrival.
+/// A body for the shading. Slots are numbered over all models in the order of their addition.
 struct BodySlot {
   int model = 0;
   int body = 0;
@@ -26,8 +27,8 @@ struct RayPacket {
   RTCRayHit8 rays;
   alignas(32) std::array<int, kPacket> valid;
   // Filled by intersect:
-  std::array<int, kPacket> slot;  ///< kNoSlot where nothing is met
-  /// Of the triangle, in world coordinates, any length, on the side that its winding says.
+  std::array<int, kPacket> slot;  ///< kNoSlot without an intersection
+  /// Normal of the triangle in world coordinates, of any length, on the side of its winding.
   alignas(32) std::array<float, kPacket> nx, ny, nz;
 
   /// Lane `i` starts at `origin` towards (x, y, z) of unit length.
@@ -48,18 +49,18 @@ class RenderScene {
   int modelCount() const { return static_cast<int>(models_.size()); }
   void setPose(int model, const Pose3& T_world_model);
   void setVisible(int model, bool visible);
-  /// Brings the trees up to date; to be called before rays are traced.
+  /// Updates the trees; to be called before rays are traced.
   void commit();
 
   void intersect(RayPacket& packet) const;
-  /// Afterwards tfar of a lane is negative where something stands before its end.
+  /// Sets tfar of a lane to a negative value if a body occludes its end.
   void occluded(RTCRay8& rays, const std::array<int, kPacket>& valid) const;
 
   const BodySlot& slot(int i) const { return slots_[i]; }
   std::size_t slotCount() const { return slots_.size(); }
   const Pose3& poseOf(int model) const { return models_[model].pose; }
   bool isVisible(int model) const { return models_[model].visible; }
-  /// From the coordinates of a slot's model to the world's.
+  /// Rotation from the coordinates of a slot's model to the world's.
   const Eigen::Matrix3f& rotationOf(int slot) const { return models_[slots_[slot].model].R; }
 
  private:

@@ -9,8 +9,8 @@ namespace {
 /// Lifts the start of shadow rays off the surface they start from [m].
 constexpr float kShadowLift_m = 1e-3f;
 constexpr float kFar_m = 1000.0f;
-/// A rounded surface made of flat triangles shadows itself in steps where light grazes it: there its light
-/// fades out instead (cosine of the angle).
+/// Cosine below which light fades out at grazing incidence: a rounded surface of flat triangles would
+/// otherwise have stepped shadows of itself.
 constexpr float kGrazing = 0.2f;
 
 float fade(float value, float zero, float one) {
@@ -18,7 +18,7 @@ float fade(float value, float zero, float one) {
   return t * t * (3.0f - 2.0f * t);
 }
 
-/// Of a point or spot light at a distance along the unit vector `travel`.
+/// Intensity of a point or spot light at a distance along the unit vector `travel`.
 float strengthAt(const Light& light, const Eigen::Vector3f& travel, float distance) {
   if (distance > light.range_m) return 0.0f;
   const float divisor = light.constant + distance * (light.linear + distance * light.quadratic);
@@ -38,7 +38,7 @@ float strengthAt(const Light& light, const Eigen::Vector3f& travel, float distan
 
 struct Shader::Lanes {
   using Floats = std::array<float, kPacket>;
-  alignas(32) Floats px, py, pz;        ///< where the surface is met
+  alignas(32) Floats px, py, pz;        ///< intersection with the surface
   alignas(32) Floats gx, gy, gz;        ///< normal of the triangle, of unit length, towards the eye
   alignas(32) Floats nx, ny, nz;        ///< normal for light: that of the rounded surface where there is one
   alignas(32) Floats view;              ///< cosine between the ray and the triangle's normal
@@ -145,8 +145,8 @@ Eigen::Vector3f Shader::surfaceColor(const RayPacket& p, int lane, const Lanes& 
   const float u = p.rays.hit.u[lane];
   const float v = p.rays.hit.v[lane];
   const Eigen::Vector2f uv = (1.0f - u - v) * body.uvs[t[0]] + u * body.uvs[t[1]] + v * body.uvs[t[2]];
-  // A pixel's footprint is longer the flatter the ray; its mean of both directions neither blurs all nor
-  // flickers much.
+  // The footprint of a pixel is longer for flatter rays. The mean of both directions is a compromise between
+  // blur and flicker.
   const float footprint_m = p.rays.ray.tfar[lane] * pixel_rad / std::sqrt(std::max(l.view[lane], 0.02f));
   return material.color.cwiseProduct(
       material.texture->sample(uv.x(), uv.y(), footprint_m * material.texels_per_m[triangle]));

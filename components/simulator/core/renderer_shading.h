@@ -1,4 +1,4 @@
-/// @file The colour of what rays meet: materials, textures, lights, shadows. Private to Renderer.
+/// @file The colour at intersections of rays: materials, textures, lights, shadows. Private to Renderer.
 #pragma once
 
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace vismem {
 
-/// A colour in 0..1 (it may exceed 1 before clamping) and whose it is.
+/// A colour in 0..1 (it may exceed 1 before clamping) and its body.
 struct Shaded {
   Eigen::Vector3f color;
   int slot = kNoSlot;
@@ -21,7 +21,7 @@ class Shader {
  public:
   Shader(const World& world, const RenderScene& scene);
 
-  /// Prepares what the scene has beyond the slots known already.
+  /// Prepares the scene's new slots.
   void addSlots();
 
   /// Colours of the first `count` lanes of an intersected packet.

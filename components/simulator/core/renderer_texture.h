@@ -1,5 +1,5 @@
-/// @file Textures as a renderer reads them: smaller and smaller copies, so that far surfaces do not flicker.
-/// Private to Renderer. Pure.
+/// @file Textures of a renderer as pyramids of smaller copies (mip maps), so that far surfaces do not
+/// flicker. Private to Renderer. Pure.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,9 +17,9 @@ class TexturePyramid {
   explicit TexturePyramid(const Texture& texture);
 
   /// Colour at (u, v), repeated beyond 0..1; (0, 0) is the top left corner of the image.
-  /// @param texels how many of the image's pixels one pixel of the camera covers, in length.
+  /// @param texels length of a camera pixel in pixels of the texture.
   Eigen::Vector3f sample(float u, float v, float texels) const;
-  /// Of the image itself [pixels].
+  /// Size of the full image [px].
   int width() const { return levels_.front().width; }
   int height() const { return levels_.front().height; }
 
@@ -35,7 +35,7 @@ class TexturePyramid {
   std::vector<Level> levels_;
 };
 
-/// For every triangle of a body: how many texels lie along a metre, by area. Zero without a texture.
+/// For every triangle of a body: texels per metre, from the ratio of areas. Zero without a texture.
 std::vector<float> texelsPerMetre(const WorldBody& body);
 
 }  // namespace vismem

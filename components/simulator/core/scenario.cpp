@@ -20,8 +20,8 @@ constexpr double kFar_m = 10'000.0;
 
 using Kind = ScenarioEvent::Kind;
 
-/// The settings KEY=VALUE of one line. A problem is noted and a harmless value returned, so that all are
-/// found.
+/// The settings KEY=VALUE of one line. A problem is recorded and a valid value returned, so that all problems
+/// are found.
 class LineReader {
  public:
   LineReader(std::string where, std::vector<std::string>& problems)
@@ -89,8 +89,9 @@ class LineReader {
       const auto xy = splitAt(part, ',');
       const auto x = finiteNumber(xy[0]);
       const auto y = xy.size() == 2 ? finiteNumber(xy[1]) : std::nullopt;
-      if (!x || !y) {
-        problem(key + ": \"" + std::string(part) + "\" (must be x,y; points are joined by ';')");
+      if (!x || !y || std::abs(*x) > kFar_m || std::abs(*y) > kFar_m) {
+        problem(key + ": \"" + std::string(part) + "\" (must be x,y, each " + range(-kFar_m, kFar_m) +
+                "; points are joined by ';')");
         return {};
       }
       result.emplace_back(*x, *y);
@@ -100,7 +101,7 @@ class LineReader {
 
   bool has(const std::string& key) { return find(key).has_value(); }
 
-  /// To be called last: what nobody asked for is a mistake.
+  /// To be called last: settings that were not read are problems.
   void finish() {
     for (const auto& [key, value] : values_) {
       if (known_.contains(key)) continue;

@@ -1,4 +1,4 @@
-/// @file What is to happen in a simulated world, and when. The format: docs/scenarios.md. Pure.
+/// @file A scenario: timed events in a simulated world. Format: docs/scenarios.md. Pure.
 #pragma once
 
 #include <map>
@@ -16,7 +16,7 @@ struct ScenarioEvent {
   enum class Kind { kPlace, kRemove, kWalk, kStand, kKidnap, kSlip, kDrive, kHalt };
   Kind kind = Kind::kPlace;
   int line = 0;                             ///< of the file, from 1
-  double at_s = 0.0;                        ///< from the scenario's beginning
+  double at_s = 0.0;                        ///< time after the scenario's beginning
   std::string model;                        ///< kPlace, kRemove, kWalk, kStand
   Pose3 T_world_model = Pose3::Identity();  ///< kPlace
   Pose2 T_world_robot;                      ///< kKidnap
@@ -26,7 +26,7 @@ struct ScenarioEvent {
 
 struct Scenario {
   std::string name;                          ///< for messages: its file
-  std::map<std::string, PropShape> objects;  ///< declared here; not in the world before an event brings them
+  std::map<std::string, PropShape> objects;  ///< declared here; an event puts them into the world
   std::vector<ScenarioEvent> events;         ///< by time, then by line
 };
 

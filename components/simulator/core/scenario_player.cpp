@@ -7,7 +7,7 @@
 namespace vismem {
 namespace {
 
-/// How often the simulated operator moves his joystick.
+/// Period of the simulated operator's commands [us].
 constexpr StampUs kDriving_us = 50'000;
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// @file A scenario as it happens. Pure.
+/// @file Execution of a scenario. Pure.
 #pragma once
 
 #include <optional>
@@ -12,14 +12,15 @@ namespace vismem {
 
 class Simulation;
 
-/// Makes the events of a scenario happen. *Single-threaded* (owner: the simulation).
+/// Executes the events of a scenario. *Single-threaded* (owner: the simulation).
 class ScenarioPlayer {
  public:
   ScenarioPlayer(Scenario scenario, StampUs begin_us) : scenario_(std::move(scenario)), begin_us_(begin_us) {}
 
-  /// Everything that is due by now. @return what could not be done: FILE:LINE and why.
+  /// Executes all due events.
+  /// @return one line for each event that failed: FILE:LINE and the reason.
   std::vector<std::string> play(Simulation& simulation);
-  /// The robot was put elsewhere: its way is found again.
+  /// To be called after a kidnapping: the driver continues at the nearest place of its path.
   void lost();
   const std::string& name() const { return scenario_.name; }
 

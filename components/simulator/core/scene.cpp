@@ -43,7 +43,7 @@ std::string checkWay(const Way& way) {
 }
 
 MovingWorld::MovingWorld(const World& world) : models_(world.models), of_world_(world.models.size()) {
-  // Only places and outlines are needed of what the renderer has already.
+  // Of models in the renderer only poses and outlines are needed.
   for (auto& model : models_) model.bodies.clear();
   for (const auto& model : models_) now_.models.push_back({model.pose, true});
   changed();
@@ -159,8 +159,8 @@ Pose3 MovingWorld::poseOf(const Walker& walker) const {
 
 void MovingWorld::step(double dt_s, const Pose2& T_world_robot, double robot_radius_m) {
   if (walkers_.empty()) return;
-  // Walkers keep this much from the robot [m].
-  constexpr double kManners_m = 0.05;
+  // Distance that walking models keep from the robot [m].
+  constexpr double kClearance_m = 0.05;
   const auto gap = [&](int model, const Pose3& pose) {
     double nearest = 1e9;
     for (const auto& obstacle : obstaclesAt(models_[model], pose)) {
@@ -186,7 +186,7 @@ void MovingWorld::step(double dt_s, const Pose2& T_world_robot, double robot_rad
     }
     const Pose3 pose = poseOf(next);
     const double there = gap(walker.model, pose);
-    if (there < robot_radius_m + kManners_m && there < gap(walker.model, now_.models[walker.model].pose))
+    if (there < robot_radius_m + kClearance_m && there < gap(walker.model, now_.models[walker.model].pose))
       continue;
     walker = next;
     now_.models[walker.model].pose = pose;
@@ -205,12 +205,12 @@ void MovingWorld::show(const SceneState& state, Renderer& renderer, SceneState& 
   for (std::size_t i = static_cast<std::size_t>(renderer.modelCount()); i < models_.size(); ++i) {
     renderer.addModel(models_[i]);
   }
-  // What a renderer knows from the beginning stands as the world says; what was added stands as it was added.
+  // Models of the world start at their pose in the world, added models at the pose of their addition.
   for (std::size_t i = shown.models.size(); i < models_.size(); ++i) {
     shown.models.push_back({models_[i].pose, true});
   }
   for (std::size_t i = 0; i < models_.size(); ++i) {
-    // A frame from before a model came does not show it.
+    // A frame older than a model does not show it.
     const SceneState::Model wanted =
         i < state.models.size() ? state.models[i] : SceneState::Model{shown.models[i].pose, false};
     const int index = static_cast<int>(i);

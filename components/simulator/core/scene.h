@@ -1,4 +1,4 @@
-/// @file Where the models of a simulated world stand while it runs. Pure.
+/// @file The models of a running simulated world and their motion. Pure.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@ namespace vismem {
 
 class Renderer;
 
-/// All models at one instant. Immutable once shared: frames keep it until they are rendered.
+/// All models at one instant. Immutable once shared: frames hold it until they are rendered.
 struct SceneState {
   struct Model {
     Pose3 pose = Pose3::Identity();
@@ -23,34 +23,36 @@ struct SceneState {
   std::vector<Model> models;  ///< by index
 };
 
-/// @return what is wrong with a way; empty if nothing is.
+/// @return the problem of a path; empty if it is valid.
 std::string checkWay(const Way& way);
 
-/// The models of a world, those that were added, and which of them walk. Names are unique; an index stays
-/// with its model. *Single-threaded*.
+/// The models of a world, added models, and walking models. Names are unique; an index belongs to one model
+/// for ever. *Single-threaded*.
 class MovingWorld {
  public:
   explicit MovingWorld(const World& world);
 
   std::optional<int> find(const std::string& name) const;
   std::vector<ModelStatus> status() const;
-  /// Rejected for a name in use, a shape or pose that makes no sense, and beyond 1000 added models.
+  /// Rejected for a name in use, an invalid shape or pose, and beyond 1000 added models.
   PortReply add(const std::string& name, const PropShape& shape, const Pose3& T_world_model);
   PortReply remove(const std::string& name);
-  /// Also brings a removed model back; it stands where it is put.
+  /// Moves a model, also a removed one, which is then present again. A walking model stops.
   PortReply place(const std::string& name, const Pose3& T_world_model);
-  /// From its nearest place of the route on; it looks where it goes. Brings a removed model back.
+  /// Starts a walk at the path's nearest point; the model faces its direction of motion. A removed model is
+  /// then present again.
   PortReply walk(const std::string& name, const Way& way);
   PortReply stand(const std::string& name);
 
-  /// Walkers move. One that would run into the robot waits until the robot has gone.
+  /// Moves the walking models. A model waits while the robot blocks its path.
   void step(double dt_s, const Pose2& T_world_robot, double robot_radius_m);
 
   const std::vector<WorldObstacle>& obstacles() const { return obstacles_; }
-  /// Counts up whenever a model moved, came or went.
+  /// Grows with every motion, addition or removal of a model.
   std::uint64_t revision() const { return revision_; }
   std::shared_ptr<const SceneState> state() const;
-  /// Brings a renderer, made for the same world, to a state of this scene. @param shown what it showed last.
+  /// Sets a renderer of the same world to a state of this scene.
+  /// @param shown its previous state.
   void show(const SceneState& state, Renderer& renderer, SceneState& shown) const;
 
  private:
@@ -68,8 +70,7 @@ class MovingWorld {
   void stopWalking(int model);
   Pose3 poseOf(const Walker& walker) const;
 
-  std::vector<WorldModel>
-      models_;  ///< those that were added keep their bodies, for renderers that do not know them
+  std::vector<WorldModel> models_;  ///< added models keep their bodies for renderers without them
   std::size_t of_world_;
   SceneState now_;
   mutable std::shared_ptr<const SceneState> shared_;

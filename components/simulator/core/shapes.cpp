@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "common/geometry/plane.h"
+
 namespace vismem {
 namespace {
 
@@ -222,16 +224,15 @@ TriangleMesh heightmapMesh(const Eigen::Vector2d& size, int columns, int rows,
 }
 
 TriangleMesh prismMesh(std::vector<Eigen::Vector2d> outline, double height) {
-  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
-    const Eigen::Vector2d u = b - a;
-    const Eigen::Vector2d v = c - a;
-    return u.x() * v.y() - u.y() * v.x();
+  // Twice the signed area of the triangle a, b, c.
+  const auto area2 = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
+    return cross2(b - a, c - a);
   };
   if (outline.size() > 1 && (outline.front() - outline.back()).norm() < 1e-9) outline.pop_back();
   if (outline.size() < 3) return {};
   double area = 0.0;
   for (std::size_t i = 0; i < outline.size(); ++i) {
-    area += cross(Eigen::Vector2d::Zero(), outline[i], outline[(i + 1) % outline.size()]);
+    area += area2(Eigen::Vector2d::Zero(), outline[i], outline[(i + 1) % outline.size()]);
   }
   if (area < 0.0) std::reverse(outline.begin(), outline.end());
 
@@ -249,11 +250,11 @@ TriangleMesh prismMesh(std::vector<Eigen::Vector2d> outline, double height) {
       const std::size_t a = left[(i + left.size() - 1) % left.size()];
       const std::size_t b = left[i];
       const std::size_t c = left[(i + 1) % left.size()];
-      if (cross(outline[a], outline[b], outline[c]) <= 1e-12) continue;
+      if (area2(outline[a], outline[b], outline[c]) <= 1e-12) continue;
       const bool holds_corner = std::any_of(left.begin(), left.end(), [&](std::size_t p) {
-        return p != a && p != b && p != c && cross(outline[a], outline[b], outline[p]) >= 0.0 &&
-               cross(outline[b], outline[c], outline[p]) >= 0.0 &&
-               cross(outline[c], outline[a], outline[p]) >= 0.0;
+        return p != a && p != b && p != c && area2(outline[a], outline[b], outline[p]) >= 0.0 &&
+               area2(outline[b], outline[c], outline[p]) >= 0.0 &&
+               area2(outline[c], outline[a], outline[p]) >= 0.0;
       });
       if (holds_corner) continue;
       mesh.triangles.push_back(triangle(n + a, n + b, n + c));
@@ -283,7 +284,7 @@ std::vector<Eigen::Vector2d> convexHull(std::vector<Eigen::Vector2d> points) {
     if (hull.size() < base + 2) return false;
     const Eigen::Vector2d u = hull.back() - hull[hull.size() - 2];
     const Eigen::Vector2d v = p - hull.back();
-    return u.x() * v.y() - u.y() * v.x() <= 0.0;
+    return cross2(u, v) <= 0.0;
   };
   for (int pass = 0; pass < 2; ++pass) {
     const std::size_t base = pass == 0 ? 0 : hull.size() - 1;

@@ -11,18 +11,19 @@ namespace vismem {
 struct TriangleMesh {
   std::vector<Eigen::Vector3f> vertices;
   std::vector<Eigen::Vector3<std::uint32_t>> triangles;
-  std::vector<Eigen::Vector2f> uvs;      ///< one a vertex or none; (0, 0) is a texture's top left
-  std::vector<Eigen::Vector3f> normals;  ///< one a vertex or none: of the rounded surface
+  std::vector<Eigen::Vector2f> uvs;      ///< one per vertex or none; (0, 0) is a texture's top left
+  std::vector<Eigen::Vector3f> normals;  ///< one per vertex or none: of the rounded surface
 };
 
-/// Puts `more` into `mesh`. UVs and normals stay only if both have them (an empty `mesh` has everything).
+/// Adds `more` to `mesh`. UVs and normals remain only if both have them (an empty `mesh` has both).
 void append(TriangleMesh& mesh, const TriangleMesh& more);
-/// Moves and scales; mirrored meshes keep their outside. Normals follow.
+/// Applies an affine transform to vertices and normals; mirrored meshes keep their outside.
 void transformMesh(TriangleMesh& mesh, const Eigen::Affine3d& T);
 
 /// @param size edge lengths along x, y, z [m]; centred on the origin.
 TriangleMesh boxMesh(const Eigen::Vector3d& size);
-/// A rectangle facing +z. @param size along x and y [m].
+/// A rectangle facing +z.
+/// @param size along x and y [m].
 TriangleMesh planeMesh(const Eigen::Vector2d& size);
 /// Axis along z, centred [m].
 TriangleMesh cylinderMesh(double radius, double length);
@@ -31,10 +32,12 @@ TriangleMesh coneMesh(double radius, double length);
 TriangleMesh sphereMesh(double radius);
 /// @param radii along x, y, z [m].
 TriangleMesh ellipsoidMesh(const Eigen::Vector3d& radii);
-/// A cylinder along z, centred, with a half ball on either end. @param length of the cylinder [m].
+/// A cylinder along z, centred, with a half ball on either end.
+/// @param length of the cylinder [m].
 TriangleMesh capsuleMesh(double radius, double length);
-/// A surface over a grid of heights [m], row by row, the first row at +y. @param size along x and y [m];
-/// centred. @param columns, rows at least 2, heights.size() == columns * rows.
+/// A surface over a grid of heights [m], row by row, the first row at +y.
+/// @param size along x and y [m]; centred.
+/// @param columns, rows at least 2, heights.size() == columns * rows.
 TriangleMesh heightmapMesh(const Eigen::Vector2d& size, int columns, int rows,
                            const std::vector<float>& heights);
 /// A prism over a simple polygon (either sense of rotation), from z = 0 to `height` [m].

@@ -7,7 +7,7 @@
 namespace vismem {
 namespace {
 
-/// More frames than this are not under way at once: 100 Hz with the longest latency.
+/// Maximum latency, which bounds the number of undelivered frames.
 constexpr double kMaxLatency_s = 5.0;
 constexpr double kMaxRate_hz = 100.0;
 constexpr int kMaxSide_px = 8192;
@@ -59,7 +59,7 @@ void SimulatedCamera::expose(ExposedFrame frame) {
   frame.seq = frames_++;
   frame.gain = errors_.gainAt(frame.stamp_us);
   under_way_.push_back(std::move(frame));
-  // Who never takes a frame gets the newest ones only.
+  // Without a consumer only the newest frames are kept.
   const StampUs kept_us = toStampUs(params_.latency_s) + kSecondUs;
   while (under_way_.front().stamp_us + kept_us < under_way_.back().stamp_us) under_way_.pop_front();
 }

@@ -1,4 +1,4 @@
-/// @file One camera of the simulated robot: where it sits, when it exposes and when it delivers. Pure.
+/// @file One camera of the simulated robot: its mounting, its exposures and its deliveries. Pure.
 #pragma once
 
 #include <deque>
@@ -18,31 +18,31 @@ struct SimulatedCameraParams {
   std::string name = "cameraA";
   CameraIntrinsics intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60.0));
   double rate_hz = 30.0;
-  double latency_s = 0.0;  ///< from the exposure, whose stamp a frame carries, to its delivery
-  /// It sits on the head that the pan-tilt unit moves, else on the robot's body.
+  double latency_s = 0.0;  ///< time from the exposure, which is the frame's stamp, to the delivery
+  /// True: mounted on the head of the pan-tilt unit; false: on the robot's body.
   bool on_head = true;
   /// Optical centre and axes (x forward, y left, z up) on the head at pan = tilt = 0, or on the robot.
   Pose3 T_carrier_camera_body = Pose3::Identity();
-  /// How it really sits beside what T_carrier_camera_body says: the calibration's error.
+  /// Extrinsic calibration error: true pose of the camera relative to T_carrier_camera_body.
   Pose3 T_believed_true = Pose3::Identity();
-  /// Its frames carry T_robot_camera as the robot's kinematics believe it.
-  bool tells_pose = false;
-  /// Ground truth beside its frames: depth, and which model is seen (TruthImages).
+  /// Frames carry T_robot_camera from the robot's kinematics.
+  bool reports_pose = false;
+  /// Ground truth beside its frames: depth, and the visible models (TruthImages).
   bool depth = false;
   bool objects = false;
   ImageErrorParams errors;
 };
 
-/// @return empty if usable, otherwise what is wrong.
+/// @return empty if usable, otherwise the problem.
 std::string checkCamera(const SimulatedCameraParams& camera);
 
-/// A frame on its way from exposure to delivery. It is rendered when it is taken: what nobody takes costs
-/// nothing.
+/// A frame between exposure and delivery. It is rendered when it is taken; frames that are not taken cost no
+/// rendering.
 struct ExposedFrame {
   StampUs stamp_us = 0;
   std::uint64_t seq = 0;
   Pose3 T_world_camera = Pose3::Identity();  ///< the true one
-  std::optional<Pose3> T_robot_camera;       ///< as the robot believes it
+  std::optional<Pose3> T_robot_camera;       ///< from the robot's kinematics
   double gain = 1.0;
   std::shared_ptr<const SceneState> scene;
 };
@@ -55,13 +55,13 @@ class SimulatedCamera {
 
   const SimulatedCameraParams& params() const { return params_; }
   const ImageErrors& errors() const { return errors_; }
-  /// When the next frame is exposed.
+  /// Stamp of the next exposure.
   StampUs nextExposure() const;
-  /// The frame of nextExposure(); its stamp, number and gain are set here.
+  /// Adds the frame of nextExposure(); sets its stamp, number and gain.
   void expose(ExposedFrame frame);
-  /// The newest frame that has arrived by now; empty if none has since the last one was taken.
+  /// The newest arrived frame; null without one since the last take().
   const ExposedFrame* arrived(StampUs now_us) const;
-  /// The same, to keep; older ones are dropped.
+  /// As arrived(), and removes it; older frames are dropped.
   std::optional<ExposedFrame> take(StampUs now_us);
 
  private:

@@ -13,10 +13,10 @@
 namespace vismem {
 namespace {
 
-/// How long the ports keep samples.
+/// Time for which the ports keep samples [us].
 constexpr StampUs kKept_us = 5 * kSecondUs;
 constexpr double kMaxSlip_m = 1.0;
-/// Where a robot can be put, from the origin [m].
+/// Largest distance of a robot from the origin [m].
 constexpr double kFarthest_m = 1000.0;
 
 template <typename Sample>
@@ -69,13 +69,13 @@ SimulationConfig humanoidSimulation() {
   config.T_robot_pantilt = poseFromXyzRpy(0.0, 0.0, 0.39, 0.0, 0.0, 0.0);
   SimulatedCameraParams& camera = config.cameras.front();
   camera.T_carrier_camera_body = poseFromXyzRpy(0.06, 0.0, 0.06, 0.0, 0.0, 0.0);
-  camera.tells_pose = true;
+  camera.reports_pose = true;
   config.pan_tilt.limits = {degToRad(-119.5), degToRad(119.5), degToRad(-29.5),
                             degToRad(38.5),   degToRad(240.0), degToRad(240.0)};
   // It stops when its step is done: 0.2 s and one step of 0.25 s after the last command.
   config.base.limits = {0.25, degToRad(45.0), 0.2};
   config.base.radius_m = 0.15;
-  // The feet stand 12 cm apart: what they slip turns the robot more than a wheel's slip would.
+  // The feet are 12 cm apart: their slip turns the robot more than the slip of a wheel.
   config.base.wheel_base_m = 0.12;
   config.odometry = noOdometryError();
   config.odometry.radius_sigma = 0.005;
@@ -92,7 +92,7 @@ class Simulation::CameraPort : public FrameSource {
   FrameCapabilities capabilities() const override {
     const auto& camera = params();
     return {"simulated camera", camera.intrinsics.width, camera.intrinsics.height, camera.rate_hz,
-            camera.tells_pose};
+            camera.reports_pose};
   }
   PortReply configure(const FrameRequest& request) override {
     if (auto rejection = rejectAbsurd(request)) return *rejection;
@@ -210,7 +210,7 @@ void Simulation::begin() {
   truth_samples_.clear();
   scenario_problems_.clear();
   if (scenario_) player_ = std::make_unique<ScenarioPlayer>(*scenario_, 0);
-  // The state at time 0 is known too, and the first frames are exposed there.
+  // Includes the state at time 0, at which the first frames are exposed.
   keep(pan_tilt_samples_, PanTiltSample{});
   keep(odometry_samples_, OdometrySample{});
   keep(truth_samples_, truth());
@@ -268,7 +268,7 @@ void Simulation::expose(const Carriers& before, const Carriers& after) {
                       interpolate(before.neck, after.neck, fraction)};
     ExposedFrame frame;
     frame.T_world_camera = truePose(camera.params(), at);
-    if (camera.params().tells_pose) frame.T_robot_camera = believedPose(camera.params(), at);
+    if (camera.params().reports_pose) frame.T_robot_camera = believedPose(camera.params(), at);
     frame.scene = scene_.state();
     camera.expose(std::move(frame));
   }
@@ -326,7 +326,7 @@ void Simulation::advance(StampUs dt_us) {
 
 PortReply Simulation::kidnap(const Pose2& T_world_robot) {
   if (!isFinite(T_world_robot)) return PortReply::rejected("a pose must be finite");
-  // Rays from much farther away are no numbers any more.
+  // Rays from much farther away overflow.
   if (T_world_robot.position().norm() > kFarthest_m) {
     return PortReply::rejected("that place is more than 1000 m from the origin");
   }

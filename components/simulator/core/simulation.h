@@ -1,4 +1,4 @@
-/// @file The simulated robot in its world, in lock-step: time moves only when told to. DESIGN 6.
+/// @file The simulated robot in its world with stepped time.
 #pragma once
 
 #include <deque>
@@ -24,7 +24,8 @@ struct SimulationConfig {
   World world;
   std::uint64_t seed = 1;
   Pose2 start;
-  /// Where the axes of the pan-tilt unit (of a humanoid: of its neck) cross; default 0.45 m above the origin.
+  /// Crossing point of the axes of the pan-tilt unit or of the humanoid's neck; default 0.45 m above the
+  /// origin.
   Pose3 T_robot_pantilt;
   std::vector<SimulatedCameraParams> cameras{1};  ///< the first is camera(); names must differ
   BaseParams base;
@@ -35,18 +36,18 @@ struct SimulationConfig {
   RendererOptions rendering;
 
   SimulationConfig();
-  /// Where the robot believes that a camera on its head sits.
+  /// Mounting of a camera according to the robot's calibration.
   CameraMount mount(std::size_t camera = 0) const;
 };
 
 /// A humanoid of the size of a Nao: a neck with a Nao's limits, a camera 6 cm above and ahead of it at a
-/// height of about 0.45 m, whose frames carry the pose that its kinematics believe, slow steps, odometry that
-/// slips with the feet. No latency and no calibration error: those are said where they are wanted.
+/// height of about 0.45 m, slow steps, odometry with slipping feet. Its frames carry the pose from its
+/// kinematics. Latency and calibration error are 0 here.
 SimulationConfig humanoidSimulation();
 
 /// One robot in one world. Time starts at 0 and moves in steps of 10 ms. The same configuration, seed and
-/// commands give the same trajectories and images, however many threads render. *Single-threaded*: a process
-/// gives it to one thread. Its ports are valid as long as it lives; their waits return at once.
+/// commands give the same trajectories and images for any number of render threads. *Single-threaded*. Its
+/// ports are valid during its lifetime; their waits return at once.
 class Simulation : public SteppedRobot {
  public:
   static constexpr StampUs kStep_us = 10'000;
@@ -55,7 +56,7 @@ class Simulation : public SteppedRobot {
   explicit Simulation(SimulationConfig config);
   ~Simulation() override;
 
-  /// Moves to the delivery of the next frame of the first camera that was not announced before.
+  /// Advances to the delivery of the first camera's next frame.
   bool advanceToNextFrame() override;
   FrameSource& camera() override { return camera(0); }
   FrameSource& camera(std::size_t index);
@@ -66,24 +67,24 @@ class Simulation : public SteppedRobot {
   void step();
   StampUs now() const { return now_us_; }
   TruthSample truth() const;
-  /// The truth of every step that is newer, of the last 5 s, oldest first.
+  /// Ground truth of every newer step of the last 5 s, oldest first.
   std::vector<TruthSample> truthSince(StampUs after_us) const;
-  /// As many steps of 10 ms as reach now() + dt or go just past it. For the real-time process and tests.
+  /// Steps of 10 ms up to now() + dt_us or just past it. For the real-time process and tests.
   void advance(StampUs dt_us);
-  /// Everything from the beginning, at time 0, with another seed; the scenario too, models that were added
-  /// go.
+  /// Restarts world and scenario at time 0 with another seed and removes added models.
   void reset(std::uint64_t seed);
 
-  /// Puts the robot elsewhere; its odometry notices nothing. Rejected inside an obstacle or if not finite.
+  /// Moves the robot to another pose without effect on its odometry. Rejected inside an obstacle or if not
+  /// finite.
   PortReply kidnap(const Pose2& T_world_robot);
-  /// The encoders count this much more than the robot goes, over the next 100 ms. Within 1 m.
+  /// Wheel slip: travel of the encoders beyond that of the robot, over the next 100 ms. Within 1 m.
   PortReply slip(const WheelTravel& extra);
-  /// Plays a scenario from now on, instead of the one before. Rejected if it names models that are not there.
+  /// Plays a scenario from now on in place of the present one. Rejected if it names unknown models.
   PortReply play(Scenario scenario);
   void stopScenario();
-  /// What of the scenario could not be done since this was asked last: FILE:LINE and why.
+  /// Events of the scenario that failed since the last call: FILE:LINE and the reason.
   std::vector<std::string> takeScenarioProblems();
-  /// Speeds of a scenario's driver; whoever commands the base over its port takes over from him.
+  /// Speeds of a scenario's driver; commands over the base's port replace them.
   void driveByScenario(double v_mps, double w_radps);
   /// Models may be added, removed, moved and made to walk between steps.
   MovingWorld& scene() { return scene_; }
@@ -92,14 +93,13 @@ class Simulation : public SteppedRobot {
   bool frameDue(std::size_t camera = 0) const;
   /// Renders the newest frame that has arrived; empty if none has.
   std::optional<Frame> takeFrame(std::size_t camera = 0);
-  /// The same without rendering it, for whoever makes up what the camera sees: renderer() shows the scene of
-  /// its moment afterwards.
+  /// As takeFrame without rendering, for synthetic observations. renderer() then has the scene of its stamp.
   std::optional<ExposedFrame> takeExposure(std::size_t camera = 0);
-  /// The exposure of the frame taken last of a camera, for experiments: its true pose. Empty before the first.
+  /// The exposure of the last frame of a camera with its true pose, for experiments. Empty before the first.
   const std::optional<ExposedFrame>& lastExposure(std::size_t camera = 0) const { return taken_.at(camera); }
-  /// What is really seen in the frame taken last of a camera; empty before the first.
+  /// Ground truth of the last frame of a camera; empty before the first.
   std::optional<TruthImages> truthImages(std::size_t camera = 0);
-  /// True pose of a camera now, for experiments.
+  /// Present true pose of a camera, for tests.
   Pose3 truePoseOfCamera(std::size_t camera = 0) const;
 
   const SimulationConfig& config() const { return config_; }
@@ -110,7 +110,7 @@ class Simulation : public SteppedRobot {
   class PanTiltPort;
   class BasePort;
 
-  /// What moves cameras, at one instant.
+  /// Poses of the parts that carry cameras, at one instant.
   struct Carriers {
     Pose2 T_world_robot;
     BodyPosture posture;
@@ -121,7 +121,7 @@ class Simulation : public SteppedRobot {
   Pose3 believedPose(const SimulatedCameraParams& camera, const Carriers& at) const;
   void begin();
   void expose(const Carriers& before, const Carriers& after);
-  /// The base learns of models that came, went or moved.
+  /// Updates the base's obstacles after changes of the models.
   void noticeObstacles();
   void showScene(const ExposedFrame& frame);
 
@@ -136,7 +136,7 @@ class Simulation : public SteppedRobot {
   SimulatedPanTilt pan_tilt_;
   std::vector<SimulatedCamera> cameras_;
   std::vector<std::optional<ExposedFrame>> taken_;
-  std::optional<Scenario> scenario_;  ///< as it began, for a reset
+  std::optional<Scenario> scenario_;  ///< in its initial state, for a reset
   std::unique_ptr<class ScenarioPlayer> player_;
   std::vector<std::string> scenario_problems_;
   StampUs now_us_ = 0;

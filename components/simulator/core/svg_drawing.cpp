@@ -21,13 +21,13 @@ using Eigen::Affine2d;
 using Eigen::Vector2d;
 using tinyxml2::XMLElement;
 
-/// Of `use` within `use`, and of elements drawn in all: a file made to never end.
+/// Limits of nested `use` elements and of drawn elements, against files with endless recursion.
 constexpr int kMaxUses = 16;
 constexpr std::size_t kMaxElements = 50'000;
 constexpr double kFarthest_m = 1e5;
 constexpr double kVisibleOpacity = 0.5;
 
-/// Where something is drawn.
+/// Transform and viewport of an element.
 struct Place {
   Affine2d T = Affine2d::Identity();  ///< from user units to metres in the world
   Vector2d hundred_percent = Vector2d::Zero();
@@ -40,7 +40,7 @@ struct ViewBox {
   Vector2d size = Vector2d::Zero();
 };
 
-/// How a view box lies in a viewport of that size, as preserveAspectRatio says.
+/// Transform from a view box to a viewport of that size, by preserveAspectRatio.
 Affine2d fit(const ViewBox& box, const Vector2d& size, const std::string& aspect) {
   Vector2d scale = size.cwiseQuotient(box.size);
   Vector2d share(0.5, 0.5);
@@ -139,7 +139,8 @@ class Reader {
   }
 
   // --- places ---
-  /// How large the drawing is, and where. @return whether it says so.
+  /// Size and position of the drawing.
+  /// @return whether both are defined.
   bool placeRoot(const XMLElement& root, Place& place) {
     auto box = viewBoxOf(root);
     const auto width = length(root, "width");
@@ -178,7 +179,8 @@ class Reader {
     }
   }
 
-  /// The inside of svg and symbol. @param size of its viewport.
+  /// The inside of svg and symbol.
+  /// @param size of its viewport.
   void drawViewport(const XMLElement& e, Place place, const Vector2d& corner, const Vector2d& size) {
     place.T = place.T * Eigen::Translation2d(corner);
     if (const auto box = viewBoxOf(e)) {
@@ -254,7 +256,7 @@ class Reader {
     if (name == "rect") {
       const Vector2d size(extent(e, "width", full.x()), extent(e, "height", full.y()));
       if (!(size.minCoeff() > 0.0)) return SvgPath{};
-      // One radius that is left out is as large as the other.
+      // A missing radius equals the other one.
       const double rx = extent(e, "rx", full.x());
       const double ry = extent(e, "ry", full.y());
       return svgRectangle(point("x", "y"), size, {rx > 0.0 ? rx : ry, ry > 0.0 ? ry : rx});
@@ -285,7 +287,7 @@ class Reader {
     }
   }
 
-  /// @return empty, and a problem, where the points are too far or too many.
+  /// @return empty, with a problem, if the points are too far or too many.
   std::optional<DrawnRing> inWorld(const XMLElement& e, const SvgPoints& points, const Affine2d& T) {
     points_ += points.size();
     if (points_ > options_.max_points) {

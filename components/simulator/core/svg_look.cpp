@@ -12,7 +12,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// Of gradients that take their colours from another.
+/// Limit of references from gradient to gradient.
 constexpr int kMaxLinks = 16;
 
 std::string textOf(const XMLElement& element) {
@@ -72,7 +72,7 @@ SvgPaint SvgLooks::paintOf(const XMLElement& e, const std::string& name, const s
   }
   return *paint;
 }
-/// Of its first stop. Drawing programs keep plain colours in such gradients.
+/// The colour of its first stop: drawing programs store plain colours in such gradients.
 std::optional<SvgColor> SvgLooks::gradientColor(const XMLElement& user, const std::string& id, int depth) {
   const auto known = by_id_.find(id);
   if (known == by_id_.end() || depth > kMaxLinks) return std::nullopt;

@@ -1,4 +1,4 @@
-/// @file How the elements of a drawing look: attributes, style sheets, inheritance, gradients. Private to its
+/// @file The style of a drawing's elements: attributes, style sheets, inheritance, gradients. Private to its
 /// reader.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace vismem {
 
-/// What an element hands down to those inside it, and what it says itself.
+/// Inherited and own style of an element.
 struct SvgLook {
   SvgPaint fill{SvgColor{0, 0, 0}, false, ""};
   SvgPaint stroke;
@@ -32,11 +32,11 @@ class SvgLooks {
  public:
   explicit SvgLooks(SvgReport& report) : report_(report) {}
 
-  /// Takes in the style sheets and ids of a whole document.
+  /// Reads the style sheets and ids of a whole document.
   void collect(const tinyxml2::XMLElement& root);
   /// The element of that id; null if there is none.
   const tinyxml2::XMLElement* find(const std::string& id) const;
-  /// @param around what the element inherits.
+  /// @param around inherited style.
   SvgLook lookOf(const tinyxml2::XMLElement& e, const SvgLook& around);
 
  private:

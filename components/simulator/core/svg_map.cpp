@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/config/config_error.h"
+#include "common/geometry/plane.h"
 #include "simulator/core/map_builder_stripes.h"
 #include "simulator/core/map_pieces.h"
 
@@ -14,17 +15,13 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Outlines nearer than this lie upon each other.
+/// Outlines nearer than this coincide.
 constexpr double kSameLine_m = 1e-6;
 constexpr double kMinStripe_m = 0.03;
 constexpr double kMaxStripe_m = 0.12;
 constexpr const char* kAnyLabel = "any";
 
-double cross(const Vector2d& a, const Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-/// A straight piece of an outline or of a pen's line, and where others cut it.
+/// A straight piece of an outline or of a thin stroke, and its intersections with others.
 struct Edge {
   Vector2d a, b;
   int pen = -1;  ///< index of its pen; -1: of an outline
@@ -35,15 +32,15 @@ struct Edge {
   double high() const { return std::max(a.x(), b.x()); }
 };
 
-/// Cuts both where they meet; those that lie upon each other where either ends.
+/// Cuts both at their intersection; coincident ones at the ends of either.
 void cutEachOther(Edge& e, Edge& f) {
   const Vector2d de = e.b - e.a;
   const Vector2d df = f.b - f.a;
   const Vector2d r = f.a - e.a;
-  const double across = cross(de, df);
+  const double across = cross2(de, df);
   if (std::abs(across) > 1e-9 * de.norm() * df.norm()) {
-    const double t = cross(r, df) / across;
-    const double u = cross(r, de) / across;
+    const double t = cross2(r, df) / across;
+    const double u = cross2(r, de) / across;
     const double slack_e = kSameLine_m / de.norm();
     const double slack_f = kSameLine_m / df.norm();
     if (t < -slack_e || t > 1.0 + slack_e || u < -slack_f || u > 1.0 + slack_f) return;
@@ -51,14 +48,14 @@ void cutEachOther(Edge& e, Edge& f) {
     f.cuts.push_back(u);
     return;
   }
-  if (std::abs(cross(r, de)) > kSameLine_m * de.norm()) return;
+  if (std::abs(cross2(r, de)) > kSameLine_m * de.norm()) return;
   e.cuts.push_back(r.dot(de) / de.squaredNorm());
   e.cuts.push_back((f.b - e.a).dot(de) / de.squaredNorm());
   f.cuts.push_back(-r.dot(df) / df.squaredNorm());
   f.cuts.push_back((e.b - f.a).dot(df) / df.squaredNorm());
 }
 
-/// The painted shapes, as a place on the floor sees them.
+/// Queries of the painted shapes at a place on the floor.
 class Paint {
  public:
   Paint(const SvgDrawing& drawing, const Palette& palette, ColorClass ground)
@@ -93,7 +90,7 @@ class Paint {
       for (const Vector2d& b : ring) {
         if ((a.y() > p.y()) != (b.y() > p.y())) {
           // The outline crosses the level of p: to its right?
-          const double side = cross(b - a, p - a);
+          const double side = cross2(b - a, p - a);
           const bool upwards = b.y() > a.y();
           if (upwards ? side > 0.0 : side < 0.0) {
             ++crossings;
@@ -169,7 +166,7 @@ class Mapper {
     return label;
   }
 
-  /// Of a place of an edge with its two sides.
+  /// The label at a place of an edge, from its two sides.
   std::optional<Label> labelAt(const Edge& edge, const Vector2d& left, const Vector2d& right) const {
     const int shape_left = paint_.shapeAt(left);
     const int shape_right = paint_.shapeAt(right);
@@ -194,7 +191,7 @@ class Mapper {
     std::sort(cuts.begin(), cuts.end());
     const double length = (edge.b - edge.a).norm();
     const Vector2d d = (edge.b - edge.a) / length;
-    const Vector2d aside = params_.side_m * Vector2d(-d.y(), d.x());
+    const Vector2d aside = params_.side_m * turned90(d);
     std::optional<Label> label;
     double from = 0.0;
     double to = 0.0;
@@ -206,7 +203,7 @@ class Mapper {
       }
     };
     for (std::size_t i = 1; i < cuts.size(); ++i) {
-      // Shorter than what is looked at beside them, pieces show what is around the next corner.
+      // Pieces shorter than the sampling distance would sample the colours beyond the next corner.
       if ((cuts[i] - cuts[i - 1]) * length <= 2.0 * params_.side_m) continue;
       const Vector2d middle = edge.at(0.5 * (cuts[i - 1] + cuts[i]));
       const auto here = labelAt(edge, middle + aside, middle - aside);
@@ -222,7 +219,7 @@ class Mapper {
 
   static MapSegment rounded(MapSegment segment) {
     for (Eigen::Vector3d* end : {&segment.world.a, &segment.world.b}) {
-      // Millimetres are enough for people to read, and -0 is not.
+      // Rounded to millimetres for readability, without -0.
       *end = (*end * 1e3).array().round() / 1e3 + 0.0;
     }
     return segment;

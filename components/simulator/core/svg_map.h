@@ -1,5 +1,4 @@
-/// @file The segment map of a drawing: the edges between colours that a palette names. Pure. DESIGN 9,
-/// 11, 14.
+/// @file The segment map of a drawing: the edges between colour pairs of a palette. Pure.
 #pragma once
 
 #include <string>
@@ -13,10 +12,10 @@ namespace vismem {
 
 struct SvgMapParams {
   SvgOptions drawing;
-  std::string ground;           ///< colour class of where nothing is painted; empty: none
-  double side_m = 0.001;        ///< how far beside an outline its two colours are taken
+  std::string ground;           ///< colour class of the unpainted ground; empty: none
+  double side_m = 0.001;        ///< distance from an outline at which its two colours are sampled
   double min_length_m = 0.03;   ///< shorter edges are left out
-  double same_place_m = 0.008;  ///< edges of one label nearer than this are one
+  double same_place_m = 0.008;  ///< edges of one label nearer than this are joined
 };
 
 struct SvgMap {
@@ -24,17 +23,14 @@ struct SvgMap {
   std::vector<std::string> warnings;
 };
 
-/// What a drawing of the floor, seen from above, has in edges, all at z = 0:
-/// - the outlines of filled shapes and of strokes of 3 cm or more, where they are not covered and the colours
-/// on both
-///   sides are a pair of the palette; edges of the palette's stripes become stripes (joinStripes);
-/// - thinner strokes: the pair of their own colour with what they lie upon (of two, the one whose class the
-/// palette
-///   names first);
-/// - elements with `data-label`: their outline or line, whatever its colours; a stripe of the palette by its
-/// name,
-///   with the width of its stroke.
-/// @throws ConfigError as parseSvgDrawing, for labels that the palette does not have, and for an unknown
+/// The edges of a drawing of the floor, seen from above, all at z = 0:
+/// - the visible outlines of filled shapes and of strokes of 3 cm or more, if the colours on both sides are
+///   a pair of the palette; edges of the palette's stripes become stripes (joinStripes);
+/// - thinner strokes: the pair of their own colour and the colour below them (of two, the one whose class
+///   comes first in the palette);
+/// - elements with `data-label`: their outline or line, of any colour; a stripe of the palette with its name
+///   and the width of its stroke.
+/// @throws ConfigError as parseSvgDrawing, for labels that are not in the palette, and for an unknown
 /// `ground`.
 SvgMap buildSvgMap(const std::string& bytes, const std::string& file, const Palette& palette,
                    const SvgMapParams& params = {});

@@ -9,17 +9,19 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/geometry/plane.h"
+
 namespace vismem {
 namespace {
 
 using Eigen::Vector2d;
 
-/// Of a curve; the finest of a large drawing.
+/// Maximum number of pieces of a curve.
 constexpr int kMaxPieces = 1000;
 constexpr double kLargest = 1e9;
 /// A cubic curve of this angle or less follows its arc to 5e-6 of the radius.
 constexpr double kArcStep_rad = std::numbers::pi / 4.0;
-/// Corners that turn by less are those of a curve, or as good as one: they need no round join.
+/// Corners with smaller turns belong to a curve and need no round join.
 constexpr double kSmoothTurn_cos = 0.95;
 constexpr int kRoundCorners = 24;
 
@@ -66,7 +68,7 @@ class Scanner {
     at_ = static_cast<std::size_t>(end - text_.data());
     return value;
   }
-  /// Of an arc: flags need no separator behind them.
+  /// A flag of an arc; it needs no separator after it.
   bool flag() {
     if (done()) fail("ends where a flag is due");
     const char c = take();
@@ -131,8 +133,7 @@ void addArc(std::vector<SvgCurve>& curves, const Vector2d& p, Vector2d radii, do
     const double b = a + step;
     const Vector2d ua(std::cos(a), std::sin(a));
     const Vector2d ub(std::cos(b), std::sin(b));
-    curves.push_back({at(ua + k * Vector2d(-ua.y(), ua.x())), at(ub - k * Vector2d(-ub.y(), ub.x())),
-                      i + 1 == count ? end : at(ub)});
+    curves.push_back({at(ua + k * turned90(ua)), at(ub - k * turned90(ub)), i + 1 == count ? end : at(ub)});
   }
 }
 
@@ -150,7 +151,7 @@ class PathReader {
       }
       if (path_.empty() && command != 'M' && command != 'm') in_.fail("does not begin with M");
       run(command);
-      // What follows the first point of a move are lines.
+      // Further points of a move are lines.
       if (command == 'M') command = 'L';
       if (command == 'm') command = 'l';
     }
@@ -158,7 +159,7 @@ class PathReader {
   }
 
  private:
-  /// After a closing a subpath begins where the last one did.
+  /// After a close command the next subpath begins at the start of the last one.
   std::vector<SvgCurve>& curves() {
     if (path_.back().closed) path_.push_back({here_, {}, false});
     return path_.back().curves;
@@ -272,13 +273,13 @@ Eigen::Affine2d transformCalled(std::string_view name, const std::vector<double>
   return T;
 }
 
-/// Turned so that all of a stroke's polygons have one sense of rotation.
+/// Reorders a polygon so that all of a stroke's polygons have one sense of rotation.
 SvgPoints counterClockwise(SvgPoints polygon) {
   double area = 0.0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vector2d& a = polygon[i];
     const Vector2d& b = polygon[(i + 1) % polygon.size()];
-    area += a.x() * b.y() - a.y() * b.x();
+    area += cross2(a, b);
   }
   if (area < 0.0) std::reverse(polygon.begin(), polygon.end());
   return polygon;
@@ -365,7 +366,7 @@ SvgPoints flattenSvg(const SvgSubpath& subpath, const Eigen::Affine2d& T, double
       continue;
     }
     const Vector2d start = points.back();
-    // Wang's bound of how far a cubic curve is off its chords.
+    // Wang's bound on the distance of a cubic curve from its chords.
     const Vector2d bend1 = T.linear() * (start - 2.0 * curve.control1 + curve.control2);
     const Vector2d bend2 = T.linear() * (curve.control1 - 2.0 * curve.control2 + curve.end);
     const double bend = std::max(bend1.norm(), bend2.norm());
@@ -413,15 +414,15 @@ std::vector<SvgPoints> strokeSvg(const SvgPoints& line, bool closed, const SvgSt
     const Vector2d& after = along[(i + 1) % sides];
     const Vector2d& corner = line[(i + 1) % line.size()];
     const double cosine = before.dot(after);
-    const double cross = before.x() * after.y() - before.y() * after.x();
+    const double cross = cross2(before, after);
     if (stroke.join == SvgStroke::Join::kRound && cosine < kSmoothTurn_cos) {
       result.push_back(disc(corner, half));
       continue;
     }
     if (std::abs(cross) < 1e-12) continue;
     const double outside = cross > 0.0 ? -half : half;
-    const Vector2d o1 = outside * Vector2d(-before.y(), before.x());
-    const Vector2d o2 = outside * Vector2d(-after.y(), after.x());
+    const Vector2d o1 = outside * turned90(before);
+    const Vector2d o2 = outside * turned90(after);
     SvgPoints piece{corner, corner + o1};
     // The length of a miter over the stroke's width is 1 / cos(half the turn).
     const bool smooth = cosine >= kSmoothTurn_cos;

@@ -7,7 +7,7 @@
 
 namespace vismem {
 
-/// A piece of an outline, from where the one before ended: a cubic Bezier curve or a straight line.
+/// A piece of an outline from the end of the previous one: a cubic Bezier curve or a straight line.
 struct SvgCurve {
   Eigen::Vector2d control1 = Eigen::Vector2d::Zero();
   Eigen::Vector2d control2 = Eigen::Vector2d::Zero();
@@ -28,11 +28,13 @@ using SvgPoints = std::vector<Eigen::Vector2d>;
 
 /// The `d` of a path: all commands, absolute and relative, repeated, with numbers run together. Quadratic
 /// curves and arcs become cubic ones (arcs to 5e-6 of their radius).
-/// @throws std::invalid_argument: what is wrong, at which character (from 1).
+/// @throws std::invalid_argument with the problem and its character (from 1).
 SvgPath parseSvgPath(std::string_view d);
-/// A list of transforms: matrix, translate, scale, rotate, skewX, skewY. @throws std::invalid_argument.
+/// A list of transforms: matrix, translate, scale, rotate, skewX, skewY.
+/// @throws std::invalid_argument.
 Eigen::Affine2d parseSvgTransform(std::string_view text);
-/// Numbers between blanks and commas. @throws std::invalid_argument.
+/// Numbers between blanks and commas.
+/// @throws std::invalid_argument.
 std::vector<double> parseSvgNumbers(std::string_view text);
 
 SvgPath svgPolyline(const SvgPoints& points, bool closed);
@@ -41,8 +43,9 @@ SvgPath svgEllipse(const Eigen::Vector2d& center, const Eigen::Vector2d& radii);
 SvgPath svgRectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size,
                      const Eigen::Vector2d& radii);
 
-/// A subpath as straight pieces that are at most `flatness` off it, both as `T` sees them. @return its points
-/// in its own coordinates, no two in a row alike; the first is not repeated at the end of a closed one.
+/// A subpath as straight pieces, at most `flatness` from the curve after the transform `T`.
+/// @return its points in its own coordinates without repetitions; a closed one does not repeat the first
+/// point.
 SvgPoints flattenSvg(const SvgSubpath& subpath, const Eigen::Affine2d& T, double flatness);
 
 struct SvgStroke {
@@ -53,7 +56,7 @@ struct SvgStroke {
   Cap cap = Cap::kButt;
   double miter_limit = 4.0;
 };
-/// The band that a pen paints along a line, as convex polygons of one sense of rotation that overlap.
+/// The band of a stroke along a line, as overlapping convex polygons of one sense of rotation.
 std::vector<SvgPoints> strokeSvg(const SvgPoints& line, bool closed, const SvgStroke& stroke);
 
 }  // namespace vismem

@@ -1,4 +1,4 @@
-/// @file What is wrong with a drawing, and what of it is left out. Private to the reader of SVG.
+/// @file Problems of a drawing, and warnings of unsupported elements. Private to the reader of SVG.
 #pragma once
 
 #include <map>
@@ -12,11 +12,11 @@ class XMLElement;
 
 namespace vismem {
 
-/// Without the prefix svg:.
+/// Name without the prefix svg:.
 std::string svgNameOf(const tinyxml2::XMLElement& element);
-/// Of an attribute; empty where there is none.
+/// Text of an attribute; empty without one.
 std::string svgText(const tinyxml2::XMLElement& element, const char* attribute);
-/// What `href` or `xlink:href` names in the same file; empty for anything else.
+/// Id in the same file that `href` or `xlink:href` names; empty otherwise.
 std::string svgLinkOf(const tinyxml2::XMLElement& element);
 
 /// *Single-threaded.*
@@ -31,7 +31,7 @@ class SvgReport {
   void problem(const tinyxml2::XMLElement& e, const std::string& what);
   void wrong(const tinyxml2::XMLElement& e, const std::string& name, const std::string& value,
              const std::string& rule);
-  /// The same of many elements is one warning, at the first one's line.
+  /// Adds a warning. Equal warnings of many elements become one, at the line of the first.
   void leftOut(const tinyxml2::XMLElement& e, const std::string& what);
 
   const std::string& file() const { return file_; }
@@ -42,7 +42,7 @@ class SvgReport {
  private:
   std::string file_;
   std::vector<std::string> problems_;
-  std::map<std::string, std::pair<int, int>> left_out_;  ///< first line, how often
+  std::map<std::string, std::pair<int, int>> left_out_;  ///< first line, number
 };
 
 }  // namespace vismem

@@ -10,7 +10,7 @@ namespace vismem {
 namespace {
 
 constexpr double kLargest = 1e9;
-/// Less is seen through rather than seen.
+/// Paint with a smaller alpha counts as transparent.
 constexpr double kVisibleAlpha = 0.5;
 constexpr std::size_t kMaxRules = 2'000;
 

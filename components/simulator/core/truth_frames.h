@@ -1,4 +1,4 @@
-/// @file Ground truth of an image as frames of three bytes a pixel, so that it travels like an image. Pure.
+/// @file Ground truth of an image as frames of three bytes per pixel, with the transport of images. Pure.
 #pragma once
 
 #include "common/robot/samples.h"
@@ -6,10 +6,11 @@
 
 namespace vismem {
 
-/// Millimetres along the optical axis, 256 R + G, at most 65534; 0 where nothing is, 65535 for farther; B is 0.
+/// Depth along the optical axis [mm], 256 R + G, at most 65534; 0 without a surface, 65535 for farther ones;
+/// B is 0.
 Frame depthFrame(const TruthImages& truth, const Frame& image);
-/// Model: 256 R + G is its index + 1 in SimulationControl::models(), B the index of its body + 1 (255 for the 255th
-/// and later ones); all 0 where nothing is.
+/// Model: 256 R + G is its index + 1 in SimulationControl::models(), B the index of its body + 1 (255 for the
+/// 255th and later ones); all 0 without a surface.
 Frame objectFrame(const TruthImages& truth, const Frame& image);
 
 }  // namespace vismem

@@ -16,7 +16,7 @@
 
 namespace vismem {
 
-/// An image to put on a surface. Invariant: rgb has 3 * width * height bytes, rows from the top.
+/// The image of a surface. Invariant: rgb has 3 * width * height bytes, rows from the top.
 struct Texture {
   std::string name;  ///< its file
   int width = 0;
@@ -31,8 +31,8 @@ struct WorldBody {
   Eigen::Vector3f emissive = Eigen::Vector3f::Zero();  ///< its own light, R G B in 0..1
   std::shared_ptr<const Texture> texture;              ///< may be null
   std::vector<Eigen::Vector3f> vertices;               ///< finite
-  std::vector<Eigen::Vector2f> uvs;      ///< one a vertex, or empty; (0, 0) is the image's top left
-  std::vector<Eigen::Vector3f> normals;  ///< one a vertex, or empty: every triangle is flat
+  std::vector<Eigen::Vector2f> uvs;      ///< one per vertex, or empty; (0, 0) is the image's top left
+  std::vector<Eigen::Vector3f> normals;  ///< one per vertex, or empty: every triangle is flat
   std::vector<Eigen::Vector3<std::uint32_t>> triangles;  ///< counter-clockwise seen from outside
 };
 
@@ -44,12 +44,12 @@ struct ModelOutline {
   double high_m = 0.0;
 };
 
-/// Whatever moves as one. Bodies keep their places in it.
+/// A rigid model of one or more bodies.
 struct WorldModel {
   std::string name;
   Pose3 pose = Pose3::Identity();  ///< T_world_model
   std::vector<WorldBody> bodies;
-  /// Of the model as it stands: right for any pose that differs in position and heading only.
+  /// Outlines at the model's pose; valid for any pose that differs in position and heading only.
   std::vector<ModelOutline> outlines;
 };
 
@@ -62,24 +62,24 @@ struct Light {
   Eigen::Vector3f direction = Eigen::Vector3f(-0.4f, 0.25f, -0.9f).normalized();
   Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< in the world [m] (point, spot)
   bool shadows = true;
-  // Of point and spot lights: weaker by 1 / (constant + linear d + quadratic d^2), nothing beyond range_m.
+  // Point and spot lights: attenuation 1 / (constant + linear d + quadratic d^2), 0 beyond range_m.
   float range_m = 10.0f;
   float constant = 1.0f;
   float linear = 0.0f;
   float quadratic = 0.0f;
-  // Of spot lights: full inside the inner cone, nothing outside the outer one (whole angles).
+  // Spot lights: full intensity inside the inner cone, 0 outside the outer one (full angles).
   float inner_angle_rad = 0.6f;
   float outer_angle_rad = 1.0f;
   float falloff = 1.0f;
 };
 
-/// A camera sensor as the world's file describes it.
+/// A camera sensor of the world's file.
 struct WorldCamera {
   std::string name;                          ///< "model/link/sensor"
   Pose3 T_world_camera = Pose3::Identity();  ///< camera axes: x right, y down, z forward
   CameraIntrinsics intrinsics;               ///< with its distortion
   double noise_sigma = 0.0;                  ///< Gaussian, of a channel in 0..1
-  double rate_hz = 0.0;                      ///< 0: as fast as can be
+  double rate_hz = 0.0;                      ///< 0: as fast as possible
 };
 
 /// Invariant: at least one model has a body with a triangle. Names of models differ.
@@ -89,35 +89,37 @@ struct World {
   std::vector<Light> lights;
   std::vector<WorldCamera> cameras;
   Eigen::Vector3f ambient{0.45f, 0.45f, 0.45f};
-  Eigen::Vector3f sky{0.75f, 0.82f, 0.9f};  ///< where no surface is
+  Eigen::Vector3f sky{0.75f, 0.82f, 0.9f};  ///< colour without a surface
 
   /// @return index of the model of that name; empty if there is none.
   std::optional<int> modelNamed(std::string_view wanted) const;
   int bodyCount() const;
 };
 
-/// The outlines of a model at a pose that a robot's body (3 to 50 cm above the floor) can meet. Names are
-/// "model/link/collision".
+/// The outlines of a model at a pose, for collisions with a robot's body (3 to 50 cm above the floor). Names
+/// are "model/link/collision".
 std::vector<WorldObstacle> obstaclesAt(const WorldModel& model, const Pose3& T_world_model);
-/// Those of all models where they stand.
+/// The outlines of all models at their poses.
 std::vector<WorldObstacle> obstaclesOf(const World& world);
 
 struct LoadedWorld {
   World world;
-  std::vector<std::string> warnings;  ///< what could not be used, one line each
+  std::vector<std::string> warnings;  ///< unusable parts, one line each
 };
 
-/// Reads an SDF file (1.2 to 1.9). libsdformat's own complaints are warnings as long as there is a world.
+/// Reads an SDF file (1.2 to 1.9). Errors of libsdformat become warnings as long as there is a world.
 /// `model://` names are searched in `model_paths`, then in the world's own folder; ground_plane and sun are
-/// built in. Nothing is assumed of the file, nor of the meshes and pictures that it names.
+/// built in. Third-party files, meshes and images may be malformed.
 /// @throws ConfigError: unreadable, not SDF, a model that includes itself, or nothing to show; names the file
 /// and the reason.
 LoadedWorld loadWorld(const std::filesystem::path& file,
                       const std::vector<std::filesystem::path>& model_paths = {});
-/// How often libsdformat is asked about parts of a world that it refuses as a whole; 10 to 30 ms each, and
+/// Maximum number of trials with parts of a world that libsdformat rejects as a whole; 10 to 30 ms each, and
 /// more for large worlds.
 constexpr int kRescueTries = 120;
-/// As loadWorld on a text. @param file for messages only. @param search all folders in their order.
+/// As loadWorld on a text.
+/// @param file for messages only.
+/// @param search all folders in their order.
 LoadedWorld parseWorld(const std::string& bytes, const std::string& file,
                        const std::vector<std::filesystem::path>& search, int rescue_tries = kRescueTries);
 
@@ -125,11 +127,11 @@ struct LoadedModel {
   WorldModel model;
   std::vector<std::string> warnings;
 };
-/// Reads one model: `model://NAME`, its folder, or its .sdf file. It stands where its file says.
+/// Reads one model: `model://NAME`, its folder, or its .sdf file. Its pose is that of the file.
 /// @throws ConfigError as loadWorld.
 LoadedModel loadModel(const std::string& uri, const std::vector<std::filesystem::path>& model_paths = {});
 
-/// Heights above the floor between which a robot's body meets things [m].
+/// Lowest and highest height of a robot's body above the floor, for collisions [m].
 constexpr double kRobotBodyBottom_m = 0.03;
 constexpr double kRobotBodyTop_m = 0.5;
 

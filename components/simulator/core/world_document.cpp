@@ -61,7 +61,7 @@ std::vector<XMLElement*> childrenOf(XMLElement& e) {
   return result;
 }
 
-/// The same trouble everywhere is one note, at its first line.
+/// Equal repairs become one note, at their first line.
 class Notes {
  public:
   void add(const XMLElement& e, const std::string& what) {
@@ -184,8 +184,8 @@ struct WorldDocument::Impl {
     for (XMLElement* part : parts) trash->InsertEndChild(part);
   }
 
-  /// Those of an element's parts that are refused even without the others, by halves. All are put away before
-  /// and after.
+  /// The parts of an element that are rejected even without the others, found by bisection. All are removed
+  /// before and after.
   using Refused = std::map<XMLElement*, std::string>;
   void findRefused(XMLElement& e, const std::vector<XMLElement*>& parts, const Refusal& refusal,
                    Refused& found) {
@@ -203,8 +203,9 @@ struct WorldDocument::Impl {
     findRefused(e, {middle, parts.end()}, refusal, found);
   }
 
-  /// Takes out of an element, which is refused, what is to blame. Nothing but it and what is around it is in
-  /// the document. @return whether something of it may stay.
+  /// Removes the invalid parts of a rejected element. The document contains only this element and its
+  /// ancestors.
+  /// @return whether a part of it may stay.
   bool mend(XMLElement& e, const std::string& of, int depth, const Refusal& refusal,
             std::vector<std::string>& notes) {
     const auto parts = childrenOf(e);
@@ -215,7 +216,7 @@ struct WorldDocument::Impl {
     findRefused(e, parts, refusal, refused);
     for (auto& [part, reason] : refused) {
       e.InsertEndChild(part);
-      // What includes bring is not in this file.
+      // The contents of includes are not in this file.
       if (std::string_view(part->Name()) != "include" && mend(*part, of, depth + 1, refusal, notes))
         reason.clear();
       trash->InsertEndChild(part);

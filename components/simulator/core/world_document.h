@@ -1,5 +1,5 @@
-/// @file The elements of a world file before libsdformat reads them: repairs, and what is left where it gives
-/// up. Pure but for what the caller's functions do.
+/// @file Repair of a world file's elements before libsdformat reads them, and removal of rejected ones. Pure,
+/// except the functions of the caller.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace vismem {
 
-/// An `<include>` that libsdformat cannot take in.
+/// An `<include>` that libsdformat rejects.
 struct LostInclude {
   std::string uri;
   std::string name;         ///< empty: the model's own
@@ -20,26 +20,27 @@ struct LostInclude {
 /// A file in SDF as a tree of elements. *Single-threaded.*
 class WorldDocument {
  public:
-  /// Why libsdformat gives no world for a text; empty if it gives one.
+  /// Reason why libsdformat rejects a text; empty if it accepts it.
   using Refusal = std::function<std::string(const std::string& xml)>;
 
-  /// @throws ConfigError "FILE:LINE: not XML: ..." or what the text begins with instead of <sdf>.
+  /// @throws ConfigError "FILE:LINE: not XML: ..." or with the first element of the text instead of <sdf>.
   WorldDocument(const std::string& xml, const std::string& file);
   ~WorldDocument();
   WorldDocument(const WorldDocument&) = delete;
   WorldDocument& operator=(const WorldDocument&) = delete;
 
-  /// Makes good what libsdformat refuses whole worlds for and real files have: `nan` and `inf` (they become
-  /// numbers out of any range, so that only what needs them is left out), colours outside 0..1, names that
-  /// are missing, no version. @return what was done, one line each.
+  /// Repairs frequent errors of third-party files for which libsdformat rejects whole worlds: colours outside
+  /// 0..1, missing names, a missing version, `nan` and `inf`. The last two become numbers out of any range,
+  /// so that only the elements that need them are left out.
+  /// @return the repairs, one line each.
   std::vector<std::string> repair();
 
-  /// The elements of the world one by one: those that are refused alone lose the parts that are to blame, or
-  /// are taken out. @param lost gets the includes among them. @return what was taken out and why, one line
-  /// each.
+  /// Tests the elements of the world one by one: rejected elements lose their invalid parts or are removed.
+  /// @param lost receives the removed includes.
+  /// @return the removed parts with their reasons, one line each.
   std::vector<std::string> takeOutRefused(const Refusal& refusal, int tries, std::vector<LostInclude>& lost);
 
-  /// The file's first model in a world of its own, for a model that is included; does nothing without one.
+  /// Puts the file's first model into a world of its own, for included models; no effect without a model.
   void wrapModel();
 
   std::string text() const;

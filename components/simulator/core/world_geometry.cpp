@@ -10,11 +10,11 @@ namespace vismem {
 namespace fs = std::filesystem;
 namespace {
 
-/// An sdf plane is infinite; its picture is not.
+/// Size of the mesh of an SDF plane, which is infinite [m].
 constexpr double kGroundPlaneSize_m = 200.0;
 constexpr double kMaxLength_m = 1e5;
 constexpr std::size_t kMaxScript_bytes = 4u << 20;
-/// Larger height maps are thinned out: terrain for wheels is no finer.
+/// Larger height maps are subsampled: terrain for wheels needs no finer resolution.
 constexpr int kMaxHeights = 513;
 
 Eigen::Vector3f toVector(const ignition::math::Color& c) {
@@ -276,7 +276,7 @@ std::optional<OgreMaterial> GeometryReader::script(const std::string& name, cons
       if (found == known->second.end()) continue;
       OgreMaterial result = found->second;
       if (result.texture.empty()) return result;
-      // OGRE searches all folders that were named, by the picture's name alone.
+      // OGRE searches all named folders by the image's name alone.
       folders.push_back(file.parent_path());
       folders.push_back(file.parent_path() / "../textures");
       const fs::path base = fs::path(result.texture).filename();

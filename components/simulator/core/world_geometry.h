@@ -15,7 +15,7 @@
 
 namespace vismem {
 
-/// *Single-threaded*: remembers the files that it read.
+/// *Single-threaded*: caches the files that it read.
 class GeometryReader {
  public:
   GeometryReader(const UriResolver& resolver, std::function<void(const std::string&)> warn)
@@ -24,13 +24,14 @@ class GeometryReader {
   struct Shape {
     std::vector<MeshPart> parts;
     bool solid = true;      ///< convex, or nearly
-    bool has_look = false;  ///< its file says how it looks
+    bool has_look = false;  ///< its file defines its material
   };
-  /// @param name of the visual or collision, for warnings. @return empty if there is nothing to use.
+  /// @param name of the visual or collision, for warnings.
+  /// @return empty without a usable shape.
   std::optional<Shape> read(const std::string& name, const sdf::Geometry* geometry);
-  /// Names in elements that come from no file are as in this one; empty: from the world's folder.
+  /// File for the relative names of elements without a file of their own; empty: the world's folder.
   void readAs(std::filesystem::path file) { file_ = std::move(file); }
-  /// Colours the parts as the material says; where it says nothing they keep what they have.
+  /// Applies a material to the parts; properties that it does not define stay unchanged.
   void apply(const std::string& name, const sdf::Material& material, std::vector<MeshPart>& parts);
 
  private:

@@ -25,14 +25,14 @@ namespace fs = std::filesystem;
 using ignition::math::Pose3d;
 
 constexpr std::size_t kMaxWorld_bytes = 64u << 20;
-/// Models that include models that include models ...
+/// Maximum depth of models that include models.
 constexpr std::size_t kMaxIncludes = 20;
 constexpr double kMaxPosition_m = 1e6;
 constexpr std::size_t kMaxLights = 16;
-/// Of libsdformat's complaints when there is no world.
+/// Maximum number of libsdformat's errors in a message.
 constexpr std::size_t kMaxReasons = 5;
 constexpr std::size_t kShownReason = 200;
-/// Gazebo's light where a file gives none to a lamp.
+/// Gazebo's default attenuation of lights.
 constexpr double kNoFactor = 0.0;
 
 Eigen::Vector3f toColor(const ignition::math::Color& c) {
@@ -49,12 +49,12 @@ class WorldBuilder {
         reader_([this](const std::string& uri) { return findInclude(uri); }),
         geometry_(resolver_, [this](const std::string& text) { warn(text); }) {}
 
-  /// The same trouble with many parts is one warning.
+  /// Equal warnings of many parts become one.
   void warn(const std::string& text) {
     if (warned_.insert(text).second) loaded_.warnings.push_back(file_ + ": " + text);
   }
 
-  /// Where libsdformat finds an include: a folder with model.config, or a file.
+  /// Path of an include for libsdformat: a folder with model.config, or a file.
   std::string findInclude(const std::string& uri) {
     const auto found = resolver_.find(uri);
     if (!found.note.empty()) warn(found.note);
@@ -68,7 +68,8 @@ class WorldBuilder {
     return found.path.string();
   }
 
-  /// libsdformat follows includes without end. @throws ConfigError for a model that includes itself.
+  /// libsdformat follows includes without end.
+  /// @throws ConfigError for a model that includes itself.
   void checkIncludes(const std::string& xml, const fs::path& folder, std::vector<fs::path>& chain) {
     for (const std::string& uri : includedUris(xml)) {
       fs::path path = resolver_.find(uri).path;
@@ -95,7 +96,7 @@ class WorldBuilder {
     }
   }
 
-  /// As read; where it gives no world, of what is left without the parts that are to blame.
+  /// The world of a document; after a rejection, the world without its invalid parts.
   std::unique_ptr<Reading> readWhatCanBe(WorldDocument& document, const std::string& xml,
                                          const std::string& of, std::vector<LostInclude>& lost) {
     auto reading = reader_.read(withBuiltInModels(xml));
@@ -109,7 +110,7 @@ class WorldBuilder {
     return rest;
   }
 
-  /// A model whose file libsdformat refuses within the world, read by itself.
+  /// Adds a model whose file libsdformat rejects within the world, read by itself.
   void addLost(const LostInclude& include) {
     const auto leaveOut = [&](const std::string& why) { warn(include.description + " is left out: " + why); };
     fs::path file = findInclude(include.uri);
@@ -159,7 +160,7 @@ class WorldBuilder {
     }
   }
 
-  /// @param T_world_parent of the link that carries it; it stays where it is when the link's model moves.
+  /// @param T_world_parent pose of its link; the light keeps its pose when the link's model moves.
   void addLight(const sdf::Light& light, const Pose3& T_world_parent = Pose3::Identity()) {
     if (loaded_.world.lights.size() >= kMaxLights) {
       warn("light \"" + light.Name() + "\": only the first " + std::to_string(kMaxLights) + " are simulated");
@@ -183,7 +184,7 @@ class WorldBuilder {
     result.position = pose->translation().cast<float>();
     const double intensity = light.Intensity() >= 0.0 && light.Intensity() < 100.0 ? light.Intensity() : 1.0;
     result.color = toColor(light.Diffuse()) * static_cast<float>(intensity);
-    // Gazebo's lamps inside rooms throw none unless asked to; suns do.
+    // Gazebo's default: directional lights cast shadows, point and spot lights do not.
     const bool says = light.Element() && light.Element()->HasElement("cast_shadows");
     result.shadows = says ? light.CastShadows() : result.kind == Light::Kind::kDirectional;
     const auto factor = [](double value, double instead) {
@@ -201,14 +202,14 @@ class WorldBuilder {
 
   void setScene(const sdf::Scene& scene) {
     loaded_.world.ambient = toColor(scene.Ambient());
-    // libsdformat puts its own grey where a file says nothing.
+    // libsdformat replaces a missing background by its own grey.
     const auto background = scene.Element() ? scene.Element()->FindElement("background") : nullptr;
     if (background && background->GetExplicitlySetInFile()) {
       loaded_.world.sky = toColor(scene.Background()).cwiseMin(1.0f);
     }
   }
 
-  /// A world saved by Gazebo says twice where its models are: the state is what it looked like.
+  /// A world saved by Gazebo has two poses of each model: the state is the displayed one.
   void readStates(const sdf::World& world) {
     const auto state = world.Element() ? world.Element()->FindElement("state") : nullptr;
     for (auto model = state ? state->FindElement("model") : nullptr; model;
@@ -216,7 +217,7 @@ class WorldBuilder {
       if (!model->HasAttribute("name")) continue;
       if (model->HasElement("scale")) {
         const auto scale = model->Get<ignition::math::Vector3d>("scale");
-        // Gazebo's versions differ in whether the model's own sizes hold it already.
+        // Gazebo's versions differ in whether the model's own sizes include the scale.
         if (!scale.Equal(ignition::math::Vector3d::One, 1e-6)) {
           warn("the scale of model \"" + model->Get<std::string>("name") + "\" in <state> is not applied");
         }
@@ -242,7 +243,7 @@ class WorldBuilder {
       for (const auto& warning : loaded_.warnings) why += "\n" + warning;
       throw ConfigError({file_ + ": the world has nothing to show (no visual with triangles)" + why});
     }
-    // A world that says nothing about light is not dark.
+    // A world without lights gets a default light.
     if (loaded_.world.lights.empty()) loaded_.world.lights.emplace_back();
     return std::move(loaded_);
   }
@@ -259,7 +260,7 @@ class WorldBuilder {
     return pose.matrix().allFinite() && pose.translation().cwiseAbs().maxCoeff() <= kMaxPosition_m &&
            std::abs(pose.linear().determinant() - 1.0) < 1e-3;
   }
-  /// In the frame of what it is part of; empty (and a warning) if it is no pose.
+  /// The pose of a part in the frame of its parent; empty (with a warning) if it is invalid.
   template <typename Part>
   std::optional<Pose3> poseOf(const Part& part, const std::string& name) {
     Pose3d pose;
@@ -269,14 +270,15 @@ class WorldBuilder {
     warn(name + " has a pose that is not finite or farther than 1000 km: left out");
     return std::nullopt;
   }
-  /// Names of models are how scenarios name them: each only once.
+  /// Scenarios refer to models by their names, which must be unique.
   std::string freeName(const std::string& wanted) const {
     std::string name = wanted;
     for (int i = 1; loaded_.world.modelNamed(name); ++i) name = wanted + "_" + std::to_string(i);
     return name;
   }
 
-  /// Links of a model and of the models nested in it. @param T_model_parts of its frame in the whole model.
+  /// Links of a model and of the models nested in it.
+  /// @param T_model_parts of its frame in the whole model.
   void addParts(const sdf::Model& model, const std::string& prefix, const Pose3& T_model_parts,
                 WorldModel& out) {
     for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
@@ -410,7 +412,7 @@ class WorldBuilder {
   std::map<std::string, Pose3> states_;
 };
 
-/// @param notes what is odd about the text already.
+/// @param notes earlier repairs of the text.
 LoadedWorld build(WorldDocument& document, const std::string& xml, const std::string& file,
                   const std::vector<std::string>& notes, WorldBuilder& builder) {
   std::vector<fs::path> chain;
@@ -441,7 +443,7 @@ LoadedWorld build(WorldDocument& document, const std::string& xml, const std::st
   return builder.take(world.Name());
 }
 
-/// Of a text that is made fit for libsdformat.
+/// The world of a repaired text.
 LoadedWorld buildFrom(const WorldText& text, const std::string& file, WorldBuilder& builder) {
   WorldDocument document(text.xml, file);
   std::vector<std::string> notes = text.notes;

@@ -34,7 +34,7 @@ std::string withoutComments(std::string_view text) {
   return plain;
 }
 
-/// Its statements as words: a line is one, and every brace.
+/// Its statements as words: each line and each brace is one statement.
 std::vector<std::vector<std::string>> linesOf(std::string_view text) {
   std::vector<std::vector<std::string>> lines;
   std::string line;
@@ -111,7 +111,7 @@ std::map<std::string, OgreMaterial> parseOgreScript(std::string_view text) {
       materials[name] = start;
     } else if (depth > 0 && !name.empty()) {
       OgreMaterial& material = materials[name];
-      // Techniques for better graphics come first, and passes that come later only add to the first.
+      // The first technique has the best graphics; later passes only add to the first pass.
       if (words[0] == "diffuse" && !has_diffuse) {
         if (const auto color = colorOf(words)) {
           material.diffuse = *color;

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uintmax_t kMaxMesh_bytes = 1u << 30;
-/// Parts of a node tree that lie deeper are left out: a file made by hand or by chance.
+/// Maximum depth of a node tree; deeper parts of malformed files are left out.
 constexpr int kMaxDepth = 200;
 constexpr std::size_t kMaxVertices = 40'000'000;
 
@@ -35,7 +35,7 @@ class MeshImporter {
     if (fs::file_size(file_, error) > kMaxMesh_bytes || error) {
       throw std::runtime_error(file_.string() + ": cannot be read, or over 1 GB");
     }
-    // Gazebo ignores a Collada file's up axis, and its worlds are made for that.
+    // Gazebo ignores a Collada file's up axis, and its worlds rely on that.
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
     importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | aiPrimitiveType_POINT);
     scene_ = importer_.ReadFile(file_.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
@@ -72,7 +72,7 @@ class MeshImporter {
       out.vertices.emplace_back(p.x, p.y, p.z);
       if (mesh.HasNormals())
         out.normals.emplace_back(mesh.mNormals[v].x, mesh.mNormals[v].y, mesh.mNormals[v].z);
-      // Pictures are stored from the top, texture coordinates count from the bottom.
+      // Images are stored from the top; texture coordinates count from the bottom.
       if (mesh.HasTextureCoords(0)) {
         out.uvs.emplace_back(mesh.mTextureCoords[0][v].x, 1.0f - mesh.mTextureCoords[0][v].y);
       }

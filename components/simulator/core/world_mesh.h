@@ -1,4 +1,4 @@
-/// @file Mesh files (Collada, OBJ, STL and what else assimp reads) as parts of one material each.
+/// @file Mesh files (all formats of assimp: Collada, OBJ, STL ...) as parts of one material each.
 #pragma once
 
 #include <filesystem>
@@ -21,14 +21,15 @@ struct MeshPart {
 
 struct MeshFile {
   std::vector<MeshPart> parts;
-  std::vector<std::string> notes;  ///< what could not be used, one line each
+  std::vector<std::string> notes;  ///< unusable parts, one line each
 };
 
-/// Reads a mesh in its own units turned to metres as Gazebo does: a Collada file's up axis is ignored, its
-/// unit is not. Textures are searched beside the file, in ../materials/textures and materials/textures there,
-/// by the path that the file gives and by its last part.
-/// @param submesh only parts of that name, or all if empty. @param centre puts the middle of their bounding
-/// box to the origin. @throws std::runtime_error naming the file and what is wrong.
+/// Reads a mesh and converts it to metres as Gazebo does: a Collada file's unit is applied, its up axis is
+/// ignored. Textures are searched beside the file, in ../materials/textures and materials/textures there, by
+/// the path that the file gives and by its last part.
+/// @param submesh only parts of that name, or all if empty.
+/// @param centre moves the middle of their bounding box to the origin.
+/// @throws std::runtime_error naming the file and the problem.
 MeshFile loadMeshFile(const std::filesystem::path& file, const std::string& submesh, bool centre);
 
 }  // namespace vismem

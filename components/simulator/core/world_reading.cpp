@@ -7,8 +7,7 @@
 namespace vismem {
 namespace {
 
-/// An empty tree that knows the format. A copy is made in a third of the time that reading the description
-/// takes.
+/// An empty tree with the format's description. A copy takes a third of the time of reading the description.
 sdf::SDFPtr emptyTree() {
   static const sdf::SDFPtr kFormat = [] {
     auto format = std::make_shared<sdf::SDF>();
@@ -42,9 +41,9 @@ void readInto(Reading& reading, const sdf::SDFPtr& tree, const std::string& xml,
 
 SdfReader::SdfReader(std::function<std::string(const std::string& uri)> find_include)
     : find_include_(std::move(find_include)) {
-  // Its complaints come back as values; on the console they would stand there twice.
+  // Its errors are returned as values; on the console they would appear twice.
   sdf::Console::Instance()->SetQuiet(true);
-  console_bridge::noOutputHandler();  // of the URDF parser, which it asks about what it cannot read
+  console_bridge::noOutputHandler();  // of the URDF parser, which it calls for unknown formats
 }
 
 std::unique_ptr<Reading> SdfReader::read(const std::string& xml) const {

@@ -1,4 +1,4 @@
-/// @file What libsdformat makes of a text. Includes it: for world_loader.cpp only.
+/// @file Reading of a text by libsdformat. Includes libsdformat: for world_loader.cpp only.
 #pragma once
 
 #include <functional>
@@ -19,12 +19,12 @@ struct Reading {
 /// *Single-threaded.*
 class SdfReader {
  public:
-  /// @param find_include gives the folder with a model.config, or the file, that a uri names; empty if none.
+  /// @param find_include returns the folder with a model.config, or the file, of a uri; empty if none.
   explicit SdfReader(std::function<std::string(const std::string& uri)> find_include);
 
-  /// What libsdformat throws is a complaint.
+  /// Reads a world. Exceptions of libsdformat become errors of the reading.
   std::unique_ptr<Reading> read(const std::string& xml) const;
-  /// Why it gives no world; empty if it gives one. Takes half as long as read.
+  /// Reason why libsdformat rejects a text; empty if it accepts it. Takes half as long as read.
   std::string refusal(const std::string& xml);
 
  private:

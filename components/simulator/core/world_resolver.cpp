@@ -77,7 +77,7 @@ UriResolver::Found UriResolver::find(const std::string& uri, const fs::path& nam
   for (const auto& folder : search_) {
     if (pathExists(folder / name)) return {folder / name, ""};
   }
-  // The part of the path inside the model that it names.
+  // The part of the path inside the named model.
   fs::path rest;
   for (auto it = std::next(name.begin()); it != name.end(); ++it) rest /= *it;
   const bool of_a_model = uri.compare(0, 8, "model://") == 0;

@@ -1,4 +1,4 @@
-/// @file Where the uris of a world lead: folders of models, meshes, textures.
+/// @file Resolution of a world's uris: folders of models, meshes, textures.
 #pragma once
 
 #include <filesystem>
@@ -9,20 +9,20 @@
 
 namespace vismem {
 
-/// *Single-threaded*: it remembers the names of models that it read.
+/// *Single-threaded*: it caches the names of models that it read.
 class UriResolver {
  public:
   /// @param search folders in their order: those of models first, the world's own last.
   explicit UriResolver(std::vector<std::filesystem::path> search) : search_(std::move(search)) {}
 
   struct Found {
-    std::filesystem::path path;  ///< empty: nowhere
-    std::string note;            ///< not empty: it was found where the uri does not say, and where
+    std::filesystem::path path;  ///< empty: not found
+    std::string note;  ///< the place of a file that was found elsewhere than the uri says; else empty
   };
   /// `model://NAME/REST`, `file://...`, addresses of Fuel (their last part), and bare paths. In this order:
   /// below the search folders; beside the file that names it and above that, up to its model's folder; below
-  /// the folder of the model whose model.config says that it is called NAME.
-  /// @param named_in the file in which the uri stands; may be empty.
+  /// the folder of the model with NAME in its model.config.
+  /// @param named_in the file with the uri; may be empty.
   Found find(const std::string& uri, const std::filesystem::path& named_in = {}) const;
 
  private:
@@ -32,9 +32,10 @@ class UriResolver {
   mutable std::optional<std::map<std::string, std::filesystem::path>> names_;
 };
 
-/// The whole of a file. @return empty if it cannot be read or has more than `max_bytes`.
+/// The whole of a file.
+/// @return empty if it cannot be read or has more than `max_bytes`.
 std::optional<std::string> readFile(const std::filesystem::path& file, std::size_t max_bytes);
-/// Never throws, whatever the path holds.
+/// Whether a path exists; never throws, for any bytes of the path.
 bool pathExists(const std::filesystem::path& path);
 
 }  // namespace vismem

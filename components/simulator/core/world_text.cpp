@@ -64,7 +64,8 @@ std::string fromLatin1(const std::string& s) {
   return result;
 }
 
-/// End of what is not an element: a comment, CDATA, a declaration. @return `at` if an element begins here.
+/// End of a comment, a CDATA section or a declaration.
+/// @return `at` if an element begins here.
 std::size_t skipNonElement(const std::string& s, std::size_t at) {
   struct Kind {
     std::string_view begin, end;
@@ -77,7 +78,8 @@ std::size_t skipNonElement(const std::string& s, std::size_t at) {
   return at;
 }
 
-/// Copies one tag that begins at `at` and quotes its bare attribute values. @return its end.
+/// Copies one tag that begins at `at` and quotes its bare attribute values.
+/// @return its end.
 std::size_t copyTag(const std::string& s, std::size_t at, std::string& out,
                     std::vector<std::string>& quoted) {
   const std::size_t begin = at;
@@ -92,7 +94,7 @@ std::size_t copyTag(const std::string& s, std::size_t at, std::string& out,
     out.push_back(c);
     ++at;
     if (c == '>') return at;
-    if (c == '<' && at > begin + 1) return at - 1;  // a tag that never ended: the parser will say so
+    if (c == '<' && at > begin + 1) return at - 1;  // a tag without an end: the parser reports it
     if (c != '=') continue;
     while (at < s.size() && isSpace(s[at])) out.push_back(s[at++]);
     if (at >= s.size() || s[at] == '"' || s[at] == '\'' || s[at] == '>') continue;
@@ -146,7 +148,7 @@ void forIncludes(const std::string& xml, const Use& use) {
   }
 }
 
-/// Whether a uri names a model of Gazebo's own, from its database or from Fuel.
+/// Whether a uri refers to a model of Gazebo itself, from its database or from Fuel.
 bool namesGazeboModel(std::string uri, std::string_view model) {
   std::string plain;
   for (std::size_t i = 0; i < uri.size(); ++i) {

@@ -1,4 +1,4 @@
-/// @file The text of an SDF file before it is parsed: repairs of what real files get wrong. Pure.
+/// @file Repair of frequent errors in the text of an SDF file before it is parsed. Pure.
 #pragma once
 
 #include <string>
@@ -9,18 +9,19 @@ namespace vismem {
 
 struct WorldText {
   std::string xml;                 ///< UTF-8
-  std::vector<std::string> notes;  ///< what was repaired, one line each
+  std::vector<std::string> notes;  ///< the repairs, one line each
 };
 
-/// Makes well-formed what Gazebo's old parser took: attributes without quotes (`<gui fullscreen=1>`), text in
-/// Latin-1. @return without xml, and one note that says why, if it is no text at all.
+/// Makes well-formed XML of texts that Gazebo's old parser accepted: attributes without quotes (`<gui
+/// fullscreen=1>`), text in Latin-1.
+/// @return no xml and one note with the reason for bytes that are no text.
 WorldText repairWorldText(const std::string& bytes);
 
-/// Puts our own ground plane and sun in place of the includes of Gazebo's: they ship with Gazebo, not with
-/// the worlds. The include's name and pose stay.
+/// Replaces the includes of Gazebo's ground plane and sun by built-in ones, because they ship with Gazebo,
+/// not with the worlds. The include's name and pose stay.
 std::string withBuiltInModels(const std::string& xml);
 
-/// What the `<include>` elements of a text name, in their order.
+/// The uris of the `<include>` elements of a text, in their order.
 std::vector<std::string> includedUris(const std::string& xml);
 
 /// A text between tags with XML's five entities in place of their characters.

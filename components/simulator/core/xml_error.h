@@ -1,4 +1,4 @@
-/// @file The names of tinyxml2's errors as people read them. Pure.
+/// @file Readable names of tinyxml2's errors. Pure.
 #pragma once
 
 #include <cctype>

@@ -1,4 +1,4 @@
-/// @file show_status: what the running components are doing. See its --help; scripts/status calls it.
+/// @file show_status: status of the running components. See its --help; scripts/status calls it.
 #include <Ice/Ice.h>
 #include <signal.h>
 #include <unistd.h>
@@ -62,7 +62,7 @@ class EndSignals {
     for (const int number : {SIGINT, SIGTERM}) sigaddset(&set_, number);
     pthread_sigmask(SIG_BLOCK, &set_, nullptr);
   }
-  /// @return whether the end was asked for within this time.
+  /// @return whether the end was requested within this time.
   bool wait(double seconds) {
     const auto whole = static_cast<time_t>(seconds);
     const timespec limit{whole, static_cast<long>((seconds - static_cast<double>(whole)) * 1e9)};
@@ -98,7 +98,7 @@ class Viewer {
         const auto same = [&](const ComponentRow& other) {
           return other.name == row.name && other.endpoints == row.endpoints;
         };
-        // Setups share ports: who serves there belongs to either of them.
+        // Setups share ports: a server at a port may belong to either of them.
         const auto known = std::find_if(rows.begin(), rows.end(), same);
         if (known == rows.end()) {
           rows.push_back(std::move(row));
@@ -133,7 +133,8 @@ class Viewer {
  private:
   static std::shared_ptr<Ice::Communicator> communicator(Logger& log) {
     Properties properties;
-    // Who is away is told as such, not asked again; nothing of a frozen one may outlast the tool.
+    // Absent components are reported as such without a second request; no request to a frozen one may outlast
+    // the tool.
     properties.set("Ice.RetryIntervals", "-1");
     properties.set("Ice.Override.CloseTimeout", "100");
     return makeCommunicator(properties, log);
@@ -158,7 +159,7 @@ class Viewer {
     for (std::size_t i = 0; i < answers.size(); ++i) {
       asked[i]->report = std::move(answers[i].report);
       asked[i]->failure = answers[i].failure;
-      asked[i]->absent = answers[i].nobody_there;
+      asked[i]->absent = answers[i].no_server;
     }
   }
 
@@ -179,7 +180,7 @@ int run(const Options& options) {
     if (options.json) {
       std::cout << statusJson(rows).dump() << std::endl;
     } else {
-      // One write for the whole picture, so that it does not flicker.
+      // One write for the whole screen, so that it does not flicker.
       std::string picture = options.watch && terminal ? "\033[H\033[J" : "";
       picture += rows.empty() ? "no component is running\n" : statusTable(rows, terminal);
       std::cout << picture << std::flush;
@@ -191,7 +192,8 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Shows the components of a setup: state, peers, rates, latencies, estimates, last errors.", "status"};
+  CLI::App app{"Shows the components of a setup: state, peers, rates, latencies, estimates, last errors.",
+               "status"};
   Options options;
   declare(app, options);
   if (const auto code = parseTool(app, argc, argv)) return *code;

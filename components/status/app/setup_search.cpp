@@ -28,7 +28,7 @@ bool hasProcesses(const fs::path& list) {
 std::string endpointsSaid(const fs::path& folder, const std::string& name) {
   std::ifstream out(folder / (name + ".out"));
   std::string endpoints;
-  // The last one counts: a component that was started again wrote another.
+  // The last one is valid: a restarted component writes another.
   for (std::string line; std::getline(out, line);) {
     if (line.starts_with(name + " ready: ")) endpoints = readyEndpoints(line).value_or("");
   }

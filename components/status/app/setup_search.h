@@ -1,5 +1,5 @@
-/// @file Finds the components of a setup and where they serve: as they said when scripts/start started them,
-/// else as their configuration says.
+/// @file Finds the components of a setup and their endpoints: from the ready lines of scripts/start, else
+/// from their configuration.
 #pragma once
 
 #include <filesystem>
@@ -10,18 +10,18 @@
 
 namespace vismem {
 
-/// The setups that scripts/start keeps running: the folders of out/ that have a list of processes.
+/// The running setups of scripts/start: the folders of out/ with a list of processes.
 std::vector<std::string> startedSetups(const std::filesystem::path& root);
 
-/// The rows of a setup, without reports yet. A setup that scripts/start runs is read from out/SETUP/ (the
-/// list of processes, and their ready lines with the real endpoints); any other from cfg/SETUP/.
+/// The rows of a setup, without reports yet. A running setup of scripts/start is read from out/SETUP/ (list
+/// of processes, ready lines with the actual endpoints), any other from cfg/SETUP/.
 /// @param setup        name of a folder of out/ or cfg/.
 /// @param port_offset  added to the ports of a setup read from cfg/.
-/// @throw ConfigError if there is neither.
+/// @throw ConfigError if neither folder exists.
 std::vector<ComponentRow> rowsOfSetup(const std::filesystem::path& root, const std::string& setup,
                                       int port_offset);
 
-/// The proxy of a component's status, at its first endpoint: one that is away is asked once.
+/// The proxy of a component's status, at its first endpoint only: an absent one needs a single request.
 std::string statusProxyOf(const ComponentRow& row);
 
 }  // namespace vismem

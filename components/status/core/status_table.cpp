@@ -60,7 +60,7 @@ std::string reasonOf(const ComponentRow& row) {
 
 using Lines = std::vector<std::pair<std::string, std::string>>;
 
-/// What stands below a component's line: a heading (once for several lines of a kind) and a text.
+/// Details below a component's line: a heading (once for several lines of a kind) and a text.
 Lines detailsOf(const StatusReport& report) {
   Lines lines;
   for (const auto& peer : report.peers) {
@@ -83,9 +83,14 @@ Lines detailsOf(const StatusReport& report) {
                                      kMsPerSecond * figures.p50_s, kMsPerSecond * figures.p95_s,
                                      kMsPerSecond * figures.p99_s, kMsPerSecond * figures.max_s));
   }
+  std::size_t gauge_width = 14;
+  for (const auto& gauge : report.gauges) gauge_width = std::max(gauge_width, gauge.name.size());
   for (const auto& gauge : report.gauges) {
-    lines.emplace_back("estimates", padded(gauge.name, 14) +
-                                        formatted(" %.2f +- %.2f ", gauge.value, gauge.sigma) + gauge.unit);
+    lines.emplace_back("estimates",
+                       padded(gauge.name, gauge_width) +
+                           (gauge.sigma > 0.0 ? formatted(" %.2f +- %.2f ", gauge.value, gauge.sigma)
+                                              : formatted(" %.1f ", gauge.value)) +
+                           gauge.unit);
   }
   const std::size_t skipped = report.errors.size() - std::min(report.errors.size(), kShownErrors);
   for (std::size_t i = skipped; i < report.errors.size(); ++i) {

@@ -1,4 +1,4 @@
-/// @file What components told of themselves, as a table for people and as JSON for programs. Pure.
+/// @file Status of components, as a table for people and as JSON for programs. Pure.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,29 +10,30 @@
 
 namespace vismem {
 
-/// One component, whether it answered or not.
+/// One component, with or without an answer.
 struct ComponentRow {
   /// Folder of its setup: "sim".
   std::string setup;
   std::string name;
-  /// Where it serves: "tcp -h 127.0.0.1 -p 9971:ws -h 127.0.0.1 -p 11005"; empty if that is not known.
+  /// Its endpoints: "tcp -h 127.0.0.1 -p 9971:ws -h 127.0.0.1 -p 11005"; empty if unknown.
   std::string endpoints;
   std::optional<StatusReport> report;
-  /// Why there is no report; empty if there is one.
+  /// Reason why there is no report; empty with a report.
   std::string failure;
-  /// Nobody serves there (as opposed to one that serves and does not answer).
+  /// True if no server listens there, as opposed to a server without an answer.
   bool absent = false;
 };
 
-/// "running", "waiting", "degraded", "starting", "stopping"; "absent" where nobody serves, "silent" where one
-/// serves and does not answer (frozen, or busy beyond measure).
+/// "running", "waiting", "degraded", "starting", "stopping"; "absent" without a server, "silent" for a server
+/// without an answer (frozen or overloaded).
 std::string stateName(const ComponentRow& row);
 
 /// Whether there are components and every one of them is running.
 bool isWhole(const std::vector<ComponentRow>& rows);
 
-/// A heading, a line for each component, and below it what it knows: peers, rates, latencies, estimates, last errors.
-/// @param colour  with the escape sequences of terminals.
+/// A heading, then a line for each component with its peers, rates, latencies, estimates and last errors
+/// below.
+/// @param colour use the escape sequences of terminals.
 std::string statusTable(const std::vector<ComponentRow>& rows, bool colour);
 
 /// {"whole":true,"components":[{"setup":"sim","name":"simulator","endpoints":"tcp

@@ -1,6 +1,7 @@
-// What a picture over avm::Camera costs beside as many plain bytes over Ice, what a client that stalls costs
-// the others, and whether the server's memory stays: tables, and one line of JSON at the end. The server is a
-// process of its own. Kinds of request take turns, so that what the machine does besides hits all alike.
+// Latency of an image over avm::Camera relative to as many plain bytes over Ice, the effect of a stalled
+// client on others, and the growth of the server's memory. Output: tables, and one line of JSON at the end.
+// The server is a process of its own. Kinds of request take turns, so that disturbances of the machine affect
+// all alike.
 #include <avm/camera.h>
 #include <benchmark/benchmark.h>
 #include <camera/plain.h>
@@ -20,8 +21,8 @@
 #include "bench/camera/v4l2.h"
 #include "common/process/child_process.h"
 #include "common/tool/command_line_tool.h"
-#include "hostile/attack.h"
-#include "hostile/ice_wire.h"
+#include "untrusted_clients/attack.h"
+#include "untrusted_clients/ice_wire.h"
 
 namespace vismem {
 namespace {

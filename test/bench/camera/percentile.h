@@ -1,4 +1,4 @@
-/// @file What the tables show of many measurements.
+/// @file Percentiles for the tables.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,8 @@
 
 namespace vismem {
 
-/// @param share of the values that are smaller: 0.5 is the median. @return 0 without values.
+/// @param share share of the values below the percentile: 0.5 is the median.
+/// @return 0 without values.
 inline double percentile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
   const auto at =

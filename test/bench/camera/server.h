@@ -3,8 +3,8 @@
 
 namespace vismem {
 
-/// Serves "camera" (avm::Camera over a FrameBroadcaster), "plain" and "control" at a port of the system's
-/// choice, says so with a ready line, and serves until a signal ends it.
+/// Serves "camera" (avm::Camera over a FrameBroadcaster), "plain" and "control" at an ephemeral port, prints
+/// a ready line, and serves until a signal.
 [[noreturn]] void runBenchServer();
 
 }  // namespace vismem

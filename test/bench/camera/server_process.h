@@ -1,4 +1,4 @@
-/// @file The benchmark's server (server.h) as its clients have it: a process of its own, and proxies.
+/// @file The benchmark's server (server.h) as a process of its own, with proxies for its clients.
 #pragma once
 
 #include <Ice/Ice.h>
@@ -13,7 +13,8 @@ namespace vismem {
 
 class ServerProcess {
  public:
-  /// Waits until it serves. @throw std::runtime_error if it does not.
+  /// Waits until it serves.
+  /// @throw std::runtime_error if it does not.
   ServerProcess();
 
   template <typename Prx>

@@ -54,7 +54,7 @@ double ms(Clock::duration duration) {
 struct Run {
   const char* captured;  ///< four characters of V4L2
   int width, height;
-  const char* served;  ///< empty: nobody asks
+  const char* served;  ///< empty: no client
 };
 
 struct Ages {
@@ -63,8 +63,8 @@ struct Ages {
   std::vector<double> plain_ms;     ///< round trips of as many plain bytes, one after each picture
 };
 
-/// What the emulation itself takes to hand a picture over, which a kernel does not: from its answer to the
-/// return of the request, measured without a server. Median [ms].
+/// Delay of the emulation itself, which a kernel does not have: from its answer to the return of the request,
+/// measured without a server. Median [ms].
 double handingOver_ms() {
   EmulatedCamera::Description description;
   description.modes = {{"YUYV", 320, 240, {30}}};
@@ -83,7 +83,7 @@ double handingOver_ms() {
       taken_ms.push_back(ms(returned - camera.lastGivenAt()));
       why = buffers.giveBack(filled);
     } else if (taken == v4l2::FrameBuffers::Taken::kNone) {
-      // As the driver where poll tells of a picture and there is none.
+      // As the driver after a poll() without an image.
       device.pauseUntil(Clock::now() + std::chrono::milliseconds(2));
     }
   }

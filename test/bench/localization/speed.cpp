@@ -87,7 +87,7 @@ void run(benchmark::State& state, const LocalizerParams& params, const SegmentMa
     Localizer localizer(params, map, 1);
     for (std::size_t i = 0; i < drive.updates.size(); ++i) {
       const double begin = cpuSeconds();
-      const PoseEstimate estimate = localizer.step(drive.updates[i]);
+      const PoseEstimate estimate = localizer.update(drive.updates[i]);
       seconds.push_back(cpuSeconds() - begin);
       if (i == 0 && !kidnapped) localizer.setPose(drive.truth[0]);
       races += static_cast<double>(estimate.races.size());
@@ -99,7 +99,7 @@ void run(benchmark::State& state, const LocalizerParams& params, const SegmentMa
   report(state, seconds);
 }
 
-LocalizerParams chapter(HealthSource source, bool use_field) {
+LocalizerParams chapter(ObservationSource source, bool use_field) {
   LocalizerParams params = localizerPreset(LocalizationMode::kChapter);
   params.health.source = source;
   params.health.use_field = use_field;
@@ -135,19 +135,19 @@ int main(int argc, char** argv) {
   add("default/settled/1000_segments", ours, 1'000, false);
   add("default/kidnapped/1000_segments", ours, 1'000, true);
   add("default/kidnapped/50000_segments", ours, 50'000, true);
-  const LocalizerParams by_memory = chapter(HealthSource::kMemory, true);
+  const LocalizerParams by_memory = chapter(ObservationSource::kMemory, true);
   add("chapter_memory/fields/settled", by_memory, 1, false);
   add("chapter_memory/fields/kidnapped", by_memory, 1, true);
-  add("chapter_memory/brute_force/settled", chapter(HealthSource::kMemory, false), 1, false);
+  add("chapter_memory/brute_force/settled", chapter(ObservationSource::kMemory, false), 1, false);
   add("chapter_memory/fields/settled/50_segments", by_memory, 50, false);
   add("chapter_memory/fields/settled/50000_segments", by_memory, 50'000, false);
   add("chapter_memory/fields/kidnapped/50_segments", by_memory, 50, true);
   add("chapter_memory/fields/kidnapped/1000_segments", by_memory, 1'000, true);
   add("chapter_memory/fields/kidnapped/50000_segments", by_memory, 50'000, true);
-  const LocalizerParams by_image = chapter(HealthSource::kImage, true);
+  const LocalizerParams by_image = chapter(ObservationSource::kImage, true);
   add("chapter_image/fields/settled", by_image, 1, false);
   add("chapter_image/fields/kidnapped", by_image, 1, true);
-  add("chapter_image/brute_force/settled", chapter(HealthSource::kImage, false), 1, false);
+  add("chapter_image/brute_force/settled", chapter(ObservationSource::kImage, false), 1, false);
   add("chapter_image/fields/settled/50_segments", by_image, 50, false);
   add("chapter_image/fields/settled/1000_segments", by_image, 1'000, false);
   add("chapter_image/fields/settled/50000_segments", by_image, 50'000, false);

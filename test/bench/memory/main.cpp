@@ -1,6 +1,6 @@
-// scripts/bench memory: what one iteration of the visual memory costs, image in to memory and gaze out, stage
-// by stage, and whether time or memory grow over a simulated hour (M7). All times are CPU time of the one
-// thread that does the work.
+// scripts/bench memory: CPU time of one iteration of the visual memory, from image to memory and gaze, stage
+// by stage, and growth of time and memory over a simulated hour (M7). All times are CPU time of the working
+// thread.
 //
 // The images of one lap are rendered first: the robot drives round in a circle while its camera looks about,
 // and after a lap everything is where it was. The lap is then repeated with stamps that go on.
@@ -18,8 +18,8 @@
 
 #include "active_visual_memory/core/memory_pipeline.h"
 #include "common/geometry/angles.h"
-#include "experiments/app/cpu_stages.h"
-#include "experiments/app/evaluation_setup.h"
+#include "evaluation/app/cpu_stages.h"
+#include "evaluation/app/evaluation_setup.h"
 #include "over_time.h"
 #include "simulator/core/image_errors.h"
 #include "simulator/core/renderer.h"

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/vision/app/image_file.h"
+#include "evaluation/figures/canvas.h"
 #include "experiments/app/experiment_files.h"
-#include "experiments/core/canvas.h"
 
 namespace vismem {
 namespace {

@@ -1,5 +1,5 @@
-// scripts/bench odometry: how the dead-reckoned error of each preset grows with the way, against what is
-// documented, as a table, a figure and JSON (DESIGN 6).
+// scripts/bench odometry: growth of the dead-reckoned error of each preset with the distance, beside the
+// documented formula, as a table, a figure and JSON.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -15,7 +15,7 @@
 #include "common/kinematics/random_stream.h"
 #include "common/routes/route_follower.h"
 #include "common/tool/command_line_tool.h"
-#include "experiments/core/canvas.h"
+#include "evaluation/figures/canvas.h"
 
 namespace {
 

@@ -1,6 +1,5 @@
-// scripts/bench simulator: what a simulated image costs, stage by stage, and how much faster than real time
-// the whole application runs in lock-step (DESIGN 6). All figures are CPU time of the one thread that does
-// the work.
+// scripts/bench simulator: CPU time of a simulated image, stage by stage, and speed of the whole application
+// in lock-step relative to real time. All figures are CPU time of the working thread.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -16,8 +15,8 @@
 
 #include "common/routes/route.h"
 #include "common/tool/command_line_tool.h"
-#include "experiments/app/cpu_stages.h"
-#include "experiments/app/evaluation.h"
+#include "evaluation/app/cpu_stages.h"
+#include "evaluation/app/evaluation.h"
 #include "simulator/core/image_errors.h"
 #include "simulator/core/renderer.h"
 #include "simulator/core/simulation.h"

@@ -1,4 +1,4 @@
-/// @file How right all detectors are: on annotated photographs, between two views, on exact edges, on noise.
+/// @file Accuracy of all detectors: on annotated photographs, between two views, on exact edges, on noise.
 #pragma once
 
 #include <functional>
@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "bench/vision/detectors.h"
-#include "experiments/app/annotated_images.h"
-#include "experiments/core/segment_accuracy.h"
+#include "evaluation/app/annotated_images.h"
+#include "evaluation/core/segment_accuracy.h"
 #include "vision/support/repeatability.h"
 
 namespace vismem {
@@ -23,8 +23,8 @@ struct PhotographRow {
   Repeatability repeatability;
 };
 
-/// Ours minus a peer, with the 2.5 and 97.5 per cent points of 2000 resamplings of the images (with
-/// replacement; the same images for both, so it is the difference that varies).
+/// Default detector minus a published one, with the 95 % bootstrap interval of 2000 resamplings of the images
+/// (with replacement, the same images for both).
 struct Difference {
   std::string measure;  ///< "F1", "F2", "F5", "sF5"
   std::string peer;     ///< the best one on all images at that measure

@@ -1,4 +1,4 @@
-/// @file The detectors that are compared: ours and published ones, all behind one interface.
+/// @file The compared detectors: the default detector and published ones behind one interface.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@ namespace vismem {
 class MeasuredDetector {
  public:
   virtual ~MeasuredDetector() = default;
-  /// What is timed: everything from a gray image to the detector's own list of segments.
+  /// The timed part: from a gray image to the detector's own list of segments.
   virtual void run(const cv::Mat& gray) = 0;
   /// Of the last run; converted outside the timing.
   virtual std::vector<Segment2> segments() const = 0;
@@ -34,7 +34,7 @@ inline const std::string kOurs = "solis";
 inline const std::string kTunedEdLines = "edlines_tuned";
 inline const std::string kLsd = "lsd";
 
-/// Ours first.
+/// The default detector is the first.
 std::vector<DetectorEntry> measuredDetectors();
 
 }  // namespace vismem

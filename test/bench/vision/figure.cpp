@@ -6,7 +6,7 @@
 #include <map>
 
 #include "bench/vision/report.h"
-#include "experiments/core/canvas.h"
+#include "evaluation/figures/canvas.h"
 
 namespace vismem {
 namespace {

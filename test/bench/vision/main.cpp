@@ -1,5 +1,5 @@
-// scripts/bench vision: our segment detector against published ones, in one process and one thread (issue of
-// V1).
+// scripts/bench vision: the default segment detector beside published ones, in one process and one thread
+// (V1).
 #include <unistd.h>
 
 #include <algorithm>

@@ -22,8 +22,9 @@ struct VisionResults {
 
 std::string textReport(const VisionResults& results);
 nlohmann::json jsonReport(const VisionResults& results);
-/// speed.csv, accuracy.csv, accuracy_images.csv (one row per image, size and detector), exact.csv; those that
-/// were measured. @throws std::runtime_error naming the file that cannot be written.
+/// speed.csv, accuracy.csv, accuracy_images.csv (one row per image, size and detector), exact.csv; the
+/// measured ones only.
+/// @throws std::runtime_error naming the file that cannot be written.
 void writeCsv(const VisionResults& results, const std::filesystem::path& folder);
 /// Time against F2 at each size, and every measure side by side. CV_8UC3 (R, G, B).
 cv::Mat drawFigure(const VisionResults& results);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/vision/detectors.h"
-#include "experiments/app/annotated_images.h"
+#include "evaluation/app/annotated_images.h"
 
 namespace vismem {
 
@@ -29,10 +29,10 @@ struct SpeedTable {
 };
 
 /// Gray images at widths 320 and 640 (where the photographs are that wide), and 1920x1080 mosaics of their
-/// native pixels. Runs of the detectors are shuffled among each other, so that noise of the machine hits all
+/// native pixels. Runs of the detectors are in random order, so that disturbances of the machine affect all
 /// alike.
 /// @param json_file   Google Benchmark's own report.
-/// @param progress    called with what is done and what there is.
+/// @param progress called with the numbers of finished and of all runs.
 std::vector<SpeedTable> measureSpeed(const std::vector<AnnotatedImage>& images,
                                      const std::vector<DetectorEntry>& detectors, bool quick,
                                      const std::filesystem::path& json_file,

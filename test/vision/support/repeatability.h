@@ -1,5 +1,5 @@
-/// @file Are the same segments found in another view of the same picture? Two noisy views related by a known
-/// homography, detections of one carried into the other. Pure.
+/// @file Repeatability of segments: two noisy views with a known homography, and a comparison of the
+/// detections of both. Pure.
 #pragma once
 
 #include <Eigen/Core>

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "common/geometry/plane.h"
+
 namespace vismem {
 namespace {
 
@@ -15,7 +17,7 @@ bool inside(const Quad& quad, const Eigen::Vector2d& p) {
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector2d d = quad.corner[(i + 1) % 4] - quad.corner[i];
     const Eigen::Vector2d q = p - quad.corner[i];
-    const double cross = d.x() * q.y() - d.y() * q.x();
+    const double cross = cross2(d, q);
     all_left = all_left && cross >= 0.0;
     all_right = all_right && cross <= 0.0;
   }

@@ -1,4 +1,4 @@
-/// @file Pictures whose edges are known exactly, and how well a detector places its segments on them. Pure.
+/// @file Images with exactly known edges, and the position error of detected segments. Pure.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-/// @file bag_info FILE: what a recording holds, and whether it can be replayed. DESIGN 11.
+/// @file bag_info FILE...: what a recording holds, which parts of a robot it can play, and what it needs for
+/// the others. See C1.
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
@@ -6,67 +7,114 @@
 #include <string>
 
 #include "common/geometry/angles.h"
-#include "common/recording/robot_log.h"
+#include "common/recording/bag_advice.h"
 #include "common/tool/command_line_tool.h"
 
 namespace {
 
-using vismem::RobotLog;
+using namespace vismem;
 
-nlohmann::json describe(const RobotLog& log) {
+void describe(const RobotLog& log, nlohmann::json& summary) {
   const auto& stamps = log.frameStamps();
-  const double seconds = vismem::toSeconds(stamps.back() - stamps.front());
-  vismem::StampUs longest_us = 0;
+  const double seconds = toSeconds(stamps.back() - stamps.front());
+  StampUs longest_us = 0;
   for (std::size_t i = 1; i < stamps.size(); ++i)
     longest_us = std::max(longest_us, stamps[i] - stamps[i - 1]);
   const auto intrinsics = log.intrinsics(0);
-  nlohmann::json summary;
-  summary["file"] = log.file();
   summary["frames"] = stamps.size();
   summary["frames_without_pose"] = log.framesWithoutPose();
-  summary["first_s"] = vismem::toSeconds(stamps.front());
-  summary["last_s"] = vismem::toSeconds(stamps.back());
+  summary["first_s"] = toSeconds(stamps.front());
+  summary["last_s"] = toSeconds(stamps.back());
   summary["camera_hz"] = seconds > 0 ? static_cast<double>(stamps.size() - 1) / seconds : 0.0;
-  summary["longest_gap_s"] = vismem::toSeconds(longest_us);
+  summary["longest_gap_s"] = toSeconds(longest_us);
   summary["width"] = intrinsics.width;
   summary["height"] = intrinsics.height;
   summary["fx_px"] = intrinsics.fx;
   summary["fy_px"] = intrinsics.fy;
   summary["odometry_samples"] = log.odometry().size();
   summary["joint_samples"] = log.joints().size();
-  summary["camera_pose"] = log.knowsCameraPose() ? "tf" : "joints";
-  return summary;
+  summary["camera_pose"] = log.knowsCameraPose() ? "tf" : log.joints().empty() ? "fixed" : "joints";
 }
 
-void printTopics(const RobotLog& log) {
-  const auto line = [](const char* what, const std::string& name) {
-    std::printf("%-12s %s\n", what, name.empty() ? "-" : name.c_str());
-  };
-  const auto& topics = log.topics();
-  line("images", topics.image);
-  line("calibration", topics.camera_info);
-  line("odometry", topics.odometry);
-  line("joints",
-       topics.joints.empty() ? "" : topics.joints + " (" + topics.pan_joint + ", " + topics.tilt_joint + ")");
-  line("camera pose", topics.robot_frame.empty() ? "" : topics.robot_frame + " -> " + topics.camera_frame);
+void printContents(const BagFile& bag) {
+  for (const auto& topic : bag.topics()) {
+    std::printf("%6zu  %-40s %s\n", topic.messages, topic.type.c_str(), topic.name.c_str());
+  }
+  std::string compressions;
+  for (const std::string& name : bag.compressions())
+    compressions += (compressions.empty() ? "" : ", ") + name;
+  std::printf("%.1f MB, %.1f s, compression %s\n", static_cast<double>(bag.bytes()) / 1e6,
+              toSeconds(bag.endUs() - bag.beginUs()), compressions.c_str());
+  for (const std::string& note : bag.notes()) std::printf("note: %s\n", note.c_str());
+}
+
+void printAdvice(const BagAdvice& advice, const std::vector<std::string>& files) {
+  for (const BagRole& role : advice.roles) {
+    std::printf("%-12s %s\n", role.name.c_str(), role.topic.empty() ? "-" : role.topic.c_str());
+    if (!role.needed.empty()) std::printf("             needed: %s\n", role.needed.c_str());
+    if (role.candidates.size() > 1) {
+      std::string others;
+      for (const std::string& name : role.candidates) others += (others.empty() ? "" : ", ") + name;
+      std::printf("             one of: %s (key %s)\n", others.c_str(), role.key.c_str());
+    }
+  }
+  if (!advice.playable) {
+    std::printf("It cannot be replayed yet. %s\n", advice.problem.c_str());
+    return;
+  }
+  std::string file;
+  for (const std::string& name : files) file += (file.empty() ? "" : ",") + name;
+  std::printf("It can be replayed:\n  scripts/start replay '--ReplayServer.File=%s'", file.c_str());
+  for (const std::string& argument : advice.arguments) std::printf(" %s", argument.c_str());
+  std::printf(" --Localization.Map=MAP.csv\n");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Shows what a recording (ROS 1 bag) holds; the last line is JSON.");
-  std::string file;
-  app.add_option("FILE", file, "the bag")->required();
-  if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
+  CLI::App app(
+      "Shows what a recording (ROS 1 bags) holds, which parts of a robot it can play here, and for each "
+      "missing part "
+      "what is needed and the key that names it; the last line is JSON.");
+  std::vector<std::string> files;
+  std::string topics;
+  double fov_deg = 0.0;
+  RobotLogOptions options;
+  app.add_option("FILE", files, "bags, or folders of them: together one recording")->required();
+  app.add_option("--topics", topics,
+                 "ROLE=/topic,...: image, camera_info, odometry, joints; robot, camera, odom (frames); pan, "
+                 "tilt (joints)");
+  app.add_option("--fov", fov_deg, "horizontal field of view of a camera without calibration [deg]")
+      ->check(CLI::Range(1.0, 179.0));
+  app.add_flag("--fixed", options.fixed_camera, "the camera does not turn, and its place is configured");
+  if (const auto code = parseTool(app, argc, argv)) return *code;
+  if (const std::string wrong = applyTopics(topics, options); !wrong.empty()) {
+    std::cerr << "--topics " << wrong << "\n";
+    return kExitUsage;
+  }
+  options.fov_rad = degToRad(fov_deg);
   try {
-    vismem::BagFile bag(file);
-    for (const auto& topic : bag.topics()) {
-      std::printf("%6zu  %-32s %s\n", topic.messages, topic.type.c_str(), topic.name.c_str());
+    std::vector<std::string> bags;
+    for (const std::string& file : files) {
+      const auto some = bagsOf(file);
+      bags.insert(bags.end(), some.begin(), some.end());
     }
-    const RobotLog log = RobotLog::open(file);
-    printTopics(log);
+    const BagFile bag(bags);
+    printContents(bag);
+    BagAdvice advice = adviseOn(files, options);
+    if (fov_deg > 0.0)
+      advice.arguments.push_back("--ReplayServer.Camera.FieldOfView_deg=" + std::to_string(fov_deg));
+    if (options.fixed_camera) advice.arguments.emplace_back("--ReplayServer.Camera.Fixed=yes");
+    printAdvice(advice, files);
+    nlohmann::json summary{
+        {"file", files.front()}, {"playable", advice.playable}, {"arguments", advice.arguments}};
+    if (advice.playable) {
+      describe(RobotLog::open(files, advice.options), summary);
+    } else {
+      summary["problem"] = advice.problem;
+    }
     std::fflush(stdout);
-    std::cout << describe(log).dump() << "\n";
+    std::cout << summary.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } catch (const std::exception& error) {
     std::fflush(stdout);
     std::cerr << error.what() << "\n";

@@ -1,4 +1,4 @@
-// detect_segments: straight segments of images as CSV and pictures (DESIGN 11).
+// detect_segments: straight segments of images as CSV and pictures.
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -66,7 +66,7 @@ class Run {
     for (const std::string& name : options_.images) process(name, csv);
     if (csv != nullptr) csv->flush();
     if (csv != nullptr && !*csv) return fail(options_.csv + ": cannot be written");
-    // The CSV on standard output stays a CSV: the summary goes beside it.
+    // With the CSV on standard output, the summary goes to standard error.
     (csv == &std::cout ? std::cerr : std::cout)
         << "{\"images\": " << images_ << ", \"unreadable\": " << unreadable_
         << ", \"segments\": " << segments_ << ", \"detector\": \"" << options_.detector
@@ -114,7 +114,7 @@ class Run {
     cv::Mat canvas = vismem::magnifiedForDrawing(image);
     for (const RawSegment& segment : segments)
       vismem::drawSegment(canvas, image, segment.px_raw, {255, 0, 0});
-    // Images of one name from several folders keep their pictures apart: name.png, name_2.png ...
+    // Images of equal names from several folders get different files: name.png, name_2.png ...
     const std::string stem = std::filesystem::path(name).stem().string();
     std::string unique = stem;
     for (int n = 2; !drawn_.insert(unique).second; ++n) unique = stem + "_" + std::to_string(n);

@@ -1,4 +1,4 @@
-/// @file Pictures of segments for the tools. Pure. Canvases are CV_8UC3 (R, G, B).
+/// @file Drawings of segments for the tools. Pure. Canvases are CV_8UC3 (R, G, B).
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -8,7 +8,7 @@
 
 namespace vismem {
 
-/// The image (R, G, B) enlarged to about 1000 px of width, so that sub-pixel lines can be told from pixels.
+/// The image (R, G, B) enlarged to about 1000 px of width, so that sub-pixel lines are visible.
 cv::Mat magnifiedForDrawing(const cv::Mat& image);
 
 /// Draws a segment of `image` on its magnified canvas, with a short tick at its middle towards the brighter

@@ -13,7 +13,7 @@ cv::Mat readImageFile(const std::filesystem::path& file) {
   try {
     image = cv::imread(file.string(), cv::IMREAD_COLOR);
   } catch (const cv::Exception&) {
-    return {};  // a header that promises more pixels than OpenCV takes
+    return {};  // a header with more pixels than OpenCV accepts
   }
   if (!image.empty()) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
   return image;

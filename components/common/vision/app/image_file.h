@@ -1,4 +1,4 @@
-/// @file Image files of the tools: what OpenCV reads in, PNG and others out.
+/// @file Image files of the tools: reading of all formats of OpenCV, writing of PNG and others.
 #pragma once
 
 #include <filesystem>
@@ -6,11 +6,11 @@
 
 namespace vismem {
 
-/// @return CV_8UC3 (R, G, B), turned as the camera noted in the file; empty when it is no image that OpenCV
-/// can read.
+/// @return CV_8UC3 (R, G, B), rotated by the file's orientation tag; empty for a file that OpenCV cannot
+/// read.
 cv::Mat readImageFile(const std::filesystem::path& file);
 
-/// Its folder is made where it is missing; the ending chooses the format.
+/// Creates a missing folder; the file's ending selects the format.
 /// @param rgb CV_8UC3 (R, G, B).
 /// @throws std::runtime_error naming the file when it cannot be written.
 void writeImageFile(const cv::Mat& rgb, const std::filesystem::path& file);

@@ -1,4 +1,4 @@
-// label_palette: what a palette makes of an image: its colour classes and its labelled segments (V3).
+// label_palette: shows the colour classes of an image and its labelled segments (V3).
 #include <cstdio>
 #include <exception>
 #include <filesystem>

@@ -1,0 +1,400 @@
+#include "active_visual_memory/core/estimation/map_filter.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "active_visual_memory/core/estimation/measurement_models.h"
+#include "active_visual_memory/core/estimation/state_limits.h"
+#include "common/geometry/plane.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kLeastVariance = 1e-12;   // [m^2], [rad^2]: of unknowns fixed by their prior
+constexpr double kInitialDirection = 0.2;  // [rad] prior sigma of the dominant direction
+constexpr double kCorrelatedSteps = 5.0;   // steps over which odometry errors are correlated
+constexpr double kIgnored = 1e12;          // variance of a rejected residual
+
+}  // namespace
+
+MapFilter::State::State() : P(kMaxUnknowns, kMaxUnknowns) {
+  lines.reserve(kMaxLines);
+  known().setZero();
+}
+
+void MapFilter::State::copy(const State& other) {
+  lines = other.lines;
+  known() = other.P.topLeftCorner(size(), size());
+  dominant_direction_rad = other.dominant_direction_rad;
+  pivot = other.pivot;
+  P_frame_tilt = other.P_frame_tilt;
+}
+
+int MapFilter::State::slotOf(std::uint64_t line) const {
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].id == line) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+MapFilter::Innovation::Innovation()
+    : PHt(kMaxUnknowns, kMaxResiduals),
+      spread(kMaxResiduals, kMaxResiduals),
+      L(kMaxResiduals, kMaxResiduals),
+      LiHP(kMaxResiduals, kMaxUnknowns),
+      y(kMaxResiduals),
+      x(kMaxUnknowns) {
+  rows.reserve(kMaxResiduals);
+}
+
+void MapFilter::Row::add(int unknown, double factor) {
+  if (factor == 0.0) return;
+  unknowns[count] = unknown;
+  factors[count] = factor;
+  ++count;
+}
+
+MapFilter::MapFilter(const TiltPrior& tilt_prior) : tilt_prior_(tilt_prior) {
+  corrections_.reserve(kMaxLines);
+  state_.P.block<4, 4>(kTilt, kTilt) = tilt_prior.prior();
+}
+
+void MapFilter::reset() {
+  const CameraTiltCovariance camera_tilt = cameraTiltCovariance();
+  const Eigen::Matrix2d rates = state_.P.block<2, 2>(kRates, kRates);
+  state_.lines.clear();
+  corrections_.clear();
+  state_.dominant_direction_rad.reset();
+  state_.known().setZero();
+  state_.P.block<4, 4>(kTilt, kTilt) = camera_tilt;
+  state_.P.block<2, 2>(kRates, kRates) = rates;
+}
+
+void MapFilter::remove(int slot) {
+  const int at = kLines + 2 * slot;
+  const int n = state_.size();
+  Matrix& P = state_.P;
+  for (int j = at; j + 2 < n; ++j) P.col(j).head(n) = P.col(j + 2).head(n);
+  for (int j = 0; j + 2 < n; ++j) {
+    double* column = P.col(j).data();
+    std::copy(column + at + 2, column + n, column + at);
+  }
+  state_.lines.erase(state_.lines.begin() + slot);
+}
+
+void MapFilter::replaceLine(std::uint64_t known, std::uint64_t line) {
+  if (!contains(known)) return;
+  removeLine(line);
+  state_.lines[static_cast<std::size_t>(state_.slotOf(known))].id = line;
+}
+
+void MapFilter::removeLine(std::uint64_t line) {
+  const int slot = state_.slotOf(line);
+  if (slot >= 0) remove(slot);
+}
+
+PlanarIncrement MapFilter::predict(const Pose2& before, const Pose2& now, const Params& params) {
+  const Pose2 moved = inverse(before) * now;
+  const double way = moved.position().norm();
+  const double turn = std::abs(moved.theta);
+  PlanarIncrement expected{before.position(), Eigen::Vector2d::Zero(), 0.0};
+  if (way == 0.0 && turn == 0.0) return expected;
+  const Eigen::Vector2d most{params.drift.turn_per_rad, params.drift.turn_per_m};
+  Eigen::Block<Matrix> P = state_.known();
+  if (!moved_) {
+    P.block<2, 2>(kRates, kRates) = most.cwiseAbs2().asDiagonal();
+    moved_ = true;
+  }
+  const Eigen::Vector2d gone{moved.theta, std::copysign(way, moved.x)};
+  expected.turn_rad = gone.dot(rates_);
+  // turn += gone * rates; then the drift is referred to the new place of the robot.
+  const auto addRow = [&](int to, double factor, int from) {
+    P.row(to) += factor * P.row(from);
+    P.col(to) += factor * P.col(from);
+  };
+  addRow(kTurn, gone[0], kRates);
+  addRow(kTurn, gone[1], kRates + 1);
+  const Eigen::Vector2d lever = turned90(now.position() - before.position());
+  addRow(0, lever.x(), kTurn);
+  addRow(1, lever.y(), kTurn);
+  // Successive drift is correlated, so standard deviations add up, but only over some steps.
+  const auto grow = [](double& variance, double sigma) {
+    const double grown = std::sqrt(std::max(0.0, variance)) + sigma;
+    variance = std::min(grown * grown, variance + kCorrelatedSteps * kCorrelatedSteps * sigma * sigma);
+  };
+  const double shift = params.drift.shift_per_m * way + params.drift.shift_per_rad * turn;
+  grow(P(0, 0), shift);
+  grow(P(1, 1), shift);
+  P(kTurn, kTurn) += params.turn_noise * params.turn_noise * (way + params.feet_per_rad_m * turn);
+  grow(P(kTurn, kTurn),
+       kUnbiasedDriftShare * (params.drift.turn_per_rad * turn + params.drift.turn_per_m * way));
+  if (state_.dominant_direction_rad) *state_.dominant_direction_rad += expected.turn_rad;
+  for (Line& line : state_.lines) line.reference = expected.apply(line.reference);
+  return expected;
+}
+
+double MapFilter::placeVariance(std::uint64_t line, const Eigen::Vector2d& n,
+                                const Eigen::Vector2d& p) const {
+  const int slot = state_.slotOf(line);
+  if (slot < 0) return 0.0;
+  const int at = kLines + 2 * slot;
+  const Matrix& P = state_.P;
+  const Eigen::Vector2d along{n.y(), -n.x()};
+  const Eigen::Vector3d drift{n.x(), n.y(), n.dot(turned90(p - state_.pivot))};
+  const Eigen::Vector2d own{1.0, along.dot(p - state_.lines[static_cast<std::size_t>(slot)].reference)};
+  return drift.dot(P.topLeftCorner<3, 3>() * drift) + own.dot(P.block<2, 2>(at, at) * own) +
+         2.0 * drift.dot(P.block<3, 2>(0, at) * own);
+}
+
+PlanarIncrement MapFilter::applySlip(const Eigen::Vector2d& robot, double turn_rad, double sigma_rad) {
+  const PlanarIncrement motion{robot, Eigen::Vector2d::Zero(), turn_rad};
+  state_.P(kTurn, kTurn) += sigma_rad * sigma_rad;
+  if (state_.dominant_direction_rad) *state_.dominant_direction_rad += turn_rad;
+  for (Line& line : state_.lines) line.reference = motion.apply(line.reference);
+  return motion;
+}
+
+void MapFilter::beginImage(State& state, const Eigen::Vector2d& robot,
+                           const std::optional<double>& dominant_direction_rad, const Params& params) const {
+  state.pivot = robot;
+  state.P_frame_tilt.setZero();
+  Eigen::Block<Matrix> P = state.known();
+  P.middleRows<4>(kFrameTilt).setZero();
+  P.middleCols<4>(kFrameTilt).setZero();
+  P.block<2, 2>(kFrameTilt, kFrameTilt)
+      .diagonal()
+      .setConstant(tilt_prior_.per_frame_rad * tilt_prior_.per_frame_rad);
+  P.block<2, 2>(kFrameTilt + 2, kFrameTilt + 2)
+      .diagonal()
+      .setConstant(params.per_frame_shift_m * params.per_frame_shift_m);
+  for (Line& line : state.lines) ++line.unseen;
+  if (!dominant_direction_rad || state.dominant_direction_rad) return;
+  state.dominant_direction_rad = dominant_direction_rad;
+  P.row(kDirection).setZero();
+  P.col(kDirection).setZero();
+  P(kDirection, kDirection) = kInitialDirection * kInitialDirection;
+}
+
+void MapFilter::linearize(State& state, const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
+                          std::span<const LineDirection> directions, const Params& params) const {
+  std::vector<Row>& rows = innovation_.rows;
+  rows.clear();
+  for (const LineDirection& named : directions) {
+    const int slot = state.slotOf(named.line);
+    if (!state.dominant_direction_rad || slot < 0 || rows.size() == kMaxResiduals) continue;
+    Line& line = state.lines[static_cast<std::size_t>(slot)];
+    if (line.has_direction) continue;
+    const double off = offDominantDirection(named.direction_rad, *state.dominant_direction_rad);
+    if (std::abs(off) > params.together_rad) continue;
+    line.has_direction = true;
+    Row& row = rows.emplace_back();
+    row.add(kDirection, -1.0);
+    row.add(kLines + 2 * slot + 1, 1.0);
+    row.residual = -off;
+    row.variance = params.direction_rad * params.direction_rad;
+  }
+  for (const LineResidual& residual : residuals) {
+    if (rows.size() == kMaxResiduals) return;
+    const DriftResidual& c = residual.common;
+    Row& row = rows.emplace_back();
+    row.residual = c.residual_m;
+    row.variance = c.variance_m2;
+    for (int k = 0; k < 2; ++k) row.add(k, c.direction[k]);
+    row.add(kTurn, c.direction.dot(turned90(c.p - robot)));
+    for (int k = 0; k < 4; ++k) row.add(kTilt + k, -c.d_tilt[k]);
+    for (int k = 0; k < 2; ++k) row.add(kFrameTilt + k, -c.d_frame_tilt[k]);
+    for (int k = 0; k < 2; ++k) row.add(kFrameTilt + 2 + k, c.direction[k]);
+    const int slot = residual.line ? state.slotOf(residual.line) : -1;
+    if (slot < 0) continue;
+    Line& line = state.lines[static_cast<std::size_t>(slot)];
+    const int at = kLines + 2 * slot;
+    if (line.unseen > 0) {
+      state.P(at, at) += params.offset_noise_m * params.offset_noise_m;
+      state.P(at + 1, at + 1) += params.turn_noise_rad * params.turn_noise_rad;
+      line.unseen = 0;
+    }
+    // The residual direction is the left normal of the line.
+    const Eigen::Vector2d along{c.direction.y(), -c.direction.x()};
+    row.add(at, 1.0);
+    row.add(at + 1, along.dot(c.p - line.reference));
+  }
+}
+
+bool MapFilter::solve(State& state, const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
+                      std::span<const LineDirection> directions, const Params& params) const {
+  linearize(state, robot, residuals, directions, params);
+  const std::vector<Row>& rows = innovation_.rows;
+  if (rows.empty()) return false;
+  const int n = state.size();
+  const int m = static_cast<int>(rows.size());
+  const Eigen::Block<Matrix> P = state.known();
+  auto PHt = innovation_.PHt.topLeftCorner(n, m);
+  auto spread = innovation_.spread.topLeftCorner(m, m);
+  auto x = innovation_.x.head(n);
+  auto y = innovation_.y.head(m);
+  Eigen::Ref<Matrix> L = innovation_.L.topLeftCorner(m, m);
+  // Rows are sparse.
+  PHt.setZero();
+  for (int j = 0; j < m; ++j) {
+    const Row& row = rows[static_cast<std::size_t>(j)];
+    for (int k = 0; k < row.count; ++k) PHt.col(j) += row.factors[k] * P.col(row.unknowns[k]);
+    for (int i = j; i < m; ++i) spread(i, j) = rows[static_cast<std::size_t>(i)].dot(PHt.col(j));
+  }
+  x.setZero();
+  for (int iteration = 0; iteration < params.drift.iterations; ++iteration) {
+    L.triangularView<Eigen::Lower>() = spread;
+    for (int i = 0; i < m; ++i) {
+      const Row& row = rows[static_cast<std::size_t>(i)];
+      // The first gate includes the prior variance of the residual; later ones compare with the estimate.
+      const double known = row.variance + (iteration == 0 ? spread(i, i) : 0.0);
+      const double off = std::abs(row.residual - row.dot(x)) / std::sqrt(known);
+      L(i, i) += off > params.drift.gate    ? kIgnored
+                 : off > params.drift.huber ? row.variance * off / params.drift.huber
+                                            : row.variance;
+      y[i] = row.residual;
+    }
+    const Eigen::LLT<Eigen::Ref<Matrix>> inPlace(L);
+    if (inPlace.info() != Eigen::Success) return false;  // does not happen with variances above 0
+    inPlace.solveInPlace(y);
+    x.noalias() = PHt * y;
+  }
+  auto frame_tilts = innovation_.LiHP.block(0, kFrameTilt, m, 2);
+  frame_tilts = PHt.middleRows<2>(kFrameTilt).transpose();
+  L.triangularView<Eigen::Lower>().solveInPlace(frame_tilts);
+  state.P_frame_tilt =
+      P.block<2, 2>(kFrameTilt, kFrameTilt) - frame_tilts.transpose().lazyProduct(frame_tilts);
+  return true;
+}
+
+// P - P H^T (H P H^T + R)^-1 H P.
+void MapFilter::updateCovariance() {
+  const int n = state_.size();
+  const int m = static_cast<int>(innovation_.rows.size());
+  auto LiHP = innovation_.LiHP.topLeftCorner(m, n);
+  LiHP = innovation_.PHt.topLeftCorner(n, m).transpose();
+  // Blocks this small keep Eigen's buffers on the stack.
+  constexpr int kAtOnce = 32;
+  for (int j = 0; j < n; j += kAtOnce) {
+    auto some = LiHP.middleCols(j, std::min(kAtOnce, n - j));
+    innovation_.L.topLeftCorner(m, m).triangularView<Eigen::Lower>().solveInPlace(some);
+  }
+  // One triangle is computed, column by column: products of whole matrices would pack them on the heap.
+  Eigen::Block<Matrix> P = state_.known();
+  for (int j = 0; j < n; ++j) {
+    P.col(j).tail(n - j).noalias() -= LiHP.rightCols(n - j).transpose() * LiHP.col(j);
+    P(j, j) = std::max(P(j, j), kLeastVariance);
+    P.row(j).tail(n - j - 1) = P.col(j).tail(n - j - 1).transpose();
+  }
+}
+
+std::optional<Correction> MapFilter::preview(const Eigen::Vector2d& robot,
+                                             std::span<const LineResidual> residuals,
+                                             const std::optional<double>& dominant_direction_rad,
+                                             std::span<const LineDirection> directions,
+                                             const Params& params) const {
+  preview_state_.copy(state_);
+  beginImage(preview_state_, robot, dominant_direction_rad, params);
+  if (!solve(preview_state_, robot, residuals, directions, params)) return std::nullopt;
+  const Eigen::VectorXd& x = innovation_.x;
+  return Correction{{robot, x.head<2>(), x[kTurn]},
+                    x.segment<4>(kTilt),
+                    x.segment<2>(kFrameTilt),
+                    preview_state_.P_frame_tilt};
+}
+
+std::optional<Correction> MapFilter::update(const Eigen::Vector2d& robot,
+                                            std::span<const LineResidual> residuals,
+                                            const std::optional<double>& dominant_direction_rad,
+                                            std::span<const LineDirection> directions, const Params& params) {
+  corrections_.clear();
+  beginImage(state_, robot, dominant_direction_rad, params);
+  if (!solve(state_, robot, residuals, directions, params)) return std::nullopt;
+  updateCovariance();
+
+  const Eigen::VectorXd& x = innovation_.x;
+  Matrix& P = state_.P;
+  Correction correction{
+      {robot, x.head<2>(), x[kTurn]}, CameraTilt::Zero(), x.segment<2>(kFrameTilt), state_.P_frame_tilt};
+  const CameraTilt before = camera_tilt_;
+  camera_tilt_ += x.segment<4>(kTilt);
+  rates_ += x.segment<2>(kRates);
+  const Eigen::Vector2d most_rates{params.drift.turn_per_rad, params.drift.turn_per_m};
+  limitRates(most_rates, rates_, P.block<2, 2>(kRates, kRates));
+  limitCameraTilt(tilt_prior_, camera_tilt_, P.block<4, 4>(kTilt, kTilt));
+  correction.camera_tilt = camera_tilt_ - before;
+  if (state_.dominant_direction_rad) *state_.dominant_direction_rad += x[kTurn] + x[kDirection];
+  const Eigen::Matrix4d tilt_information = cameraTiltCovariance().inverse();
+  int at = kLines;
+  for (Line& known : state_.lines) {
+    known.reference = correction.motion.apply(known.reference);
+    LineCorrection line{known.id, known.reference, x[at], x[at + 1], P.block<2, 2>(at, at), {}};
+    line.J = P.block<2, 4>(at, kTilt) * tilt_information;
+    line.P -= line.J * P.block<4, 2>(kTilt, at);
+    corrections_.push_back(line);
+    at += 2;
+  }
+  return correction;
+}
+
+void MapFilter::addLine(std::uint64_t line, const FloorSegment& observed, const TiltView& view, double noise,
+                        double slack_m) {
+  std::vector<Line>& lines = state_.lines;
+  if (static_cast<int>(lines.size()) >= kMaxLines) {
+    const auto longest = std::max_element(lines.begin(), lines.end(),
+                                          [](const Line& a, const Line& b) { return a.unseen < b.unseen; });
+    remove(static_cast<int>(longest - lines.begin()));
+  }
+  const Eigen::Vector2d middle = observed.odom.middle();
+  const double length = observed.odom.length();
+  const Eigen::Vector2d along = (observed.odom.b - observed.odom.a) / length;
+  const Eigen::Vector2d normal = turned90(along);
+  // Jacobian of the offset at p by the common unknowns.
+  using CommonRow = Eigen::Matrix<double, 1, kLines>;
+  const auto row = [&](const Eigen::Vector2d& p) {
+    CommonRow g = CommonRow::Zero();
+    const TiltJacobianRow d = normal.transpose() * view.derivativeAt(p);
+    g.head<2>() = -normal;
+    g[kTurn] = -normal.dot(turned90(p - state_.pivot));
+    g.segment<4>(kTilt) = d;
+    g.segment<2>(kFrameTilt) = d.head<2>();
+    g.segment<2>(kFrameTilt + 2) = -normal;
+    return g;
+  };
+  const CommonRow a = row(observed.odom.a);
+  const CommonRow b = row(observed.odom.b);
+  Eigen::Matrix<double, 2, kLines> G;
+  G.row(0) = 0.5 * (a + b);
+  G.row(1) = (b - a) / length;
+  const auto own = [&](const Eigen::Matrix2d& P, const TiltJacobian& D) {
+    const Eigen::Matrix2d without = P - D.leftCols<2>() * state_.P_frame_tilt * D.leftCols<2>().transpose();
+    return noise * (ownVariance(normal, without, D, observed.pitch_sigma_rad) + slack_m * slack_m);
+  };
+  const double va = own(observed.P_a, observed.D_a);
+  const double vb = own(observed.P_b, observed.D_b);
+  Eigen::Matrix2d R;
+  R << 0.25 * (va + vb), 0.5 * (vb - va) / length, 0.5 * (vb - va) / length, (va + vb) / (length * length);
+  Matrix& P = state_.P;
+  const int n = state_.size();
+  P.block(n, 0, 2, n).noalias() = G.lazyProduct(P.topLeftCorner(kLines, n));
+  P.block(0, n, n, 2) = P.block(n, 0, 2, n).transpose();
+  P.block<2, 2>(n, n) = P.block<2, kLines>(n, 0).lazyProduct(G.transpose()) + R;
+  lines.push_back({line, middle, false, 0});
+}
+
+void MapFilter::copyLine(std::uint64_t line, std::uint64_t known) {
+  const int slot = state_.slotOf(known);
+  if (slot < 0 || static_cast<int>(state_.lines.size()) >= kMaxLines) return;
+  const int n = state_.size();
+  const int at = kLines + 2 * slot;
+  Matrix& P = state_.P;
+  P.block(n, 0, 2, n) = P.block(at, 0, 2, n);
+  P.block(0, n, n, 2) = P.block(0, at, n, 2);
+  P.block<2, 2>(n, n) = P.block<2, 2>(at, at);
+  Line same = state_.lines[static_cast<std::size_t>(slot)];
+  same.id = line;
+  state_.lines.push_back(same);
+}
+
+}  // namespace vismem

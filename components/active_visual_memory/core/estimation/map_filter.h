@@ -1,0 +1,200 @@
+/// @file EKF-SLAM update of odometry drift, camera tilt and line landmarks. Pure. See M1, M6.
+/// After R. Smith, M. Self, P. Cheeseman, "Estimating uncertain spatial relationships in robotics", 1990;
+/// iterated with a robust weight (P. Huber 1964; B. Bell, F. Cathey, "The iterated Kalman filter update as a
+/// Gauss-Newton method", 1993).
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "active_visual_memory/core/estimation/drift_filter.h"
+#include "active_visual_memory/core/ground/floor_segment.h"
+
+namespace vismem {
+
+/// Residual of an observation against a line of the filter: across the line, or of one of its ends along it.
+struct LineResidual {
+  DriftResidual common;    ///< `d_tilt` is that of the observed coordinate alone if a line is named
+  std::uint64_t line = 0;  ///< the line compared with; 0: none of the filter's
+};
+
+struct LineDirection {
+  std::uint64_t line = 0;
+  double direction_rad = 0.0;  ///< in odom
+};
+
+/// Correction of one line after an image.
+struct LineCorrection {
+  std::uint64_t line = 0;
+  Eigen::Vector2d reference = Eigen::Vector2d::Zero();  ///< point in odom that the offset is counted at [m]
+  double offset_m = 0.0;                                ///< to its left, at the reference
+  double turn_rad = 0.0;
+  Eigen::Matrix2d P = Eigen::Matrix2d::Zero();  ///< covariance of (offset, turn) for a known camera tilt
+  Eigen::Matrix<double, 2, 4> J =
+      Eigen::Matrix<double, 2, 4>::Zero();  ///< their derivative by the camera tilt
+};
+
+/// DriftFilter with the lines in its state, for legged robots: the tilt of one frame is a common error of all
+/// lines in that image, and of all that is compared with them later. Independent lines would make tilt and
+/// heading seem better known than they are. *Single-threaded value*, `preview` included: its workspace is
+/// here. Nothing is allocated after construction.
+class MapFilter {
+ public:
+  static constexpr int kMaxLines = 128;  ///< a further line replaces the one that was unseen for longest
+  static constexpr int kMaxResiduals = 120;
+
+  struct Params {
+    DriftFilter::Params drift;
+    double turn_noise = 0.05;         ///< random heading error over the way of the feet [rad/sqrt(m)]
+    double feet_per_rad_m = 0.06;     ///< way of the feet per radian turned [m/rad]
+    double per_frame_shift_m = 0.01;  ///< sigma of the shift of the camera by the gait, in each frame anew
+    double offset_noise_m =
+        0.0005;  ///< process noise of an observed line: errors of successive images correlate
+    double turn_noise_rad = 0.0002;  ///< the same of its direction
+    double direction_rad = 0.005;    ///< sigma of a line against the dominant direction, used once per line
+    double together_rad = 0.1;       ///< lines further off do not belong to the dominant direction
+  };
+
+  explicit MapFilter(const TiltPrior& tilt_prior);
+
+  /// Prediction by odometry. @param before previous T_odom_robot. @param now present T_odom_robot.
+  /// @return the expected motion of the memory by the heading rates.
+  PlanarIncrement predict(const Pose2& before, const Pose2& now, const Params& params);
+
+  /// Update by one image; to be called for each image, also without residuals.
+  /// @param dominant_direction_rad  of the place, modulo 90 degrees; empty if there is none.
+  /// @param directions              of the lines that have it; each is used once.
+  /// @return motion of the memory and change of the tilt; empty without information. Corrections of the lines
+  /// are in
+  ///         lineCorrections(), relative to that motion.
+  std::optional<Correction> update(const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
+                                   const std::optional<double>& dominant_direction_rad,
+                                   std::span<const LineDirection> directions, const Params& params);
+  /// The result that `update` would return; the state stays.
+  std::optional<Correction> preview(const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
+                                    const std::optional<double>& dominant_direction_rad,
+                                    std::span<const LineDirection> directions, const Params& params) const;
+  const std::vector<LineCorrection>& lineCorrections() const { return corrections_; }
+  /// Applies a slip of the odometry: turns the memory about the robot. @return that motion.
+  PlanarIncrement applySlip(const Eigen::Vector2d& robot, double turn_rad, double sigma_rad);
+
+  bool contains(std::uint64_t line) const { return state_.slotOf(line) >= 0; }
+  /// Adds a line at its first observation, after the update of that image.
+  /// @param noise    factor of all variances.
+  /// @param slack_m  sigma of errors that the covariances do not model [m].
+  void addLine(std::uint64_t line, const FloorSegment& observed, const TiltView& view, double noise,
+               double slack_m);
+  /// Adds a copy of a known line, fully correlated with it: the line was split.
+  void copyLine(std::uint64_t line, std::uint64_t known);
+  /// Renames a known line, replacing another one.
+  void replaceLine(std::uint64_t known, std::uint64_t line);
+  void removeLine(std::uint64_t line);
+  template <typename Predicate>
+  void retainIf(Predicate keep) {
+    for (std::size_t i = state_.lines.size(); i-- > 0;) {
+      if (!keep(state_.lines[i].id)) remove(static_cast<int>(i));
+    }
+  }
+
+  const CameraTilt& cameraTilt() const { return camera_tilt_; }
+  CameraTiltCovariance cameraTiltCovariance() const { return state_.P.block<4, 4>(kTilt, kTilt); }
+  /// Dominant direction in the filter, in -45..45 degrees from the axes of the frame [rad].
+  const std::optional<double>& dominantDirection() const { return state_.dominant_direction_rad; }
+  /// Variance of the place of a known line at p along n, relative to the robot: drift and line together
+  /// [m^2].
+  double placeVariance(std::uint64_t line, const Eigen::Vector2d& n, const Eigen::Vector2d& p) const;
+  void reset();
+
+ private:
+  static constexpr int kTurn = 2;
+  static constexpr int kTilt = 3;
+  static constexpr int kRates = 7;
+  static constexpr int kDirection = 9;
+  static constexpr int kFrameTilt = 10;  ///< roll and pitch, then the shift of the camera
+  static constexpr int kLines = 14;      ///< offset and turn of each
+  static constexpr int kMaxUnknowns = kLines + 2 * kMaxLines;
+  using Matrix = Eigen::MatrixXd;
+
+  struct Line {
+    std::uint64_t id = 0;
+    Eigen::Vector2d reference = Eigen::Vector2d::Zero();
+    bool has_direction = false;  ///< its direction was used once
+    int unseen = 0;              ///< images
+  };
+
+  /// Lines and covariance that an image is compared with.
+  struct State {
+    State();
+    int size() const { return kLines + 2 * static_cast<int>(lines.size()); }
+    /// The covariance of the present unknowns.
+    Eigen::Block<Matrix> known() { return P.topLeftCorner(size(), size()); }
+    int slotOf(std::uint64_t line) const;
+    void copy(const State& other);
+
+    std::vector<Line> lines;
+    Matrix P;  ///< as large as it may become; undefined beyond `size()`
+    std::optional<double> dominant_direction_rad;
+    Eigen::Vector2d pivot = Eigen::Vector2d::Zero();  ///< the robot in the last image
+    Eigen::Matrix2d P_frame_tilt = Eigen::Matrix2d::Zero();
+  };
+
+  /// One residual and its sparse row of the measurement matrix.
+  struct Row {
+    void add(int unknown, double factor);
+    template <typename Vector>
+    double dot(const Vector& v) const {
+      double sum = 0.0;
+      for (int k = 0; k < count; ++k) sum += factors[k] * v[unknowns[k]];
+      return sum;
+    }
+
+    static constexpr int kMost = 13;
+    std::array<int, kMost> unknowns{};
+    std::array<double, kMost> factors{};
+    int count = 0;
+    double residual = 0.0;
+    double variance = 0.0;
+  };
+
+  /// Measurements of one image: m rows of H over n unknowns, and the update x. The matrices are as
+  /// large as they may become; their first rows and columns count.
+  struct Innovation {
+    Innovation();
+
+    std::vector<Row> rows;
+    Matrix PHt;         ///< n x m
+    Matrix spread;      ///< H P H^T, m x m, its lower triangle
+    Matrix L;           ///< Cholesky's factor of H P H^T + R, m x m
+    Matrix LiHP;        ///< L^-1 H P, m x n
+    Eigen::VectorXd y;  ///< m
+    Eigen::VectorXd x;  ///< n
+  };
+
+  void remove(int slot);
+  void beginImage(State& state, const Eigen::Vector2d& robot,
+                  const std::optional<double>& dominant_direction_rad, const Params& params) const;
+  /// Linearizes the measurements: sets the rows of `innovation_`.
+  void linearize(State& state, const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
+                 std::span<const LineDirection> directions, const Params& params) const;
+  /// Iterated update of the mean. @return false without information; else `innovation_` is set, of LiHP only
+  /// the columns of the frame tilt.
+  bool solve(State& state, const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
+             std::span<const LineDirection> directions, const Params& params) const;
+  /// Joseph-free covariance update with `innovation_`: P - P H^T (H P H^T + R)^-1 H P.
+  void updateCovariance();
+
+  TiltPrior tilt_prior_;
+  CameraTilt camera_tilt_ = CameraTilt::Zero();
+  Eigen::Vector2d rates_ = Eigen::Vector2d::Zero();
+  bool moved_ = false;
+  State state_;
+  std::vector<LineCorrection> corrections_;
+  mutable State preview_state_;  ///< of `preview`
+  mutable Innovation innovation_;
+};
+
+}  // namespace vismem

@@ -1,0 +1,61 @@
+/// @file Residuals of observed segments against remembered lines and against a dominant direction. Pure. See
+/// M6.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "active_visual_memory/core/estimation/dominant_direction.h"
+#include "active_visual_memory/core/estimation/drift_filter.h"
+#include "active_visual_memory/core/estimation/map_filter.h"
+#include "active_visual_memory/core/ground/floor_line.h"
+#include "active_visual_memory/core/ground/floor_segment.h"
+
+namespace vismem {
+
+/// Adds the residuals of both ends across the line, and along it where a true end was observed.
+/// @param view             that showed the piece.
+/// @param slack_m          sigma of errors that the covariances do not model [m].
+/// @param noise            factor of all variances.
+/// @param end_inflation    factor of the sigmas of ends.
+/// @param max_end_shift_m  ends further apart are different ends [m].
+void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, const TiltView& view, double slack_m,
+                       double noise, double end_inflation, double max_end_shift_m,
+                       std::vector<DriftResidual>& residuals);
+
+/// The same against a line in the state of MapFilter: its own error is not part of the variance.
+void addLineResiduals(std::uint64_t id, const FloorLine& line, const FloorSegment& piece,
+                      const TiltView& view, double slack_m, double noise, double end_inflation,
+                      double max_end_shift_m, std::vector<LineResidual>& residuals);
+
+/// Variance along a direction without the contribution of camera pitch and roll, which are common to the
+/// image and part of the state [m^2].
+double ownVariance(const Eigen::Vector2d& direction, const Eigen::Matrix2d& P, const TiltJacobian& D,
+                   double pitch_sigma_rad);
+
+/// Adds the residuals of the directions of an image's long lines, in a place where lines are parallel or
+/// square. Lines that converge on the floor measure the tilt, also while the robot stands. The direction of
+/// the image's lines is an unknown of its own; without two lines of one direction nothing is added.
+/// @param about      tilt, beside the present estimate, at which the derivatives are taken: lines placed too
+/// far away
+///                   turn too much with the tilt, which would bias the estimate.
+/// @param known_rad  dominant direction of the memory, if there is one: the lines then also measure the turn
+/// of the
+///                   memory, and one line is enough.
+void addDirectionResiduals(const std::vector<FloorSegment>& floor, const TiltView& view,
+                           const CameraTilt& about, const DominantDirectionParams& params,
+                           const std::optional<double>& known_rad, std::vector<DriftResidual>& residuals);
+
+struct DirectionDeviation {
+  double turn_rad = 0.0;
+  double variance = 0.0;  ///< [rad^2]
+};
+
+/// Turn of the long lines of one image against a known direction, with the variance of the per-frame tilt.
+/// @return empty without long lines.
+std::optional<DirectionDeviation> directionDeviation(const std::vector<FloorSegment>& floor,
+                                                     const TiltView& view,
+                                                     const DominantDirectionParams& params,
+                                                     double dominant_direction_rad, double per_frame_rad);
+
+}  // namespace vismem

@@ -1,0 +1,327 @@
+#include "active_visual_memory/core/gaze/attention.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "common/geometry/angles.h"
+#include "common/geometry/segment.h"
+
+namespace vismem {
+namespace {
+
+/// Number of stops that cover a range with a step of at most `step`.
+int stops(double low, double high, double step) {
+  return 1 + static_cast<int>(std::ceil(std::max(0.0, high - low) / step - 1e-9));
+}
+
+}  // namespace
+
+Eigen::Vector3d focusOf(const Segment3& odom, const Eigen::Vector2d& robot, double distance_m) {
+  const Segment2 floor = odom.floor();
+  const Eigen::Vector2d d = floor.b - floor.a;
+  const double squared = d.squaredNorm();
+  if (squared == 0.0) return odom.a;
+  const double nearest = -(floor.a - robot).dot(d) / squared;
+  const Eigen::Vector2d foot = floor.a + nearest * d;
+  const double height2 = (foot - robot).squaredNorm();
+  const double half = std::sqrt(std::max(0.0, distance_m * distance_m - height2) / squared);
+  const double low = std::clamp(nearest - half, 0.0, 1.0);
+  const double high = std::clamp(nearest + half, 0.0, 1.0);
+  return odom.a + 0.5 * (low + high) * (odom.b - odom.a);
+}
+
+AttentionPool::Params AttentionPool::Params::chapter() {
+  Params p;
+  p.visit_angle_rad = degToRad(5.0);
+  p.count_groups = false;
+  p.look_around_first = false;
+  p.forced_search_s = 5.0;
+  p.max_forced_search_s = 20.0;
+  p.scanning = Scanning::kAlternate;
+  p.scan_min_tilt_rad = degToRad(-31.0);
+  p.scan_max_tilt_rad = degToRad(31.0);
+  return p;
+}
+
+AttentionPool::AttentionPool(const Params& params, const Rig& rig)
+    : params_(params), rig_(rig), clock_(params.tick_us), random_(params.seed) {}
+
+PanTilt AttentionPool::directionOf(const AttentionPoint& point, const Pose2& T_odom_robot) const {
+  if (point.direction) return *point.direction;
+  return panTiltTowards(rig_.mount, transform(inverse(T_odom_robot), *point.p_odom));
+}
+
+void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_robot) {
+  struct Object {
+    AttentionKind kind;
+    std::uint64_t id;
+    Eigen::Vector3d place;
+    double rate;
+    bool old = false;
+  };
+  // In the order of the memory, not of a hash: the same input gives the same ids.
+  std::vector<Object> alive;
+  alive.reserve(objects.segments.size() + objects.primitives.size() + objects.hypotheses.size());
+  for (const MemorySegment& segment : objects.segments) {
+    const Eigen::Vector3d place = focusOf(segment.odom, T_odom_robot.position(), params_.focus_distance_m);
+    alive.push_back({AttentionKind::kSegment, segment.id, place, params_.segment_rate});
+  }
+  const auto onFloor = [](const Eigen::Vector2d& p) { return Eigen::Vector3d(p.x(), p.y(), 0.0); };
+  for (const Primitive& primitive : objects.primitives) {
+    if (primitive.kind == PrimitiveKind::kStripe) continue;
+    alive.push_back(
+        {AttentionKind::kPrimitive, primitive.id, onFloor(primitive.centre), params_.primitive_rate});
+  }
+  for (const VertexHypothesis& corner : objects.hypotheses) {
+    alive.push_back(
+        {AttentionKind::kHypothesis, corner.primitive_id, onFloor(corner.p_odom), params_.hypothesis_rate});
+  }
+
+  const auto key = [](AttentionKind kind, std::uint64_t id) {
+    return 4 * id + static_cast<std::uint64_t>(kind);
+  };
+  std::unordered_map<std::uint64_t, Object*> by_key;
+  for (Object& object : alive) by_key.emplace(key(object.kind, object.id), &object);
+  double highest = 0.0;
+  std::erase_if(entries_, [&](Entry& entry) {
+    if (entry.object_id != 0) {
+      const auto found = by_key.find(key(entry.point.kind, entry.object_id));
+      if (found == by_key.end()) return true;
+      entry.point.p_odom = found->second->place;
+      found->second->old = true;
+    }
+    highest = std::max(highest, entry.point.salience);
+    return false;
+  });
+  for (const Object& object : alive) {
+    if (object.old) continue;
+    Entry entry;
+    entry.point.id = next_id_++;
+    entry.point.kind = object.kind;
+    entry.point.p_odom = object.place;
+    // A hypothesis is visited at once (M9); after that its salience grows like the others.
+    if (object.kind == AttentionKind::kHypothesis) entry.point.salience = highest + params_.hypothesis_lead;
+    entry.object_id = object.id;
+    entry.rate = object.rate;
+    entries_.push_back(std::move(entry));
+  }
+}
+
+double AttentionPool::objects(const Pose2& T_odom_robot) const {
+  std::vector<PanTilt> groups;
+  double count = 0.0;
+  for (const Entry& entry : entries_) {
+    if (entry.point.kind != AttentionKind::kSegment) continue;
+    if (!params_.count_groups) {
+      ++count;
+      continue;
+    }
+    const PanTilt direction = directionOf(entry.point, T_odom_robot);
+    const bool known = std::any_of(groups.begin(), groups.end(), [&](const PanTilt& g) {
+      return angleBetween(g, direction) <= params_.visit_angle_rad;
+    });
+    if (!known) groups.push_back(direction);
+  }
+  return params_.count_groups ? static_cast<double>(groups.size()) : count;
+}
+
+void AttentionPool::update(StampUs stamp_us, const AttentionObjects& objects, const Pose2& T_odom_robot,
+                           std::optional<std::uint64_t> attended) {
+  follow(objects, T_odom_robot);
+  std::erase_if(entries_, [&](const Entry& e) { return e.request && e.request->deadline_us < stamp_us; });
+  const double ticks = clock_.advance(stamp_us) / toSeconds(params_.tick_us);
+  for (Entry& entry : entries_) {
+    if (attended && entry.point.id == *attended) continue;
+    entry.point.salience += ticks * entry.rate;
+  }
+  if (!last_scan_us_ || stamp_us < *last_scan_us_) last_scan_us_ = stamp_us;
+  const double period =
+      std::min(params_.max_forced_search_s,
+               params_.forced_search_s * (1.0 + this->objects(T_odom_robot) / params_.forced_search_objects));
+  if (lookingAround() || toSeconds(stamp_us - *last_scan_us_) >= period) {
+    addScanningPoint();
+    last_scan_us_ = stamp_us;
+  }
+}
+
+const AttentionPool::Entry* AttentionPool::best() const {
+  const Entry* best = nullptr;
+  for (const Entry& entry : entries_) {
+    // Points visited or first seen in this tick have salience 0 and are not chosen.
+    if (entry.point.salience <= 0.0) continue;
+    if (!best || entry.point.salience > best->point.salience) best = &entry;
+  }
+  return best;
+}
+
+std::optional<AttentionPoint> AttentionPool::mostSalient() const {
+  const Entry* entry = best();
+  if (!entry) return std::nullopt;
+  return entry->point;
+}
+
+bool AttentionPool::isUrgent() const {
+  const Entry* entry = best();
+  return entry && entry->request && entry->request->priority >= kUrgentPriority;
+}
+
+std::optional<AttentionPoint> AttentionPool::find(std::uint64_t id) const {
+  for (const Entry& entry : entries_) {
+    if (entry.point.id == id) return entry.point;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::uint64_t> AttentionPool::segmentOf(std::uint64_t point_id) const {
+  for (const Entry& entry : entries_) {
+    if (entry.point.id == point_id && entry.point.kind == AttentionKind::kSegment) return entry.object_id;
+  }
+  return std::nullopt;
+}
+
+double AttentionPool::salienceOf(AttentionKind kind, std::uint64_t object_id) const {
+  for (const Entry& entry : entries_) {
+    if (entry.point.kind == kind && entry.object_id == object_id) return entry.point.salience;
+  }
+  return 0.0;
+}
+
+void AttentionPool::visited(std::uint64_t id, const PanTilt& axis, const Pose2& T_odom_robot) {
+  std::erase_if(entries_,
+                [&](const Entry& e) { return e.point.id == id && e.point.kind == AttentionKind::kScanning; });
+  for (Entry& entry : entries_) {
+    const bool near = angleBetween(directionOf(entry.point, T_odom_robot), axis) <= params_.visit_angle_rad;
+    if (entry.point.id == id || near) entry.point.salience = 0.0;
+  }
+}
+
+void AttentionPool::giveUp(std::uint64_t id) {
+  std::erase_if(entries_,
+                [&](const Entry& e) { return e.point.id == id && e.point.kind == AttentionKind::kScanning; });
+  for (Entry& entry : entries_) {
+    if (entry.point.id == id) entry.point.salience = 0.0;
+  }
+}
+
+PanTilt AttentionPool::nextRandom() {
+  // Drawn without std distributions, which differ between libraries: a seed means one run.
+  const auto uniform = [&] { return static_cast<double>(random_() >> 11) * 0x1.0p-53; };
+  const double pan = rig_.min_pan_rad + uniform() * (rig_.max_pan_rad - rig_.min_pan_rad);
+  const double tilt =
+      params_.scan_min_tilt_rad + uniform() * (params_.scan_max_tilt_rad - params_.scan_min_tilt_rad);
+  return {pan, tilt};
+}
+
+int AttentionPool::columns() const {
+  return stops(rig_.min_pan_rad, rig_.max_pan_rad, params_.pan_step_rad);
+}
+
+int AttentionPool::rows() const {
+  return stops(params_.scan_min_tilt_rad, params_.scan_max_tilt_rad, params_.tilt_step_rad);
+}
+
+bool AttentionPool::lookingAround() const {
+  return params_.look_around_first && pattern_index_ < columns() * rows();
+}
+
+PanTilt AttentionPool::nextSystematic() {
+  const int columns = this->columns();
+  const int rows = this->rows();
+  // Boustrophedon order: successive stops are neighbours. The first one lies ahead.
+  const int index = (pattern_index_++ + columns / 2) % (columns * rows);
+  const int row = index / columns;
+  const int column = row % 2 == 0 ? index % columns : columns - 1 - index % columns;
+  const auto at = [](double low, double high, int i, int n) {
+    return n > 1 ? low + (high - low) * i / (n - 1) : 0.5 * (low + high);
+  };
+  return {at(rig_.min_pan_rad, rig_.max_pan_rad, column, columns),
+          at(params_.scan_min_tilt_rad, params_.scan_max_tilt_rad, row, rows)};
+}
+
+void AttentionPool::addScanningPoint() {
+  double highest = 0.0;
+  for (const Entry& entry : entries_) {
+    if (entry.point.kind == AttentionKind::kScanning) return;
+    highest = std::max(highest, entry.point.salience);
+  }
+  Entry entry;
+  entry.point.id = next_id_++;
+  entry.point.kind = AttentionKind::kScanning;
+  const bool random = !lookingAround() && (params_.scanning == Scanning::kRandom ||
+                                           (params_.scanning == Scanning::kAlternate && random_turn_));
+  random_turn_ = !random_turn_;
+  entry.point.direction = random ? nextRandom() : nextSystematic();
+  entry.point.salience = highest + params_.scanning_lead;
+  entries_.push_back(std::move(entry));
+}
+
+void AttentionPool::setRate(AttentionKind kind, double rate_per_tick) {
+  switch (kind) {
+    case AttentionKind::kSegment:
+      params_.segment_rate = rate_per_tick;
+      break;
+    case AttentionKind::kPrimitive:
+      params_.primitive_rate = rate_per_tick;
+      break;
+    case AttentionKind::kHypothesis:
+      params_.hypothesis_rate = rate_per_tick;
+      break;
+    case AttentionKind::kClient:
+      params_.client_rate = rate_per_tick;
+      break;
+    case AttentionKind::kScanning:
+      return;  // a scanning point is placed above the others and does not grow
+  }
+  for (Entry& entry : entries_) {
+    if (entry.point.kind == kind)
+      entry.rate = rate_per_tick * (entry.request ? entry.request->priority : 1.0);
+  }
+}
+
+void AttentionPool::request(const GazeRequest& request) {
+  auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) {
+    return e.request && e.request->client == request.client && e.request->key == request.key;
+  });
+  if (entry == entries_.end()) {
+    Entry fresh;
+    fresh.point.id = next_id_++;
+    fresh.point.kind = AttentionKind::kClient;
+    entry = entries_.insert(entries_.end(), std::move(fresh));
+  }
+  // A renewed request keeps its id and its salience.
+  const bool was_urgent = entry->request && entry->request->priority >= kUrgentPriority;
+  entry->request = request;
+  entry->point.p_odom = request.p_odom;
+  entry->point.direction = request.direction;
+  entry->rate = params_.client_rate * request.priority;
+  if (was_urgent || request.priority < kUrgentPriority) return;
+  // An urgent request starts above all points of no client.
+  double highest = entry->point.salience;
+  for (const Entry& other : entries_) {
+    if (!other.request) highest = std::max(highest, other.point.salience);
+  }
+  entry->point.salience = highest + params_.urgent_lead;
+}
+
+void AttentionPool::withdraw(const std::string& client, const std::string& key) {
+  std::erase_if(entries_, [&](const Entry& e) {
+    return e.request && e.request->client == client && e.request->key == key;
+  });
+}
+
+std::vector<AttentionPoint> AttentionPool::points() const {
+  std::vector<AttentionPoint> points;
+  points.reserve(entries_.size());
+  for (const Entry& entry : entries_) points.push_back(entry.point);
+  return points;
+}
+
+void AttentionPool::clearPlaces() {
+  std::erase_if(entries_, [](const Entry& e) { return e.point.p_odom.has_value(); });
+  clock_.reset();
+  last_scan_us_.reset();
+  pattern_index_ = 0;
+}
+
+}  // namespace vismem

@@ -1,0 +1,163 @@
+#include "active_visual_memory/core/ground/floor_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/plane.h"
+
+namespace vismem {
+namespace {
+
+/// The largest difference of a channel.
+double difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return (a - b).cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+FloorEvidence::FloorEvidence(const cv::Mat& image, const CameraIntrinsics& intrinsics, const Params& params)
+    : image_(image), intrinsics_(intrinsics), params_(params) {}
+
+std::optional<Eigen::Vector3d> FloorEvidence::colourAt(const Eigen::Vector2d& px_ideal) const {
+  const Eigen::Vector2d raw = distortPixel(intrinsics_, px_ideal);
+  const int u = static_cast<int>(std::lround(raw.x()));
+  const int v = static_cast<int>(std::lround(raw.y()));
+  if (u < 0 || v < 0 || u >= image_.cols || v >= image_.rows) return std::nullopt;
+  if (image_.type() == CV_8UC3) {
+    const auto& c = image_.at<cv::Vec3b>(v, u);
+    return Eigen::Vector3d(c[0], c[1], c[2]);
+  }
+  if (image_.type() == CV_8UC1) return Eigen::Vector3d::Constant(image_.at<unsigned char>(v, u));
+  return std::nullopt;
+}
+
+std::optional<FloorEvidence::Profile> FloorEvidence::profileAt(const Segment2& px, double fraction) const {
+  const Eigen::Vector2d d = (px.b - px.a).normalized();
+  const Eigen::Vector2d left{d.y(), -d.x()};
+  const Eigen::Vector2d middle = px.a + fraction * (px.b - px.a);
+  const auto mean = [&](double centre) -> std::optional<Eigen::Vector3d> {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const double offset : {centre - 1.0, centre, centre + 1.0}) {
+      const auto colour = colourAt(middle + offset * left);
+      if (!colour) return std::nullopt;
+      sum += *colour;
+    }
+    return Eigen::Vector3d(sum / 3.0);
+  };
+  const auto l = mean(params_.side_px);
+  const auto m = mean(0.0);
+  const auto r = mean(-params_.side_px);
+  if (!l || !m || !r) return std::nullopt;
+  return Profile{*l, *m, *r};
+}
+
+std::optional<SideColours> FloorEvidence::sides(const Segment2& px) const {
+  if (image_.empty()) return std::nullopt;
+  SideColours sides;
+  int count = 0;
+  for (int i = 0; i < params_.samples; ++i) {
+    const double fraction = 0.1 + 0.8 * (i + 0.5) / params_.samples;
+    if (const auto profile = profileAt(px, fraction)) {
+      sides.left += profile->left;
+      sides.right += profile->right;
+      ++count;
+    }
+  }
+  if (2 * count < params_.samples) return std::nullopt;
+  sides.left /= count;
+  sides.right /= count;
+  return sides;
+}
+
+std::optional<Eigen::Vector3d> FloorEvidence::patchAt(const Eigen::Vector2d& px,
+                                                      const Eigen::Vector2d& along) const {
+  const Eigen::Vector2d normal = turned90(along);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const double forward : {-2.0, 0.0, 2.0}) {
+    for (const double sideways : {-1.0, 0.0, 1.0}) {
+      const auto colour = colourAt(px + forward * along + sideways * normal);
+      if (!colour) return std::nullopt;
+      sum += *colour;
+    }
+  }
+  return Eigen::Vector3d(sum / 9.0);
+}
+
+bool FloorEvidence::isHiddenBeyond(const Segment2& px, bool at_b) const {
+  if (image_.empty()) return false;
+  const Eigen::Vector2d end = at_b ? px.b : px.a;
+  const Eigen::Vector2d outward = (at_b ? px.b - px.a : px.a - px.b).normalized();
+  const Eigen::Vector2d aside = params_.beside_px * turned90(outward);
+  const double inward = std::min(params_.beyond_px, 0.5 * px.length());
+  const auto here_left = patchAt(end - inward * outward + aside, outward);
+  const auto here_right = patchAt(end - inward * outward - aside, outward);
+  const auto there_left = patchAt(end + params_.beyond_px * outward + aside, outward);
+  const auto there_right = patchAt(end + params_.beyond_px * outward - aside, outward);
+  if (!here_left || !here_right || !there_left || !there_right) return false;
+  const auto isNew = [&](const Eigen::Vector3d& colour) {
+    return difference(colour, *here_left) > params_.max_difference &&
+           difference(colour, *here_right) > params_.max_difference;
+  };
+  return isNew(*there_left) && isNew(*there_right);
+}
+
+bool FloorEvidence::isEdgeless(const Segment2& px, double most_contrast) const {
+  if (image_.empty()) return false;
+  const Eigen::Vector2d d = (px.b - px.a).normalized();
+  const Eigen::Vector2d aside = 2.0 * Eigen::Vector2d(d.y(), -d.x());
+  // Its ends are uncertain by a pixel or two.
+  for (const double fraction : {0.35, 0.5, 0.65}) {
+    const Eigen::Vector2d at = px.a + fraction * (px.b - px.a);
+    const auto left = colourAt(at + aside);
+    const auto right = colourAt(at - aside);
+    if (!left || !right || difference(*left, *right) > most_contrast) return false;
+  }
+  return true;
+}
+
+GapShows FloorEvidence::gap(const Segment2& px, double from_px, double to_px) const {
+  if (image_.empty()) return GapShows::kOccluded;
+  constexpr double kBeyond_px = 3.0;  // behind a gap the edge is undisturbed
+  constexpr double kAside_px = 3.0;
+  constexpr double kBefore_px = 2.0;  // nearer to the camera the floor is visible before a foot
+  constexpr double kSteep = 0.7;      // an edge along the viewing ray has no side before it
+  const Eigen::Vector2d d = (px.b - px.a).normalized();
+  const Eigen::Vector2d left{d.y(), -d.x()};
+  const Eigen::Vector2d before = px.a + (from_px - kBeyond_px) * d;
+  const Eigen::Vector2d behind = px.a + (to_px + kBeyond_px) * d;
+  const Eigen::Vector2d middle = px.a + 0.5 * (from_px + to_px) * d;
+  const auto isLike = [&](double aside, double as) {
+    const auto one = colourAt(middle + aside * left);
+    const auto b = colourAt(before + as * left);
+    const auto e = colourAt(behind + as * left);
+    return one && b && e && std::min(difference(*one, *b), difference(*one, *e)) <= params_.max_difference;
+  };
+  const auto isFamiliar = [&](double aside) { return isLike(aside, kAside_px) || isLike(aside, -kAside_px); };
+  if (isFamiliar(kAside_px) && isFamiliar(-kAside_px)) return GapShows::kFree;
+  if (std::abs(d.y()) > kSteep) return GapShows::kOccluded;
+  const double down = left.y() > 0.0 ? kBefore_px : -kBefore_px;
+  return isLike(down, down) ? GapShows::kStandsThere : GapShows::kOccluded;
+}
+
+PlaceShows FloorEvidence::classify(const Segment2& px, const SideColours& remembered) const {
+  if (image_.empty()) return PlaceShows::kUnknown;
+  const double contrast_before = difference(remembered.left, remembered.right);
+  const double most = std::min(params_.max_contrast, params_.max_contrast_share * contrast_before);
+  int count = 0;
+  int free_samples = 0;
+  for (int i = 0; i < params_.samples; ++i) {
+    const double fraction = 0.1 + 0.8 * (i + 0.5) / params_.samples;
+    const auto profile = profileAt(px, fraction);
+    if (!profile) continue;
+    ++count;
+    const bool flat = difference(profile->left, profile->right) <= most &&
+                      difference(profile->middle, 0.5 * (profile->left + profile->right)) <= most;
+    const bool familiar = difference(profile->middle, remembered.left) <= params_.max_difference ||
+                          difference(profile->middle, remembered.right) <= params_.max_difference;
+    if (flat && familiar) ++free_samples;
+  }
+  if (2 * count < params_.samples) return PlaceShows::kUnknown;
+  return free_samples >= params_.free_share * count ? PlaceShows::kFree : PlaceShows::kOccluded;
+}
+
+}  // namespace vismem

@@ -1,0 +1,229 @@
+#include "active_visual_memory/core/markings/junctions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "active_visual_memory/core/markings/line_marking.h"
+#include "common/geometry/plane.h"
+
+namespace vismem {
+namespace {
+
+/// An interval along an edge, from its end a [m].
+struct Stretch {
+  double from = 0.0;
+  double to = 0.0;
+};
+
+struct Edge {
+  std::size_t segment = 0;  ///< index of the published segment
+  bool confirmed = true;
+  const MemoryElement* element = nullptr;  ///< null for derived edges (circles, ends of lines)
+  Eigen::Vector2d a;
+  Eigen::Vector2d along;
+  double length = 0.0;
+  Stretch published;  ///< its ends, corrected by junctions
+  std::vector<Stretch> gaps;
+
+  Segment2 line() const { return {a, a + length * along}; }
+  double tOf(const Eigen::Vector2d& p) const { return along.dot(p - a); }
+  /// Position along this edge where another edge's line crosses it.
+  double crossing(const Edge& other) const {
+    return cross2(other.a - a, other.along) / cross2(along, other.along);
+  }
+  double reach(bool at_b, const JunctionParams& params) const {
+    const double best = element ? (at_b ? element->line.endB() : element->line.endA()).best_m2 : 0.0;
+    return std::min(params.most_reach_m, params.reach_m + params.reach_sigmas * std::sqrt(best));
+  }
+};
+
+/// A line marking, by a confirmed edge of it.
+struct Line {
+  std::size_t one = 0;
+  std::optional<std::size_t> other;
+  double width_m = 0.0;  ///< > 0: the paint lies to the left of each edge; < 0: to the right
+};
+
+std::optional<Line> lineOf(const std::vector<Edge>& edges, std::size_t i, std::size_t k,
+                           const std::vector<MemorySegment>& segments, const JunctionParams& params) {
+  const Edge& one = edges[i];
+  const Edge& other = edges[k];
+  if (one.along.dot(other.along) > -std::cos(params.max_angle_rad)) return std::nullopt;
+  if (segments[one.segment].label != segments[other.segment].label) return std::nullopt;
+  const auto beside = antiparallelOverlap(one.line(), other.line(), params.max_angle_rad);
+  if (!beside || beside->to_m - beside->from_m < params.body_m) return std::nullopt;
+  const double width = std::abs(beside->left_m);
+  if (width < params.range.minMeasured_m() || width > params.range.max_m) return std::nullopt;
+  const auto [weak, strong] = std::minmax(one.element->strength, other.element->strength);
+  if (weak < params.min_strength_share * strong) return std::nullopt;
+  return Line{i, k, beside->left_m};
+}
+
+/// Where an edge of a line reaches another edge.
+struct EdgeCrossing {
+  double at = 0.0;    ///< along the edge
+  bool ends = false;  ///< the edge of the line ends here ..
+  bool at_b = false;  ///< .. with its end b; else it continues across
+  double side_t = 0.0;
+};
+
+/// @param outward  direction away from the paint of the edge.
+std::optional<EdgeCrossing> crossEdge(const Edge& edge, const Edge& side, const Eigen::Vector2d& outward,
+                                      const JunctionParams& params) {
+  if (std::abs(cross2(edge.along, side.along)) < std::sin(params.min_crossing_rad)) return std::nullopt;
+  EdgeCrossing crossing_at;
+  crossing_at.at = edge.crossing(side);
+  crossing_at.side_t = side.crossing(edge);
+  const bool leads_outward = side.along.dot(outward) > 0.0;
+  const double outside = leads_outward ? side.length - crossing_at.side_t : crossing_at.side_t;
+  const double inside = leads_outward ? crossing_at.side_t : side.length - crossing_at.side_t;
+  crossing_at.at_b = !leads_outward;
+  const double reach = side.reach(crossing_at.at_b, params);
+  if (outside < params.body_m || inside < -reach) return std::nullopt;
+  crossing_at.ends = inside <= reach;
+  return crossing_at;
+}
+
+void splitByLine(std::vector<Edge>& edges, std::size_t index, const Line& line,
+                 const JunctionParams& params) {
+  Edge& edge = edges[index];
+  const Eigen::Vector2d outward = -std::copysign(1.0, line.width_m) * turned90(edge.along);
+  Edge& side = edges[line.one];
+  const auto one = crossEdge(edge, side, outward, params);
+  if (!one) return;
+  const auto other = line.other ? crossEdge(edge, edges[*line.other], outward, params) : std::nullopt;
+  if (!other && !params.by_one_side) return;
+  // The unobserved edge of the line lies at its width.
+  const double across = cross2(side.along, edge.along);
+  const double beside = other ? other->at : one->at + line.width_m / across;
+  const Stretch gap{std::min(one->at, beside), std::max(one->at, beside)};
+  if (gap.to - gap.from > 2.0 * params.range.max_m || gap.to <= 0.0 || gap.from >= edge.length) return;
+  edge.gaps.push_back(gap);
+  if (one->ends) (one->at_b ? side.published.to : side.published.from) = one->side_t;
+}
+
+/// @param middle  of the circle, along the edge. @param far distance of its outer edge from there.
+void moveEndsToCircle(Edge& edge, double middle, double far, const JunctionParams& params) {
+  const double before = edge.published.from - (middle + far);
+  if (before > 0.0 && before <= edge.reach(false, params)) edge.published.from = middle + far;
+  const double behind = middle - far - edge.published.to;
+  if (behind > 0.0 && behind <= edge.reach(true, params)) edge.published.to = middle - far;
+}
+
+void splitByCircle(Edge& edge, const Primitive& circle, const JunctionParams& params) {
+  const double off = std::abs(cross2(edge.along, circle.centre - edge.a));
+  if (off > params.max_off_centre_share * circle.radius_m) return;
+  const double middle = edge.tOf(circle.centre);
+  const double outer = circle.radius_m + 0.5 * circle.width_m;
+  const double inner = circle.radius_m - 0.5 * circle.width_m;
+  const double far = std::sqrt(outer * outer - off * off);
+  const double near = std::sqrt(std::max(0.0, inner * inner - off * off));
+  if (params.by_one_side) moveEndsToCircle(edge, middle, far, params);
+  for (const Stretch& gap : {Stretch{middle - far, middle - near}, Stretch{middle + near, middle + far}}) {
+    if (gap.to > 0.0 && gap.from < edge.length) edge.gaps.push_back(gap);
+  }
+}
+
+/// The remaining parts of an edge, the longest first.
+std::vector<Stretch> remainingParts(Edge& edge, const JunctionParams& params) {
+  std::sort(edge.gaps.begin(), edge.gaps.end(),
+            [](const Stretch& a, const Stretch& b) { return a.from < b.from; });
+  std::vector<Stretch> parts;
+  double from = edge.published.from;
+  // A part shorter than the uncertainty of its end is an overshoot.
+  const auto add = [&](double to, double least) {
+    if (to - from >= least) parts.push_back({from, to});
+  };
+  for (std::size_t i = 0; i < edge.gaps.size(); ++i) {
+    add(edge.gaps[i].from, i == 0 ? edge.reach(false, params) : params.min_part_m);
+    from = std::max(from, edge.gaps[i].to);
+  }
+  add(edge.published.to, edge.gaps.empty() ? 0.0 : edge.reach(true, params));
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const Stretch& a, const Stretch& b) { return a.to - a.from > b.to - b.from; });
+  return parts;
+}
+
+}  // namespace
+
+void splitAtJunctions(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                      const std::vector<Primitive>& primitives, const LineWidths& widths,
+                      const JunctionParams& params,
+                      const std::function<std::uint64_t(std::uint64_t, int)>& id_of) {
+  if (!params.enabled) return;
+  std::vector<Edge> edges;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if (segments[i].label == kUnknownLabel) continue;
+    const auto element = std::find_if(elements.begin(), elements.end(),
+                                      [&](const MemoryElement& e) { return e.value.id == segments[i].id; });
+    if (!segments[i].confirmed && (!params.by_one_side || element == elements.end() || element->stands)) {
+      continue;
+    }
+    const Segment2 floor = segments[i].odom.floor();
+    Edge edge;
+    edge.confirmed = segments[i].confirmed;
+    edge.segment = i;
+    edge.element = element != elements.end() ? &*element : nullptr;
+    edge.a = floor.a;
+    edge.length = floor.length();
+    edge.along = (floor.b - floor.a) / edge.length;
+    edge.published = {0.0, edge.length};
+    edges.push_back(std::move(edge));
+  }
+  std::vector<Line> lines;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (!edges[i].element || !edges[i].confirmed) continue;
+    const auto width = widths.find(segments[edges[i].segment].label);
+    bool alone = true;
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+      if (k == i || !edges[k].element) continue;
+      if (const auto line = lineOf(edges, i, k, segments, params)) {
+        lines.push_back(*line);
+        alone = false;
+      }
+    }
+    if (params.by_one_side && alone && width != widths.end() && edges[i].length >= params.body_m) {
+      lines.push_back({i, std::nullopt, width->second});
+    }
+  }
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (!edges[i].confirmed) continue;
+    const MemorySegment& segment = segments[edges[i].segment];
+    for (const Line& line : lines) {
+      if (line.one == i || line.other == i) continue;
+      if (segments[edges[line.one].segment].label == segment.label) splitByLine(edges, i, line, params);
+    }
+    for (const Primitive& circle : primitives) {
+      if (circle.kind != PrimitiveKind::kCircle || circle.width_m <= 0.0) continue;
+      if (std::binary_search(circle.segments.begin(), circle.segments.end(), segment.id)) continue;
+      splitByCircle(edges[i], circle, params);
+    }
+  }
+  std::vector<std::uint64_t> gone;
+  for (Edge& edge : edges) {
+    if (!edge.confirmed) continue;
+    const auto parts = remainingParts(edge, params);
+    const MemorySegment whole = segments[edge.segment];
+    if (parts.empty()) gone.push_back(whole.id);
+    for (std::size_t n = 0; n < parts.size(); ++n) {
+      MemorySegment part = whole;
+      const Eigen::Vector2d a = edge.a + parts[n].from * edge.along;
+      const Eigen::Vector2d b = edge.a + parts[n].to * edge.along;
+      part.odom.a.head<2>() = a;
+      part.odom.b.head<2>() = b;
+      if (n > 0) part.id = id_of(whole.id, static_cast<int>(n) - 1);
+      if (n == 0) {
+        segments[edge.segment] = std::move(part);
+      } else {
+        segments.push_back(std::move(part));
+      }
+    }
+  }
+  std::erase_if(segments, [&](const MemorySegment& s) {
+    return std::find(gone.begin(), gone.end(), s.id) != gone.end();
+  });
+}
+
+}  // namespace vismem

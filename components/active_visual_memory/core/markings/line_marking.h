@@ -1,0 +1,71 @@
+/// @file Line markings: pairs of antiparallel edges and their width. Pure. See M9.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "active_visual_memory/core/memory/memory_element.h"
+#include "common/geometry/segment.h"
+#include "common/visual_memory/memory_snapshot.h"
+
+namespace vismem {
+
+/// The overlap of two antiparallel edges.
+struct AntiparallelOverlap {
+  double from_m = 0.0;  ///< beginning of the overlap, along the first edge from its end a
+  double to_m = 0.0;    ///< its end
+  double left_m = 0.0;  ///< distance by which each lies to the left of the other, at the middle; < 0: right
+};
+
+/// @return empty if the edges are not antiparallel within the angle, or do not overlap.
+std::optional<AntiparallelOverlap> antiparallelOverlap(const Segment2& one, const Segment2& other,
+                                                       double max_angle_rad);
+
+/// The widths that line markings may have: one value for all that pair edges.
+struct LineWidthRange {
+  double min_m = 0.03;
+  double max_m = 0.13;
+
+  /// Least measured width: edges of distant lines are measured up to a third closer, where blur puts them.
+  double minMeasured_m() const { return 2.0 * min_m / 3.0; }
+};
+
+/// Line markings of one label have one width. That of distant lines is below the resolution of the image,
+/// that of near lines is measured.
+struct LineWidthParams {
+  bool enabled = true;
+  LineWidthRange range;
+  double max_angle_rad = 0.10;       ///< between both edges
+  double min_overlap = 0.5;          ///< of the shorter edge
+  double near_sigma_m = 0.02;        ///< sigma of an end of both edges up to which a line is near
+  double least_length_widths = 3.0;  ///< least length of a measured line, in widths: shorter ones are spots
+  double agree_m = 0.015;            ///< distance from the median within which widths agree
+  double agree_share = 0.7;          ///< of the widths of a label that must agree
+  double most_shift_m = 0.04;        ///< largest move of an end ..
+  /// .. or this many pixels of its best view, which are also added to the largest distance of two distant
+  /// edges.
+  double blur_px = 0.0;
+  // An unconfirmed edge that runs beside a confirmed one of its label at the width of a line lies on the
+  // floor: a standing edge would appear there from one place only.
+  double partner_overlap = 0.8;   ///< share of its length beside the confirmed edge
+  double partner_least_m = 0.15;  ///< least length
+};
+
+/// Signed widths by label: > 0 if the paint lies to the left of both edges (a bright line), < 0 to the right.
+using LineWidths = std::map<Label, double>;
+
+/// @param elements  that the segments were taken from.
+/// @return widths of near lines by label; none if disabled. Nothing is moved.
+LineWidths measureLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                             const LineWidthParams& params);
+
+/// Moves the edges of distant lines to the width of near lines of their label, and confirms the second edge
+/// of a line.
+/// @param elements  that the segments were taken from.
+/// @return widths of near lines by label.
+LineWidths equalizeLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                              const LineWidthParams& params);
+
+}  // namespace vismem

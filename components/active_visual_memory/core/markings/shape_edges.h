@@ -1,0 +1,74 @@
+/// @file Edges derived from shapes: ends of line markings, edges of circles, corners, junctions. Pure. See
+/// M9.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "active_visual_memory/core/markings/circle_marking.h"
+#include "active_visual_memory/core/markings/corners.h"
+#include "active_visual_memory/core/markings/cross_spot.h"
+#include "active_visual_memory/core/markings/junctions.h"
+#include "active_visual_memory/core/markings/line_marking.h"
+#include "active_visual_memory/core/markings/shadow_strips.h"
+#include "active_visual_memory/core/memory/memory_element.h"
+#include "common/visual_memory/memory_snapshot.h"
+
+namespace vismem {
+
+/// Completes the published segments; the remembered ones stay, so the next image is associated with
+/// observations only. *Single-threaded* (owner: the perception loop). Invariant: an edge of a shape keeps its
+/// id.
+class ShapeEdges {
+ public:
+  struct Params {
+    bool enabled = true;
+    /// Widths of line markings, for all parts. The end edge of a line of 5 cm is a few pixels long at best.
+    LineWidthRange line_width;
+    double max_angle_rad = 0.10;      ///< between both edges of a line
+    double max_skew_m = 0.04;         ///< distance along the line between the ends of both edges: this ..
+    double max_skew_sigmas = 2.0;     ///< .. plus this many sigmas of both ends ..
+    double most_skew_m = 0.10;        ///< .. at most this
+    double min_strength_share = 0.6;  ///< contrast of the weaker edge over that of the stronger one
+    double overshoot_strength_share = 0.35;  ///< the same for an edge that may run on into another one
+    int min_views = 3;                       ///< of each of the two ends
+    /// Distant lines end too short: the shorter edge is extended to the longer one's end if the difference is
+    /// at most this many sigmas of its end.
+    double short_sigmas = 0.0;
+    double neighbour_m = 0.06;     ///< a segment that begins within this of a corner makes it a junction
+    double continuation_m = 0.30;  ///< a segment in line within this behind an end makes it a gap
+    CornerParams corners;
+    LineWidthParams line_widths;  ///< whose range is `line_width`
+    JunctionParams junctions;     ///< whose range is `line_width`
+    ShadowParams shadows;
+    CircleMarkingParams circles;
+    CrossSpotParams crosses;
+    DominantDirectionParams dominant_direction;
+  };
+  using NewId = std::function<std::uint64_t()>;
+
+  explicit ShapeEdges(const Params& params);
+
+  /// @param segments    to be published; completed in place.
+  /// @param elements    that the segments were taken from.
+  /// @param primitives  the shapes found; circles then name their published chords.
+  void complete(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                std::vector<Primitive>& primitives, const NewId& new_id);
+  void clear() { ids_.clear(); }
+
+ private:
+  using Key = std::tuple<std::uint64_t, std::uint64_t, int>;
+  std::uint64_t idOf(const Key& key, const NewId& new_id);
+  void addLineEnds(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+                   const NewId& new_id);
+
+  Params params_;
+  std::map<Key, std::uint64_t> ids_;
+  std::map<Key, std::uint64_t> used_;
+};
+
+}  // namespace vismem

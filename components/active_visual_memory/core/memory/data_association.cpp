@@ -1,0 +1,93 @@
+#include "active_visual_memory/core/memory/data_association.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "common/geometry/angles.h"
+#include "common/visual_memory/labels.h"
+
+namespace vismem {
+
+std::optional<double> associationCost(const ImageSegment& observed, const Expectation& expected,
+                                      const AssociationParams& params) {
+  if (!labelsCompatible(observed.label, expected.predicted.label)) return std::nullopt;
+  const Segment2& o = observed.px;
+  const Segment2& p = expected.predicted.px;
+  const double angle = lineAngleDifference(o.direction(), p.direction());
+  if (angle > params.max_angle_rad) return std::nullopt;
+  const bool polarity_known =
+      observed.strength >= params.min_polarity_strength && expected.strength >= params.min_polarity_strength;
+  if (params.use_polarity && polarity_known && (o.b - o.a).dot(p.b - p.a) < 0.0) return std::nullopt;
+
+  // Overlap along the prediction, in pixels.
+  const double length = p.length();
+  const double shorter = std::min(length, o.length());
+  if (!(shorter > 0.0)) return std::nullopt;
+  const double ta = projectionFraction(o.a, p) * length;
+  const double tb = projectionFraction(o.b, p) * length;
+  const double low = std::max(0.0, std::min(ta, tb));
+  const double high = std::min(length, std::max(ta, tb));
+  const double overlap = (high - low) / shorter;
+  if (overlap < params.min_overlap) return std::nullopt;
+
+  // Distance of both lines at the middle of the overlap; outside it they may diverge.
+  const Eigen::Vector2d on_p = p.a + 0.5 * (low + high) / length * (p.b - p.a);
+  const double normal = distanceToLine(on_p, o);
+  if (normal > params.max_normal_px) return std::nullopt;
+  return normal / params.max_normal_px + angle / params.max_angle_rad + (1.0 - std::min(1.0, overlap));
+}
+
+namespace {
+
+/// Whether both lie on one straight line, as fragments of an edge do.
+bool inLine(const Segment2& fragment, const Segment2& match, const AssociationParams& params) {
+  const double length = match.length();
+  const auto fits = [&](const Eigen::Vector2d& end) {
+    const double t = projectionFraction(end, match) * length;
+    const double beyond = std::max({0.0, -t, t - length});
+    return distanceToLine(end, match) <= params.fragment_px + params.fragment_rad * beyond;
+  };
+  return fits(fragment.a) && fits(fragment.b);
+}
+
+}  // namespace
+
+AssociationResult associate(const std::vector<ImageSegment>& observed,
+                            const std::vector<Expectation>& expected, const AssociationParams& params) {
+  std::vector<std::tuple<double, int, int>> candidates;
+  for (int o = 0; o < static_cast<int>(observed.size()); ++o) {
+    for (int p = 0; p < static_cast<int>(expected.size()); ++p) {
+      if (const auto cost = associationCost(observed[o], expected[p], params)) {
+        candidates.emplace_back(*cost, o, p);
+      }
+    }
+  }
+  std::sort(candidates.begin(), candidates.end());
+
+  AssociationResult result;
+  std::vector<bool> observed_taken(observed.size(), false);
+  std::vector<int> match_of(expected.size(), -1);
+  for (const auto& [cost, o, p] : candidates) {
+    if (observed_taken[o] || match_of[p] >= 0) continue;
+    observed_taken[o] = true;
+    match_of[p] = o;
+    result.matches.push_back({o, p});
+  }
+  // A remaining candidate in line with the match is a fragment of the same line.
+  for (const auto& [cost, o, p] : candidates) {
+    // Every prediction with a remaining candidate has a match.
+    if (observed_taken[o] || !inLine(observed[o].px, observed[match_of[p]].px, params)) continue;
+    observed_taken[o] = true;
+    result.supports.push_back({o, p});
+  }
+  for (int p = 0; p < static_cast<int>(expected.size()); ++p) {
+    if (match_of[p] < 0) result.unobserved.push_back(p);
+  }
+  for (int o = 0; o < static_cast<int>(observed.size()); ++o) {
+    if (!observed_taken[o]) result.unpredicted.push_back(o);
+  }
+  return result;
+}
+
+}  // namespace vismem

@@ -1,0 +1,45 @@
+/// @file Data association of predicted and observed segments in the image: the three sets of figure 4.
+/// Pure. Implements V5.
+#pragma once
+
+#include <vector>
+
+#include "common/visual_memory/memory_snapshot.h"
+
+namespace vismem {
+
+struct AssociationParams {
+  double max_angle_rad = 0.14;         ///< 8 degrees
+  double max_normal_px = 8.0;          ///< distance of the middle of the overlap from the other's line
+  double min_overlap = 0.3;            ///< of the shorter of the two
+  bool use_polarity = true;            ///< edges must have one polarity, if both are known
+  double min_polarity_strength = 6.0;  ///< grey levels; the polarity of weaker edges is unknown
+  // Fragments of one line share the error of the prediction, so they lie in line with each other better than
+  // with it.
+  double fragment_px = 2.0;    ///< distance of the ends of a fragment from the line of the match: this ..
+  double fragment_rad = 0.05;  ///< .. plus this per pixel beyond its ends
+};
+
+/// A prediction with its contrast.
+struct Expectation {
+  PredictedSegment predicted;
+  double strength = 0.0;  ///< grey levels, mean of past observations
+};
+
+struct AssociationResult {
+  std::vector<ImageAnalysis::Match> matches;  ///< one-to-one, best first
+  /// Further observed segments of a matched prediction, in line with its match: fragments of one line.
+  std::vector<ImageAnalysis::Match> supports;
+  std::vector<int> unobserved;   ///< predicted but not observed, ascending
+  std::vector<int> unpredicted;  ///< observed but neither matched nor supporting, ascending
+};
+
+/// Association cost, lower is better. @return empty if a gate fails. Ideal pixels.
+std::optional<double> associationCost(const ImageSegment& observed, const Expectation& expected,
+                                      const AssociationParams& params);
+
+/// Greedy one-to-one assignment by rising cost.
+AssociationResult associate(const std::vector<ImageSegment>& observed,
+                            const std::vector<Expectation>& expected, const AssociationParams& params);
+
+}  // namespace vismem

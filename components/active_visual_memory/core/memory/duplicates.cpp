@@ -1,0 +1,69 @@
+#include "active_visual_memory/core/memory/duplicates.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/geometry/angles.h"
+#include "common/visual_memory/labels.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kKnownPolarity = 6.0;  // grey levels; as AssociationParams::min_polarity_strength
+
+}  // namespace
+
+bool samePolarity(const Segment2& a, double strength_a, const Segment2& b, double strength_b) {
+  if (strength_a < kKnownPolarity || strength_b < kKnownPolarity) return true;
+  return (a.b - a.a).dot(b.b - b.a) > 0.0;
+}
+
+Neighbourhood neighbourhood(const Segment2& base, const Segment2& other) {
+  const double length = base.length();
+  double low = projectionFraction(other.a, base) * length;
+  double high = projectionFraction(other.b, base) * length;
+  if (low > high) std::swap(low, high);
+  const double from = std::max(0.0, low);
+  const double to = std::min(length, high);
+  const Eigen::Vector2d along = (base.b - base.a) / length;
+  const Eigen::Vector2d between = base.a + 0.5 * (from + to) * along;
+  return {lineAngleDifference(base.direction(), other.direction()), distanceToLine(between, other),
+          from - to};
+}
+
+std::vector<FloorSegment> cleanDuplicates(const std::vector<FloorSegment>& segments, double max_angle_rad,
+                                          double max_distance_m, double max_gap_m) {
+  std::vector<FloorSegment> clean;
+  for (const FloorSegment& segment : segments) {
+    bool joined = false;
+    for (FloorSegment& kept : clean) {
+      if (!labelsCompatible(kept.label, segment.label)) continue;
+      if (!samePolarity(kept.odom, kept.strength, segment.odom, segment.strength)) continue;
+      const Neighbourhood n = neighbourhood(kept.odom, segment.odom);
+      if (n.angle_rad > max_angle_rad || n.distance_m > max_distance_m || n.gap_m > max_gap_m) continue;
+      // The line of the longer one, the extent of both.
+      const bool longer = segment.odom.length() > kept.odom.length();
+      FloorSegment line = longer ? segment : kept;
+      const FloorSegment& other = longer ? kept : segment;
+      const Eigen::Vector2d along = (line.odom.b - line.odom.a).normalized();
+      const Eigen::Vector2d origin = line.odom.a;
+      const double length = line.odom.length();
+      const bool against = (other.odom.b - other.odom.a).dot(along) < 0.0;
+      const FloorSegment o = against ? reversed(other) : other;
+      const double ta = along.dot(o.odom.a - origin);
+      const double tb = along.dot(o.odom.b - origin);
+      if (ta < 0.0)
+        line.odom.a = origin + ta * along, line.P_a = o.P_a, line.D_a = o.D_a, line.censored_a = o.censored_a;
+      if (tb > length)
+        line.odom.b = origin + tb * along, line.P_b = o.P_b, line.D_b = o.D_b, line.censored_b = o.censored_b;
+      if (line.label == kUnknownLabel) line.label = other.label;
+      kept = line;
+      joined = true;
+      break;
+    }
+    if (!joined) clean.push_back(segment);
+  }
+  return clean;
+}
+
+}  // namespace vismem

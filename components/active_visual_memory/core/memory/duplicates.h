@@ -1,0 +1,37 @@
+/// @file Copies of one line among the floor segments of one image.
+/// Pure. Implements M2. See M3.
+#pragma once
+
+#include <vector>
+
+#include "active_visual_memory/core/ground/floor_segment.h"
+#include "common/geometry/segment.h"
+
+namespace vismem {
+
+/// @return false if both edges have a known polarity (contrast of at least 6 grey levels) and opposite
+/// directions.
+bool samePolarity(const Segment2& a, double strength_a, const Segment2& b, double strength_b);
+
+/// Relation of two segments: angle and distance of their lines in the middle of the overlap, and the gap
+/// between their extents along the first one (negative: they overlap).
+struct Neighbourhood {
+  double angle_rad = 0.0;
+  double distance_m = 0.0;
+  double gap_m = 0.0;
+};
+
+/// @param base  of length > 0.
+Neighbourhood neighbourhood(const Segment2& base, const Segment2& other);
+
+/// The gates of `Memory.Near.*` are multiplied by this within one image. Copies of a line in one image share
+/// the errors of camera pose and odometry, so they agree better with each other than an image agrees with the
+/// memory.
+inline constexpr double kDuplicateGateShare = 0.5;
+
+/// Joins floor segments of one image that are copies or pieces of one line: the longer one's line, the extent
+/// of both. Order is kept.
+std::vector<FloorSegment> cleanDuplicates(const std::vector<FloorSegment>& segments, double max_angle_rad,
+                                          double max_distance_m, double max_gap_m);
+
+}  // namespace vismem

@@ -1,0 +1,63 @@
+#include "active_visual_memory/core/memory/memory_element.h"
+
+#include <algorithm>
+
+namespace vismem {
+
+void LabelVotes::add(const Label& label, double weight) {
+  const auto known =
+      std::find_if(votes_.begin(), votes_.end(), [&](const auto& vote) { return vote.first == label; });
+  if (known == votes_.end()) {
+    votes_.emplace_back(label, weight);
+  } else {
+    known->second += weight;
+  }
+}
+
+void LabelVotes::add(const LabelVotes& others) {
+  for (const auto& [label, weight] : others.votes_) add(label, weight);
+}
+
+Label LabelVotes::winner(double least_share) const {
+  double all = 0.0;
+  const std::pair<Label, double>* best = nullptr;
+  for (const auto& vote : votes_) {
+    all += vote.second;
+    if (vote.first != kUnknownLabel && (!best || vote.second > best->second)) best = &vote;
+  }
+  return best && best->second >= least_share * all ? best->first : kUnknownLabel;
+}
+
+void absorb(MemoryElement& element, const MemoryElement& other, const FloorLine::Params& params) {
+  if (element.line.along().dot(other.line.along()) < 0.0) {
+    element.line.absorb(FloorLine(reversed(other.line.asObservation()), params), params);
+  } else {
+    element.line.absorb(other.line, params);
+  }
+  if (element.value.label == kUnknownLabel) element.value.label = other.value.label;
+  element.votes.add(other.votes);
+  if (!element.colours) element.colours = other.colours;
+  element.strength = std::max(element.strength, other.strength);
+  element.pixel_m = std::min(element.pixel_m, other.pixel_m);
+  element.value.life = std::max(element.value.life, other.value.life);
+  element.on_floor = element.on_floor || other.on_floor;
+  element.value.first_seen_us = std::min(element.value.first_seen_us, other.value.first_seen_us);
+  element.value.last_seen_us = std::max(element.value.last_seen_us, other.value.last_seen_us);
+  element.sighting = std::max(element.sighting, other.sighting);
+  element.sightings = std::max(element.sightings, other.sightings);
+}
+
+void publish(MemoryElement& element, bool confirmed, const CameraTiltCovariance& P_tilt) {
+  const Segment2 floor = element.line.segment();
+  element.value.odom = {{floor.a.x(), floor.a.y(), 0.0}, {floor.b.x(), floor.b.y(), 0.0}};
+  element.value.P_a.setZero();
+  element.value.P_b.setZero();
+  const TiltJacobian D_a = element.line.tiltJacobianA();
+  const TiltJacobian D_b = element.line.tiltJacobianB();
+  element.value.P_a.topLeftCorner<2, 2>() = element.line.covarianceA() + D_a * P_tilt * D_a.transpose();
+  element.value.P_b.topLeftCorner<2, 2>() = element.line.covarianceB() + D_b * P_tilt * D_b.transpose();
+  element.value.uncertainty = uncertaintyOf(element.value.life);
+  element.value.confirmed = confirmed;
+}
+
+}  // namespace vismem

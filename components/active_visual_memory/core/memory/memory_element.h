@@ -1,0 +1,74 @@
+/// @file A remembered segment with the internal state of the memory. Pure. See M1, M3, M4.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "active_visual_memory/core/ground/floor_evidence.h"
+#include "active_visual_memory/core/ground/floor_line.h"
+#include "active_visual_memory/core/memory/life.h"
+#include "active_visual_memory/core/memory/parallax.h"
+#include "common/visual_memory/memory_snapshot.h"
+
+namespace vismem {
+
+/// Votes of the images for the label of an edge; `unknown` votes too. *Value.*
+class LabelVotes {
+ public:
+  void add(const Label& label, double weight);
+  void add(const LabelVotes& others);
+  /// The named label with the most votes if it has at least this share of all, else `unknown`.
+  Label winner(double least_share) const;
+
+ private:
+  std::vector<std::pair<Label, double>> votes_;
+};
+
+/// *Value.*
+struct MemoryElement {
+  MemorySegment value;  ///< as published; its geometry is a copy of `line`
+  FloorLine line;
+  double strength = 0.0;  ///< mean contrast [grey levels]
+  double pixel_m = 1e9;   ///< floor distance of one pixel across the line, in the best view [m]
+  int sightings = 0;      ///< images that showed it
+  std::optional<SideColours> colours;
+  LabelVotes votes;  ///< nearer views count more
+  ParallaxEstimate parallax;
+  bool on_floor = false;  ///< its floor place rests while the camera moves (M1)
+  bool stands = false;    ///< its floor place moves with the camera: it is off the floor or moves by itself
+  bool not_vertical = false;  ///< a view across the viewing ray excluded a vertical edge
+  FloorLine anchor_line;      ///< the line at the first sample of `parallax`
+  Eigen::Vector2d anchor_camera = Eigen::Vector2d::Zero();
+  double anchor_turn_rad = 0.0;
+  double seen_travel_m = 0.0;  ///< odometer when last fused
+  double seen_turn_rad = 0.0;
+  Sighting sighting = Sighting::kObserved;  ///< highest since life was last counted
+  struct ShortVotes {
+    int count = 0;
+    double t_m = 0.0;
+    double variance_m2 = 0.0;
+  };
+  ShortVotes short_a;
+  ShortVotes short_b;
+  /// Votes of images for a gap at one place of it.
+  struct GapVotes {
+    int count = 0;
+    Eigen::Vector2d from = Eigen::Vector2d::Zero();  ///< in odom
+    Eigen::Vector2d to = Eigen::Vector2d::Zero();
+    Eigen::Vector2d camera = Eigen::Vector2d::Zero();  ///< of the first vote: the floor point below it
+    double bearing_spread_rad = 0.0;                   ///< of the directions it was seen from
+  };
+  std::vector<GapVotes> gaps;  ///< one for each place
+};
+
+/// Joins another element that is a piece or a copy of the same edge; the id stays (M2, M9).
+void absorb(MemoryElement& element, const MemoryElement& other, const FloorLine::Params& params);
+
+/// Updates `value` from the state.
+/// @param confirmed  whether it counts as confirmed.
+/// @param P_tilt     covariance of the camera tilt [rad^2].
+void publish(MemoryElement& element, bool confirmed, const CameraTiltCovariance& P_tilt);
+
+}  // namespace vismem

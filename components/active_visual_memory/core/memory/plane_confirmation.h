@@ -1,0 +1,24 @@
+/// @file Edges that lie on the floor because confirmed edges meet them. Pure. See M1, M9.
+#pragma once
+
+#include <span>
+
+#include "active_visual_memory/core/memory/edge_corner.h"
+
+namespace vismem {
+
+/// Publishes as confirmed an edge that continues a confirmed edge in its line, or meets its end at a corner.
+/// An edge at height h, seen from one place, is projected further from the camera by h / (H - h) of its
+/// distance, so it would be in line with the other one, or end where that one ends, only by chance. Confirmed
+/// edges confirm further ones. Needed: a label, both true ends, a view across the viewing ray, and no
+/// parallax that contradicts the floor.
+/// @param camera_height_m  H.
+void confirmContinuations(std::span<MemoryElement> elements, double camera_height_m,
+                          const CornerParams& params);
+
+/// Publishes as confirmed an edge that runs from the end of one confirmed edge of its label to the beginning
+/// of another one: both of its ends lie on the floor. One image is enough. Needed: a label, both true ends,
+/// and no parallax that contradicts the floor.
+void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams& params);
+
+}  // namespace vismem

@@ -1,0 +1,476 @@
+#include "active_visual_memory/core/memory/segment_memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "active_visual_memory/core/memory/duplicates.h"
+#include "active_visual_memory/core/memory/segment_memory_view.h"
+#include "common/geometry/angles.h"
+#include "common/geometry/plane.h"
+#include "common/geometry/projection.h"
+#include "common/visual_memory/labels.h"
+
+namespace vismem {
+
+namespace {
+
+/// Floor distance of one pixel across a segment [m].
+double pixelAcross(const FloorSegment& segment, const Eigen::Vector2d& camera, double height_m,
+                   double focal_px) {
+  const Eigen::Vector2d ray = segment.odom.middle() - camera;
+  const Eigen::Vector2d along = (segment.odom.b - segment.odom.a).normalized();
+  const double squared = ray.squaredNorm() + height_m * height_m;
+  const double across_ray = std::sqrt(squared) / focal_px;
+  const double along_ray = squared / (height_m * focal_px);
+  const Eigen::Vector2d u = ray.normalized();
+  return std::hypot(along_ray * cross2(u, along), across_ray * u.dot(along));
+}
+
+/// An end at an occluder is censored.
+void censorHiddenEnds(std::vector<FloorSegment>& floor, const std::vector<ImageSegment>& observed,
+                      const FloorEvidence& evidence) {
+  for (FloorSegment& segment : floor) {
+    const Segment2& px = observed[static_cast<std::size_t>(segment.observed)].px;
+    segment.censored_a = segment.censored_a || evidence.isHiddenBeyond(px, false);
+    segment.censored_b = segment.censored_b || evidence.isHiddenBeyond(px, true);
+  }
+}
+
+/// Without matches.
+ImageAnalysis analysisOf(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
+                         const std::vector<Expectation>& expected) {
+  ImageAnalysis analysis;
+  analysis.stamp_us = observation.frame.stamp_us;
+  analysis.frame_seq = observation.frame.seq;
+  analysis.intrinsics = observation.frame.intrinsics;
+  analysis.T_odom_robot = observation.T_odom_robot;
+  analysis.T_robot_camera = observation.T_robot_camera;
+  analysis.observed = observed;
+  for (const Expectation& e : expected) analysis.predicted.push_back(e.predicted);
+  return analysis;
+}
+
+}  // namespace
+
+SegmentMemory::Params SegmentMemory::Params::chapter() {
+  Params p;
+  p.fusion = Fusion::kChapter;
+  p.align = false;
+  p.confirm_by_parallax = false;
+  p.min_sightings = 1;
+  p.unverified_decay = 1.0;
+  // +20 per tick of 200 ms when observed, -1 when not, whatever the reason.
+  p.life.tick_us = 200'000;
+  p.life.gain_per_s = 100.0;
+  p.life.fade_per_s = 5.0;
+  p.life.absent_per_s = 5.0;
+  p.life.occluded_per_s = 5.0;
+  p.association.use_polarity = false;
+  p.association.fragment_px = p.association.max_normal_px;
+  return p;
+}
+
+SegmentMemory::SegmentMemory(const Params& params)
+    : params_(params),
+      clock_(params.life.tick_us),
+      drift_filter_(params.align ? DriftFilter(params.tilt_prior) : DriftFilter()),
+      map_filter_(params.tilt_prior) {}
+
+void SegmentMemory::clear() {
+  elements_.clear();
+  clock_.reset();
+  last_pose_.reset();
+  drift_filter_.reset();
+  map_filter_.reset();
+  slips_.reset();
+  dominant_direction_rad_.reset();
+}
+
+void SegmentMemory::predict(const Pose2& T_odom_robot) {
+  if (last_pose_) {
+    travel_m_ += (T_odom_robot.position() - last_pose_->position()).norm();
+    turn_rad_ += std::abs(angleDifference(T_odom_robot.theta, last_pose_->theta));
+    if (usesMapFilter()) {
+      transformAll(map_filter_.predict(*last_pose_, T_odom_robot, mapFilterParams()));
+    } else if (params_.align) {
+      transformAll(drift_filter_.predict(*last_pose_, T_odom_robot, params_.alignment));
+    }
+  }
+  last_pose_ = T_odom_robot;
+}
+
+std::vector<int> SegmentMemory::cache(const Pose2& T_odom_robot) const {
+  std::vector<int> near;
+  for (int i = 0; i < static_cast<int>(elements_.size()); ++i) {
+    if (distanceToSegment(T_odom_robot.position(), elements_[i].line.segment()) <= params_.cache_radius_m) {
+      near.push_back(i);
+    }
+  }
+  return near;
+}
+
+std::vector<Expectation> SegmentMemory::expect(const View& view, std::vector<int>& index_of) const {
+  std::vector<Expectation> expected;
+  for (const int i : cache(view.observation.T_odom_robot)) {
+    const MemoryElement& element = elements_[i];
+    const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, element.value.odom);
+    if (!px || px->length() < params_.min_visible_px) continue;
+    expected.push_back({{element.value.id, *px, element.value.label}, element.strength});
+    index_of.push_back(i);
+  }
+  return expected;
+}
+
+bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment& observed,
+                                double distance_m) const {
+  if (params_.fusion == Fusion::kChapter) return true;  // the chapter fuses without a gate
+  const double unseen_m = params_.drift_per_m * (travel_m_ - element.seen_travel_m);
+  const double unseen_rad = params_.drift_per_rad * (turn_rad_ - element.seen_turn_rad);
+  const double slack =
+      params_.slack_m + params_.slack_share * distance_m + unseen_m + unseen_rad * distance_m;
+  const double gate = params_.gate_sigmas;
+  if (usesMapFilter() && map_filter_.contains(element.value.id)) {
+    // The filter knows the variance of the line relative to the robot.
+    const auto more = [&](const Eigen::Vector2d& p) {
+      return map_filter_.placeVariance(element.value.id, element.line.normal(), p) -
+             element.line.offsetVariance(element.line.tOf(p));
+    };
+    const double drift = std::max({0.0, more(observed.odom.a), more(observed.odom.b)});
+    const double least = params_.slack_m + params_.slack_share * distance_m;
+    return element.line.disagreement(observed, std::hypot(least, std::sqrt(drift)), cameraTiltCovariance()) <=
+           gate * gate;
+  }
+  return element.line.disagreement(observed, slack, cameraTiltCovariance()) <= gate * gate;
+}
+
+void SegmentMemory::renewAnchor(MemoryElement& element, const FloorSegment& observed, const View& view) {
+  const bool stale = turn_rad_ - element.anchor_turn_rad > params_.max_anchor_turn_rad ||
+                     (view.camera - element.anchor_camera).norm() > params_.max_anchor_travel_m;
+  if (stale) {
+    // Odometry has drifted too far for a comparison with the anchor.
+    element.parallax = ParallaxEstimate{};
+    element.anchor_line = FloorLine(observed, params_.line);
+    element.anchor_camera = view.camera;
+    element.anchor_turn_rad = turn_rad_;
+  }
+  if ((view.camera - element.anchor_camera).norm() < params_.parallax.min_step_m) {
+    // Views from the place of the anchor improve it and have no parallax.
+    element.anchor_line = element.line;
+    element.parallax = ParallaxEstimate{};
+  }
+}
+
+void SegmentMemory::verifyOnFloor(MemoryElement& element, const FloorSegment& observed, const View& view) {
+  // An edge seen only along the viewing ray may still be vertical.
+  if (!params_.confirm_by_parallax || (element.on_floor && element.not_vertical)) return;
+  renewAnchor(element, observed, view);
+  const FloorLine& anchor = element.anchor_line;
+  const Eigen::Vector2d baseline = view.camera - element.anchor_camera;
+  const double along = anchor.along().dot(baseline);
+  const double across = anchor.normal().dot(baseline);
+  const double distance = (observed.odom.middle() - view.camera).norm();
+  // An aligned memory has the error of the alignment, which does not grow with the way.
+  const double drift = params_.align
+                           ? params_.alignment_sigma_m + params_.alignment_sigma_rad * distance
+                           : params_.drift_per_rad * (turn_rad_ - element.anchor_turn_rad) * distance;
+  const auto add = [&](ParallaxEstimate::Channel channel, double b, double shift,
+                       const TiltJacobianRow& d_tilt, double variance) {
+    element.parallax.add(channel, b, shift, d_tilt, variance + drift * drift, params_.parallax);
+  };
+  // A constant offset of the anchor cancels, an error of its direction does not.
+  const Eigen::Vector2d middle = observed.odom.middle();
+  const Eigen::Vector2d n = anchor.normal();
+  // A vertical edge turns about its foot: its far end shows most parallax.
+  const bool b_is_far = (observed.odom.b - view.camera).norm() > (observed.odom.a - view.camera).norm();
+  const Eigen::Vector2d at = element.not_vertical ? middle : (b_is_far ? observed.odom.b : observed.odom.a);
+  const double t = anchor.tOf(at);
+  const double share = params_.parallax_noise_share;
+  const double f = (at - observed.odom.a).norm() / std::max(1e-6, observed.odom.length());
+  const TiltJacobianRow d_at = n.transpose() * ((1.0 - f) * observed.D_a + f * observed.D_b);
+  add(ParallaxEstimate::kOffset, across, anchor.offsetOf(at), d_at - anchor.offsetTiltJacobian(t),
+      0.25 * share * n.dot((observed.P_a + observed.P_b) * n) + anchor.turnVariance(t));
+  // Parallax of the ends, while they are the ends of the anchor.
+  const Eigen::Vector2d u = anchor.along();
+  const auto addEnd = [&](ParallaxEstimate::Channel channel, const Eigen::Vector2d& p,
+                          const Eigen::Matrix2d& P, const TiltJacobian& D, bool censored,
+                          const ExtentEnd& known) {
+    if (censored || known.censored) return;
+    const double variance = u.dot(P * u);
+    const double gate = std::max(params_.line.end_gate_m,
+                                 params_.line.end_gate_sigmas * std::sqrt(variance + known.variance_m2));
+    const double off = element.line.tOf(p) - known.t_m;
+    if (std::abs(off) > gate) {
+      const bool outside = channel == ParallaxEstimate::kEndA ? off < 0.0 : off > 0.0;
+      if (outside) element.parallax.forget(channel);  // the old end was not a true end
+      return;
+    }
+    add(channel, along, anchor.tOf(p), u.transpose() * D, share * variance);
+  };
+  addEnd(ParallaxEstimate::kEndA, observed.odom.a, observed.P_a, observed.D_a, observed.censored_a,
+         element.line.endA());
+  addEnd(ParallaxEstimate::kEndB, observed.odom.b, observed.P_b, observed.D_b, observed.censored_b,
+         element.line.endB());
+  // A vertical edge is projected onto a ray from the point below the camera.
+  const Eigen::Vector2d ray = (middle - view.camera).normalized();
+  const Eigen::Vector2d seen_along = (observed.odom.b - observed.odom.a).normalized();
+  if (std::abs(cross2(ray, seen_along)) > params_.not_radial) {
+    element.not_vertical = true;
+  }
+  const auto verdict =
+      element.parallax.verdict(view.height, element.not_vertical, cameraTiltCovariance(), params_.parallax);
+  element.stands = verdict == ParallaxEstimate::Verdict::kOffFloor;
+  if (verdict == ParallaxEstimate::Verdict::kOnFloor) element.on_floor = true;
+  if (verdict == ParallaxEstimate::Verdict::kOffFloor) element.on_floor = false;
+}
+
+void SegmentMemory::fuse(MemoryElement& element, const FloorSegment& seen, const View& view) {
+  const bool against = element.line.along().dot(seen.odom.b - seen.odom.a) < 0.0;
+  const FloorSegment observed = against ? reversed(seen) : seen;
+  const double travelled = travel_m_ - element.seen_travel_m;
+  const double turned = turn_rad_ - element.seen_turn_rad;
+  const bool map_filter = usesMapFilter() && map_filter_.contains(element.value.id);
+  if (map_filter) {
+    element.seen_travel_m = travel_m_;
+    element.seen_turn_rad = turn_rad_;
+  } else if (travelled > 0.0 || turned > 0.0) {
+    const double range = (observed.odom.middle() - view.camera).norm();
+    double heading = params_.drift_per_rad * turned;
+    double offset = std::hypot(params_.drift_per_m * travelled, heading * range);
+    if (isLegged()) {
+      // The memory has followed the drift: only its posterior is added, inflated like the frame tilt it was
+      // estimated with.
+      const double left = drift_filter_.sigmaAt(range);
+      const double shift = drift_filter_.sigmaAt(0.0);
+      const double turn = std::sqrt(std::max(0.0, left * left - shift * shift)) / std::max(range, 1e-3);
+      offset = std::min(offset,
+                        params_.per_frame_inflation *
+                            std::max(left, params_.alignment_sigma_m + params_.alignment_sigma_rad * range));
+      heading = std::min(heading, params_.per_frame_inflation * std::max(turn, params_.alignment_sigma_rad));
+    }
+    element.line.drift(offset, heading);
+    element.seen_travel_m = travel_m_;
+    element.seen_turn_rad = turn_rad_;
+  }
+  element.pixel_m = std::min(
+      element.pixel_m, pixelAcross(observed, view.camera, view.height, view.observation.frame.intrinsics.fx));
+  verifyOnFloor(element, observed, view);
+  if (params_.fusion == Fusion::kChapter) {
+    element.line.replaceKeepingExtent(observed, params_.line);
+  } else if (map_filter) {
+    element.line.fuseExtent(observed, params_.line);
+  } else {
+    element.line.fuse(observed, params_.line);
+  }
+  // A short piece is weak evidence for the whole: it may be another edge in its line.
+  const double part = std::min(1.0, observed.odom.length() / std::max(1e-6, element.line.length()));
+  element.strength += 0.2 * part * (observed.strength - element.strength);
+  vote(element, observed.label, (observed.odom.middle() - view.camera).norm());
+  // Several pieces in one image are one sighting.
+  if (element.value.last_seen_us != view.observation.frame.stamp_us) ++element.sightings;
+  element.value.last_seen_us = view.observation.frame.stamp_us;
+  element.sighting = Sighting::kObserved;
+}
+
+void SegmentMemory::vote(MemoryElement& element, const Label& label, double distance_m) const {
+  if (params_.fusion == Fusion::kChapter) {
+    if (element.value.label == kUnknownLabel) element.value.label = label;
+    return;
+  }
+  const double weight = 1.0 / std::max(0.25, distance_m * distance_m);
+  element.votes.add(label, weight);
+  element.value.label = element.votes.winner(params_.label_share);
+}
+
+void SegmentMemory::addElement(const FloorSegment& observed, const View& view) {
+  MemoryElement element;
+  element.value.id = next_id_++;
+  element.value.label = observed.label;
+  element.value.life = params_.life.initial;
+  element.value.first_seen_us = element.value.last_seen_us = view.observation.frame.stamp_us;
+  element.on_floor = !params_.confirm_by_parallax;
+  vote(element, observed.label, (observed.odom.middle() - view.camera).norm());
+  element.line = FloorLine(observed, params_.line);
+  element.strength = observed.strength;
+  element.pixel_m = pixelAcross(observed, view.camera, view.height, view.observation.frame.intrinsics.fx);
+  element.sightings = 1;
+  element.anchor_line = element.line;
+  element.anchor_camera = view.camera;
+  element.anchor_turn_rad = turn_rad_;
+  element.seen_travel_m = travel_m_;
+  element.seen_turn_rad = turn_rad_;
+  verifyOnFloor(element, observed, view);
+  publish(element);
+  updateColours(element, view);
+  if (usesMapFilter()) {
+    const double distance = (observed.odom.middle() - view.camera).norm();
+    map_filter_.addLine(element.value.id, observed, {view.T_odom_camera, view.observation.T_odom_robot.theta},
+                        params_.correlation_inflation * params_.correlation_inflation,
+                        params_.slack_m + params_.slack_share * distance);
+  }
+  elements_.push_back(std::move(element));
+}
+
+void SegmentMemory::updateColours(MemoryElement& element, const View& view) const {
+  const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, element.value.odom);
+  const auto sides = px ? view.evidence.sides(*px) : std::nullopt;
+  if (!sides) return;
+  if (!element.colours) {
+    element.colours = *sides;
+    return;
+  }
+  element.colours->left += 0.2 * (sides->left - element.colours->left);
+  element.colours->right += 0.2 * (sides->right - element.colours->right);
+}
+
+bool SegmentMemory::isWellKnown(const MemoryElement& element, StampUs stamp_us) const {
+  return !isTentative(element) && element.value.confirmed && !isNewHere(element, stamp_us) &&
+         toSeconds(stamp_us - element.value.last_seen_us) <= params_.well_known_s &&
+         travel_m_ - element.seen_travel_m <= params_.well_known_travel_m;
+}
+
+Sighting SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view) {
+  Sighting sighting = Sighting::kOutOfView;
+  const auto& k = view.observation.frame.intrinsics;
+  const double m = params_.view_margin_px;
+  const auto inside = clipToBox(px, {m, m}, {k.width - 1 - m, k.height - 1 - m});
+  const bool clear = inside && inside->length() >= params_.min_visible_px;
+  if (clear && isTentative(element)) {
+    // A tentative element needs no evidence of absence.
+    sighting = Sighting::kAbsent;
+  } else if (clear && element.colours && view.turn_rate <= params_.max_absence_turn_radps) {
+    switch (view.evidence.classify(*inside, *element.colours)) {
+      case PlaceShows::kFree:
+        sighting = Sighting::kAbsent;
+        break;
+      case PlaceShows::kOccluded:
+        sighting = Sighting::kOccluded;
+        break;
+      case PlaceShows::kUnknown:
+        break;
+    }
+  }
+  // Several images may fall into one tick of life; the best of them counts.
+  element.sighting = std::max(element.sighting, sighting);
+  return sighting;
+}
+
+ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
+                                    const std::vector<ImageSegment>& observed,
+                                    std::vector<FloorSegment> floor, double turn_rate_radps) {
+  predict(observation.T_odom_robot);
+  const Pose3 T_odom_camera = toPose3(observation.T_odom_robot) * observation.T_robot_camera;
+  View view{observation,
+            T_odom_camera,
+            T_odom_camera.translation().head<2>(),
+            T_odom_camera.translation().z(),
+            turn_rate_radps,
+            {observation.frame.image, observation.frame.intrinsics, params_.evidence}};
+  camera_height_m_ = view.height;
+  if (usesMapFilter()) removeStaleLines();
+  censorHiddenEnds(floor, observed, view.evidence);
+  if (usesMapFilter()) correctSlip(view, floor);
+  // The tilt of a walking body displaces segments by several pixels: unmatched ones would be added as
+  // duplicates.
+  const Associations associations =
+      isLegged() ? associateIterated(view, observed, floor) : associate(view, observed, floor, floor);
+  ImageAnalysis analysis = analysisOf(observation, observed, associations.expected);
+  analysis.matches = associations.matches;
+  if (params_.align) {
+    applyCorrection(associations, floor, view);
+    cutBeyondRange(floor, view.camera);
+  }
+  updateExpected(associations, observed, floor, view);
+  if (turn_rate_radps <= params_.max_mapping_turn_radps) {
+    addUnmatched(associations, floor, view);
+    const std::vector<int> cached = cache(observation.T_odom_robot);
+    preventMerge(cached);
+    mergeDuplicates(cached);
+  }
+  countLife(observation.frame.stamp_us);
+  publishAll();
+  return analysis;
+}
+
+void SegmentMemory::cutBeyondRange(std::vector<FloorSegment>& floor, const Eigen::Vector2d& camera) const {
+  for (FloorSegment& segment : floor) {
+    const double far = std::max((segment.odom.a - camera).norm(), (segment.odom.b - camera).norm());
+    if (far > params_.range_slack * params_.max_range_m) cutToRange(segment, camera, params_.max_range_m);
+  }
+}
+
+void SegmentMemory::updateExpected(const Associations& associations,
+                                   const std::vector<ImageSegment>& observed,
+                                   const std::vector<FloorSegment>& floor, const View& view) {
+  const StampUs stamp_us = view.observation.frame.stamp_us;
+  agreement_ = {};
+  for (std::size_t p = 0; p < associations.expected.size(); ++p) {
+    MemoryElement& element = elements_[associations.index_of[p]];
+    const auto& pieces = associations.seen[p];
+    // Absence is not judged while the camera turns, so matches are no evidence either.
+    const bool informative =
+        view.turn_rate <= params_.max_absence_turn_radps && isWellKnown(element, stamp_us);
+    if (pieces.empty()) {
+      const Sighting sighting = judgeUnobserved(element, associations.expected[p].predicted.px, view);
+      if (informative && sighting == Sighting::kAbsent) ++agreement_.absent;
+      if (informative && sighting == Sighting::kOccluded) ++agreement_.occluded;
+      continue;
+    }
+    if (informative) ++agreement_.matched;
+    if (isNewHere(element, stamp_us)) ++agreement_.fresh;
+    for (const FloorSegment* piece : pieces) fuse(element, *piece, view);
+    if (params_.fusion == Fusion::kCovariance) {
+      updateEndpoints(element, pieces, floor, view);
+      updateGaps(element, pieces, observed, view);
+    }
+    publish(element);
+    updateColours(element, view);
+  }
+  std::vector<bool> expected_now(elements_.size(), false);
+  for (const int i : associations.index_of) expected_now[i] = true;
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    if (!expected_now[i]) elements_[i].sighting = std::max(elements_[i].sighting, Sighting::kOutOfView);
+  }
+  std::move(split_off_.begin(), split_off_.end(), std::back_inserter(elements_));
+  split_off_.clear();
+}
+
+MemoryElement* SegmentMemory::nearest(const FloorSegment& segment, const View& view) {
+  const double distance = (segment.odom.middle() - view.camera).norm();
+  MemoryElement* best = nullptr;
+  double best_distance = params_.near_distance_m + params_.far_distance_share * distance;
+  for (const int i : cache(view.observation.T_odom_robot)) {
+    MemoryElement& element = elements_[i];
+    if (!labelsCompatible(element.value.label, segment.label)) continue;
+    const Segment2 stored = element.line.segment();
+    if (!samePolarity(stored, element.strength, segment.odom, segment.strength)) continue;
+    const Neighbourhood near = neighbourhood(stored, segment.odom);
+    if (near.angle_rad > params_.near_angle_rad || near.gap_m > params_.max_gap_m) continue;
+    if (near.distance_m > best_distance || !fitsOnFloor(element, segment, distance)) continue;
+    if (areSplit(element.line, FloorLine(segment, params_.line))) continue;
+    best_distance = near.distance_m;
+    best = &element;
+  }
+  return best;
+}
+
+void SegmentMemory::addUnmatched(const Associations& associations, const std::vector<FloorSegment>& floor,
+                                 const View& view) {
+  std::vector<FloorSegment> fresh;
+  for (const FloorSegment& segment : floor) {
+    if (!associations.used[segment.observed]) fresh.push_back(segment);
+  }
+  fresh =
+      cleanDuplicates(fresh, kDuplicateGateShare * params_.near_angle_rad,
+                      kDuplicateGateShare * params_.near_distance_m, kDuplicateGateShare * params_.max_gap_m);
+  for (const FloorSegment& segment : fresh) {
+    if (MemoryElement* element = nearest(segment, view)) {
+      fuse(*element, segment, view);
+    } else {
+      addElement(segment, view);
+      ++agreement_.fresh;
+    }
+  }
+}
+
+}  // namespace vismem

@@ -1,0 +1,249 @@
+// SegmentMemory: ends of remembered lines, and gaps that split them.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "active_visual_memory/core/ground/line_gaps.h"
+#include "active_visual_memory/core/memory/duplicates.h"
+#include "active_visual_memory/core/memory/segment_memory_view.h"
+#include "common/geometry/angles.h"
+#include "common/geometry/plane.h"
+#include "common/geometry/projection.h"
+#include "common/visual_memory/labels.h"
+
+namespace vismem {
+namespace {
+
+constexpr std::size_t kMaxGaps = 8;  // gaps of one line with votes
+// Only straight lines are split: pieces of a chord over a curve turn with it.
+constexpr double kMinSplitLength_m = 0.5;
+constexpr double kStraight_rad = 0.1;
+// Pieces further behind are associated separately.
+constexpr double kMaxSplitGap_m = 0.3;
+// An occluder at one place of a line, seen from directions that differ by this, stands there.
+constexpr double kStandsThere_rad = 0.2;
+
+// In a line a pixel or two wide, noise and blur look like gaps.
+constexpr double kThin_px = 4.0;
+constexpr double kThinGap_px = 4.0;
+// A spot on a line, or a joining line, is about as wide as lines are.
+constexpr double kMaxSpot_m = 0.15;
+
+/// The antiparallel edge of a narrow line.
+const ImageSegment* otherEdgeOf(const Segment2& px, const std::vector<ImageSegment>& observed) {
+  const auto other = std::find_if(observed.begin(), observed.end(), [&](const ImageSegment& s) {
+    return (s.px.b - s.px.a).dot(px.b - px.a) < 0.0 &&
+           lineAngleDifference(s.px.direction(), px.direction()) <= kStraight_rad &&
+           distanceToSegment(s.px.middle(), px) <= kThin_px;
+  });
+  return other != observed.end() ? &*other : nullptr;
+}
+
+double bearingDifference(const Eigen::Vector2d& at, const Eigen::Vector2d& one,
+                         const Eigen::Vector2d& other) {
+  return lineAngleDifference(std::atan2(at.y() - one.y(), at.x() - one.x()),
+                             std::atan2(at.y() - other.y(), at.x() - other.x()));
+}
+
+}  // namespace
+
+bool SegmentMemory::isFree(const Segment2& place, const MemoryElement& element, const View& view) const {
+  const Segment3 odom{{place.a.x(), place.a.y(), 0.0}, {place.b.x(), place.b.y(), 0.0}};
+  const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, odom);
+  return px && px->length() >= params_.min_visible_px && element.colours &&
+         view.evidence.classify(*px, *element.colours) == PlaceShows::kFree;
+}
+
+bool SegmentMemory::isOfAnotherKind(const Segment2& place, const MemoryElement& element,
+                                    const std::vector<FloorSegment>& floor) const {
+  const double length = place.length();
+  return std::any_of(floor.begin(), floor.end(), [&](const FloorSegment& other) {
+    if (labelsCompatible(other.label, element.value.label)) return false;
+    const Neighbourhood near = neighbourhood(place, other.odom);
+    // Most of the place, or up to the border of the image.
+    return near.angle_rad <= params_.near_angle_rad && near.distance_m <= params_.near_distance_m &&
+           -near.gap_m >= std::min(0.5 * length, 0.3);
+  });
+}
+
+void SegmentMemory::updateEndpoints(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
+                                    const std::vector<FloorSegment>& floor, const View& view) {
+  // The extent in this image, from all its pieces.
+  ExtentEnd low;
+  ExtentEnd high;
+  low.t_m = 1e9;
+  high.t_m = -1e9;
+  low.censored = high.censored = true;
+  const Eigen::Vector2d u = element.line.along();
+  for (const FloorSegment* piece : seen) {
+    const bool against = u.dot(piece->odom.b - piece->odom.a) < 0.0;
+    const FloorSegment s = against ? reversed(*piece) : *piece;
+    const double variance_a = u.dot(s.P_a * u);
+    const double variance_b = u.dot(s.P_b * u);
+    const ExtentEnd a{element.line.tOf(s.odom.a), variance_a, s.censored_a, variance_a, 1,
+                      u.transpose() * s.D_a};
+    const ExtentEnd b{element.line.tOf(s.odom.b), variance_b, s.censored_b, variance_b, 1,
+                      u.transpose() * s.D_b};
+    if (a.t_m < low.t_m) low = a;
+    if (b.t_m > high.t_m) high = b;
+  }
+  const auto review = [&](MemoryElement::ShortVotes& votes, const ExtentEnd& end, const ExtentEnd& at,
+                          bool at_b) {
+    const double inward = at_b ? end.t_m - at.t_m : at.t_m - end.t_m;
+    const double gate = std::max(params_.line.end_gate_m,
+                                 params_.line.end_gate_sigmas * std::sqrt(end.variance_m2 + at.variance_m2));
+    if (at.censored || inward <= gate) {
+      votes = {};
+      return;
+    }
+    // Free floor behind it, or an edge of another label there, distinguishes a shorter line from an occluded
+    // one.
+    const Segment2 whole = element.line.segment();
+    const Eigen::Vector2d known = at_b ? whole.b : whole.a;
+    const Eigen::Vector2d stop = known + (at.t_m - end.t_m) * u;
+    const Segment2 beyond = at_b ? Segment2{stop, known} : Segment2{known, stop};
+    if (!isFree(beyond, element, view) && !isOfAnotherKind(beyond, element, floor)) return;
+    votes.t_m = (votes.t_m * votes.count + at.t_m) / (votes.count + 1);
+    votes.variance_m2 = at.variance_m2;
+    if (++votes.count < params_.short_votes) return;
+    element.line.shorten(at_b, {votes.t_m, votes.variance_m2, false, votes.variance_m2, 1, at.d_tilt});
+    element.short_a = element.short_b = {};
+  };
+  review(element.short_a, element.line.endA(), low, false);
+  review(element.short_b, element.line.endB(), high, true);
+}
+
+void SegmentMemory::updateGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
+                               const std::vector<ImageSegment>& observed, const View& view) {
+  if (params_.gap_votes <= 0 || element.line.length() < kMinSplitLength_m) return;
+  const Eigen::Vector2d u = element.line.along();
+  std::vector<FloorSegment> pieces;
+  for (const FloorSegment* piece : seen) {
+    pieces.push_back(u.dot(piece->odom.b - piece->odom.a) < 0.0 ? reversed(*piece) : *piece);
+  }
+  std::sort(pieces.begin(), pieces.end(),
+            [&](const FloorSegment& a, const FloorSegment& b) { return u.dot(a.odom.a) < u.dot(b.odom.a); });
+  for (std::size_t i = 0; i + 1 < pieces.size(); ++i) {
+    const FloorSegment& before = pieces[i];
+    const FloorSegment& behind = pieces[i + 1];
+    if (lineAngleDifference(before.odom.direction(), behind.odom.direction()) > kStraight_rad) continue;
+    const Eigen::Vector2d from = before.odom.b;
+    const Eigen::Vector2d to = behind.odom.a;
+    // The detector breaks lines, too: the image must show no edge there, or an occluder.
+    const Segment3 between{{from.x(), from.y(), 0.0}, {to.x(), to.y(), 0.0}};
+    const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, between);
+    if (!px) continue;
+    const bool hidden = before.censored_b || behind.censored_a;
+    if (!hidden && !view.evidence.isEdgeless(*px, params_.gap_contrast_share * element.strength)) continue;
+    const bool stands = hidden && view.evidence.gap(*px, 0.0, px->length()) == GapShows::kStandsThere;
+    if (voteForGap(element, {from, to}, before, behind, hidden && !stands, view)) return;
+  }
+  // The detector also closes gaps.
+  const auto& k = view.observation.frame.intrinsics;
+  for (const FloorSegment& piece : pieces) {
+    const Segment2& px = observed[static_cast<std::size_t>(piece.observed)].px;
+    const Eigen::Vector2d along = (px.b - px.a).normalized();
+    std::vector<LineGap> gaps = findLineGaps(view.observation.frame.image, k, px);
+    std::vector<LineGap> bumps;
+    if (const ImageSegment* other = otherEdgeOf(px, observed)) {
+      std::erase_if(gaps, [](const LineGap& gap) { return gap.to_px - gap.from_px < kThinGap_px; });
+      const bool outward_left = cross2(along, other->px.middle() - px.a) > 0.0;
+      bumps = findLineBumps(view.observation.frame.image, k, px, outward_left);
+    }
+    const std::size_t of_gaps = gaps.size();
+    gaps.insert(gaps.end(), bumps.begin(), bumps.end());
+    for (std::size_t i = 0; i < gaps.size(); ++i) {
+      const LineGap& gap = gaps[i];
+      const GapShows shows = view.evidence.gap(px, gap.from_px, gap.to_px);
+      if (shows == GapShows::kOccluded) continue;
+      const auto a =
+          backProjectToGround(k, view.T_odom_camera, px.a + gap.from_px * along, params_.max_range_m);
+      const auto b =
+          backProjectToGround(k, view.T_odom_camera, px.a + gap.to_px * along, params_.max_range_m);
+      if (!a || !b) continue;
+      Segment2 place{a->head<2>(), b->head<2>()};
+      if (i >= of_gaps && place.length() > kMaxSpot_m) continue;
+      if (u.dot(place.b - place.a) < 0.0) std::swap(place.a, place.b);
+      if (voteForGap(element, place, piece, piece, false, view)) return;
+    }
+  }
+}
+
+void SegmentMemory::preventMerge(const std::vector<int>& cached) {
+  if (params_.gap_votes <= 0) return;
+  const auto isKnown = [&](const ExtentEnd& end) { return !end.censored && end.views >= params_.gap_votes; };
+  for (const int i : cached) {
+    MemoryElement& one = elements_[i];
+    if (one.sighting != Sighting::kObserved || !isKnown(one.line.endB()) || one.line.endB().split) continue;
+    const Segment2 before = one.line.segment();
+    for (const int k : cached) {
+      MemoryElement& other = elements_[k];
+      // Edges of one polarity have one direction: the next one begins behind the end of this one.
+      if (k == i || !isKnown(other.line.endA())) continue;
+      if (one.line.along().dot(other.line.along()) < std::cos(kStraight_rad)) continue;
+      const Segment2 behind = other.line.segment();
+      const double gap = one.line.along().dot(behind.a - before.b);
+      if (gap < params_.line.end_gate_m || gap > kMaxSplitGap_m) continue;
+      if (gap * gap < one.line.endB().best_m2 + other.line.endA().best_m2) continue;
+      if (distanceToLine(behind.a, before) > params_.near_distance_m) continue;
+      if (!labelsCompatible(one.value.label, other.value.label)) continue;
+      one.line.markSplit(true);
+      other.line.markSplit(false);
+    }
+  }
+}
+
+bool SegmentMemory::voteForGap(MemoryElement& element, const Segment2& place, const FloorSegment& before,
+                               const FloorSegment& behind, bool hidden, const View& view) {
+  const Eigen::Vector2d u = element.line.along();
+  const Eigen::Vector2d& from = place.a;
+  const Eigen::Vector2d& to = place.b;
+  if (u.dot(to - from) < params_.line.end_gate_m) return false;
+  const double t_from = element.line.tOf(from);
+  const double t_to = element.line.tOf(to);
+  if (t_from <= element.line.endA().t_m || t_to >= element.line.endB().t_m) return false;
+  // Each gap of a line has its own votes.
+  auto& gaps = element.gaps;
+  auto gap = std::find_if(gaps.begin(), gaps.end(), [&](const MemoryElement::GapVotes& known) {
+    return (known.from - from).norm() <= params_.gap_place_m && (known.to - to).norm() <= params_.gap_place_m;
+  });
+  if (gap == gaps.end()) {
+    if (gaps.size() >= kMaxGaps) gaps.erase(gaps.begin());
+    gap = gaps.insert(gaps.end(), MemoryElement::GapVotes{});
+    gap->camera = view.camera;
+  }
+  gap->bearing_spread_rad =
+      std::max(gap->bearing_spread_rad, bearingDifference(0.5 * (from + to), gap->camera, view.camera));
+  gap->from = (gap->from * gap->count + from) / (gap->count + 1);
+  gap->to = (gap->to * gap->count + to) / (gap->count + 1);
+  if (++gap->count < params_.gap_votes) return false;
+  if (hidden && gap->bearing_spread_rad < kStandsThere_rad) return false;
+  const auto endAt = [&](const Eigen::Vector2d& p, const Eigen::Matrix2d& P, const TiltJacobian& D) {
+    const double variance = u.dot(P * u);
+    return ExtentEnd{element.line.tOf(p), variance,          false, variance,
+                     params_.gap_votes,   u.transpose() * D, true};
+  };
+  const ExtentEnd ends = endAt(gap->from, before.P_b, before.D_b);
+  const ExtentEnd begins = endAt(gap->to, behind.P_a, behind.D_a);
+  const double left_behind = element.line.endB().t_m - begins.t_m;
+  gaps.erase(gap);
+  element.short_a = element.short_b = {};
+  MemoryElement other = element;
+  other.value.id = next_id_++;
+  other.line.shorten(false, begins);
+  other.parallax.forget(ParallaxEstimate::kEndA);
+  element.line.shorten(true, ends);
+  element.parallax.forget(ParallaxEstimate::kEndB);
+  // The smaller part may have been in line by chance (a shadow behind the end): its votes begin anew.
+  const bool other_is_less = left_behind < element.line.length();
+  MemoryElement& less = other_is_less ? other : element;
+  const FloorSegment& piece = other_is_less ? behind : before;
+  less.votes = {};
+  vote(less, piece.label, (piece.odom.middle() - view.camera).norm());
+  publish(other);
+  if (usesMapFilter()) map_filter_.copyLine(other.value.id, element.value.id);
+  split_off_.push_back(std::move(other));
+  return true;
+}
+
+}  // namespace vismem

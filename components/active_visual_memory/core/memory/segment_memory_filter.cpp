@@ -1,0 +1,91 @@
+// SegmentMemory for legged robots: EKF-SLAM update of odometry drift, camera tilt and line landmarks; slips.
+#include <algorithm>
+#include <cmath>
+
+#include "active_visual_memory/core/memory/segment_memory_view.h"
+
+namespace vismem {
+
+MapFilter::Params SegmentMemory::mapFilterParams() const {
+  MapFilter::Params params = params_.map_filter;
+  params.drift = params_.alignment;
+  params.together_rad = params_.dominant_direction.together_rad;
+  return params;
+}
+
+std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& associations, const View& view,
+                                                         MapFilter* filter) const {
+  std::vector<LineResidual> residuals;
+  const TiltView view_tilt(view.T_odom_camera, view.observation.T_odom_robot.theta);
+  for (std::size_t p = 0; p < associations.seen.size(); ++p) {
+    const MemoryElement& element = elements_[associations.index_of[p]];
+    if (!map_filter_.contains(element.value.id)) continue;
+    const double moved = (view.camera - element.anchor_camera).norm();
+    const double inflation =
+        element.on_floor || moved < params_.parallax.min_step_m ? 1.0 : params_.unconfirmed_inflation;
+    const double noise = std::pow(params_.correlation_inflation * inflation, 2);
+    for (const FloorSegment* piece : associations.seen[p]) {
+      const double distance = (piece->odom.middle() - view.camera).norm();
+      addLineResiduals(element.value.id, element.line, *piece, view_tilt,
+                       params_.slack_m + params_.slack_share * distance, noise, params_.end_inflation,
+                       params_.max_end_shift_m, residuals);
+    }
+  }
+  const auto direction = params_.use_dominant_direction ? dominantDirection() : std::nullopt;
+  std::vector<LineDirection> directions;
+  for (const MemoryElement& element : elements_) {
+    if (!direction || isTentative(element) || element.stands || !element.not_vertical) continue;
+    if (element.line.length() < params_.dominant_direction.least_m) continue;
+    directions.push_back({element.value.id, element.line.direction()});
+  }
+  const Eigen::Vector2d robot = view.observation.T_odom_robot.position();
+  return filter ? filter->update(robot, residuals, direction, directions, mapFilterParams())
+                : map_filter_.preview(robot, residuals, direction, directions, mapFilterParams());
+}
+
+void SegmentMemory::correctSlip(const View& view, const std::vector<FloorSegment>& floor) {
+  if (!map_filter_.dominantDirection()) return;
+  const TiltView view_tilt(view.T_odom_camera, view.observation.T_odom_robot.theta);
+  const auto deviation =
+      directionDeviation(floor, view_tilt, params_.dominant_direction, *map_filter_.dominantDirection(),
+                         params_.tilt_prior.per_frame_rad);
+  if (!deviation) return;
+  const StampUs stamp_us = view.observation.frame.stamp_us;
+  const auto slip = slips_.add(stamp_us, deviation->turn_rad, deviation->variance, params_.slip);
+  if (!slip) return;
+  // Elements first seen after the slip were placed with its heading.
+  std::erase_if(elements_, [&](const MemoryElement& e) { return e.value.first_seen_us >= slip->since_us; });
+  removeStaleLines();
+  transformAll(
+      map_filter_.applySlip(view.observation.T_odom_robot.position(), slip->turn_rad, slip->sigma_rad));
+  publishAll();
+}
+
+void SegmentMemory::removeStaleLines() {
+  // Elements off the floor do not measure the drift.
+  map_filter_.retainIf([&](std::uint64_t id) {
+    return std::any_of(elements_.begin(), elements_.end(),
+                       [id](const MemoryElement& e) { return e.value.id == id && !e.stands; });
+  });
+}
+
+void SegmentMemory::merge(MemoryElement& element, const MemoryElement& other) {
+  // The better known line is kept in the filter.
+  if (usesMapFilter() && other.line.offsetVariance(0.0) < element.line.offsetVariance(0.0)) {
+    map_filter_.replaceLine(other.value.id, element.value.id);
+  }
+  absorb(element, other, params_.line);
+}
+
+void SegmentMemory::applyLineCorrections() {
+  for (const LineCorrection& correction : map_filter_.lineCorrections()) {
+    for (MemoryElement& element : elements_) {
+      if (element.value.id != correction.line) continue;
+      element.line.correct(correction.reference, correction.offset_m, correction.turn_rad);
+      element.line.know(correction.reference, correction.P, correction.J);
+      break;
+    }
+  }
+}
+
+}  // namespace vismem

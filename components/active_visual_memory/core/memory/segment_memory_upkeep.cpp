@@ -1,0 +1,163 @@
+// SegmentMemory: motion, merging, life and publication of elements.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "active_visual_memory/core/memory/duplicates.h"
+#include "active_visual_memory/core/memory/segment_memory.h"
+#include "common/visual_memory/labels.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kMaxOffDirection_rad = 0.2;
+constexpr double kMapFilterReach =
+    2.0;  // factor of the merge distance in MapFilter, whose lines share their errors
+constexpr double kMinSnapped_m = 0.03;  // shorter edges are corners
+
+}  // namespace
+
+void SegmentMemory::transformAll(const PlanarIncrement& motion) {
+  if (motion.turn_rad == 0.0 && motion.shift.isZero()) return;
+  for (MemoryElement& element : elements_) {
+    element.line.transform(motion);
+    element.anchor_line.transform(motion);
+    element.anchor_camera = motion.apply(element.anchor_camera);
+    for (MemoryElement::GapVotes& gap : element.gaps) {
+      gap.from = motion.apply(gap.from);
+      gap.to = motion.apply(gap.to);
+      gap.camera = motion.apply(gap.camera);
+    }
+  }
+}
+
+std::optional<double> SegmentMemory::dominantDirection() const {
+  DominantDirection place(params_.dominant_direction);
+  for (const MemoryElement& element : elements_) {
+    if (!isTentative(element) && !element.stands && element.not_vertical) {
+      place.add(element.line.direction(), element.line.length());
+    }
+  }
+  return place.direction();
+}
+
+void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
+  std::vector<std::uint64_t> absorbed;
+  for (const SideCompletion& side : sides) {
+    MemoryElement* whole = nullptr;
+    for (MemoryElement& element : elements_) {
+      if (!std::binary_search(side.segments.begin(), side.segments.end(), element.value.id)) continue;
+      if (std::count(absorbed.begin(), absorbed.end(), element.value.id) > 0) continue;  // of two shapes
+      if (!whole) {
+        whole = &element;
+        continue;
+      }
+      if (!samePolarity(whole->line.segment(), whole->strength, element.line.segment(), element.strength))
+        continue;
+      merge(*whole, element);
+      absorbed.push_back(element.value.id);
+    }
+    if (whole) publish(*whole);
+  }
+  std::erase_if(elements_, [&](const MemoryElement& element) {
+    return std::count(absorbed.begin(), absorbed.end(), element.value.id) > 0;
+  });
+}
+
+void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
+  std::vector<bool> gone(elements_.size(), false);
+  for (std::size_t m = 0; m < cached.size(); ++m) {
+    for (std::size_t n = m + 1; n < cached.size(); ++n) {
+      MemoryElement& a = elements_[cached[m]];
+      const MemoryElement& b = elements_[cached[n]];
+      if (gone[cached[m]]) break;
+      if (gone[cached[n]]) continue;
+      // Only observed elements have changed.
+      if (a.sighting != Sighting::kObserved && b.sighting != Sighting::kObserved) continue;
+      if (!labelsCompatible(a.value.label, b.value.label)) continue;
+      const Segment2 sa = a.line.segment();
+      const Segment2 sb = b.line.segment();
+      if (!samePolarity(sa, a.strength, sb, b.strength)) continue;
+      const bool a_longer = a.line.length() >= b.line.length();
+      const Neighbourhood near = neighbourhood(a_longer ? sa : sb, a_longer ? sb : sa);
+      if (near.angle_rad > params_.near_angle_rad || near.gap_m > params_.max_gap_m) continue;
+      const double sigma = std::sqrt(a.line.offsetVariance(0.0) + b.line.offsetVariance(0.0));
+      // Lines of one filter share their errors, so copies may lie further apart.
+      const double reach = (usesMapFilter() ? kMapFilterReach : 1.0) * params_.near_distance_m;
+      if (near.distance_m > std::min(reach, 0.02 + 3.0 * sigma)) continue;
+      if (areSplit(a.line, b.line)) continue;
+      // Pieces that only touch end to end must have nearly one direction.
+      if (near.gap_m > 0.0 && near.angle_rad > kDuplicateGateShare * params_.near_angle_rad) continue;
+      merge(a, b);
+      gone[cached[n]] = true;
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    if (gone[i]) continue;
+    if (kept != i) elements_[kept] = std::move(elements_[i]);
+    ++kept;
+  }
+  elements_.resize(kept);
+}
+
+void SegmentMemory::countLife(StampUs stamp_us) {
+  const double dt = clock_.advance(stamp_us);
+  if (dt > 0.0) {
+    for (MemoryElement& element : elements_) {
+      // Elements new since the last tick keep their initial life. An edge seen only along the viewing ray
+      // may be vertical, and its floor place moves: out of view it decays faster.
+      const bool suspect = !element.on_floor && !element.not_vertical;
+      const bool unseen = element.sighting == Sighting::kOutOfView;
+      element.value.life = agedLife(element.value.life, element.sighting,
+                                    suspect && unseen ? params_.unverified_decay * dt : dt, params_.life);
+      element.sighting = Sighting::kAbsent;
+    }
+    std::erase_if(elements_, [&](const MemoryElement& e) { return e.value.life < params_.life.threshold; });
+  }
+  if (static_cast<int>(elements_.size()) > params_.max_elements) {
+    std::stable_sort(elements_.begin(), elements_.end(), [](const MemoryElement& a, const MemoryElement& b) {
+      return a.value.life > b.value.life;
+    });
+    elements_.resize(static_cast<std::size_t>(params_.max_elements));
+    std::sort(elements_.begin(), elements_.end(),
+              [](const MemoryElement& a, const MemoryElement& b) { return a.value.id < b.value.id; });
+  }
+}
+
+void SegmentMemory::publish(MemoryElement& element) const {
+  const bool named = params_.confirm_unlabelled || element.value.label != kUnknownLabel;
+  const double length = element.line.length();
+  const double off = dominant_direction_rad_
+                         ? offDominantDirection(element.line.direction(), *dominant_direction_rad_)
+                         : 0.0;
+  // A pixel at an end turns a line by this.
+  const double inflation = std::min(kMaxOffDirection_rad, element.pixel_m / length);
+  const bool snaps = dominant_direction_rad_ && std::abs(off) <= inflation;
+  const double least = snaps ? std::min(kMinSnapped_m, params_.min_confirmed_m) : params_.min_confirmed_m;
+  const bool large = !params_.confirm_by_parallax || length >= least;
+  vismem::publish(element, element.on_floor && named && large, cameraTiltCovariance());
+  if (!snaps) return;
+  const Eigen::Vector2d middle = 0.5 * (element.value.odom.a + element.value.odom.b).head<2>();
+  const Eigen::Vector2d half = 0.5 * length * (Eigen::Rotation2Dd(-off) * element.line.along());
+  element.value.odom.a.head<2>() = middle - half;
+  element.value.odom.b.head<2>() = middle + half;
+}
+
+void SegmentMemory::publishAll() {
+  if (params_.snap_to_dominant_direction) dominant_direction_rad_ = dominantDirection();
+  for (MemoryElement& element : elements_) publish(element);
+  if (!params_.confirm_by_parallax) return;
+  confirmBetweenCorners(elements_, params_.corners);
+  confirmContinuations(elements_, camera_height_m_, params_.corners);
+}
+
+void SegmentMemory::advanceLife(StampUs stamp_us) {
+  // An image that is not analysed is no evidence.
+  for (MemoryElement& element : elements_)
+    element.sighting = std::max(element.sighting, Sighting::kOutOfView);
+  countLife(stamp_us);
+  publishAll();
+}
+
+}  // namespace vismem

@@ -1,0 +1,217 @@
+#include "active_visual_memory/core/primitives/primitive_tracker.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/geometry/angles.h"
+#include "common/geometry/plane.h"
+
+namespace vismem {
+namespace {
+
+/// Rotates the corners of a finding into the order of the known ones.
+void alignVertices(const Primitive& known, Primitive& found) {
+  const std::size_t n = known.vertices.size();
+  if (found.vertices.size() != n || n == 0) return;
+  const auto distance = [&](std::size_t shift, bool turned) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t j = turned ? (shift + n - i) % n : (shift + i) % n;
+      sum += (known.vertices[i] - found.vertices[j]).norm();
+    }
+    return sum;
+  };
+  const bool cyclic = known.kind == PrimitiveKind::kParallelogram || known.kind == PrimitiveKind::kTriangle;
+  const bool reversible = known.kind == PrimitiveKind::kStripe;
+  std::size_t shift = 0;
+  double best = distance(0, false);
+  for (std::size_t s = 1; s < n && (cyclic || reversible); ++s) {
+    if (const double d = distance(s, false); d < best) {
+      best = d;
+      shift = s;
+    }
+  }
+  std::rotate(found.vertices.begin(), found.vertices.begin() + static_cast<std::ptrdiff_t>(shift),
+              found.vertices.end());
+  if (found.hidden_vertex >= 0) {
+    found.hidden_vertex = static_cast<int>((static_cast<std::size_t>(found.hidden_vertex) + n - shift) % n);
+  }
+}
+
+}  // namespace
+
+void PrimitiveTracker::take(Entry& entry, Primitive found, double dt_s) const {
+  Primitive& known = entry.value;
+  ++entry.findings;
+  const double weight = std::max(params_.smoothing, 1.0 / entry.findings);
+  alignVertices(known, found);
+  // An inferred corner does not move an observed one, unless its sides no longer point there: then the
+  // observation was wrong.
+  const auto hidden = static_cast<std::size_t>(std::max(0, found.hidden_vertex));
+  const bool was_seen =
+      found.hidden_vertex >= 0 && known.hidden_vertex < 0 &&
+      (found.vertices[hidden] - known.vertices[hidden]).norm() <= params_.finder.polygons.corner_gap_m;
+  for (std::size_t i = 0; i < known.vertices.size(); ++i) {
+    if (was_seen && i == hidden) continue;
+    known.vertices[i] += weight * (found.vertices[i] - known.vertices[i]);
+  }
+  known.centre += weight * (found.centre - known.centre);
+  known.length_m += weight * (found.length_m - known.length_m);
+  known.width_m += weight * (found.width_m - known.width_m);
+  known.radius_m += weight * (found.radius_m - known.radius_m);
+  const double turn = known.kind == PrimitiveKind::kArrow
+                          ? angleDifference(found.heading_rad, known.heading_rad)
+                          : 0.5 * angleDifference(2.0 * found.heading_rad, 2.0 * known.heading_rad);
+  known.heading_rad = wrapAngle(known.heading_rad + weight * turn);
+  known.quality += weight * (found.quality - known.quality);
+  // An observed corner stays known; until then the hypothesis follows the findings.
+  known.hidden_vertex = was_seen ? -1 : found.hidden_vertex;
+  known.segments = std::move(found.segments);
+  known.life = std::min(params_.max_life, known.life + params_.gain_per_s * dt_s);
+}
+
+std::vector<std::optional<Segment2>> PrimitiveTracker::placesOf(const Primitive& shape,
+                                                                std::span<const MemorySegment> segments) {
+  std::vector<std::optional<Segment2>> places(shape.segments.size());
+  for (const MemorySegment& segment : segments) {
+    const auto id = std::lower_bound(shape.segments.begin(), shape.segments.end(), segment.id);
+    if (id == shape.segments.end() || *id != segment.id) continue;
+    places[static_cast<std::size_t>(id - shape.segments.begin())] = segment.odom.floor();
+  }
+  return places;
+}
+
+/// Moves a shape by the least-squares rigid motion of its segments' lines; their extents may change.
+void PrimitiveTracker::follow(Primitive& shape, const std::vector<std::optional<Segment2>>& before,
+                              const std::vector<std::optional<Segment2>>& now) {
+  // A small prior on no motion makes the problem regular.
+  constexpr double kRest = 1e-3;
+  Eigen::Matrix3d normal = kRest * Eigen::Matrix3d::Identity();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < before.size() && i < now.size(); ++i) {
+    if (!before[i] || !now[i]) continue;
+    const Eigen::Vector2d along = (now[i]->b - now[i]->a).normalized();
+    const Eigen::Vector2d across = turned90(along);
+    for (const Eigen::Vector2d& p : {before[i]->a, before[i]->b}) {
+      const Eigen::Vector2d arm = p - shape.centre;
+      const Eigen::Vector3d row(across.x(), across.y(), across.dot(turned90(arm)));
+      normal += row * row.transpose();
+      right += across.dot(now[i]->a - p) * row;
+    }
+  }
+  const Eigen::Vector3d motion = normal.ldlt().solve(right);
+  const Eigen::Rotation2Dd turn(motion.z());
+  const Eigen::Vector2d centre = shape.centre;
+  const auto moved = [&](const Eigen::Vector2d& p) {
+    return Eigen::Vector2d(centre + motion.head<2>() + turn * (p - centre));
+  };
+  for (auto& v : shape.vertices) v = moved(v);
+  shape.centre = moved(centre);
+  shape.heading_rad = wrapAngle(shape.heading_rad + motion.z());
+}
+
+bool PrimitiveTracker::update(StampUs stamp_us, std::span<const MemorySegment> segments) {
+  if (has_last_ && stamp_us >= last_us_ && stamp_us - last_us_ < params_.interval_us) return false;
+  const double dt_s = has_last_ && stamp_us > last_us_ ? std::min(1.0, toSeconds(stamp_us - last_us_))
+                                                       : toSeconds(params_.interval_us);
+  has_last_ = true;
+  last_us_ = stamp_us;
+
+  std::vector<Primitive> found = findPrimitives(segments, params_.finder);
+  std::vector<bool> taken(found.size(), false);
+  for (Entry& entry : entries_) {
+    int best = -1;
+    double nearest = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (taken[i] || !sameShape(entry.value, found[i], params_.finder)) continue;
+      const double distance = (found[i].centre - entry.value.centre).norm();
+      if (distance < nearest) {
+        nearest = distance;
+        best = static_cast<int>(i);
+      }
+    }
+    if (best >= 0) {
+      taken[best] = true;
+      take(entry, std::move(found[best]), dt_s);
+      entry.places = placesOf(entry.value, segments);
+      entry.value.last_seen_us = stamp_us;
+      continue;
+    }
+    const auto places = placesOf(entry.value, segments);
+    const auto alive =
+        std::count_if(places.begin(), places.end(), [](const auto& p) { return p.has_value(); });
+    follow(entry.value, entry.places, places);
+    entry.places = places;
+    if (2 * alive < static_cast<std::ptrdiff_t>(entry.value.segments.size())) {
+      entry.value.life -= params_.loss_per_s * dt_s;
+    }
+  }
+  std::erase_if(entries_, [](const Entry& entry) { return entry.value.life <= 0.0; });
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (taken[i]) continue;
+    Entry entry;
+    entry.value = std::move(found[i]);
+    entry.value.id = next_id_++;
+    entry.value.life = params_.gain_per_s * dt_s;
+    entry.value.first_seen_us = entry.value.last_seen_us = stamp_us;
+    entry.findings = 1;
+    entry.places = placesOf(entry.value, segments);
+    entries_.push_back(std::move(entry));
+  }
+  return true;
+}
+
+std::vector<Primitive> PrimitiveTracker::published() const {
+  std::vector<Primitive> shapes;
+  for (const Entry& entry : entries_) {
+    if (isPublished(entry)) shapes.push_back(entry.value);
+  }
+  return shapes;
+}
+
+std::vector<VertexHypothesis> PrimitiveTracker::hypotheses() const {
+  std::vector<VertexHypothesis> corners;
+  for (const Entry& entry : entries_) {
+    if (!isPublished(entry) || entry.value.hidden_vertex < 0) continue;
+    corners.push_back(
+        {entry.value.id, entry.value.vertices[static_cast<std::size_t>(entry.value.hidden_vertex)]});
+  }
+  return corners;
+}
+
+std::vector<SideCompletion> PrimitiveTracker::completions(std::span<const MemorySegment> segments) const {
+  const PolygonParams& polygons = params_.finder.polygons;
+  std::vector<SideCompletion> completions;
+  for (const Entry& entry : entries_) {
+    const Primitive& shape = entry.value;
+    const bool outline =
+        shape.kind == PrimitiveKind::kParallelogram || shape.kind == PrimitiveKind::kTriangle;
+    if (!isPublished(entry) || !outline) continue;
+    const std::size_t n = shape.vertices.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Segment2 side{shape.vertices[i], shape.vertices[(i + 1) % n]};
+      SideCompletion completion{side, {}};
+      for (const MemorySegment& segment : segments) {
+        if (!std::binary_search(shape.segments.begin(), shape.segments.end(), segment.id)) continue;
+        const Segment2 floor = segment.odom.floor();
+        const bool along = lineAngleDifference(floor.direction(), side.direction()) <= polygons.parallel_rad;
+        const double reach = polygons.broken_offset_m + polygons.corner_gap_m;
+        if (along && distanceToLine(floor.middle(), side) <= reach) completion.segments.push_back(segment.id);
+      }
+      if (completion.segments.size() < 2) continue;
+      std::sort(completion.segments.begin(), completion.segments.end());
+      completions.push_back(std::move(completion));
+    }
+  }
+  return completions;
+}
+
+void PrimitiveTracker::clear() {
+  entries_.clear();
+  has_last_ = false;
+}
+
+}  // namespace vismem

@@ -1,0 +1,192 @@
+#include "application/app/options.h"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <iostream>
+
+namespace vismem {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Ports of our setups lie below 11100; every shifted one must still be a port.
+constexpr int kMaximumPortOffset = 50'000;
+
+fs::path requireFile(const fs::path& file, const std::string& option, const std::string& what) {
+  std::error_code error;
+  if (!fs::exists(file, error))
+    throw UsageError(option + " " + file.string() + ": no such file (" + what + ")");
+  if (!fs::is_regular_file(file, error)) {
+    throw UsageError(option + " " + file.string() + ": not a file (" + what + ")");
+  }
+  return fs::absolute(file);
+}
+
+/// A folder of the recorder's with the configurations that are needed.
+fs::path requireSession(const fs::path& session) {
+  for (const char* name : {"session.json", "cfg/active_visual_memory.cfg", "cfg/localization.cfg"}) {
+    std::error_code error;
+    if (!fs::is_regular_file(session / name, error)) {
+      throw UsageError("--session " + session.string() + ": has no " + name +
+                       " (must be a folder that the recorder made)");
+    }
+  }
+  return fs::canonical(session);
+}
+
+fs::path findBin() {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  if (error) throw UsageError("cannot find the folder of this program: " + error.message());
+  return self.parent_path();
+}
+
+/// The working directory if it is the project's, else the folder that build/PRESET/bin lies in.
+fs::path findRoot(const fs::path& bin) {
+  for (const fs::path& root : {fs::current_path(), bin / ".." / ".." / ".."}) {
+    if (fs::is_directory(root / "cfg")) return fs::canonical(root);
+  }
+  throw UsageError("no folder cfg here or three folders above " + bin.string() +
+                   ": run it from the project's root");
+}
+
+std::string timeName() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm local{};
+  localtime_r(&now, &local);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y%m%d-%H%M%S", &local);
+  return text;
+}
+
+double parseSeconds(const std::string& text) {
+  std::size_t used = 0;
+  double value = 0.0;
+  try {
+    value = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = std::string::npos;
+  }
+  if (used != text.size() || !std::isfinite(value) || value <= 0.0) {
+    throw UsageError("--seconds " + text + " (must be a number above 0)");
+  }
+  return value;
+}
+
+template <typename Integer>
+Integer parseInteger(const std::string& option, const std::string& text, Integer minimum, Integer maximum) {
+  std::size_t used = 0;
+  long long value = 0;
+  try {
+    value = std::stoll(text, &used);
+  } catch (const std::exception&) {
+    used = std::string::npos;
+  }
+  if (used != text.size() || value < static_cast<long long>(minimum) ||
+      value > static_cast<long long>(maximum)) {
+    throw UsageError(option + " " + text + " (must be a whole number " + std::to_string(minimum) + ".." +
+                     std::to_string(maximum) + ")");
+  }
+  return static_cast<Integer>(value);
+}
+
+/// A folder that can be written to; made if it is not there.
+fs::path makeOutFolder(const fs::path& out) {
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) throw UsageError("--out " + out.string() + ": cannot make this folder: " + error.message());
+  if (!fs::is_directory(out)) throw UsageError("--out " + out.string() + ": not a folder");
+  return fs::canonical(out);
+}
+
+}  // namespace
+
+std::optional<RunOptions> parseOptions(int argc, char** argv) {
+  CLI::App app{
+      "Starts the robot of a setup with its visual memory and localization, shows what they do, and ends "
+      "with\n"
+      "trajectories, figures and one line of JSON. Ctrl-C ends it in the same way.",
+      "run_application"};
+  std::string setup = "sim", seconds, seed, bag, map, world, scenario, out, port_offset, session;
+  bool record = false;
+  app.add_option(
+      "--setup", setup,
+      "sim (a simulated robot on wheels, the default), humanoid (a simulated one that walks) or replay "
+      "(a recording)");
+  app.add_option("--seconds", seconds,
+                 "length in the robot's time; without it until Ctrl-C or the recording's end");
+  app.add_option("--seed", seed, "of the start and of all chance (default 1)");
+  app.add_option("--bag", bag, "replay: the recording, a ROS 1 bag");
+  app.add_option(
+      "--session", session,
+      "replay: a folder that the recorder made; bags, map and configurations are taken from there");
+  app.add_flag("--record", record, "record everything into the folder of the results, as recording/");
+  app.add_option("--map", map, "map of the world (default when simulated: cfg/maps/WORLD.csv)");
+  app.add_option("--world", world, "simulated: the world, an SDF file (default cfg/worlds/corridor.world)");
+  app.add_option("--scenario", scenario, "simulated: what happens in the world (docs/scenarios.md)");
+  app.add_option("--out", out, "folder of the results (default out/DATE-TIME)");
+  app.add_option("--port-offset", port_offset, "added to every port, so that several runs share a machine");
+  bool no_gui = false;
+  app.add_flag("--no-gui", no_gui, "leaves out the page in the browser");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app.help();
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(std::string(error.what()) + " (see --help)");
+  }
+
+  RunOptions options;
+  if (setup == "replay") {
+    options.setup = Setup::kReplay;
+  } else if (setup != "sim" && setup != "humanoid") {
+    throw UsageError("--setup " + setup + " (must be sim, humanoid or replay)");
+  }
+  options.folder = setup;
+  options.record = record;
+  options.gui = !no_gui;
+  if (!seconds.empty()) options.seconds = parseSeconds(seconds);
+  if (!seed.empty()) options.seed = parseInteger<std::uint64_t>("--seed", seed, 0, 1'000'000'000'000);
+  if (!port_offset.empty())
+    options.port_offset = parseInteger("--port-offset", port_offset, 0, kMaximumPortOffset);
+  options.bin = findBin();
+  options.root = findRoot(options.bin);
+
+  if (options.setup == Setup::kSimulation) {
+    if (!bag.empty()) throw UsageError("--bag is for --setup replay");
+    if (!session.empty()) throw UsageError("--session is for --setup replay");
+    options.world = requireFile(world.empty() ? options.root / "cfg/worlds/corridor.world" : fs::path(world),
+                                "--world", "must be an SDF world");
+    options.route = fs::path(options.world).replace_extension(".route");
+    requireFile(options.route, "--world " + options.world.string() + " needs", "the way-points of its route");
+    if (!scenario.empty()) {
+      options.scenario = requireFile(scenario, "--scenario", "must be a scenario");
+    }
+    if (map.empty()) map = (options.root / "cfg/maps" / (options.world.stem().string() + ".csv")).string();
+  } else {
+    if (!world.empty()) throw UsageError("--world is for simulated setups");
+    if (!scenario.empty()) throw UsageError("--scenario is for simulated setups");
+    if (!session.empty()) {
+      if (!bag.empty()) throw UsageError("--session " + session + " has its own bags: --bag is not for it");
+      options.session = requireSession(session);
+      options.bag = options.session;
+      if (map.empty() && fs::exists(options.session / "map.csv"))
+        map = (options.session / "map.csv").string();
+    } else if (bag.empty()) {
+      throw UsageError("--setup replay needs --bag FILE");
+    } else {
+      options.bag = requireFile(bag, "--bag", "must be a ROS 1 bag");
+    }
+    if (map.empty()) throw UsageError("--setup replay needs --map FILE");
+  }
+  options.map = requireFile(map, "--map", "must be a map: CSV of labelled segments");
+  const fs::path palette = fs::path(options.map).replace_extension(".palette");
+  if (fs::exists(palette)) options.palette = palette;
+  options.out = makeOutFolder(out.empty() ? options.root / "out" / timeName() : fs::path(out));
+  return options;
+}
+
+}  // namespace vismem

@@ -1,0 +1,55 @@
+/// @file The run's view of its components: every part of the robot as a port, over Ice.
+#pragma once
+
+#include <Ice/Ice.h>
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "application/app/launcher.h"
+#include "common/process/log.h"
+#include "common/robot/control_ports.h"
+#include "common/robot/ports.h"
+#include "common/visual_memory/gaze.h"
+#include "common/visual_memory/memory_snapshot.h"
+#include "localization/core/pose_estimate.h"
+
+namespace vismem {
+
+/// Owns the clients and their communicator. Its ports are used by one thread each.
+class RobotLink {
+ public:
+  /// @param launcher its components must be ready.
+  RobotLink(const RunOptions& options, const Launcher& launcher);
+  ~RobotLink();
+  RobotLink(const RobotLink&) = delete;
+  RobotLink& operator=(const RobotLink&) = delete;
+
+  FrameSource& camera() { return *camera_; }
+  MobileBase& base() { return *base_; }
+  VisualMemorySource& memory() { return *memory_; }
+  GazeClient& gaze() { return *gaze_; }
+  LocalizationControl& localization() { return *localization_; }
+  SimulationControl* simulation() { return simulation_.get(); }  ///< null on a recording
+  ReplayControl* replay() { return replay_.get(); }              ///< null in a simulation
+
+  /// Waits until memory and localization have found their peers, so that nothing of a recording is missed.
+  /// @return the missing connections after the time; empty when all are connected.
+  std::string waitForPeers(std::chrono::seconds timeout, const std::function<bool()>& interrupted);
+
+ private:
+  Logger log_;
+  std::shared_ptr<Ice::Communicator> communicator_;
+  std::vector<std::string> status_proxies_;
+  std::unique_ptr<FrameSource> camera_;
+  std::unique_ptr<MobileBase> base_;
+  std::unique_ptr<VisualMemorySource> memory_;
+  std::unique_ptr<GazeClient> gaze_;
+  std::unique_ptr<LocalizationControl> localization_;
+  std::unique_ptr<SimulationControl> simulation_;
+  std::unique_ptr<ReplayControl> replay_;
+};
+
+}  // namespace vismem

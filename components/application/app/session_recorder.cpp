@@ -1,0 +1,196 @@
+#include "application/app/session_recorder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+/// Longest wait of a thread, so that stop() returns soon.
+constexpr std::chrono::milliseconds kPatience{200};
+/// Unmatched images and analyses that are kept: over a second at 30 Hz.
+constexpr std::size_t kPairing = 45;
+/// Period of the simulated operator's drive commands [us of the robot's time].
+constexpr StampUs kDrive_us = 50'000;
+
+/// A disconnected source answers at once: sleeps, so that its thread does not spin.
+template <typename Batch>
+void pauseIfEmpty(const Batch& batch, const std::stop_token& stop) {
+  if (batch.samples.empty() && !stop.stop_requested())
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+}
+
+}  // namespace
+
+SessionRecorder::SessionRecorder(const SessionPorts& ports, std::optional<SimulatedOperator> driver,
+                                 std::optional<ImageRange> judged)
+    : ports_(ports), driver_(std::move(driver)), judged_(judged) {
+  live_.last_advance = std::chrono::steady_clock::now();
+}
+
+void SessionRecorder::start() {
+  const auto run = [this](void (SessionRecorder::*follow)(const std::stop_token&)) {
+    threads_.emplace_back([this, follow](const std::stop_token& stop) { (this->*follow)(stop); });
+  };
+  run(&SessionRecorder::followOdometry);
+  run(&SessionRecorder::followCamera);
+  run(&SessionRecorder::followMemory);
+  run(&SessionRecorder::followLocalization);
+  if (ports_.simulation != nullptr) run(&SessionRecorder::followTruth);
+}
+
+void SessionRecorder::stop() {
+  if (threads_.empty()) return;
+  for (std::jthread& thread : threads_) thread.request_stop();
+  threads_.clear();
+  if (driver_) ports_.base->setVelocity(0.0, 0.0);
+}
+
+LiveState SessionRecorder::live() const {
+  const std::lock_guard lock(mutex_);
+  LiveState state = live_;
+  state.camera_hz = record_.camera.recentHz();
+  state.memory_hz = record_.iterations.recentHz();
+  if (record_.memory) state.memory_segments = record_.memory->segments.size();
+  if (!record_.estimates.empty()) {
+    state.estimate = record_.estimates.back();
+    state.last_estimate_us = state.estimate->stamp_us;
+    const auto truth = poseAt(record_.truth, state.estimate->stamp_us);
+    if (truth && state.estimate->T_world_robot) {
+      const Pose2& pose = *state.estimate->T_world_robot;
+      state.error =
+          PoseError{state.estimate->stamp_us, (pose.position() - truth->position()).norm(),
+                    std::abs(angleDifference(pose.theta, truth->theta)), state.estimate->reliability};
+    }
+  }
+  return state;
+}
+
+RunRecord SessionRecorder::takeRecord() {
+  const std::lock_guard lock(mutex_);
+  return std::move(record_);
+}
+
+void SessionRecorder::noteTimeLocked(StampUs stamp_us) {
+  if (!live_.first_us) live_.first_us = stamp_us;
+  if (stamp_us > live_.now_us || live_.now_us == 0) live_.last_advance = std::chrono::steady_clock::now();
+  live_.now_us = std::max(live_.now_us, stamp_us);
+}
+
+void SessionRecorder::followTruth(const std::stop_token& stop) {
+  StampUs last_us = -1;
+  StampUs driven_us = -kSecondUs;
+  std::uint32_t kidnaps = 0;
+  bool first = true;
+  while (!stop.stop_requested()) {
+    const auto batch = ports_.simulation->truthSince(last_us, kPatience);
+    for (const TruthSample& sample : batch.samples) {
+      const std::lock_guard lock(mutex_);
+      append(record_.truth, {sample.stamp_us, sample.T_world_robot});
+      noteTimeLocked(sample.stamp_us);
+      if (!first && sample.kidnaps != kidnaps) {
+        record_.kidnapped_us.push_back(sample.stamp_us);
+        if (driver_) driver_->lost();
+      }
+      kidnaps = sample.kidnaps;
+      first = false;
+    }
+    pauseIfEmpty(batch, stop);
+    if (batch.samples.empty()) continue;
+    const TruthSample& newest = batch.samples.back();
+    last_us = newest.stamp_us;
+    if (!driver_ || newest.stamp_us - driven_us < kDrive_us) continue;
+    driven_us = newest.stamp_us;
+    const DriveCommand command = driver_->drive(newest.T_world_robot);
+    const PortReply reply = ports_.base->setVelocity(command.v_mps, command.w_radps);
+    const std::lock_guard lock(mutex_);
+    live_.drive_failure = reply.ok() ? std::string() : reply.message;
+  }
+}
+
+void SessionRecorder::followOdometry(const std::stop_token& stop) {
+  StampUs last_us = -1;
+  while (!stop.stop_requested()) {
+    const auto batch = ports_.base->samplesSince(last_us, kPatience);
+    pauseIfEmpty(batch, stop);
+    if (batch.samples.empty()) continue;
+    last_us = batch.samples.back().stamp_us;
+    const std::lock_guard lock(mutex_);
+    for (const OdometrySample& sample : batch.samples) {
+      append(record_.odometry, {sample.stamp_us, sample.T_odom_robot});
+    }
+  }
+}
+
+void SessionRecorder::followCamera(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    const FrameResult result = ports_.camera->next(kPatience);
+    if (!result.frame) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      continue;
+    }
+    const std::lock_guard lock(mutex_);
+    record_.camera.add(result.frame->seq, result.frame->stamp_us);
+    live_.last_image_us = std::max(live_.last_image_us, result.frame->stamp_us);
+    if (ports_.simulation == nullptr) noteTimeLocked(result.frame->stamp_us);
+    images_.push_back(*result.frame);
+    if (images_.size() > kPairing) images_.pop_front();
+    pairImageLocked();
+  }
+}
+
+void SessionRecorder::followMemory(const std::stop_token& stop) {
+  std::uint64_t revision = 0;
+  while (!stop.stop_requested()) {
+    const MemoryResult result = ports_.memory->next(revision, kPatience);
+    if (!result.update.snapshot || !result.update.analysis) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      continue;
+    }
+    const MemorySnapshot& snapshot = *result.update.snapshot;
+    revision = snapshot.revision;
+    const std::lock_guard lock(mutex_);
+    record_.memory = result.update.snapshot;
+    record_.iterations.add(snapshot.revision, snapshot.stamp_us);
+    const std::uint64_t frame_seq = result.update.analysis->frame_seq;
+    if (judged_ && judged_->contains(frame_seq)) record_.analyses.push_back(result.update.analysis);
+    if (judged_ && judged_->isPast(frame_seq)) continue;
+    record_.shown_memory = result.update.snapshot;
+    waiting_analyses_.push_back(result.update.analysis);
+    if (waiting_analyses_.size() > kPairing) waiting_analyses_.pop_front();
+    pairImageLocked();
+  }
+}
+
+void SessionRecorder::pairImageLocked() {
+  for (auto analysis = waiting_analyses_.rbegin(); analysis != waiting_analyses_.rend(); ++analysis) {
+    const auto image = std::find_if(images_.rbegin(), images_.rend(),
+                                    [&](const Frame& f) { return f.stamp_us == (*analysis)->stamp_us; });
+    if (image == images_.rend()) continue;
+    record_.last_analysis = *analysis;
+    record_.last_image = *image;
+    // Analyses older than a matched one are never shown.
+    waiting_analyses_.erase(waiting_analyses_.begin(), analysis.base());
+    return;
+  }
+}
+
+void SessionRecorder::followLocalization(const std::stop_token& stop) {
+  std::uint64_t revision = 0;
+  while (!stop.stop_requested()) {
+    const std::optional<PoseEstimate> estimate = ports_.localization->next(revision, kPatience);
+    if (!estimate) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      continue;
+    }
+    revision = estimate->revision;
+    const std::lock_guard lock(mutex_);
+    if (record_.estimates.empty() || estimate->stamp_us > record_.estimates.back().stamp_us) {
+      record_.estimates.push_back(*estimate);
+    }
+  }
+}
+
+}  // namespace vismem

@@ -1,0 +1,86 @@
+/// @file Records all sources of a running robot; in a simulation it also drives the robot.
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "application/core/run_record.h"
+#include "common/robot/control_ports.h"
+#include "common/robot/ports.h"
+#include "common/routes/route_follower.h"
+#include "common/visual_memory/memory_snapshot.h"
+#include "localization/core/pose_estimate.h"
+
+namespace vismem {
+
+/// The ports of the robot. All must outlive the recorder; each is used by one of its threads only.
+struct SessionPorts {
+  FrameSource* camera = nullptr;
+  MobileBase* base = nullptr;
+  VisualMemorySource* memory = nullptr;
+  LocalizationControl* localization = nullptr;
+  SimulationControl* simulation = nullptr;  ///< null: no truth and no driver
+};
+
+/// The present state, for the status line.
+struct LiveState {
+  std::optional<StampUs> first_us;  ///< of the robot's time: the truth's, else the images'
+  StampUs now_us = 0;
+  double camera_hz = 0.0;
+  double memory_hz = 0.0;
+  std::size_t memory_segments = 0;
+  std::optional<PoseEstimate> estimate;  ///< the newest
+  std::optional<PoseError> error;        ///< of that estimate; empty without a known truth
+  std::string drive_failure;             ///< reason of the last rejected drive command; empty: accepted
+  std::chrono::steady_clock::time_point last_advance;  ///< when the robot's time last advanced
+  StampUs last_image_us = 0;                           ///< of the camera
+  StampUs last_estimate_us = 0;
+
+  double elapsed_s() const { return first_us ? toSeconds(now_us - *first_us) : 0.0; }
+};
+
+/// *Thread-safe* between start and stop.
+class SessionRecorder {
+ public:
+  /// @param driver drives the robot; empty: none.
+  /// @param judged images of a recording whose analyses are kept; pictures show none after them. Empty: keeps
+  /// none.
+  SessionRecorder(const SessionPorts& ports, std::optional<SimulatedOperator> driver,
+                  std::optional<ImageRange> judged);
+  ~SessionRecorder() { stop(); }
+
+  void start();
+  /// Stops the base and joins the threads.
+  void stop();
+  LiveState live() const;
+  /// The record; after stop() only.
+  RunRecord takeRecord();
+
+ private:
+  void followTruth(const std::stop_token& stop);
+  void followOdometry(const std::stop_token& stop);
+  void followCamera(const std::stop_token& stop);
+  void followMemory(const std::stop_token& stop);
+  void followLocalization(const std::stop_token& stop);
+  void noteTimeLocked(StampUs stamp_us);
+  void pairImageLocked();
+
+  const SessionPorts ports_;
+  std::optional<SimulatedOperator> driver_;  ///< of the truth's thread
+  const std::optional<ImageRange> judged_;
+
+  mutable std::mutex mutex_;
+  RunRecord record_;
+  LiveState live_;
+  /// The newest unmatched images and analyses: an analysis arrives some images after its image.
+  std::deque<Frame> images_;
+  std::deque<std::shared_ptr<const ImageAnalysis>> waiting_analyses_;
+
+  std::vector<std::jthread> threads_;
+};
+
+}  // namespace vismem

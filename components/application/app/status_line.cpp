@@ -1,0 +1,103 @@
+#include "application/app/status_line.h"
+
+#include <cstdio>
+#include <ostream>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+template <typename... Values>
+std::string formatted(const char* format, Values... values) {
+  char text[160];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+const char* nameOf(GazeState state) {
+  switch (state) {
+    case GazeState::kSelect:
+      return "selects";
+    case GazeState::kSaccade:
+      return "moves to";
+    case GazeState::kAnalyse:
+      return "analyses";
+    case GazeState::kTrack:
+      return "tracks";
+  }
+  return "?";
+}
+
+const char* nameOf(AttentionKind kind) {
+  switch (kind) {
+    case AttentionKind::kSegment:
+      return "segment";
+    case AttentionKind::kPrimitive:
+      return "primitive";
+    case AttentionKind::kScanning:
+      return "scanning point";
+    case AttentionKind::kHypothesis:
+      return "hypothesis";
+    case AttentionKind::kClient:
+      return "client's request";
+  }
+  return "?";
+}
+
+std::string gazeText(const GazeStatus& gaze) {
+  if (gaze.mode == GazeMode::kOff) return "gaze off";
+  std::string text = std::string("gaze ") + nameOf(gaze.state);
+  if (!gaze.target) return text;
+  text += std::string(" ") + nameOf(gaze.target->kind);
+  if (gaze.target->p_odom) {
+    text += formatted(" at %.1f %.1f", gaze.target->p_odom->x(), gaze.target->p_odom->y());
+  } else if (gaze.target->direction) {
+    text += formatted(" at pan %.0f", radToDeg(gaze.target->direction->pan_rad));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string statusText(const LiveState& live, const std::optional<GazeStatus>& gaze) {
+  std::string text = formatted("%6.1f s | camera %4.1f Hz | memory %4.1f Hz, %zu segments", live.elapsed_s(),
+                               live.camera_hz, live.memory_hz, live.memory_segments);
+  text += " | " + (gaze ? gazeText(*gaze) : std::string("no gaze"));
+  if (live.estimate && live.estimate->T_world_robot) {
+    const Pose2& pose = *live.estimate->T_world_robot;
+    text += formatted(" | pose %.2f %.2f m %.0f deg, reliability %.2f", pose.x, pose.y, radToDeg(pose.theta),
+                      live.estimate->reliability);
+  } else {
+    text += " | no pose";
+  }
+  if (live.error) {
+    text +=
+        formatted(" | error %.2f m %.1f deg", *live.error->position_m, radToDeg(*live.error->heading_rad));
+  }
+  if (!live.drive_failure.empty()) text += " | cannot drive: " + live.drive_failure;
+  return text;
+}
+
+bool StatusLine::due(std::chrono::steady_clock::time_point now) {
+  const auto pause = terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(1000);
+  if (last_ && now - *last_ < pause) return false;
+  last_ = now;
+  return true;
+}
+
+void StatusLine::show(const std::string& text) {
+  if (terminal_) {
+    out_ << "\r\033[K" << text << std::flush;
+    open_ = true;
+  } else {
+    out_ << text << std::endl;
+  }
+}
+
+void StatusLine::end() {
+  if (open_) out_ << std::endl;
+  open_ = false;
+}
+
+}  // namespace vismem

@@ -1,0 +1,34 @@
+/// @file The live status of a run: one line, rewritten in place on a terminal.
+#pragma once
+
+#include <chrono>
+#include <iosfwd>
+#include <optional>
+#include <string>
+
+#include "application/app/session_recorder.h"
+#include "common/visual_memory/gaze.h"
+
+namespace vismem {
+
+/// "  12.3 s | camera 30.0 Hz | memory 15.0 Hz 42 segments | gaze track segment 17 at 1.20 0.40 | ...".
+std::string statusText(const LiveState& live, const std::optional<GazeStatus>& gaze);
+
+/// Shows texts five times a second on a terminal, elsewhere one line a second. *Single-threaded.*
+class StatusLine {
+ public:
+  StatusLine(std::ostream& out, bool terminal) : out_(out), terminal_(terminal) {}
+  /// @return whether it is time for the next text.
+  bool due(std::chrono::steady_clock::time_point now);
+  void show(const std::string& text);
+  /// Ends the rewritten line, before other output.
+  void end();
+
+ private:
+  std::ostream& out_;
+  bool terminal_;
+  bool open_ = false;
+  std::optional<std::chrono::steady_clock::time_point> last_;
+};
+
+}  // namespace vismem

@@ -1,0 +1,182 @@
+#include "common/recording/bag_advice.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <utility>
+
+namespace vismem {
+namespace {
+
+struct RoleName {
+  const char* name;
+  std::string RobotLogOptions::*option;
+};
+constexpr RoleName kRoles[] = {
+    {"image", &RobotLogOptions::image_topic},       {"camera_info", &RobotLogOptions::camera_info_topic},
+    {"odometry", &RobotLogOptions::odometry_topic}, {"joints", &RobotLogOptions::joint_topic},
+    {"robot", &RobotLogOptions::robot_frame},       {"camera", &RobotLogOptions::camera_frame},
+    {"odom", &RobotLogOptions::odom_frame},         {"pan", &RobotLogOptions::pan_joint},
+    {"tilt", &RobotLogOptions::tilt_joint}};
+
+std::string join(const std::vector<std::string>& items) {
+  std::string text;
+  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+  return text.empty() ? "none" : text;
+}
+
+/// Topics of these types, the one with most messages first.
+std::vector<std::string> topicsOf(const BagFile& bag, const std::set<std::string>& types) {
+  std::vector<BagTopic> fitting;
+  for (const BagTopic& topic : bag.topics()) {
+    if (types.contains(topic.type) && topic.messages > 0) fitting.push_back(topic);
+  }
+  std::stable_sort(fitting.begin(), fitting.end(),
+                   [](const BagTopic& a, const BagTopic& b) { return a.messages > b.messages; });
+  std::vector<std::string> names;
+  for (const BagTopic& topic : fitting) names.push_back(topic.name);
+  return names;
+}
+
+/// Names the topic that plays a role, where the bag has several and the user has said nothing.
+void choose(BagAdvice& advice, BagRole role, std::string RobotLogOptions::*option) {
+  std::string& named = advice.options.*option;
+  const bool known =
+      std::find(role.candidates.begin(), role.candidates.end(), named) != role.candidates.end();
+  if (!named.empty() && !known) {
+    role.needed = "the bag has no topic " + named + " of that type: name one of " + join(role.candidates);
+  } else if (!role.candidates.empty()) {
+    role.topic = named.empty() ? role.candidates.front() : named;
+    if (role.candidates.size() > 1 || !named.empty()) {
+      advice.options.*option = role.topic;
+      advice.arguments.push_back("--" + role.key + "=" + role.topic);
+    }
+    role.needed.clear();
+  }
+  advice.roles.push_back(std::move(role));
+}
+
+void chooseImages(BagAdvice& advice, const BagFile& bag) {
+  auto images = topicsOf(bag, {kRawImageType, kCompressedImageType});
+  // The compressed twin of a raw topic holds the same pictures.
+  std::erase_if(images, [&](const std::string& name) {
+    return name.ends_with("/compressed") &&
+           std::find(images.begin(), images.end(), name.substr(0, name.size() - 11)) != images.end() &&
+           advice.options.image_topic != name;
+  });
+  choose(advice,
+         {"images", "", std::move(images), "ReplayServer.Topics.Image",
+          "a topic of type sensor_msgs/Image or sensor_msgs/CompressedImage"},
+         &RobotLogOptions::image_topic);
+}
+
+void chooseCalibration(BagAdvice& advice, const BagFile& bag) {
+  BagRole role{"calibration", "", topicsOf(bag, {kCameraInfoType}), "ReplayServer.Topics.CameraInfo",
+               "a topic of type sensor_msgs/CameraInfo, or the camera's horizontal field of view in the key "
+               "ReplayServer.Camera.FieldOfView_deg"};
+  // The one beside the images is found by itself.
+  std::string beside = advice.roles.front().topic;
+  if (beside.ends_with("/compressed")) beside.resize(beside.size() - 11);
+  beside = beside.substr(0, beside.rfind('/') + 1) + "camera_info";
+  const auto found = std::find(role.candidates.begin(), role.candidates.end(), beside);
+  if (advice.options.camera_info_topic.empty() && found != role.candidates.end()) {
+    role.topic = beside;
+    role.needed.clear();
+    advice.roles.push_back(std::move(role));
+    return;
+  }
+  if (role.candidates.empty() && advice.options.fov_rad > 0.0) {
+    role.topic = "(field of view)";
+    role.needed.clear();
+    advice.roles.push_back(std::move(role));
+    return;
+  }
+  choose(advice, std::move(role), &RobotLogOptions::camera_info_topic);
+}
+
+}  // namespace
+
+BagAdvice adviseOn(const std::vector<std::string>& files, const RobotLogOptions& wanted) {
+  BagAdvice advice;
+  advice.options = wanted;
+  std::vector<std::string> bags;
+  for (const std::string& file : files) {
+    const auto some = bagsOf(file);
+    bags.insert(bags.end(), some.begin(), some.end());
+  }
+  BagFile bag(bags);
+  chooseImages(advice, bag);
+  chooseCalibration(advice, bag);
+  auto odometry = topicsOf(bag, {kOdometryType});
+  const auto transforms = topicsOf(bag, {kTransformType, kOldTransformType});
+  if (odometry.empty() && !transforms.empty() && wanted.odometry_topic.empty()) {
+    advice.roles.push_back({"odometry", transforms.front(), transforms, "ReplayServer.Frames.Odom", ""});
+  } else {
+    choose(advice,
+           {"odometry", "", std::move(odometry), "ReplayServer.Topics.Odometry",
+            "a topic of type nav_msgs/Odometry, or transforms from odom to the robot (key "
+            "ReplayServer.Frames.Odom)"},
+           &RobotLogOptions::odometry_topic);
+  }
+  std::string pose_needed =
+      "transforms that join the robot's frame and the images' (keys ReplayServer.Frames.Robot and .Camera), "
+      "or joints "
+      "called head_yaw and head_pitch or pan and tilt (keys ReplayServer.Joints.Pan and .Tilt), or "
+      "ReplayServer.Camera.Fixed=yes for a camera that does not turn";
+  auto joints = topicsOf(bag, {kJointStateType});
+  BagRole pose{"camera pose", transforms.empty() ? "" : transforms.front(), transforms,
+               "ReplayServer.Frames.Camera", transforms.empty() ? pose_needed : ""};
+  if (joints.size() > 1 || !wanted.joint_topic.empty()) {
+    choose(advice, {"joints", "", joints, "ReplayServer.Topics.Joints", ""}, &RobotLogOptions::joint_topic);
+  } else if (!joints.empty()) {
+    advice.roles.push_back({"joints", joints.front(), joints, "ReplayServer.Topics.Joints", ""});
+  }
+  if (transforms.empty() && !joints.empty()) {
+    pose.topic = joints.front();
+    pose.needed.clear();
+  }
+  if (wanted.fixed_camera) {
+    pose.topic = "(fixed)";
+    pose.needed.clear();
+  }
+  advice.roles.push_back(std::move(pose));
+  for (const BagRole& role : advice.roles) {
+    if (!role.needed.empty()) {
+      advice.problem = role.name + ": needed: " + role.needed;
+      return advice;
+    }
+  }
+  try {
+    const RobotLog log = RobotLog::open(files, advice.options);
+    advice.playable = true;
+    // Transforms of other parts do not place the camera.
+    if (!log.knowsCameraPose() && !log.joints().empty()) advice.roles.back().topic = log.topics().joints;
+  } catch (const RecordingError& error) {
+    advice.problem = error.what();
+    if (advice.problem.find("camera's pose is unknown") != std::string::npos) {
+      advice.roles.back().topic.clear();
+      advice.roles.back().needed = pose_needed;
+    }
+  }
+  return advice;
+}
+
+std::string applyTopics(const std::string& text, RobotLogOptions& options) {
+  std::istringstream items(text);
+  for (std::string item; std::getline(items, item, ',');) {
+    const auto equals = item.find('=');
+    const std::string role = item.substr(0, equals);
+    const auto known =
+        std::find_if(std::begin(kRoles), std::end(kRoles), [&](const RoleName& r) { return role == r.name; });
+    if (equals == std::string::npos || equals + 1 == item.size() || known == std::end(kRoles)) {
+      std::vector<std::string> names;
+      for (const RoleName& r : kRoles) names.emplace_back(r.name);
+      return "\"" + item + "\" (must be ROLE=/topic with a role of " + join(names) + ")";
+    }
+    options.*(known->option) = item.substr(equals + 1);
+  }
+  return {};
+}
+
+}  // namespace vismem

@@ -1,0 +1,88 @@
+#include "common/segment_map/map_check.h"
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+#include "common/config/config_error.h"
+#include "common/config/nearest_name.h"
+
+namespace vismem {
+namespace {
+
+std::string joined(const std::set<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+std::string at(const std::string& file, const MapSegment& segment) {
+  return segment.line == 0 ? file + ": " : file + ":" + std::to_string(segment.line) + ": ";
+}
+
+/// The same for a row and for the row with its ends exchanged.
+auto rowKey(const MapSegment& segment) {
+  std::array<double, 3> a{segment.world.a.x(), segment.world.a.y(), segment.world.a.z()};
+  std::array<double, 3> b{segment.world.b.x(), segment.world.b.y(), segment.world.b.z()};
+  if (b < a) std::swap(a, b);
+  return std::tuple(a, b, segment.label, segment.width_m);
+}
+
+/// The label of what a camera sees of a row.
+Label seenLabel(const MapSegment& segment, const PaletteLabels& labels) {
+  if (segment.width_m <= 0.0) return segment.label;
+  const auto stripe = labels.stripes.find(segment.label);
+  return stripe == labels.stripes.end() ? segment.label : stripe->second;
+}
+
+void warnOfRepeatedRows(const SegmentMap& map, const std::string& name, std::vector<std::string>& warnings) {
+  std::map<decltype(rowKey(map.segments.front())), const MapSegment*> rows;
+  for (const MapSegment& segment : map.segments) {
+    const auto [first, is_new] = rows.try_emplace(rowKey(segment), &segment);
+    if (is_new) continue;
+    warnings.push_back(at(name, segment) + "the segment of line " + std::to_string(first->second->line) +
+                       " again (it counts twice)");
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> checkMap(const SegmentMap& map, const std::string& map_name,
+                                  const PaletteLabels& labels, const std::string& palette_name) {
+  std::vector<std::string> warnings;
+  std::set<std::string> known(labels.edges.begin(), labels.edges.end());
+  for (const auto& [name, edge] : labels.stripes) known.insert(name);
+  std::set<Label> of_map;
+  std::set<Label> reported;
+  std::size_t usable = 0;
+  for (const MapSegment& segment : map.segments) {
+    const Label label = seenLabel(segment, labels);
+    of_map.insert(label);
+    if (label == kAnyLabel || labels.edges.contains(label)) {
+      ++usable;
+    } else if (reported.insert(segment.label).second) {
+      warnings.push_back(at(map_name, segment) + "label \"" + segment.label + "\" is named by no pair of " +
+                         palette_name + suggestion(segment.label, known) +
+                         ": its segments are never observed");
+    }
+  }
+  if (usable == 0) {
+    throw ConfigError({map_name + ": no label of the map is named by a pair of " + palette_name +
+                       " (map: " + joined({of_map.begin(), of_map.end()}) +
+                       "; palette: " + joined({labels.edges.begin(), labels.edges.end()}) + ")"});
+  }
+  for (const Label& label : labels.edges) {
+    if (of_map.contains(label) || of_map.contains(kAnyLabel)) continue;
+    warnings.push_back(palette_name + ": label \"" + label + "\" stands in no row of " + map_name +
+                       suggestion(label, {of_map.begin(), of_map.end()}) +
+                       ": its observations match nothing");
+  }
+  warnOfRepeatedRows(map, map_name, warnings);
+  if (map.ends_inside_row && !map.segments.empty() && map.segments.back().line > 0) {
+    warnings.push_back(at(map_name, map.segments.back()) +
+                       "the file ends without a line break: this row may be cut off");
+  }
+  return warnings;
+}
+
+}  // namespace vismem

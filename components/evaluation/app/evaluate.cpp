@@ -1,0 +1,96 @@
+/// @file evaluate: a recording, or a simulated drive, through memory and localization in lock-step.
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/tool/command_line_tool.h"
+#include "evaluation/app/evaluation.h"
+
+namespace {
+
+struct Arguments {
+  std::vector<double> start;
+  double seconds = 0.0;
+  std::vector<std::uint64_t> judge;
+};
+
+void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& arguments) {
+  auto* bag =
+      app.add_option("--bag", options.bag, "a recording: ROS 1 bag, or a folder with the parts of one");
+  auto* world = app.add_option("--world", options.world, "or a world to simulate: SDF");
+  bag->excludes(world);
+  app.add_option("--map", options.map, "map of the world: CSV")->required();
+  app.add_option("--out", options.out, "folder for all that is written")->required();
+  app.add_option("--palette", options.palette, "colours (default: beside the map, else the configuration's)");
+  app.add_option("--config", options.config,
+                 "keys ActiveVisualMemory.* and Localization.* (default: the components' files in cfg/replay "
+                 "or cfg/sim)");
+  app.add_option("--mode", options.mode, "default or chapter, for both components (default: as configured)")
+      ->check(CLI::IsMember({"default", "chapter"}));
+  app.add_option("--seed", options.seed, "of all that is random");
+  app.add_option("--start", arguments.start, "known start x,y,theta [m, m, rad]; without it, unknown")
+      ->delimiter(',')
+      ->expected(3);
+  app.add_option("--seconds", arguments.seconds,
+                 "of the robot's time (default: a recording whole, a world 60)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--truth", options.truth, "true poses of a recording: t_s,x_m,y_m,theta_rad")->needs(bag);
+  app.add_option(
+         "--topics", options.topics,
+         "of a recording with several cameras or names of its own: ROLE=/topic,..., as bag_info advises")
+      ->needs(bag);
+  app.add_option("--judge", arguments.judge,
+                 "images FIRST,LAST of a recording for map_projection_px (default: all)")
+      ->delimiter(',')
+      ->expected(2)
+      ->needs(bag);
+  app.add_option("--record", options.record,
+                 "of a world: record the robot into this folder, for --bag FOLDER")
+      ->needs(world);
+  app.add_option("--route", options.route, "way-points (default: beside the world, .route)")->needs(world);
+  app.add_option("--setup", options.setup, "robot and configuration of a world: cfg/SETUP (sim, humanoid)")
+      ->needs(world);
+  app.add_option("--scenario", options.scenario, "what happens in a world: docs/scenarios.md")->needs(world);
+  app.add_flag("--profile", options.profile, "add the real-time factor and CPU time by stage to the JSON");
+  app.add_option("--camera-rate", options.camera_rate_hz, "of a simulated camera [Hz]")
+      ->check(CLI::Range(0.5, 100.0))
+      ->needs(world);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Runs a recording or a simulation through visual memory and localization, as fast as possible, and "
+      "writes "
+      "trajectory.tum, odometry.tum, races.csv, memory.csv; the last line is JSON.");
+  vismem::EvaluationOptions options;
+  Arguments arguments;
+  declare(app, options, arguments);
+  if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
+  if (options.bag.empty() == options.world.empty()) {
+    std::cerr << "evaluate: expected one of --bag FILE and --world FILE\n";
+    return vismem::kExitUsage;
+  }
+  if (!arguments.start.empty()) {
+    options.start = vismem::Pose2{arguments.start[0], arguments.start[1], arguments.start[2]};
+  }
+  if (!arguments.judge.empty()) {
+    options.judge_first = arguments.judge[0];
+    options.judge_last = arguments.judge[1];
+  }
+  if (arguments.seconds > 0.0) {
+    options.seconds = arguments.seconds;
+  } else if (!options.world.empty()) {
+    options.seconds = 60.0;
+  }
+  try {
+    std::cout << vismem::evaluate(options).dump() << "\n";
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}

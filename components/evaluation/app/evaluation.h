@@ -1,0 +1,44 @@
+/// @file One evaluation: a recording or a simulated drive through memory and localization in lock-step, with
+/// its files and figures of merit.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "common/geometry/pose.h"
+
+namespace vismem {
+
+struct EvaluationOptions {
+  std::filesystem::path bag;  ///< exactly one of bag and world is set
+  std::filesystem::path world;
+  std::filesystem::path map;
+  std::filesystem::path out;
+  std::filesystem::path palette;  ///< empty: beside the map, else the configuration's
+  std::filesystem::path config;   ///< of both components; empty: their files in cfg/replay or cfg/sim
+  std::filesystem::path truth;    ///< of a bag: t_s,x_m,y_m,theta_rad; empty: the bag's own where it has one
+  std::string topics;             ///< of a bag: ROLE=/topic,...; empty: found by type
+  std::filesystem::path record;   ///< of a world: a folder for a recording; empty: none
+  std::string setup = "sim";      ///< of a world: cfg/SETUP holds the robot and the components: sim, humanoid
+  std::filesystem::path scenario;  ///< of a world: its events; empty: only the drive along the route
+  bool profile = false;            ///< real-time factor and CPU time by stage in the summary
+  std::filesystem::path route;     ///< of a world: empty: beside it, with the ending .route, if there is one
+  std::string mode;  ///< "default" or "chapter", for both components; empty: as each is configured
+  std::uint64_t seed = 1;
+  std::optional<Pose2> start;  ///< known start in world; empty: unknown to localization
+  std::optional<double> seconds;
+  double camera_rate_hz = 10.0;  ///< of a world
+  /// Images of a bag, counted from 0, into which the map is projected for map_projection_px.
+  std::uint64_t judge_first = 0;
+  std::uint64_t judge_last = UINT64_MAX;
+};
+
+/// Runs the evaluation and writes all files into options.out.
+/// @return the summary.
+/// @throws ConfigError, RecordingError, std::runtime_error naming the wrong input.
+nlohmann::json evaluate(const EvaluationOptions& options);
+
+}  // namespace vismem

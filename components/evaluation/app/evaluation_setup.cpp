@@ -1,0 +1,238 @@
+#include "evaluation/app/evaluation_setup.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <initializer_list>
+#include <iostream>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "active_visual_memory/app/config.h"
+#include "common/config/config_error.h"
+#include "common/config/config_reader.h"
+#include "common/config/properties.h"
+#include "common/routes/route_follower.h"
+#include "localization/app/config.h"
+#include "simulator/app/simulator_config.h"
+
+namespace vismem {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string readText(const fs::path& file) {
+  std::ifstream stream(file);
+  if (!stream) throw ConfigError({file.string() + ": cannot be read"});
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+/// The configuration of a component: options.config, else its file in the setup.
+fs::path configFile(const EvaluationOptions& options, const std::string& component) {
+  if (!options.config.empty()) return options.config;
+  // A session has its own.
+  const fs::path own = options.bag / "cfg" / (component + ".cfg");
+  if (!options.bag.empty() && fs::exists(own)) return own;
+  return projectFile("cfg/" + (options.bag.empty() ? options.setup : "replay") + "/" + component + ".cfg");
+}
+
+/// Prints the warnings about renamed keys.
+/// @throws ConfigError with every problem.
+void finish(const ConfigReader& config) {
+  config.finish();
+  for (const auto& renamed : config.renamedKeys()) std::cerr << renamed.text() << "\n";
+}
+
+void knowKeys(ConfigReader& reader, std::initializer_list<const char*> names) {
+  for (const char* name : names) reader.known(name);
+}
+
+ActiveVisualMemoryConfig readMemory(const EvaluationOptions& options, bool has_pan_tilt) {
+  Properties properties = Properties::load(configFile(options, "active_visual_memory"));
+  // The component's peers are in this process; all its other keys apply.
+  properties.set("ActiveVisualMemory.Camera.Proxy", "here");
+  properties.set("ActiveVisualMemory.Odometry.Proxy", "here");
+  properties.set("ActiveVisualMemory.PanTilt.Proxy", has_pan_tilt ? "here" : "");
+  if (!options.mode.empty()) properties.set("ActiveVisualMemory.Mode", options.mode);
+  ConfigReader config(properties);
+  config.known("Localization.*");
+  ConfigReader reader = config.group("ActiveVisualMemory");
+  config.known("Robot.*");
+  knowKeys(reader, {"Endpoints", "WebEndpoints", "LogLevel", "EndWithParent"});
+  ActiveVisualMemoryConfig component = readActiveVisualMemoryConfig(reader);
+  finish(config);
+  return component;
+}
+
+struct LocalizationSettings {
+  LocalizerParams localizer;
+  GazePlannerParams gaze;
+};
+
+LocalizationSettings readLocalization(const EvaluationOptions& options) {
+  Properties properties = Properties::load(configFile(options, "localization"));
+  if (!options.mode.empty()) properties.set("Localization.Mode", options.mode);
+  ConfigReader config(properties);
+  config.known("ActiveVisualMemory.*");
+  ConfigReader reader = config.group("Localization");
+  // The evaluation sets map, palette, seed and start; experiments decide about gaze requests.
+  config.known("Robot.*");
+  knowKeys(reader, {"Endpoints", "WebEndpoints", "LogLevel", "EndWithParent", "VisualMemory.Proxy", "Map",
+                    "Palette", "Seed", "Start.*", "Pose3D.*", "Gaze.Proxy"});
+  const LocalizationSettings settings{readLocalizerParams(reader), readGazePlannerParams(reader)};
+  finish(config);
+  return settings;
+}
+
+/// The palette of the options, else the one beside the map, else the configuration's.
+fs::path paletteFile(const EvaluationOptions& options, const fs::path& configured) {
+  if (!options.palette.empty()) return options.palette;
+  fs::path beside = options.map;
+  beside.replace_extension(".palette");
+  return fs::exists(beside) ? beside : configured;
+}
+
+}  // namespace
+
+fs::path projectFile(const fs::path& relative) {
+  if (fs::exists(relative)) return relative;
+  std::error_code failed;
+  const fs::path program = fs::read_symlink("/proc/self/exe", failed);
+  for (fs::path folder = program.parent_path(); !failed && folder.has_relative_path();
+       folder = folder.parent_path()) {
+    if (fs::exists(folder / relative)) return folder / relative;
+  }
+  return relative;
+}
+
+EvaluationOptions inProjectWorld(const std::string& world, const std::string& setup, std::uint64_t seed,
+                                 double camera_rate_hz) {
+  EvaluationOptions evaluation;
+  evaluation.world = projectFile("cfg/worlds/" + world + ".world");
+  evaluation.map = projectFile("cfg/maps/" + world + ".csv");
+  evaluation.setup = setup;
+  evaluation.seed = seed;
+  evaluation.camera_rate_hz = camera_rate_hz;
+  return evaluation;
+}
+
+void copyConfiguration(const EvaluationOptions& options) {
+  std::error_code error;
+  fs::create_directories(options.record / "cfg", error);
+  for (const char* component : {"active_visual_memory", "localization"}) {
+    const fs::path file = configFile(options, component);
+    fs::copy_file(file, options.record / "cfg" / (std::string(component) + ".cfg"), error);
+    if (error)
+      throw ConfigError(
+          {file.string() + ": cannot be copied to " + options.record.string() + ": " + error.message()});
+  }
+}
+
+EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt) {
+  const ActiveVisualMemoryConfig component = readMemory(options, has_pan_tilt);
+  EvaluationParams params;
+  params.pipeline = component.pipeline;
+  params.pipeline.memory.attention.seed = options.seed;
+  params.assembler = component.assembler;
+  const LocalizationSettings localization = readLocalization(options);
+  params.localizer = localization.localizer;
+  params.gaze = localization.gaze;
+  params.palette_file = paletteFile(options, component.palette);
+  if (params.palette_file.empty()) {
+    throw ConfigError(
+        {options.map.string() +
+         ": no palette: expected --palette, a file beside the map, or ActiveVisualMemory.Palette in " +
+         configFile(options, "active_visual_memory").string()});
+  }
+  params.palette = std::make_shared<const Palette>(loadPalette(params.palette_file));
+  params.map = loadSegmentMap(options.map);
+  params.map_edges = expandStripes(params.map, params.palette->stripes());
+  return params;
+}
+
+Trajectory loadTruth(const fs::path& file) {
+  std::istringstream lines(readText(file));
+  std::vector<std::string> problems;
+  Trajectory truth;
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.empty() || line.front() == '#' || line == "t_s,x_m,y_m,theta_rad") continue;
+    std::array<double, 4> values{};
+    std::istringstream fields(line);
+    std::string field;
+    std::size_t count = 0;
+    bool good = true;
+    while (std::getline(fields, field, ',')) {
+      char* end = nullptr;
+      const double value = std::strtod(field.c_str(), &end);
+      good = good && end != field.c_str() && *end == '\0' && std::isfinite(value) && count < values.size();
+      if (count < values.size()) values[count] = value;
+      ++count;
+    }
+    const bool later = truth.empty() || toStampUs(values[0]) > truth.back().stamp_us;
+    if (!good || count != values.size() || !later) {
+      problems.push_back(file.string() + ":" + std::to_string(number) + ": \"" + line +
+                         "\" (expected t_s,x_m,y_m,theta_rad: four numbers, later than the line before)");
+      continue;
+    }
+    truth.push_back({toStampUs(values[0]), {values[1], values[2], values[3]}});
+  }
+  if (problems.empty() && truth.size() < 2) {
+    problems.push_back(file.string() + ": " + std::to_string(truth.size()) +
+                       " poses (expected at least two)");
+  }
+  if (!problems.empty()) throw ConfigError(std::move(problems));
+  return truth;
+}
+
+Route routeFromFile(const fs::path& file) {
+  return parseRoute(readText(file), file.string());
+}
+
+SimulationConfig simulationConfig(const EvaluationOptions& options) {
+  Properties properties = Properties::load(projectFile("cfg/" + options.setup + "/simulator.cfg"));
+  properties.set("Simulator.World", options.world.string());
+  ConfigReader config(properties);
+  knowKeys(config, {"Robot.*", "Simulator.Endpoints", "Simulator.WebEndpoints", "Simulator.LogLevel",
+                    "Simulator.EndWithParent"});
+  SimulatorConfig robot = readSimulatorConfig(config);
+  finish(config);
+  SimulationConfig& simulated = robot.simulation;
+  simulated.world = loadWorld(options.world, robot.model_paths).world;
+  simulated.seed = options.seed;
+  simulated.cameras.front().rate_hz = options.camera_rate_hz;
+  return std::move(robot.simulation);
+}
+
+std::unique_ptr<Simulation> makeSimulation(const EvaluationOptions& options,
+                                           const std::optional<Route>& route,
+                                           const std::optional<Pose2>& start) {
+  SimulationConfig simulated = simulationConfig(options);
+  if (start) simulated.start = *start;
+  auto simulation = std::make_unique<Simulation>(std::move(simulated));
+
+  Scenario scenario;
+  if (!options.scenario.empty()) {
+    scenario = parseScenario(readText(options.scenario), options.scenario.string());
+  }
+  const bool drives =
+      std::any_of(scenario.events.begin(), scenario.events.end(),
+                  [](const ScenarioEvent& event) { return event.kind == ScenarioEvent::Kind::kDrive; });
+  if (route && !drives) {
+    ScenarioEvent drive;
+    drive.kind = ScenarioEvent::Kind::kDrive;
+    drive.way = {route->points, route->closed, WayEnd::kBack, RouteFollowerParams{}.speed_mps};
+    scenario.events.insert(scenario.events.begin(), std::move(drive));
+  }
+  const PortReply reply = simulation->play(std::move(scenario));
+  if (!reply.ok()) throw ConfigError({reply.message});
+  return simulation;
+}
+
+}  // namespace vismem

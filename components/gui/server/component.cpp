@@ -1,0 +1,134 @@
+#include "gui/server/component.h"
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "common/config/text_fields.h"
+#include "common/process/log.h"
+#include "common/process/robot_identity.h"
+#include "common/process/status.h"
+#include "gui/server/http_endpoint.h"
+#include "gui/server/page_server.h"
+
+namespace vismem {
+namespace {
+
+/// Objects that the page may talk to: name of the key, and of the entry in /config.json.
+constexpr std::array<std::string_view, 10> kObjects{"Camera",       "PanTilt", "Base",         "Odometry",
+                                                    "VisualMemory", "Gaze",    "Localization", "Simulation",
+                                                    "Replay",       "Recorder"};
+
+/// pages/ beside the folder of the program: build/release/bin/gui_server, build/release/gui.
+std::filesystem::path defaultPages() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  return error ? std::filesystem::path("gui") : program.parent_path().parent_path() / "gui";
+}
+
+class GuiServer : public Component {
+ public:
+  explicit GuiServer(PageServer::Options options) : options_(std::move(options)) {}
+
+  void start(ComponentHost& host) override {
+    options_.on_answer = [&host](int) { host.status().count("requests"); };
+    server_ = std::make_unique<PageServer>(options_);
+    server_->bind();
+    host.log().info("pages at " + server_->address());
+    thread_ = std::jthread(host.guarded([this](const std::stop_token&) { server_->serve(); }));
+  }
+
+  void stop() override {
+    if (server_) server_->stop();
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  PageServer::Options options_;
+  std::unique_ptr<PageServer> server_;
+  std::jthread thread_;
+};
+
+/// Reads a proxy, notes its socket for the policy, and names the object as pages reach it.
+std::string readProxy(ConfigReader& config, const std::string& name, const std::string& category,
+                      std::vector<std::string>& sockets) {
+  const auto proxy = config.text(name, "");
+  if (proxy.empty()) return proxy;
+  const auto socket = webSocketSource(proxy);
+  if (!socket) {
+    config.problem(name, "must have an endpoint of protocol ws with -h and -p: a browser speaks no other");
+    return proxy;
+  }
+  sockets.push_back(*socket);
+  return faceProxy(proxy, category);
+}
+
+/// The category of the faces that this server's pages use; a problem without the token for it.
+std::string readCategory(ConfigReader& root, ConfigReader& config, bool viewer) {
+  const auto robot = readRobotKeys(root);
+  const auto category = viewer ? robot.viewTokenCategory() : robot.tokenCategory();
+  if (category.empty()) {
+    config.problem("ReadOnly", viewer ? "needs Robot.ViewToken: components answer web pages only with a token"
+                                      : "needs Robot.Token: components answer web pages only with a token");
+  }
+  return category;
+}
+
+/// What /config.json says: the objects, under the names that hold the token.
+nlohmann::json readObjects(ConfigReader& root, ConfigReader& config, std::vector<std::string>& sockets) {
+  const bool viewer = config.boolean("ReadOnly", false);
+  const auto category = readCategory(root, config, viewer);
+  nlohmann::json objects = nlohmann::json::object();
+  for (const auto name : kObjects) {
+    const auto proxy = readProxy(config, std::string(name) + ".Proxy", category, sockets);
+    if (!proxy.empty()) objects[std::string(name)] = proxy;
+  }
+  nlohmann::json components = nlohmann::json::array();
+  for (const auto& name : config.children("Components")) {
+    const auto proxy = readProxy(config, "Components." + name + ".Proxy", category, sockets);
+    if (!proxy.empty()) components.push_back({{"name", name}, {"proxy", proxy}});
+  }
+  return {{"version", VISMEM_VERSION},
+          {"robot", root.text("Robot.Name", "")},
+          {"viewer", viewer},
+          {"proxies", objects},
+          {"components", components}};
+}
+
+std::unique_ptr<Component> configure(ConfigReader& reader) {
+  ConfigReader config = reader.group("GuiServer");
+  PageServer::Options options;
+  const auto endpoint_text = config.text("Http.Endpoints", kDefaultHttpEndpoint);
+  if (const auto endpoint = parseHttpEndpoint(endpoint_text))
+    options.endpoint = *endpoint;
+  else
+    config.problem("Http.Endpoints", "must be http -h HOST -p PORT, such as http -h 127.0.0.1 -p 8770");
+  const auto hosts = config.text("Http.Hosts", "");
+  for (const auto host : words(hosts)) options.hosts.emplace_back(host);
+  options.pages = config.existingPath("Pages");
+  if (options.pages.empty()) options.pages = defaultPages();
+  auto description = readObjects(reader, config, options.sockets);
+  description["setup"] = config.text("Setup", "");
+  options.config_json = description.dump();
+  if (!config.good()) return nullptr;
+  return std::make_unique<GuiServer>(std::move(options));
+}
+
+}  // namespace
+
+ComponentSpec guiServerSpec() {
+  ComponentSpec spec;
+  spec.name = "gui_server";
+  spec.prefix = "GuiServer";
+  spec.summary = "Serves the page of the graphical user interface and says where the components are.";
+  spec.default_endpoints = "tcp -h 127.0.0.1 -p 9975";
+  spec.configure = configure;
+  return spec;
+}
+
+}  // namespace vismem

@@ -1,0 +1,89 @@
+// Numbers over time for the plots: bounded columns, 5 values a second, the last 5 minutes. No DOM.
+import {wrapAngle} from "../shared/geometry";
+import type {ComponentInfo, Moment, VideoInfo} from "../shared/state";
+import {column, rowSize} from "../shared/state";
+
+const everyMs = 200;
+const most = 1500;
+
+/** Values of one name at shared times; NaN where there is none. */
+export class Group {
+  readonly times: number[] = [];
+  readonly series = new Map<string, number[]>();
+  version = 0;
+
+  add(t: number, values: Record<string, number | undefined>): void {
+    this.times.push(t);
+    for (const name of Object.keys(values)) {
+      if (!this.series.has(name)) this.series.set(name, new Array<number>(this.times.length - 1).fill(NaN));
+    }
+    for (const [name, list] of this.series) list.push(values[name] ?? NaN);
+    if (this.times.length > most + 200) {
+      this.times.splice(0, 200);
+      for (const list of this.series.values()) list.splice(0, 200);
+    }
+    ++this.version;
+  }
+}
+
+export class Columns {
+  readonly pose = new Group();
+  readonly health = new Group();
+  readonly memory = new Group();
+  readonly rates = new Group();
+  readonly latency = new Group();
+  readonly cpu = new Group();
+  private last = 0;
+  private lastComponents = 0;
+
+  addMoment(m: Moment): void {
+    if (m.t - this.last < everyMs) return;
+    this.last = m.t;
+    const e = m.estimate, truth = m.truth;
+    const winner = e?.races.find(r => r.winner);
+    const fresh = e && m.t - e.t < 1500 && e.hasPose;
+    const known = fresh && truth;
+    this.pose.add(m.t, {
+      "error (m)": known ? Math.hypot(e.world.x - truth.pose.x, e.world.y - truth.pose.y) : undefined,
+      "heading error (deg)": known ? Math.abs(wrapAngle(e.world.theta - truth.pose.theta)) * 180 / Math.PI : undefined,
+      "sigma (m)": fresh ? Math.sqrt(Math.max(0, e.covariance[0]! + e.covariance[3]!)) : undefined,
+      "heading sigma (deg)": fresh ? Math.sqrt(Math.max(0, e.covariance[5]!)) * 180 / Math.PI : undefined,
+    });
+    this.health.add(m.t, {reliability: e?.reliability, health: winner?.health, weight: winner?.weight});
+    this.memory.add(m.t, this.counts(m));
+  }
+
+  private counts(m: Moment): Record<string, number | undefined> {
+    const memory = m.memory, a = m.analysis;
+    let confirmed = 0, life = 0;
+    if (memory) {
+      for (const c of memory.confirmed) confirmed += c;
+      for (let i = 0; i < memory.ids.length; ++i) life += memory.rows[i * rowSize + column.life]!;
+    }
+    return {
+      segments: memory?.ids.length, confirmed: memory ? confirmed : undefined, primitives: memory?.primitives.length,
+      observed: a ? a.observedLabels.length : undefined, matched: a ? a.matches.length / 2 : undefined,
+      "mean life": memory && memory.ids.length > 0 ? life / memory.ids.length : undefined,
+    };
+  }
+
+  addComponents(t: number, components: ComponentInfo[], video: VideoInfo | null): void {
+    if (t - this.lastComponents < 900) return;
+    this.lastComponents = t;
+    const rates: Record<string, number> = {}, latency: Record<string, number> = {}, cpu: Record<string, number> = {};
+    for (const c of components.filter(c => c.alive)) {
+      for (const r of c.rates) rates[`${short(c.name)} ${r.name}`] = r.hz;
+      for (const l of c.latencies) latency[`${short(c.name)} ${l.name} p95`] = l.p95;
+      const used = c.gauges.find(g => g.name === "cpu");
+      if (used) cpu[short(c.name)] = used.value;
+    }
+    if (video) rates["page video"] = video.fps;
+    this.rates.add(t, rates);
+    this.latency.add(t, latency);
+    this.cpu.add(t, cpu);
+  }
+}
+
+const shorter: Record<string, string> = {active_visual_memory: "memory", localization: "localiz.", simulator: "sim", replay_server: "replay",
+  camera_server: "camera", pantilt_server: "pan-tilt", base_server: "base", gui_server: "gui"};
+export function short(component: string): string { return shorter[component] ?? component; }

@@ -1,0 +1,130 @@
+#include "localization/core/hypotheses/explorers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+
+Pose2 uniformExplorer(const MapIndex& map, double margin_m, RandomEngine& engine) {
+  const double x = uniform(engine, map.low().x() - margin_m, map.high().x() + margin_m);
+  const double y = uniform(engine, map.low().y() - margin_m, map.high().y() + margin_m);
+  return {x, y, wrapAngle(uniform(engine, -std::numbers::pi, std::numbers::pi))};
+}
+
+double uniformShare(const MapIndex& map, double margin_m, double area_m2) {
+  const Eigen::Vector2d extent = (map.high() - map.low()).array() + 2.0 * margin_m;
+  const double map_m2 = extent.x() * extent.y();
+  return area_m2 > 0.0 && map_m2 > area_m2 ? area_m2 / map_m2 : 1.0;
+}
+
+ConstructedExplorers::ConstructedExplorers(const MapIndex& map) {
+  for (int label = 0; label < map.labelCount(); ++label) {
+    Lines all;
+    double sum = 0.0;
+    for (const Segment2& segment : map.floor(label)) all.lines.push_back({sum += segment.length(), segment});
+    const std::size_t size = all.lines.size();
+    std::size_t line = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const double least = sum * static_cast<double>(i) / static_cast<double>(size);
+      while (line + 1 < size && all.lines[line].sum <= least) ++line;
+      all.guide.push_back(static_cast<std::uint32_t>(line));
+    }
+    by_label_.push_back(std::move(all));
+  }
+}
+
+/// The first line with a larger sum.
+const ConstructedExplorers::Line& ConstructedExplorers::Lines::at(double sum) const {
+  const std::size_t last = lines.size() - 1;
+  const double share = sum / lines.back().sum;
+  std::size_t i = guide[std::min(static_cast<std::size_t>(share * static_cast<double>(lines.size())), last)];
+  while (i > 0 && lines[i - 1].sum > sum) --i;  // after rounding
+  while (i < last && lines[i].sum <= sum) ++i;
+  return lines[i];
+}
+
+std::optional<Pose2> ConstructedExplorers::propose(const FloorObservation& observation,
+                                                   RandomEngine& engine) const {
+  if (observation.segments.empty() || !(observation.segment_weight > 0.0)) return std::nullopt;
+  double left = uniform(engine, 0.0, observation.segment_weight);
+  std::size_t chosen = 0;
+  while (chosen + 1 < observation.segments.size() && left > observation.segments[chosen].weight) {
+    left -= observation.segments[chosen++].weight;
+  }
+  const ObservedSegment& seen = observation.segments[chosen];
+  const Lines& all = by_label_[static_cast<std::size_t>(seen.label)];
+  if (all.lines.empty() || !(all.lines.back().sum > 0.0)) return std::nullopt;
+  Segment2 line = all.at(uniform(engine, 0.0, all.lines.back().sum)).plan;
+  const bool turned = uniform(engine, 0.0, 1.0) < 0.5;
+  const bool by_end = uniform(engine, 0.0, 1.0) < 0.5;
+  if (turned) std::swap(line.a, line.b);
+  const double heading = wrapAngle(line.direction() - seen.robot.direction());
+  // Fractions of the observed and the map segment that coincide.
+  double fraction_seen = uniform(engine, 0.0, 1.0);
+  double fraction_map = uniform(engine, 0.0, 1.0);
+  if (by_end) fraction_seen = fraction_map = fraction_map < 0.5 ? 0.0 : 1.0;
+  const Eigen::Vector2d p_robot = seen.robot.a + fraction_seen * (seen.robot.b - seen.robot.a);
+  const Eigen::Vector2d p_world = line.a + fraction_map * (line.b - line.a);
+  const Eigen::Vector2d arm = transform(Pose2{0.0, 0.0, heading}, p_robot);
+  return Pose2{p_world.x() - arm.x(), p_world.y() - arm.y(), heading};
+}
+
+int kldBound(int places, double error) {
+  if (places < 2) return 1;
+  constexpr double kQuantile = 2.326;  // of the normal distribution, 99 %
+  const double k = places - 1;
+  const double a = 2.0 / (9.0 * k);
+  return static_cast<int>(std::ceil(k / (2.0 * error) * std::pow(1.0 - a + std::sqrt(a) * kQuantile, 3)));
+}
+
+int explorerCount(const ExplorerParams& params, double reliability, std::uint64_t iteration) {
+  const bool is_reliable = reliability >= params.reliable_above;
+  const auto period = static_cast<std::uint64_t>(std::max(1, params.period_reliable));
+  if (is_reliable && iteration % period != 0) return 0;
+  return is_reliable ? params.count_reliable : params.count_lost;
+}
+
+CandidateBound::CandidateBound(int count, double list_health, const RaceParams& races)
+    : count_(static_cast<std::size_t>(std::max(0, count))), least_(list_health), apart_(races) {
+  apart_.same_place_m *= 2.0;
+  apart_.same_place_rad *= 2.0;
+}
+
+// Keeps `count` explorers so far apart that each of bestPlaces is near one of them at most: the worst of them
+// bounds the health of bestPlaces from below.
+void CandidateBound::add(const Individual& explorer) {
+  if (explorer.health < least_ || count_ == 0) return;
+  const auto isNear = [&](const Individual& other) {
+    return samePlace(explorer.T_world_robot, other.T_world_robot, apart_);
+  };
+  const auto near = std::find_if(best_.begin(), best_.end(), isNear);
+  if (near == best_.end()) {
+    best_.push_back(explorer);
+  } else if (explorer.health > near->health && std::none_of(near + 1, best_.end(), isNear)) {
+    *near = explorer;
+  }
+  if (best_.size() < count_) return;
+  const auto byHealth = [](const Individual& a, const Individual& b) { return a.health < b.health; };
+  if (best_.size() > count_) best_.erase(std::min_element(best_.begin(), best_.end(), byHealth));
+  least_ = std::min_element(best_.begin(), best_.end(), byHealth)->health;
+}
+
+std::vector<Individual> bestPlaces(std::vector<Individual>& explorers, int count, double list_health,
+                                   const RaceParams& races) {
+  std::stable_sort(explorers.begin(), explorers.end(),
+                   [](const Individual& a, const Individual& b) { return a.health > b.health; });
+  std::vector<Individual> best;
+  for (const Individual& explorer : explorers) {
+    if (static_cast<int>(best.size()) >= count || explorer.health < list_health) break;
+    const bool is_known = std::any_of(best.begin(), best.end(), [&](const Individual& other) {
+      return samePlace(explorer.T_world_robot, other.T_world_robot, races);
+    });
+    if (!is_known) best.push_back(explorer);
+  }
+  return best;
+}
+
+}  // namespace vismem

@@ -1,0 +1,57 @@
+/// @file The steps of an iteration that differ between the two modes. Pure. See L2.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/visual_memory/memory_snapshot.h"
+#include "localization/core/hypotheses/race.h"
+#include "localization/core/hypotheses/race_table.h"
+#include "localization/core/random_engine.h"
+
+namespace vismem {
+
+/// Prediction, weighting, search, refinement and choice of races. *Single-threaded* (owner: Localizer).
+/// Invariant: every race that it returns or leaves in the table is rated by the last observation.
+class RaceStrategy {
+ public:
+  virtual ~RaceStrategy() = default;
+
+  /// Takes the observation of an update.
+  /// @return false without evidence; the races stay unchanged then.
+  virtual bool observe(const MemoryUpdate& update) = 0;
+  /// Motion operator: the robot moved by T_before_now in its own frame.
+  virtual void predict(Race& race, const Pose2& T_before_now) const = 0;
+  /// Rates a race by the last observation.
+  virtual void weight(Race& race) const = 0;
+  /// L6: sends explorers out and creates races at the best places, best first.
+  virtual std::vector<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) const = 0;
+  /// A rated race at a given place.
+  virtual Race createAt(const Pose2& T_world_robot, RandomEngine& engine) const = 0;
+  /// True for a race to delete beyond L7's rule: too far behind the best.
+  virtual bool isPrunable(const Race& race, const RaceTable& table) const = 0;
+  /// L9, or maximization of the likelihood; the race is rated afterwards.
+  virtual void refine(Race& race, RandomEngine& engine) const = 0;
+  /// L8: victories and the winner.
+  /// @param reliability 0..1 of the last iteration.
+  virtual void select(RaceTable& table, double reliability) const = 0;
+  /// Share of belief per race, in the table's order; the sum is 1.
+  virtual std::vector<double> beliefShares(const RaceTable& table) const = 0;
+  /// Reliability that this observation alone supports for the winner, 0..1; empty with too little evidence.
+  /// Requires that all races are rated.
+  virtual std::optional<double> agreement(const RaceTable& table) const = 0;
+  /// True if the winner has nearly all belief, however little it explains.
+  virtual bool isUnambiguous(const RaceTable& table) const = 0;
+  /// Reliability after this iteration, before the discount for a jump of the winner.
+  /// @param elapsed_s since the last iteration.
+  virtual double updatedReliability(double last, const RaceTable& table, double elapsed_s) const = 0;
+  /// The robot may have been displaced before this observation: all of it counts as new. The races are to be
+  /// rated again.
+  virtual void resetNovelty() {}
+  /// Reduces the races' evidence, after a new epoch of the memory or a jump of the source.
+  virtual void discountEvidence(RaceTable& table) = 0;
+  /// Drops past observations, after a pose given from outside (one race) or a relocalization (empty table).
+  virtual void resetHistory(const RaceTable& table) = 0;
+};
+
+}  // namespace vismem

@@ -1,0 +1,397 @@
+#include "localization/core/hypotheses/robust_races.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kExplorerBlur_m = 0.15;  // an explorer must come within about 0.3 m only
+constexpr double kRefinementBlur_m = 0.08;
+constexpr std::size_t kExplorerPoints = 64;
+/// Prior standard deviations that keep the covariance of an undetermined direction finite.
+constexpr double kLargestStd_m = 5.0;
+constexpr double kLargestStd_rad = 1.0;
+/// Age constant [iterations] at which the required lead falls, to this share of it for an old race.
+constexpr double kSettledAge = 20.0;
+constexpr double kOldLead = 0.33;
+constexpr double kUnambiguous = 0.8;     // share of belief
+constexpr double kLeastTilt_rad = 1e-6;  // prior standard deviation of a tilt that is fixed at 0
+/// Share of the heading's random walk in the reported variance. The rest keeps a race open to slips and
+/// exceeds the growth of the error.
+constexpr double kReportedTurnWalk = 0.1;
+constexpr StampUs kJustSeen_us = kSecondUs / 2;
+/// Random walk of the tilt bias per square root of an iteration: a quarter of a degree in ten minutes.
+constexpr double kTiltWalk_rad = 1e-4;
+
+/// Information matrix of the prior that all races share.
+Matrix5d broadPrior(const LikelihoodParams& params) {
+  const double bias = std::max(params.tilt_bias_rad, kLeastTilt_rad);
+  Vector5d std;
+  std << kLargestStd_m, kLargestStd_m, kLargestStd_rad, bias, bias;
+  return std.cwiseProduct(std).cwiseInverse().asDiagonal();
+}
+
+class RobustRaces : public RaceStrategy {
+ public:
+  RobustRaces(const SegmentMap& map_edges, const MapParams& map, const ExplorerParams& explorers,
+              const RobustParams& params)
+      : params_(params),
+        explorers_(explorers),
+        map_(map_edges, robustIndex(params.likelihood, map)),
+        constructed_(map_),
+        landmarks_(map_, params.explorers.landmarks),
+        likelihood_(map_, params_.likelihood),
+        history_(likelihood_, params.history),
+        novelty_(params.novelty),
+        negative_(map_, params.negative, params.observation.image_range_m, map.opaque_labels),
+        broad_prior_(broadPrior(params.likelihood)),
+        uniform_share_(uniformShare(map_, explorers.margin_m, params.explorers.uniform_area_m2)) {}
+
+  bool observe(const MemoryUpdate& update) override {
+    observation_ = vismem::observe(update, map_, params_.observation);
+    const auto isNew = [&](const MemorySegment& segment) {
+      return segment.last_seen_us + kJustSeen_us >= update.snapshot->stamp_us;
+    };
+    const auto& remembered = update.snapshot->segments;
+    is_memory_current_ = observation_.remembered == observation_.points.size() &&
+                         std::any_of(remembered.begin(), remembered.end(), isNew);
+    if (params_.negative.enabled && params_.observation.source != ObservationSource::kMemory &&
+        update.analysis) {
+      negative_.observe(*update.analysis, observation_);
+    }
+    FloorObservation all =
+        thinned(observation_, static_cast<std::size_t>(params_.observation.maximum_points));
+    observation_.points = std::move(all.points);
+    observation_.remembered = all.remembered;
+    few_ = thinned(observation_, kExplorerPoints);
+    if (observation_.points.empty()) return false;
+    T_odom_robot_ = update.snapshot->T_odom_robot;
+    stamp_us_ = update.snapshot->stamp_us;
+    novelty_.assess(observation_, T_odom_robot_, stamp_us_);
+    history_.begin(observation_, T_odom_robot_);
+    return true;
+  }
+
+  void resetNovelty() override {
+    novelty_.reset();
+    novelty_.assess(observation_, T_odom_robot_, stamp_us_);
+    history_.reweigh(observation_);
+  }
+
+  void predict(Race& race, const Pose2& T_before_now) const override {
+    const RaceFilterParams& filter = params_.filter;
+    const double theta = race.T_world_robot.theta;
+    const Eigen::Vector2d shift = transform(Pose2{0.0, 0.0, theta}, T_before_now.position());
+    Matrix5d F = Matrix5d::Identity();
+    F(0, 2) = -shift.y();
+    F(1, 2) = shift.x();
+    const double travelled = shift.norm();
+    const double std_m = filter.odometry_share * travelled;
+    const double std_rad =
+        filter.odometry_turn_share * std::abs(T_before_now.theta) + filter.odometry_turn_per_m * travelled;
+    for (Matrix5d* P : {&race.P, &race.P_reported}) {
+      *P = F * *P * F.transpose();
+      P->diagonal().head<3>() += Eigen::Vector3d(std_m * std_m, std_m * std_m, std_rad * std_rad);
+    }
+    race.T_world_robot = race.T_world_robot * T_before_now;
+  }
+
+  void weight(Race& race) const override { rate(race, {race.T_world_robot, race.camera_tilt}); }
+
+  /// Races that the table would not admit have a pose and a health only.
+  std::vector<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) const override {
+    std::vector<Individual> population = explore(explorers, engine);
+    std::vector<Individual> best =
+        bestPlaces(population, params_.explorers.refined_explorers, explorers_.list_health, table.params());
+    for (Individual& one : best) {
+      const auto refined = likelihood_.refine(few_, {one.T_world_robot}, broad_prior_, 1.0,
+                                              params_.filter.refinement_steps, kRefinementBlur_m);
+      one = {refined.placement.T_world_robot, refined.rating.explained};
+    }
+    std::vector<Race> races;
+    for (const Individual& place :
+         bestPlaces(best, explorers_.candidates, explorers_.list_health, table.params())) {
+      const Placement refined = likelihood_
+                                    .refine(observation_, {place.T_world_robot}, broad_prior_, 1.0,
+                                            params_.filter.refinement_steps, kRefinementBlur_m)
+                                    .placement;
+      races.push_back(ratedAt(refined.T_world_robot));
+    }
+    double most_health = 0.0;
+    for (const Race& race : races) most_health = std::max(most_health, race.health);
+    for (Race& race : races) {
+      // Most candidates lie at the place of a race and are not completed.
+      if (!table.mayAdmit(race, most_health)) continue;
+      complete(race);
+      setInitialEvidence(race, table);
+    }
+    return races;
+  }
+
+  Race createAt(const Pose2& T_world_robot, RandomEngine&) const override {
+    Race race = ratedAt(T_world_robot);
+    complete(race);
+    return race;
+  }
+
+  bool isPrunable(const Race& race, const RaceTable& table) const override {
+    return race.evidence < bestEvidence(table) - params_.evidence.delete_behind;
+  }
+
+  void refine(Race& race, RandomEngine&) const override {
+    const RaceFilterParams& filter = params_.filter;
+    Vector5d walk;
+    walk << filter.walk_m, filter.walk_m, filter.walk_rad, kTiltWalk_rad, kTiltWalk_rad;
+    race.P.diagonal() += walk.cwiseProduct(walk);
+    const Matrix5d prior = filter.kalman ? Matrix5d(race.P.inverse() + broad_prior_) : broad_prior_;
+    // The memory repeats itself from image to image: only a share of it is new to the filter.
+    const double share = filter.kalman ? filter.information_share : 1.0;
+    Placement placement{race.T_world_robot, race.camera_tilt};
+    if (filter.refinement_steps > 0) {
+      const auto refined = maximizeLikelihood(placement, prior, share);
+      placement = refined.placement;
+      race.T_world_robot = placement.T_world_robot;
+      race.camera_tilt = placement.tilt_bias;
+      race.P = (prior + refined.information).inverse();
+      updateReported(race, refined, walk);
+      race.health = refined.rating.explained;
+      race.log_likelihood = refined.rating.novel_log_likelihood;
+    } else {
+      rate(race, placement);
+    }
+    addNegativeInformation(race);
+    race.evidence += history_.newestWeight() * (race.log_likelihood - race.evidence);
+    history_.record({race.T_world_robot, race.camera_tilt}, race.scores);
+  }
+
+  void select(RaceTable& table, double) const override {
+    const Race* best = nullptr;
+    for (const Race& race : table.races()) {
+      if (!best || race.evidence > best->evidence) best = &race;
+    }
+    if (!best) return;
+    const Race* winner = table.winner();
+    // A new race needs the full lead, because it was selected for fitting the present image.
+    const double youth = std::exp(-best->age / kSettledAge);
+    const double lead = params_.evidence.lead * (kOldLead + (1.0 - kOldLead) * youth);
+    if (!winner || best->evidence > winner->evidence + lead) table.setWinner(best->id);
+    table.recordBest(best->id);
+    table.award(table.winner()->id);
+  }
+
+  std::vector<double> beliefShares(const RaceTable& table) const override {
+    const double best = bestEvidence(table);
+    const double worth = std::max(1.0, params_.evidence.novelty_share / (1.0 - params_.history.forgetting));
+    std::vector<double> shares;
+    double sum = 0.0;
+    for (const Race& race : table.races()) {
+      shares.push_back(std::exp(worth * (race.evidence - best)));
+      sum += shares.back();
+    }
+    for (double& share : shares) share /= sum;
+    return shares;
+  }
+
+  std::optional<double> agreement(const RaceTable& table) const override {
+    const Race* winner = table.winner();
+    if (!winner || !params_.reliability.validity || observation_.amount < params_.reliability.enough_points) {
+      return std::nullopt;
+    }
+    return fitOf(*winner);
+  }
+
+  bool isUnambiguous(const RaceTable& table) const override {
+    const Race* winner = table.winner();
+    if (!winner) return false;
+    return beliefShares(table)[static_cast<std::size_t>(winner - table.races().data())] > kUnambiguous;
+  }
+
+  double updatedReliability(double last, const RaceTable& table, double elapsed_s) const override {
+    const ReliabilityParams& reliability = params_.reliability;
+    double target = 0.0;
+    if (const Race* winner = table.winner()) {
+      const double amount = std::min(1.0, observation_.amount / reliability.enough_points);
+      const std::vector<double> shares = beliefShares(table);
+      const auto index = static_cast<std::size_t>(winner - table.races().data());
+      if (!reliability.validity) return shares[index];
+      target = fitOf(*winner) * amount * shares[index];
+    }
+    if (!reliability.validity) return 0.0;
+    const double gain = 1.0 - std::exp(-elapsed_s / reliability.time_constant_s);
+    return last + gain * (target - last);
+  }
+
+  void resetHistory(const RaceTable& table) override {
+    history_.clear(!table.races().empty());
+    novelty_.reset();
+  }
+
+  void discountEvidence(RaceTable& table) override {
+    resetHistory(table);
+    for (Race& race : table.races()) race.scores.clear();
+    const double best = table.races().empty() ? 0.0 : bestEvidence(table);
+    for (Race& race : table.races()) {
+      race.evidence = best - std::min(1.0, best - race.evidence);
+      race.victories = std::min(race.victories, 1);
+    }
+  }
+
+ private:
+  double fitOf(const Race& race) const {
+    const ReliabilityParams& reliability = params_.reliability;
+    return std::clamp(
+        (race.health - reliability.explained_low) / (reliability.explained_high - reliability.explained_low),
+        0.0, 1.0);
+  }
+
+  /// A race with health and likelihood only.
+  Race ratedAt(const Pose2& T_world_robot) const {
+    Race race;
+    race.T_world_robot = T_world_robot;
+    weight(race);
+    return race;
+  }
+
+  void complete(Race& race) const {
+    addNegativeInformation(race);
+    race.evidence = race.log_likelihood;
+    const auto refined = likelihood_.refine(observation_, {race.T_world_robot}, broad_prior_, 1.0, 0, 0.0);
+    race.P = (refined.information + broad_prior_).inverse();
+    race.P_reported = race.P;
+  }
+
+  void setInitialEvidence(Race& race, const RaceTable& table) const {
+    std::vector<ScoredRace> rivals;
+    for (const Race& other : table.races()) rivals.push_back({other.evidence, other.scores});
+    auto [evidence, scores] = history_.initialEvidence(race.T_world_robot, race.log_likelihood, rivals);
+    race.evidence = evidence;
+    race.scores = std::move(scores);
+  }
+
+  RobustLikelihood::Refined maximizeLikelihood(const Placement& start, const Matrix5d& prior,
+                                               double share) const {
+    const int steps = params_.filter.refinement_steps;
+    auto refined = likelihood_.refine(observation_, start, prior, share, steps, 0.0);
+    if (refined.rating.explained >= params_.reliability.explained_low) return refined;
+    // The odometry error of a period without observations may exceed the width of the likelihood.
+    const auto wide = likelihood_.refine(observation_, start, prior, share, steps, kExplorerBlur_m);
+    const auto again = likelihood_.refine(observation_, wide.placement, prior, share, steps, 0.0);
+    if (again.rating.novel_log_likelihood > refined.rating.novel_log_likelihood) return again;
+    return refined;
+  }
+
+  /// Kalman update of the reported covariance, beside the one that moves the race.
+  void updateReported(Race& race, const RobustLikelihood::Refined& refined, const Vector5d& walk) const {
+    if (!params_.filter.kalman) {
+      race.P_reported = race.P;
+      return;
+    }
+    Vector5d growth = walk.cwiseProduct(walk);
+    growth[2] *= kReportedTurnWalk;
+    race.P_reported.diagonal() += growth;
+    // Where the image has no points, the repeated memory must not hide the drift of odometry.
+    const Matrix5d information =
+        broad_prior_ + (is_memory_current_ ? refined.information : refined.image_information);
+    const Matrix5d P =
+        (Matrix5d::Identity() + race.P_reported * information).partialPivLu().solve(race.P_reported);
+    race.P_reported = 0.5 * (P + P.transpose());
+  }
+
+  void addNegativeInformation(Race& race) const {
+    if (params_.negative.enabled) race.log_likelihood += negative_.logPenalty(race.T_world_robot);
+  }
+
+  /// Rates explorers, at most `most`, until their number reaches the KLD bound of the occupied bins (Fox
+  /// 2003).
+  std::vector<Individual> explore(int most, RandomEngine& engine) const {
+    const RobustExplorerParams& search = params_.explorers;
+    // In a large map a uniform explorer rarely comes near the robot.
+    double constructed = search.constructed_share;
+    if (uniform_share_ < 1.0 && constructed > 0.0 && !observation_.segments.empty()) {
+      const double kept = constructed + (1.0 - constructed) * uniform_share_;
+      most = static_cast<int>(std::ceil(kept * most));
+      constructed /= kept;
+    }
+    const auto proposals = constructed > 0.0 && search.landmark_share > 0.0
+                               ? landmarks_.match(observation_, most, engine)
+                               : LandmarkExplorers::Proposals{};
+    std::vector<Individual> population;
+    population.reserve(static_cast<std::size_t>(most));
+    std::set<std::array<int, 3>> places;
+    int wanted = search.kld_error > 0.0 ? std::min(most, search.kld_least) : most;
+    while (static_cast<int>(population.size()) < wanted) {
+      const std::size_t rated = population.size();
+      while (static_cast<int>(population.size()) < wanted) {
+        population.push_back({propose(proposals, constructed, engine), 0.0});
+      }
+      const auto newest = std::span(population).subspan(rated);
+      likelihood_.explain(few_, newest, kExplorerBlur_m, explorers_.list_health);
+      if (search.kld_error <= 0.0) continue;
+      for (const Individual& one : newest) {
+        if (one.health < explorers_.list_health) continue;
+        const Pose2& pose = one.T_world_robot;
+        places.insert({static_cast<int>(std::floor(pose.x / search.kld_place_m)),
+                       static_cast<int>(std::floor(pose.y / search.kld_place_m)),
+                       static_cast<int>(std::floor(pose.theta / search.kld_place_rad))});
+      }
+      wanted = std::min(most, kldBound(static_cast<int>(places.size()), search.kld_error));
+    }
+    return population;
+  }
+
+  Pose2 propose(const LandmarkExplorers::Proposals& proposals, double constructed_share,
+                RandomEngine& engine) const {
+    std::optional<Pose2> pose;
+    if (uniform(engine, 0.0, 1.0) < constructed_share) {
+      const bool by_landmark = uniform(engine, 0.0, 1.0) < params_.explorers.landmark_share;
+      pose = by_landmark && !proposals.isEmpty() ? proposals.pick(engine)
+                                                 : constructed_.propose(observation_, engine);
+    }
+    return pose ? *pose : uniformExplorer(map_, explorers_.margin_m, engine);
+  }
+
+  void rate(Race& race, const Placement& placement) const {
+    const Rating rating = likelihood_.rate(observation_, placement);
+    race.health = rating.explained;
+    race.log_likelihood = rating.novel_log_likelihood;
+  }
+
+  double bestEvidence(const RaceTable& table) const {
+    double best = -1e300;
+    for (const Race& race : table.races()) best = std::max(best, race.evidence);
+    return best;
+  }
+
+  RobustParams params_;
+  ExplorerParams explorers_;
+  MapIndex map_;
+  ConstructedExplorers constructed_;
+  LandmarkExplorers landmarks_;
+  RobustLikelihood likelihood_;
+  ScoreHistory history_;
+  ObservationNovelty novelty_;
+  NegativeInformation negative_;
+  Matrix5d broad_prior_;
+  double uniform_share_;  ///< share of the uniform explorers that are sent out
+  /// The last update's image has no points, and its memory was updated just now.
+  bool is_memory_current_ = false;
+  FloorObservation observation_;
+  Pose2 T_odom_robot_;  ///< of observation_
+  StampUs stamp_us_ = 0;
+  FloorObservation few_;  ///< a part of observation_, for the coarse search
+};
+
+}  // namespace
+
+std::unique_ptr<RaceStrategy> makeRobustRaces(const SegmentMap& map_edges, const MapParams& map,
+                                              const ExplorerParams& explorers, const RobustParams& params) {
+  return std::make_unique<RobustRaces>(map_edges, map, explorers, params);
+}
+
+}  // namespace vismem

@@ -1,0 +1,311 @@
+#include "localization/core/likelihood/robust_likelihood.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kTruncation_m = 1.0;          // of the fields: several times the largest sigma with blur
+constexpr double kMinimumPlanLength_m = 0.03;  // shorter map segments are vertical edges
+
+constexpr std::size_t kPreview = 4;  // explain() rates every n-th point first
+
+/// exp(-loss) from this loss on is below the resolution of the sums.
+constexpr double kNoAgreement = 40.0;
+double agreement(double loss) {
+  return loss > kNoAgreement ? 0.0 : std::exp(-loss);
+}
+
+constexpr std::size_t kBatch = 64;  // points per query of the fields
+
+/// Damping of directions that the observation leaves undetermined: 1 m, 1 rad.
+const Matrix5d kDamping = Matrix5d::Identity();
+
+/// Prior standard deviation of a frame tilt that is fixed at 0.
+constexpr double kFixedTilt_rad = 1e-6;
+
+/// Longest step for which the gradient describes the field.
+constexpr double kLongestStep_m = 0.5;
+constexpr double kLongestTurn_rad = 0.4;
+/// Convergence: after a smaller step the iteration ends.
+constexpr double kSmallStep_m = 5e-4;
+constexpr double kSmallStep_rad = 5e-4;
+
+}  // namespace
+
+MapIndex::Params robustIndex(const LikelihoodParams& params, const MapParams& map) {
+  MapIndex::Params index;
+  index.cell_m = map.cell_m;
+  index.reach_m = kTruncation_m;
+  if (params.direction_gate) index.direction_gate_rad = params.direction_gate_rad;
+  index.minimum_plan_length_m = kMinimumPlanLength_m;
+  index.build_fields = params.use_field;
+  return index;
+}
+
+void RobustLikelihood::squaredDistances(std::span<const SegmentGrid::Question> questions,
+                                        std::span<double> squares) const {
+  if (params_.use_field) return map_.nearestSquares(questions, squares);
+  std::transform(questions.begin(), questions.end(), squares.begin(), [this](const auto& question) {
+    const auto nearest = map_.nearestBruteForce(question);
+    return nearest ? nearest->distance_m * nearest->distance_m : kTruncation_m * kTruncation_m;
+  });
+}
+
+void RobustLikelihood::distanceSamples(std::span<const SegmentGrid::Question> questions,
+                                       std::span<std::optional<FieldSample>> samples) const {
+  if (params_.use_field) return map_.nearest(questions, samples);
+  std::transform(questions.begin(), questions.end(), samples.begin(),
+                 [this](const auto& question) { return map_.nearestBruteForce(question); });
+}
+
+double RobustLikelihood::explainedVariance(const FloorPoint& point, double blur_m) const {
+  const double sigma_m = std::max(point.sigma_m, params_.explained_sigma_m);
+  return sigma_m * sigma_m + blur_m * blur_m;
+}
+
+void RobustLikelihood::add(Rating& rating, const FloorPoint& point, double distance_m, double blur_m) const {
+  const double eps = params_.outlier_share;
+  const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+  const auto addTerm = [&](double log_likelihood) {
+    rating.log_likelihood += point.weight * log_likelihood;
+    rating.novel_log_likelihood += point.weight * point.novelty * log_likelihood;
+  };
+  if (distance_m >= kTruncation_m) {
+    addTerm(params_.bounded ? log_outlier_share_ : -0.5 * kTruncation_m * kTruncation_m / variance);
+    return;
+  }
+  const double half_square = 0.5 * distance_m * distance_m;
+  rating.explained += point.weight * agreement(half_square / explainedVariance(point, blur_m));
+  const double loss = half_square / variance;
+  if (!params_.bounded) return addTerm(-loss);
+  addTerm(loss > kNoAgreement ? log_outlier_share_ : std::log((1.0 - eps) * std::exp(-loss) + eps));
+}
+
+Rating RobustLikelihood::rate(const FloorObservation& observation, const Placement& placement,
+                              double blur_m) const {
+  const Pose2& pose = placement.T_world_robot;
+  const Eigen::Vector2d tilt = placement.tilt();
+  Rating rating;
+  const double c = std::cos(pose.theta);
+  const double s = std::sin(pose.theta);
+  std::array<SegmentGrid::Question, kBatch> questions;
+  std::array<double, kBatch> squares;
+  for (std::span points(observation.points); !points.empty();) {
+    const std::size_t count = std::min(kBatch, points.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      const FloorPoint& point = points[i];
+      const Eigen::Vector2d p_robot = point.p_robot + point.d_tilt * tilt;
+      const Eigen::Vector2d p(pose.x + c * p_robot.x() - s * p_robot.y(),
+                              pose.y + s * p_robot.x() + c * p_robot.y());
+      questions[i] = map_.question(point.label, p, point.direction_robot + pose.theta);
+    }
+    squaredDistances(std::span(questions).first(count), squares);
+    for (std::size_t i = 0; i < count; ++i) add(rating, points[i], std::sqrt(squares[i]), blur_m);
+    points = points.subspan(count);
+  }
+  if (!observation.points.empty()) rating.explained /= weightOf(observation);
+  rating.novel_log_likelihood /= observation.novelty;
+  return rating;
+}
+
+void RobustLikelihood::explain(const FloorObservation& observation, std::span<Individual> places,
+                               double blur_m, double least) const {
+  struct Sample {
+    Eigen::Vector2d p_robot;
+    double direction_robot;
+    int label;
+    double weight;
+    double per_square;  // loss per squared distance [1/m^2]
+  };
+  std::vector<Sample> samples;
+  samples.reserve(observation.points.size());
+  std::size_t previewed = 0;
+  double preview_weight = 0.0;
+  double weight = 0.0;
+  for (std::size_t begin = 0; begin < kPreview; ++begin) {
+    for (std::size_t i = begin; i < observation.points.size(); i += kPreview) {
+      const FloorPoint& point = observation.points[i];
+      const double per_square = 0.5 / explainedVariance(point, blur_m);
+      samples.push_back({point.p_robot, point.direction_robot, point.label, point.weight, per_square});
+      weight += point.weight;
+    }
+    if (begin > 0) continue;
+    previewed = samples.size();
+    preview_weight = weight;
+  }
+  // A few poses at a time: their memory accesses overlap.
+  constexpr std::size_t kPlaces = 8;
+  std::vector<SegmentGrid::Question> questions(kPlaces * samples.size());
+  std::vector<double> squares(questions.size());
+  std::array<Individual*, kPlaces> asked;
+  const auto ask = [&](std::size_t count, std::span<const Sample> some) {
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const Pose2& pose = asked[k]->T_world_robot;
+      const double c = std::cos(pose.theta);
+      const double s = std::sin(pose.theta);
+      for (const Sample& sample : some) {
+        const Eigen::Vector2d& p = sample.p_robot;
+        const Eigen::Vector2d at(pose.x + c * p.x() - s * p.y(), pose.y + s * p.x() + c * p.y());
+        questions[n++] = map_.question(sample.label, at, sample.direction_robot + pose.theta);
+      }
+    }
+    squaredDistances(std::span(questions).first(n), squares);
+    for (std::size_t k = 0; k < count; ++k) {
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        const double square = squares[k * some.size() + i];
+        const double loss = square * some[i].per_square;
+        if (square < kTruncation_m * kTruncation_m) asked[k]->health += some[i].weight * agreement(loss);
+      }
+    }
+  };
+  const std::span all(samples);
+  for (; !places.empty(); places = places.subspan(std::min(kPlaces, places.size()))) {
+    const std::size_t count = std::min(kPlaces, places.size());
+    for (std::size_t k = 0; k < count; ++k) {
+      asked[k] = &places[k];
+      places[k].health = 0.0;
+    }
+    ask(count, all.first(previewed));
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (weight > 0.0 && places[k].health >= 0.5 * least * preview_weight) {
+        asked[kept++] = &places[k];
+      } else {
+        places[k].health = 0.0;
+      }
+    }
+    ask(kept, all.subspan(previewed));
+    for (std::size_t k = 0; k < kept; ++k) asked[k]->health /= weight;
+  }
+}
+
+/// Quadratic form of -share * log L around a placement, in (x, y, theta, camera tilt).
+struct RobustLikelihood::Curvature {
+  Matrix5d H = Matrix5d::Zero();
+  Vector5d g = Vector5d::Zero();
+};
+
+RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const FloorPoint> points,
+                                                        const Placement& placement, double share,
+                                                        double blur_m, Rating* rating) const {
+  Curvature result;
+  const double eps = params_.outlier_share;
+  const Pose2& pose = placement.T_world_robot;
+  const Eigen::Vector2d tilt = placement.tilt();
+  Eigen::Matrix2d R;
+  R << std::cos(pose.theta), -std::sin(pose.theta), std::sin(pose.theta), std::cos(pose.theta);
+  std::array<Eigen::Vector2d, kBatch> arms;
+  std::array<SegmentGrid::Question, kBatch> questions;
+  std::array<std::optional<FieldSample>, kBatch> samples;
+  while (!points.empty()) {
+    const std::size_t count = std::min(kBatch, points.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      const FloorPoint& point = points[i];
+      arms[i] = R * (point.p_robot + point.d_tilt * tilt);
+      questions[i] =
+          map_.question(point.label, pose.position() + arms[i], point.direction_robot + pose.theta);
+    }
+    distanceSamples(std::span(questions).first(count), samples);
+    for (std::size_t i = 0; i < count; ++i) {
+      const FloorPoint& point = points[i];
+      const auto& field = samples[i];
+      if (rating) add(*rating, point, field ? field->distance_m : kTruncation_m, blur_m);
+      if (!field) continue;
+      const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+      const double inlier = (1.0 - eps) * std::exp(-0.5 * field->distance_m * field->distance_m / variance);
+      // Derivative of the bounded loss (the weight of iteratively reweighted least squares).
+      const double influence = params_.bounded ? inlier / (inlier + eps) : 1.0;
+      const double weight = share * point.weight / variance * influence;
+      const Eigen::Vector2d& gradient = field->gradient;
+      Vector5d J;
+      J.head<2>() = gradient;
+      J[2] = gradient.y() * arms[i].x() - gradient.x() * arms[i].y();
+      J.tail<2>() = point.d_tilt.transpose() * (R.transpose() * gradient);
+      result.H += weight * J * J.transpose();
+      result.g += weight * field->distance_m * J;
+    }
+    points = points.subspan(count);
+  }
+  return result;
+}
+
+/// Marginalizes a common shift and turn of the memory, which bounds its information about the pose.
+void RobustLikelihood::marginalizeMemoryShift(Curvature& memory) const {
+  if (params_.memory_shift_m <= 0.0 && params_.memory_turn_rad <= 0.0) return;
+  const double shift = std::max(params_.memory_shift_m, 1e-6);
+  const double turn = std::max(params_.memory_turn_rad, 1e-6);
+  const Eigen::Vector3d known(1.0 / (shift * shift), 1.0 / (shift * shift), 1.0 / (turn * turn));
+  const Eigen::Matrix3d H = memory.H.topLeftCorner<3, 3>();
+  // Schur complement of a shift with the same Jacobian as the pose.
+  const Eigen::Matrix3d kept =
+      Eigen::Matrix3d::Identity() - H * (H + Eigen::Matrix3d(known.asDiagonal())).inverse();
+  memory.H.topLeftCorner<3, 3>() = kept * H;
+  memory.g.head<3>() = (kept * memory.g.head<3>()).eval();
+}
+
+RobustLikelihood::Refined RobustLikelihood::refine(const FloorObservation& observation,
+                                                   const Placement& start, const Matrix5d& prior_information,
+                                                   double share, int steps, double blur_m) const {
+  Refined result{start, Matrix5d::Zero(), Matrix5d::Zero(), {}};
+  Placement& at = result.placement;
+  const double frame_tilt = std::max(params_.frame_tilt_rad, kFixedTilt_rad);
+  const Eigen::Matrix2d frame_tilt_information = Eigen::Matrix2d::Identity() / (frame_tilt * frame_tilt);
+  const auto frameTiltCovariance = [&](const Matrix5d& H) -> Eigen::Matrix2d {
+    return (H.bottomRightCorner<2, 2>() + frame_tilt_information).inverse();
+  };
+  const std::span points(observation.points);
+  const std::span remembered = points.first(observation.remembered);
+  // One pass more than steps: the last one computes the curvature at the result.
+  for (int step = 0; step <= steps; ++step) {
+    Rating* const rating = step == steps ? &result.rating : nullptr;
+    Curvature curve;
+    if (observation.memory_influence > 0.0 || rating) {
+      // Repeated views of the memory contain no information about odometry's error: scaled by novelty.
+      curve = curvature(remembered, at, observation.memory_influence * share * observation.novelty, blur_m,
+                        rating);
+      marginalizeMemoryShift(curve);
+    }
+    const Curvature seen = curvature(points.subspan(observation.remembered), at, share, blur_m, rating);
+    curve.H += seen.H;
+    curve.g += seen.g;
+    // The frame tilt has the columns of the tilt bias and a prior of its own.
+    const Eigen::Matrix<double, 5, 2> cross = curve.H.rightCols<2>();
+    const Eigen::Matrix2d frame_tilt_covariance = frameTiltCovariance(curve.H);
+    const Eigen::Vector2d frame_tilt_gradient = curve.g.tail<2>() + frame_tilt_information * at.frame_tilt;
+    result.information = curve.H - cross * frame_tilt_covariance * cross.transpose();
+    if (step == steps) {
+      const Eigen::Matrix<double, 5, 2> tilt = seen.H.rightCols<2>();
+      result.image_information = seen.H - tilt * frameTiltCovariance(seen.H) * tilt.transpose();
+      break;
+    }
+    Vector5d off;
+    off << at.T_world_robot.x - start.T_world_robot.x, at.T_world_robot.y - start.T_world_robot.y,
+        angleDifference(at.T_world_robot.theta, start.T_world_robot.theta), at.tilt_bias - start.tilt_bias;
+    const Matrix5d A = result.information + prior_information + kDamping;
+    Vector5d move = -A.ldlt().solve(curve.g - cross * frame_tilt_covariance * frame_tilt_gradient +
+                                    prior_information * off);
+    const double length = move.head<2>().norm();
+    const double shrink = std::min({1.0, kLongestStep_m / std::max(length, 1e-12),
+                                    kLongestTurn_rad / std::max(std::abs(move[2]), 1e-12)});
+    move *= shrink;
+    const Pose2& pose = at.T_world_robot;
+    at.T_world_robot = {pose.x + move[0], pose.y + move[1], wrapAngle(pose.theta + move[2])};
+    at.tilt_bias += move.tail<2>();
+    at.frame_tilt -= frame_tilt_covariance * (shrink * frame_tilt_gradient + cross.transpose() * move);
+    if (move.head<2>().norm() < kSmallStep_m && std::abs(move[2]) < kSmallStep_rad) steps = step + 1;
+  }
+  if (!points.empty()) result.rating.explained /= weightOf(observation);
+  result.rating.novel_log_likelihood /= observation.novelty;
+  return result;
+}
+
+}  // namespace vismem

@@ -1,0 +1,81 @@
+/// @file Scores of the last observations, kept to give a new race evidence for the past, too. Pure. See L12.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "localization/core/likelihood/robust_likelihood.h"
+
+namespace vismem {
+
+struct ScoreHistoryParams {
+  double forgetting = 0.95;     ///< factor on evidence per iteration; 0: the last observation alone
+  double jump_log_prior = 2.5;  ///< log prior odds against a jump of the robot [nats]
+};
+
+/// A race as the history compares it.
+struct ScoredRace {
+  double evidence = 0.0;           ///< [nats]
+  std::span<const double> scores;  ///< of the kept observations, newest first; fewer for a younger race
+};
+
+/// Evidence of a race that begins now.
+struct InitialEvidence {
+  double evidence = 0.0;       ///< [nats]
+  std::vector<double> scores;  ///< of the kept observations, newest first
+};
+
+/// The last observations, newest first, each with the odometry pose at its stamp. Each race carries its
+/// scores of the same observations, so that a new race is compared with it on equal data. *Single-threaded*
+/// (owner: RobustRaces); keeps a reference to the likelihood.
+class ScoreHistory {
+ public:
+  ScoreHistory(const RobustLikelihood& likelihood, const ScoreHistoryParams& params)
+      : likelihood_(likelihood), params_(params) {}
+
+  /// Starts an iteration with its observation.
+  void begin(const FloorObservation& observation, const Pose2& T_odom_robot);
+  /// Replaces this iteration's observation by one with another novelty.
+  void reweigh(const FloorObservation& observation);
+  /// Adds a race's score of this iteration's observation in front. To be called for every race.
+  void record(const Placement& placement, std::vector<double>& scores) const;
+  /// Drops all observations, after a jump of odometry or a pose given from outside.
+  /// @param is_place_known the races' evidence stands for a long past; else the next observations start it.
+  void clear(bool is_place_known);
+
+  /// Weight of this iteration's observation in the running mean that evidence is: equal weights at first,
+  /// exponential forgetting later; scaled by novelty.
+  double newestWeight() const;
+
+  /// The largest evidence over two explanations and all races:
+  /// - The robot was at the race's pose until some moment and jumped here: the race's evidence minus
+  ///   `jump_log_prior` plus the gain in score since then.
+  /// - It was here all the time: the race's evidence minus the loss in score over all kept observations. A
+  ///   gain is not credited: a new race fits the present image by selection.
+  /// Without any race: the mean score over the kept observations.
+  /// @param log_likelihood of the newest observation, for an empty history.
+  InitialEvidence initialEvidence(const Pose2& T_world_robot, double log_likelihood,
+                                  std::span<const ScoredRace> races) const;
+
+ private:
+  struct Kept {
+    double weight = 0.0;  ///< in the mean that evidence was before this iteration
+    Pose2 T_odom_robot;
+    FloorObservation observation;
+  };
+  /// Scores of all kept observations, newest first, for a robot that is at a pose now.
+  std::vector<double> scoresAt(const Pose2& T_world_robot) const;
+
+  const RobustLikelihood& likelihood_;
+  ScoreHistoryParams params_;
+  int iteration_ = 0;
+  double novelty_ = 1.0;  ///< of this iteration's observation
+  std::deque<Kept> kept_;
+  std::optional<Kept> current_;  ///< of this iteration
+  Pose2 T_odom_robot_;
+};
+
+}  // namespace vismem

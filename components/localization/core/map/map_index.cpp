@@ -1,0 +1,139 @@
+#include "localization/core/map/map_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+constexpr int kDirectionBins = 12;
+constexpr double kOnFloor_m = 0.02;  // tolerance for maps drawn by hand
+
+/// The part of a map segment on the floor.
+std::optional<Segment2> touchingFloor(const Segment3& world) {
+  const bool a = std::abs(world.a.z()) <= kOnFloor_m;
+  const bool b = std::abs(world.b.z()) <= kOnFloor_m;
+  if (a && b) return world.floor();
+  if (a) return Segment2{world.a.head<2>(), world.a.head<2>()};
+  if (b) return Segment2{world.b.head<2>(), world.b.head<2>()};
+  return std::nullopt;
+}
+
+bool isOnFloor(const Segment3& segment) {
+  return segment.a.z() == 0.0 && segment.b.z() == 0.0;
+}
+
+FieldSample sampleOf(const Eigen::Vector2d& p, const Segment2& segment) {
+  const double fraction = std::clamp(projectionFraction(p, segment), 0.0, 1.0);
+  const Eigen::Vector2d away = p - (segment.a + fraction * (segment.b - segment.a));
+  FieldSample sample;
+  sample.distance_m = away.norm();
+  if (sample.distance_m > 1e-9) {
+    sample.gradient = away / sample.distance_m;
+  } else if (segment.length() > 0.0) {
+    const Eigen::Vector2d along = (segment.b - segment.a).normalized();
+    sample.gradient = {-along.y(), along.x()};
+  }
+  return sample;
+}
+
+}  // namespace
+
+MapIndex::MapIndex(const SegmentMap& map, const Params& params) {
+  if (params.direction_gate_rad) bins_ = kDirectionBins;
+  bool has_any = false;
+  for (const MapSegment& segment : map.segments) {
+    has_any = has_any || segment.label == kAnyLabel;
+    if (segment.label != kAnyLabel) ids_.try_emplace(segment.label, static_cast<int>(ids_.size()));
+  }
+  int labels = static_cast<int>(ids_.size());
+  if (has_any) any_ = labels++;
+  names_.assign(static_cast<std::size_t>(labels), kAnyLabel);
+  for (const auto& [name, id] : ids_) names_[static_cast<std::size_t>(id)] = name;
+  by_label_.resize(static_cast<std::size_t>(labels));
+  floor_.resize(static_cast<std::size_t>(labels));
+  binned_.resize(static_cast<std::size_t>(labels * bins_));
+  low_ = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  high_ = -low_;
+  const double bin_width = std::numbers::pi / bins_;
+  std::vector<SegmentGrid::Item> items;
+  for (const MapSegment& segment : map.segments) {
+    const Segment2 plan = segment.world.floor();
+    low_ = low_.cwiseMin(plan.a).cwiseMin(plan.b);
+    high_ = high_.cwiseMax(plan.a).cwiseMax(plan.b);
+    const auto floor = touchingFloor(segment.world);
+    for (int label = 0; label < labels; ++label) {
+      if (segment.label != kAnyLabel && ids_.at(segment.label) != label) continue;
+      by_label_[static_cast<std::size_t>(label)].push_back(segment.world);
+      if (!floor || floor->length() < params.minimum_plan_length_m) continue;
+      auto& lines = floor_[static_cast<std::size_t>(label)];
+      SegmentGrid::Item item{*floor, label, 0, static_cast<std::uint32_t>(lines.size())};
+      lines.push_back(*floor);
+      for (int bin = 0; bin < bins_; ++bin) {
+        const double off = lineAngleDifference(floor->direction(), (bin + 0.5) * bin_width);
+        if (bins_ > 1 && off > *params.direction_gate_rad + 0.5 * bin_width) continue;
+        item.bins = static_cast<std::uint16_t>(item.bins | (1u << bin));
+        binned_[static_cast<std::size_t>(label * bins_ + bin)].push_back(*floor);
+      }
+      items.push_back(item);
+    }
+  }
+  if (params.build_trees) {
+    for (std::size_t label = 0; label < by_label_.size(); ++label) {
+      const auto& segments = by_label_[label];
+      trees_.emplace_back(segments);
+      cells_.emplace_back(floor_[label]);
+      is_above_.push_back(floor_[label].size() != segments.size() ||
+                          !std::all_of(segments.begin(), segments.end(), isOnFloor));
+    }
+  }
+  if (params.build_fields) fields_.emplace(std::move(items), params.reach_m, params.cell_m);
+}
+
+std::optional<int> MapIndex::labelId(const Label& label) const {
+  if (label == kUnknownLabel) return std::nullopt;
+  const auto found = ids_.find(label);
+  if (found != ids_.end()) return found->second;
+  return any_;
+}
+
+std::optional<int> MapIndex::floorLabelId(const Label& label) const {
+  const auto id = labelId(label);
+  if (!id || floor(*id).empty()) return std::nullopt;
+  return id;
+}
+
+std::optional<FieldSample> MapIndex::nearestBruteForce(const SegmentGrid::Question& question) const {
+  std::optional<FieldSample> best;
+  for (const Segment2& segment : binned_[static_cast<std::size_t>(question.label * bins_ + question.bin)]) {
+    const FieldSample sample = sampleOf(question.p, segment);
+    if (!best || sample.distance_m < best->distance_m) best = sample;
+  }
+  return best;
+}
+
+double MapIndex::distance(int label, const Eigen::Vector2d& p) const {
+  if (fields_) {
+    if (const auto sample = nearest(label, p, 0.0)) return sample->distance_m;
+  }
+  double nearest_m = std::numeric_limits<double>::infinity();
+  const auto measure = [&](const Segment2& segment) {
+    nearest_m = std::min(nearest_m, distanceToSegment(p, segment));
+  };
+  if (cells_.empty() || floor(label).empty()) {
+    for (const Segment2& segment : floor(label)) measure(segment);
+    return nearest_m;
+  }
+  // In squares of growing size, until no line outside can be nearer.
+  double within_m = fields_ ? fields_->reach() : 1.0;
+  for (; nearest_m > within_m; within_m *= 2.0) {
+    cells_[static_cast<std::size_t>(label)].visitNear(p, 2.0 * within_m, measure);
+  }
+  return nearest_m;
+}
+
+}  // namespace vismem

@@ -1,0 +1,134 @@
+/// @file The map indexed by label and direction: distance from a point to the nearest matching segment. Pure.
+/// See L4, L5.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/geometry/segment.h"
+#include "common/segment_map/segment_map.h"
+#include "localization/core/map/floor_cells.h"
+#include "localization/core/map/segment_grid.h"
+#include "localization/core/map/segment_tree.h"
+
+namespace vismem {
+
+/// Map parameters that all rooms share.
+struct MapParams {
+  double cell_m = 0.5;  ///< cell size of the grid over the map; affects speed only
+  /// Labels of upright map segments that occlude the floor behind them; "*_foot" matches every label with
+  /// that ending.
+  std::vector<std::string> opaque_labels{"skirting", "*_foot"};
+};
+
+/// The map's segments by label, with a distance field over those that touch the floor. Segments labelled
+/// `any` belong to every label. *Pure* after construction.
+class MapIndex {
+ public:
+  struct Params {
+    double reach_m = 1.0;  ///< truncation distance of the fields
+    double cell_m = 0.5;   ///< cell size of their grid; affects speed only
+    /// A segment counts for a direction within this angle; empty: one field per label, all directions.
+    std::optional<double> direction_gate_rad;
+    /// Segments shorter than this in plan view are left out of the floor: a vertical edge has no direction
+    /// there.
+    double minimum_plan_length_m = 0.0;
+    bool build_fields = true;
+    bool build_trees = false;  ///< also trees and cells, for nearest lines in an image or far on the floor
+  };
+
+  /// @param map expanded to edges (no widths).
+  MapIndex(const SegmentMap& map, const Params& params);
+
+  /// Number of a label; empty for `unknown` and for labels without a map segment.
+  std::optional<int> labelId(const Label& label) const;
+  /// The same for the floor: also empty for labels without a segment that touches the floor.
+  std::optional<int> floorLabelId(const Label& label) const;
+  int labelCount() const { return static_cast<int>(by_label_.size()); }
+  const Label& labelName(int label) const { return names_[static_cast<std::size_t>(label)]; }
+  /// All 3-D segments that count for the label.
+  const std::vector<Segment3>& segments(int label) const {
+    return by_label_[static_cast<std::size_t>(label)];
+  }
+  /// The same as a tree, for the nearest line in an image; null without Params::build_trees.
+  const SegmentTree* tree(int label) const {
+    return trees_.empty() ? nullptr : &trees_[static_cast<std::size_t>(label)];
+  }
+  /// The same by floor cells; null if some segments lie above the floor or without Params::build_trees.
+  const FloorCells* floorCells(int label) const {
+    return cells_.empty() || is_above_[static_cast<std::size_t>(label)]
+               ? nullptr
+               : &cells_[static_cast<std::size_t>(label)];
+  }
+  /// Their parts on the floor: lines, and the feet of upright edges as segments of zero length.
+  const std::vector<Segment2>& floor(int label) const { return floor_[static_cast<std::size_t>(label)]; }
+  Eigen::Vector2d low() const { return low_; }
+  Eigen::Vector2d high() const { return high_; }
+
+  /// Truncation distance of the fields [m]; empty without fields.
+  std::optional<double> fieldReach() const {
+    return fields_ ? std::optional<double>(fields_->reach()) : std::nullopt;
+  }
+  /// A query of the fields.
+  /// @param direction_rad direction of the observed line; ignored without a direction gate.
+  SegmentGrid::Question question(int label, const Eigen::Vector2d& p, double direction_rad) const {
+    return {p, label, binOf(direction_rad)};
+  }
+  /// Distance on the floor from the field; empty beyond the truncation distance.
+  std::optional<FieldSample> nearest(const SegmentGrid::Question& question) const {
+    return fields_->nearest(question);
+  }
+  std::optional<FieldSample> nearest(int label, const Eigen::Vector2d& p, double direction_rad) const {
+    return nearest(question(label, p, direction_rad));
+  }
+  /// The same for many queries at once. Requires fields.
+  void nearest(std::span<const SegmentGrid::Question> questions,
+               std::span<std::optional<FieldSample>> samples) const {
+    fields_->nearest(questions, samples);
+  }
+  /// Squared distances only [m^2], truncated at the squared reach. Requires fields.
+  void nearestSquares(std::span<const SegmentGrid::Question> questions, std::span<double> squares) const {
+    fields_->nearestSquares(questions, squares);
+  }
+  /// Reference by exhaustive search, without truncation. Same direction gate (same bins), same gradient.
+  std::optional<FieldSample> nearestBruteForce(const SegmentGrid::Question& question) const;
+  std::optional<FieldSample> nearestBruteForce(int label, const Eigen::Vector2d& p,
+                                               double direction_rad) const {
+    return nearestBruteForce(question(label, p, direction_rad));
+  }
+  /// Distance without truncation: from the field within its reach, else from the cells or all segments.
+  /// @param label a result of floorLabelId.
+  double distance(int label, const Eigen::Vector2d& p) const;
+
+ private:
+  int binOf(double direction_rad) const {
+    if (bins_ == 1) return 0;
+    const double half_turns = direction_rad * std::numbers::inv_pi;
+    double fraction = half_turns - static_cast<double>(static_cast<std::int64_t>(half_turns));
+    if (fraction < 0.0) fraction += 1.0;
+    return std::min(bins_ - 1, static_cast<int>(fraction * bins_));
+  }
+
+  int bins_ = 1;
+  std::map<Label, int> ids_;
+  std::vector<Label> names_;
+  std::optional<int> any_;  // for labels without segments of their own, if the map has `any`
+  std::vector<std::vector<Segment3>> by_label_;
+  std::vector<std::vector<Segment2>> floor_;
+  std::vector<std::vector<Segment2>> binned_;  // [label * bins_ + bin]
+  std::optional<SegmentGrid> fields_;
+  std::vector<SegmentTree> trees_;  // by label, or none
+  std::vector<FloorCells> cells_;   // of floor_, or none
+  std::vector<bool> is_above_;      // by label: some of by_label_ lies above the floor
+  Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d high_ = Eigen::Vector2d::Zero();
+};
+
+}  // namespace vismem

@@ -1,0 +1,254 @@
+#include "localization/core/observation/floor_observation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/angles.h"
+#include "common/geometry/projection.h"
+
+namespace vismem {
+namespace {
+
+/// Length of the pieces of an image segment, and their largest number, which bounds the cost per segment.
+constexpr double kPiece_px = 6.0;
+constexpr int kMaximumPieces = 12;
+constexpr double kLongestPiece_m = 0.2;  // near the horizon one pixel covers metres of floor
+
+/// An end this near to the image border counts as cut by it.
+constexpr double kBorder_px = 3.0;
+/// Largest weight of an end relative to its segment: short segments are often false.
+constexpr double kEndShare = 0.5;
+
+constexpr double kMinimumLength_m = 0.05;  // a shorter remembered segment has no usable direction
+
+/// Variance across the segment at one of its ends.
+double variancesAcross(const Eigen::Matrix3d& P, const Eigen::Vector2d& along_odom) {
+  const Eigen::Vector2d across(-along_odom.y(), along_odom.x());
+  return across.dot(P.topLeftCorner<2, 2>() * across);
+}
+
+/// Derivative of a floor point by small rotations of the camera about the y axis and the x axis.
+/// @param ray from the camera's foot point to the floor point [m].
+/// @param height of the camera above the floor [m].
+Eigen::Matrix2d movedByTilt(const Eigen::Vector2d& ray, double height) {
+  const double x = ray.x();
+  const double y = ray.y();
+  Eigen::Matrix2d d;
+  d << -height - x * x / height, x * y / height,  //
+      -x * y / height, height + y * y / height;
+  return d;
+}
+
+bool insideImage(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px) {
+  return px.x() > kBorder_px && px.y() > kBorder_px && px.x() < intrinsics.width - 1.0 - kBorder_px &&
+         px.y() < intrinsics.height - 1.0 - kBorder_px;
+}
+
+/// Scales the points' weights so that they sum to at most `effective_points`; the amount stays as it was.
+void capPoints(FloorObservation& observation, double effective_points) {
+  double sum = 0.0;
+  for (const FloorPoint& point : observation.points) sum += point.weight;
+  if (sum <= effective_points) return;
+  for (FloorPoint& point : observation.points) point.weight *= effective_points / sum;
+}
+
+}  // namespace
+
+double weightOf(const FloorObservation& observation) {
+  double sum = 0.0;
+  for (const FloorPoint& point : observation.points) sum += point.weight;
+  return sum;
+}
+
+FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& map,
+                               const ObservationParams& params) {
+  FloorObservation observation;
+  const Pose2 T_robot_odom = inverse(snapshot.T_odom_robot);
+  struct Piece {
+    Segment2 robot;
+    int label;
+    double weight_per_m;
+    double variance_a;
+    double variance_b;
+  };
+  std::vector<Piece> pieces;
+  double length = 0.0;
+  for (const MemorySegment& segment : snapshot.segments) {
+    const auto label = map.floorLabelId(segment.label);
+    if (!label) continue;
+    const Segment2 odom = segment.odom.floor();
+    if (odom.length() < kMinimumLength_m) continue;
+    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(params.range_m);
+    const auto robot = clipToBox(transform(T_robot_odom, odom), -reach, reach);
+    if (!robot || robot->length() < kMinimumLength_m) continue;
+    const double unseen_s =
+        std::max(0.0, static_cast<double>(snapshot.stamp_us - segment.last_seen_us) / kSecondUs);
+    double weight = params.points_per_metre;
+    if (params.half_life_s > 0.0) weight *= std::exp2(-unseen_s / params.half_life_s);
+    if (!segment.confirmed) weight *= params.unconfirmed_weight;
+    const double drift = params.drift_sigma_mps * unseen_s;
+    const double base = params.remembered_sigma_m * params.remembered_sigma_m + drift * drift;
+    const Eigen::Vector2d along = (odom.b - odom.a).normalized();
+    pieces.push_back({*robot, *label, weight, base + variancesAcross(segment.P_a, along),
+                      base + variancesAcross(segment.P_b, along)});
+    length += robot->length();
+  }
+  const double step = std::max(params.point_step_m, length / params.maximum_points);
+  const double least_variance = params.remembered_sigma_m * params.remembered_sigma_m;
+  const double largest_variance = std::max(least_variance, params.maximum_sigma_m * params.maximum_sigma_m);
+  for (const Piece& piece : pieces) {
+    const double piece_length = piece.robot.length();
+    const int count = std::max(2, static_cast<int>(std::lround(piece_length / step)));
+    const double direction = piece.robot.direction();
+    const double weight = piece.weight_per_m * piece_length;
+    for (int i = 0; i < count; ++i) {
+      const double fraction = (i + 0.5) / count;
+      FloorPoint point;
+      point.p_robot = piece.robot.a + fraction * (piece.robot.b - piece.robot.a);
+      point.direction_robot = direction;
+      point.label = piece.label;
+      const double variance = piece.variance_a + fraction * (piece.variance_b - piece.variance_a);
+      point.sigma_m = std::sqrt(std::clamp(variance, least_variance, largest_variance));
+      point.weight = weight / count;
+      observation.points.push_back(point);
+    }
+    observation.segments.push_back({piece.robot, piece.label, weight});
+    observation.amount += weight;
+  }
+  for (const Primitive& primitive : snapshot.primitives) {
+    if (primitive.kind != PrimitiveKind::kParallelogram || primitive.vertices.size() != 4) continue;
+    auto& corners = observation.parallelograms.emplace_back();
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = transform(T_robot_odom, primitive.vertices[i]);
+  }
+  observation.segment_weight = observation.amount;
+  observation.remembered = observation.points.size();
+  capPoints(observation, params.effective_points);
+  return observation;
+}
+
+FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map,
+                              const ObservationParams& params) {
+  FloorObservation observation;
+  const Eigen::Vector2d camera = analysis.T_robot_camera.translation().head<2>();
+  const double height = analysis.T_robot_camera.translation().z();
+  if (!(height > 0.0)) return observation;
+  std::vector<FloorPoint> ends;
+  for (const ImageSegment& segment : analysis.observed) {
+    ends.clear();
+    const auto label = map.floorLabelId(segment.label);
+    if (!label) continue;
+    const int pieces = std::clamp(static_cast<int>(segment.px.length() / kPiece_px), 1, kMaximumPieces);
+    Eigen::Vector2d begin = Eigen::Vector2d::Zero();
+    Eigen::Vector2d last = begin;
+    bool has_last = false;
+    double weight = 0.0;
+    for (int i = 0; i <= pieces; ++i) {
+      const double fraction = static_cast<double>(i) / pieces;
+      const Eigen::Vector2d px = segment.px.a + fraction * (segment.px.b - segment.px.a);
+      const auto floor =
+          backProjectToGround(analysis.intrinsics, analysis.T_robot_camera, px, params.image_range_m);
+      if (!floor) {
+        has_last = false;
+        continue;
+      }
+      const Segment2 piece{last, floor->head<2>()};
+      const bool is_piece = has_last && piece.length() >= 1e-3;
+      last = piece.b;
+      has_last = true;
+      if (!is_piece) continue;
+      if (weight == 0.0) begin = piece.a;
+      FloorPoint point;
+      point.p_robot = piece.middle();
+      point.direction_robot = piece.direction();
+      point.label = *label;
+      // A pitch error moves a floor point along the ray, a heading error across it.
+      const Eigen::Vector2d ray = point.p_robot - camera;
+      const double range = std::max(ray.norm(), 1e-3);
+      const Eigen::Vector2d along = (piece.b - piece.a) / piece.length();
+      const double across_ray = std::abs(along.x() * ray.y() - along.y() * ray.x()) / range;
+      const double along_ray = std::abs(along.dot(ray)) / range;
+      const double std_range = (range * range + height * height) / height * params.camera_sigma_rad;
+      const double std_bearing = range * params.camera_sigma_rad;
+      point.sigma_m = std::min(params.maximum_sigma_m,
+                               std::hypot(params.sigma_m, across_ray * std_range, along_ray * std_bearing));
+      point.weight = params.points_per_metre * std::min(piece.length(), kLongestPiece_m);
+      point.d_tilt = movedByTilt(ray, height);
+      observation.amount += point.weight;
+      weight += point.weight;
+      observation.points.push_back(point);
+      if (params.end_metres <= 0.0) continue;
+      for (const bool first : {true, false}) {
+        if (i != (first ? 1 : pieces)) continue;
+        if (!insideImage(analysis.intrinsics, first ? segment.px.a : segment.px.b)) continue;
+        // An end fixes the position along its line; the camera's error is isotropic here.
+        FloorPoint end = point;
+        end.p_robot = first ? piece.a : piece.b;
+        end.sigma_m = std::min(params.maximum_sigma_m, std::hypot(params.sigma_m, std_range));
+        end.d_tilt = movedByTilt(end.p_robot - camera, height);
+        ends.push_back(end);
+      }
+    }
+    for (FloorPoint& end : ends) {
+      end.weight = std::min(params.points_per_metre * params.end_metres, kEndShare * weight);
+      observation.points.push_back(end);
+    }
+    if (weight == 0.0 || (last - begin).norm() < kMinimumLength_m) continue;
+    observation.segments.push_back({{begin, last}, *label, weight});
+    observation.segment_weight += weight;
+  }
+  capPoints(observation, params.effective_points);
+  return observation;
+}
+
+FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params) {
+  FloorObservation memory;
+  FloorObservation image;
+  if (params.source != ObservationSource::kImage && update.snapshot) {
+    memory = observeMemory(*update.snapshot, map, params);
+  }
+  if (params.source != ObservationSource::kMemory && update.analysis) {
+    image = observeImage(*update.analysis, map, params);
+  }
+  // With an occluded camera the memory counts alone, with an empty memory the image.
+  if (!memory.points.empty() && !image.points.empty()) {
+    const double memory_share =
+        (1.0 - params.image_share) * std::max(0.0, 1.0 - image.amount / params.memory_below_points);
+    if (memory_share > 0.0) {
+      capPoints(memory, memory_share * params.effective_points);
+      capPoints(image, (1.0 - memory_share) * params.effective_points);
+    } else {
+      memory.points.clear();
+      memory.remembered = 0;
+    }
+  }
+  FloorObservation all = std::move(memory);
+  all.segments.insert(all.segments.end(), image.segments.begin(), image.segments.end());
+  all.segment_weight += image.segment_weight;
+  all.points.insert(all.points.end(), image.points.begin(), image.points.end());
+  // The races have been refined with the memory's content before; the image is the better source from half
+  // of that amount on.
+  if (!image.points.empty()) {
+    all.memory_influence = std::max(0.0, 1.0 - 2.0 * image.amount / params.memory_below_points);
+  }
+  // The memory repeats this image: the amount is the larger of both, not the sum.
+  all.amount = std::max(all.amount, image.amount);
+  return all;
+}
+
+FloorObservation thinned(const FloorObservation& observation, std::size_t points) {
+  const std::size_t stride = (observation.points.size() + points - 1) / std::max<std::size_t>(points, 1);
+  if (stride <= 1) return observation;
+  FloorObservation few;
+  few.amount = observation.amount;
+  few.memory_influence = observation.memory_influence;
+  few.novelty = observation.novelty;
+  for (std::size_t i = 0; i < observation.points.size(); i += stride) {
+    few.remembered += i < observation.remembered ? 1 : 0;
+    few.points.push_back(observation.points[i]);
+  }
+  const double scale = weightOf(observation) / weightOf(few);
+  for (FloorPoint& point : few.points) point.weight *= scale;
+  return few;
+}
+
+}  // namespace vismem

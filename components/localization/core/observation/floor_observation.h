@@ -1,0 +1,94 @@
+/// @file Floor observation: memory and image as weighted, labelled points on the floor. Pure. See L3, L12.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "common/visual_memory/memory_snapshot.h"
+#include "localization/core/map/map_index.h"
+
+namespace vismem {
+
+/// What an observation is made of: the memory (L5), the analysed image (L4), or both.
+enum class ObservationSource { kMemory, kImage, kBoth };
+
+/// Points of the default mode's observation.
+struct ObservationParams {
+  ObservationSource source = ObservationSource::kBoth;
+  /// Share of the effective points that the image has where both provide some: the memory contains the
+  /// odometry error since its images.
+  double image_share = 0.85;
+  /// Below this many effective points of the image the memory is added, with a share that grows linearly as
+  /// the image provides less.
+  double memory_below_points = 6.0;
+  double image_range_m = 4.0;       ///< largest range of floor points of the image
+  double camera_sigma_rad = 0.003;  ///< standard deviation of the camera's direction, per floor point
+  double point_step_m = 0.10;       ///< spacing of sampling points along remembered segments
+  int maximum_points = 100;         ///< per observation; more are thinned to every n-th
+  double range_m = 5.0;             ///< largest range of remembered points
+  double half_life_s = 4.0;         ///< weight is halved per this time unseen; 0: never
+  double unconfirmed_weight = 0.4;  ///< factor for elements seen from one viewpoint only (M1)
+  double effective_points = 30.0;   ///< upper bound of an observation's sum of weights
+  double points_per_metre = 5.0;    ///< weight per metre of fresh, confirmed segment
+  /// Weight, in metres of segment, of an image segment's end that the image border does not cut. Ends fix the
+  /// position along a wall. 0: ends are not used.
+  double end_metres = 0.2;
+  double sigma_m = 0.012;             ///< smallest standard deviation across the line, seen now
+  double remembered_sigma_m = 0.033;  ///< the same of remembered points, including odometry error
+  double maximum_sigma_m = 0.25;      ///< largest standard deviation of any point
+  double drift_sigma_mps = 0.01;      ///< growth of the standard deviation with time unseen
+};
+
+/// A point on an observed segment, in the robot's frame at the observation's stamp.
+struct FloorPoint {
+  Eigen::Vector2d p_robot = Eigen::Vector2d::Zero();  ///< [m]
+  double direction_robot = 0.0;                       ///< direction of its segment [rad]
+  int label = 0;
+  double sigma_m = 0.0;  ///< standard deviation across the segment
+  double weight = 0.0;   ///< number of independent points it stands for
+  double novelty = 1.0;  ///< share of it that earlier observations did not contain (ObservationNovelty)
+  /// Derivative of p_robot by the camera tilt error [m/rad] (see Placement); zero for remembered points.
+  Eigen::Matrix2d d_tilt = Eigen::Matrix2d::Zero();
+};
+
+/// An observed segment that can be matched with segments of the map.
+struct ObservedSegment {
+  Segment2 robot;
+  int label = 0;
+  double weight = 0.0;
+};
+
+struct FloorObservation {
+  std::vector<FloorPoint> points;         ///< remembered points first
+  std::size_t remembered = 0;             ///< number of remembered points
+  std::vector<ObservedSegment> segments;  ///< of the memory and of the image
+  /// Corners of remembered parallelograms in the robot's frame, counter-clockwise.
+  std::vector<std::array<Eigen::Vector2d, 4>> parallelograms;
+  double segment_weight = 0.0;    ///< sum over the segments
+  double amount = 0.0;            ///< sum of the points' weights before the bound `effective_points`
+  double novelty = 1.0;           ///< weighted mean of the points' novelty
+  double memory_influence = 1.0;  ///< factor on the remembered points' gradient in refinement
+};
+
+/// The memory as weighted points. Labels without a map segment and segments without extent in plan view are
+/// left out.
+FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& map,
+                               const ObservationParams& params);
+
+/// One image as weighted points: its labelled segments projected to the floor within `image_range_m`.
+FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map,
+                              const ObservationParams& params);
+
+/// Memory, image or both, as configured.
+/// @param update snapshot and analysis of one stamp.
+FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params);
+
+/// Every n-th point with the weight of all; about `points` remain.
+FloorObservation thinned(const FloorObservation& observation, std::size_t points);
+
+/// Sum of the points' weights.
+double weightOf(const FloorObservation& observation);
+
+}  // namespace vismem

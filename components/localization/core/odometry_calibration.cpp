@@ -1,0 +1,75 @@
+#include "localization/core/odometry_calibration.h"
+
+#include <cmath>
+
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+enum Error { kTurnPerMetre = 0, kTurnShare = 1, kTravelShare = 2 };
+
+}  // namespace
+
+OdometryCalibration::OdometryCalibration(const OdometryCalibrationParams& params) : params_(params) {
+  const Eigen::Vector3d std(params.turn_per_m, params.turn_share, params.travel_share);
+  bias_.P = std.cwiseProduct(std).asDiagonal();
+}
+
+Pose2 OdometryCalibration::corrected(const Pose2& T_before_now) const {
+  const double turn =
+      bias_.errors[kTurnPerMetre] * T_before_now.x + bias_.errors[kTurnShare] * T_before_now.theta;
+  const double scale = 1.0 + bias_.errors[kTravelShare];
+  // The additional turn happens along the way: on average half of it rotates the translation.
+  const Eigen::Vector2d way =
+      transform(Pose2{0.0, 0.0, 0.5 * turn}, Eigen::Vector2d(scale * T_before_now.position()));
+  return {way.x(), way.y(), wrapAngle(T_before_now.theta + turn)};
+}
+
+void OdometryCalibration::addMotion(const Pose2& T_before_now) {
+  if (!start_) return;
+  moved_ = moved_ * T_before_now;
+  turned_ += T_before_now.theta;
+  forward_ += T_before_now.x;
+  travelled_ += T_before_now.position().norm();
+  swung_ += std::abs(T_before_now.theta);
+}
+
+void OdometryCalibration::begin(const Pose2& T_world_robot, std::uint64_t id) {
+  start_ = Start{id, T_world_robot};
+  moved_ = {};
+  turned_ = forward_ = travelled_ = swung_ = 0.0;
+}
+
+void OdometryCalibration::addReferencePose(const Pose2& T_world_robot, std::uint64_t id) {
+  if (!start_ || start_->id != id) return begin(T_world_robot, id);
+  if (travelled_ < params_.piece_m && swung_ < params_.piece_rad) return;
+  const Pose2 T_start_now = inverse(start_->T_world_robot) * T_world_robot;
+  const double ends_rad2 = 2.0 * params_.pose_std_rad * params_.pose_std_rad;
+  const double ends_m2 = 2.0 * params_.pose_std_m * params_.pose_std_m;
+  const double noise_rad2 = params_.noise_rad_per_root_m * params_.noise_rad_per_root_m * travelled_ +
+                            params_.noise_rad_per_root_rad * params_.noise_rad_per_root_rad * swung_;
+  update(angleDifference(T_start_now.theta, moved_.theta), {forward_, turned_, 0.0}, ends_rad2 + noise_rad2);
+  const double chord = moved_.position().norm();
+  if (chord > 0.5 * params_.piece_m) {
+    const double noise_m2 = params_.noise_m_per_root_m * params_.noise_m_per_root_m * travelled_;
+    update(T_start_now.position().norm() - chord, {0.0, 0.0, chord}, ends_m2 + noise_m2);
+  }
+  const Eigen::Vector3d walk =
+      params_.walk_share * Eigen::Vector3d(params_.turn_per_m, params_.turn_share, params_.travel_share);
+  bias_.P.diagonal() += walk.cwiseProduct(walk) * travelled_;
+  begin(T_world_robot, id);
+}
+
+void OdometryCalibration::update(double z, const Eigen::RowVector3d& H, double variance) {
+  const double innovation = z - H * bias_.errors;
+  const double s = H * bias_.P * H.transpose() + variance;
+  // Slip, a push or being carried are not lasting errors.
+  if (innovation * innovation > params_.gate_sigmas * params_.gate_sigmas * s) return;
+  const Eigen::Vector3d gain = bias_.P * H.transpose() / s;
+  bias_.errors += gain * innovation;
+  bias_.P -= gain * H * bias_.P;
+  bias_.P = 0.5 * (bias_.P + bias_.P.transpose()).eval();
+}
+
+}  // namespace vismem

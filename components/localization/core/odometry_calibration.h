@@ -1,0 +1,74 @@
+/// @file Estimation of the lasting errors of odometry from trusted poses. Pure. See L2.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+#include "common/geometry/angles.h"
+#include "common/geometry/pose.h"
+#include "localization/core/pose_estimate.h"
+
+namespace vismem {
+
+/// Prior of the lasting errors, and noise of the measurements.
+struct OdometryCalibrationParams {
+  bool enabled = true;
+  /// Prior standard deviations: yaw bias [rad/m], yaw scale error, and distance scale error.
+  double turn_per_m = 0.05;
+  double turn_share = 0.03;
+  double travel_share = 0.03;
+  double walk_share = 0.02;  ///< random walk per square root of a metre, relative to these
+  double piece_m = 0.5;      ///< a measurement covers this distance or this turn
+  double piece_rad = 0.8;
+  double pose_std_m = 0.01;  ///< standard deviation of a reference pose
+  double pose_std_rad = degToRad(0.5);
+  double noise_rad_per_root_m = 0.03;  ///< random errors of odometry
+  double noise_rad_per_root_rad = 0.02;
+  double noise_m_per_root_m = 0.01;
+  double gate_sigmas = 3.0;  ///< measurements with a larger innovation are rejected
+  double trust = 0.7;        ///< smallest reliability of a reference pose
+};
+
+/// Kalman filter of three lasting errors: yaw bias per metre (unequal wheels or legs), yaw scale (wrong wheel
+/// base) and distance scale (wrong radius). A measurement compares odometry between two reference poses of
+/// one race with the poses. *Single-threaded* (owner: Localizer).
+class OdometryCalibration {
+ public:
+  explicit OdometryCalibration(const OdometryCalibrationParams& params);
+
+  /// A motion by odometry with the estimated errors removed.
+  Pose2 corrected(const Pose2& T_before_now) const;
+
+  /// Adds a motion as odometry reports it. To be called for every motion, in order.
+  void addMotion(const Pose2& T_before_now);
+  /// Adds a trusted pose at the end of the motions so far.
+  /// @param id of the race with this pose; another race starts a new measurement.
+  void addReferencePose(const Pose2& T_world_robot, std::uint64_t id);
+  /// Drops the measurement in progress; the estimate stays.
+  void interrupt() { start_.reset(); }
+
+  const OdometryBias& bias() const { return bias_; }
+
+ private:
+  struct Start {
+    std::uint64_t id = 0;
+    Pose2 T_world_robot;
+  };
+
+  void begin(const Pose2& T_world_robot, std::uint64_t id);
+  /// Measurement update z = H * errors + noise, unless the innovation exceeds the gate.
+  void update(double z, const Eigen::RowVector3d& H, double variance);
+
+  OdometryCalibrationParams params_;
+  OdometryBias bias_;
+  std::optional<Start> start_;
+  // Sums of the measurement in progress, by odometry:
+  Pose2 moved_;             ///< motion from its start
+  double turned_ = 0.0;     ///< signed, without wrapping [rad]
+  double forward_ = 0.0;    ///< signed [m]
+  double travelled_ = 0.0;  ///< absolute [m]
+  double swung_ = 0.0;      ///< absolute turns [rad]
+};
+
+}  // namespace vismem

@@ -1,0 +1,45 @@
+/// @file The messages that wait for the disk, in bounded memory. Pure.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "recorder/core/log_message.h"
+
+namespace vismem {
+
+/// Invariant: it never holds more than its limit. Images leave a tenth of it to the small messages, so that a
+/// slow disk costs images before it costs poses. *Single-threaded* (the service guards it).
+class MessageQueue {
+ public:
+  /// @param limit [bytes], at least 1 MiB.
+  explicit MessageQueue(std::size_t limit) : limit_(limit) {}
+
+  /// @return whether it was taken; one that does not fit is counted as dropped.
+  bool push(RecordedMessage message);
+  std::optional<RecordedMessage> pop();
+  /// Counts images that never reached the recorder.
+  void addMissed(const LogTopic& topic, std::uint64_t images);
+
+  std::size_t bytes() const { return bytes_; }
+  std::size_t limit() const { return limit_; }
+  std::size_t peakBytes() const { return peak_; }
+  bool empty() const { return messages_.empty(); }
+  /// By name of the topic.
+  const std::map<std::string, TopicCount>& counts() const { return counts_; }
+  std::uint64_t dropped() const { return dropped_; }
+
+ private:
+  TopicCount& countOf(const LogTopic& topic);
+
+  const std::size_t limit_;
+  std::size_t bytes_ = 0;
+  std::size_t peak_ = 0;
+  std::uint64_t dropped_ = 0;
+  std::deque<RecordedMessage> messages_;
+  std::map<std::string, TopicCount> counts_;
+};
+
+}  // namespace vismem

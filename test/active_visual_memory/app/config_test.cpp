@@ -1,0 +1,159 @@
+// Tests C2.
+#include "active_visual_memory/app/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "common/config/config_error.h"
+#include "common/geometry/angles.h"
+
+namespace vismem {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+const std::string kPeers =
+    "ActiveVisualMemory.Camera.Proxy = cameraA:tcp -p 9999\n"
+    "ActiveVisualMemory.Odometry.Proxy = Encoders:tcp -p 9997\n"
+    "ActiveVisualMemory.PanTilt.Proxy = PanTilt:tcp -p 9977\n";
+
+ActiveVisualMemoryConfig parse(const std::string& text) {
+  const Properties properties = Properties::parse(text, "test.cfg");
+  ConfigReader root(properties);
+  ConfigReader reader = root.group("ActiveVisualMemory");
+  auto config = readActiveVisualMemoryConfig(reader);
+  reader.finish();
+  return config;
+}
+
+std::vector<std::string> problemsOf(const std::string& text) {
+  try {
+    parse(text);
+  } catch (const ConfigError& error) {
+    return error.problems();
+  }
+  return {};
+}
+
+TEST(ActiveVisualMemoryConfig, DefaultsAreThePresets) {
+  const auto ours = parse(kPeers);
+  EXPECT_EQ(ours.pipeline.memory.memory.fusion, SegmentMemory::Fusion::kCovariance);
+  EXPECT_EQ(ours.pipeline.vision.detector, "solis");
+  EXPECT_NEAR(ours.pipeline.memory.rig.max_pan_rad, degToRad(159.0), 1e-3);
+  const auto chapter = parse(kPeers + "ActiveVisualMemory.Mode = chapter\n");
+  EXPECT_EQ(chapter.pipeline.memory.memory.fusion, SegmentMemory::Fusion::kChapter);
+  EXPECT_EQ(chapter.pipeline.vision.detector, "chapter");
+  EXPECT_DOUBLE_EQ(chapter.pipeline.memory.gaze.track_s, 3.0);
+}
+
+TEST(ActiveVisualMemoryConfig, AKeyOverridesThePreset) {
+  const auto config = parse(kPeers +
+                            "ActiveVisualMemory.Mode = chapter\n"
+                            "ActiveVisualMemory.Gaze.Track_s = 1.5\n"
+                            "ActiveVisualMemory.Gaze.Pan.Maximum_deg = 90\n"
+                            "ActiveVisualMemory.Mount.PanTilt.Position_m = 0.1 0 0.4\n"
+                            "ActiveVisualMemory.Memory.Life.Maximum = 50\n");
+  EXPECT_DOUBLE_EQ(config.pipeline.memory.gaze.track_s, 1.5);
+  EXPECT_NEAR(config.pipeline.memory.rig.max_pan_rad, degToRad(90.0), 1e-12);
+  EXPECT_DOUBLE_EQ(config.assembler.mount.T_robot_pantilt.translation().x(), 0.1);
+  EXPECT_DOUBLE_EQ(config.pipeline.memory.memory.life.maximum, 50.0);
+}
+
+TEST(ActiveVisualMemoryConfig, ReadsTheKeysOfSlipDetection) {
+  const SegmentMemory::Params p = parse(kPeers +
+                                        "ActiveVisualMemory.Memory.Align.TurnNoise_deg = 2\n"
+                                        "ActiveVisualMemory.Memory.Align.Slip.LeastImages = 4\n"
+                                        "ActiveVisualMemory.Memory.Align.Slip.Images = 8\n"
+                                        "ActiveVisualMemory.Memory.Align.Slip.Sigmas = 5\n"
+                                        "ActiveVisualMemory.Memory.Align.Slip.Least_deg = 3\n")
+                                      .pipeline.memory.memory;
+  EXPECT_DOUBLE_EQ(p.map_filter.turn_noise, degToRad(2.0));
+  EXPECT_EQ(p.slip.least_images, 4);
+  EXPECT_EQ(p.slip.images, 8);
+  EXPECT_DOUBLE_EQ(p.slip.sigmas, 5.0);
+  EXPECT_DOUBLE_EQ(p.slip.least_rad, degToRad(3.0));
+  EXPECT_THAT(problemsOf(kPeers + "ActiveVisualMemory.Memory.Align.Slip.LeastImages = 11\n"),
+              Contains(AllOf(HasSubstr("Align.Slip.LeastImages"), HasSubstr("Align.Slip.Images"))));
+}
+
+TEST(ActiveVisualMemoryConfig, WithoutAPanTiltUnitTheGazeIsOff) {
+  const auto config = parse(
+      "ActiveVisualMemory.Camera.Proxy = cameraA:tcp -p 9999\n"
+      "ActiveVisualMemory.Odometry.Proxy = Encoders:tcp -p 9997\n");
+  EXPECT_FALSE(config.hasPanTilt());
+  EXPECT_FALSE(config.assembler.has_pan_tilt);
+  EXPECT_EQ(config.pipeline.memory.gaze.initial_mode, GazeMode::kOff);
+}
+
+TEST(ActiveVisualMemoryConfig, ReportsAllProblemsTogether) {
+  const auto problems = problemsOf(
+      "ActiveVisualMemory.Camera.Proxy = cameraA:tcp -p 9999\n"
+      "ActiveVisualMemory.Gaze.Track_s = -1\n"
+      "ActiveVisualMemory.Gaze.Trak_s = 1\n"
+      "ActiveVisualMemory.Gaze.Pan.Minimum_deg = 170\n"
+      "ActiveVisualMemory.Memory.Fusion = newest\n");
+  EXPECT_THAT(problems,
+              Contains(AllOf(HasSubstr("test.cfg:2"), HasSubstr("ActiveVisualMemory.Gaze.Track_s"))));
+  EXPECT_THAT(problems, Contains(AllOf(HasSubstr("test.cfg:3"), HasSubstr("did you mean"))));
+  EXPECT_THAT(problems, Contains(AllOf(HasSubstr("Gaze.Pan.Minimum_deg"), HasSubstr("must be less than"))));
+  EXPECT_THAT(problems, Contains(AllOf(HasSubstr("Memory.Fusion"), HasSubstr("covariance"))));
+  EXPECT_THAT(problems, Contains(HasSubstr("ActiveVisualMemory.Odometry.Proxy")));
+}
+
+TEST(ActiveVisualMemoryConfig, OldNamesOfKeysAreAcceptedWithAWarningThatNamesTheNewOne) {
+  const std::string prefix = "ActiveVisualMemory.Memory.";
+  const std::pair<std::string, std::string> renamed[] = {
+      {"Lean.Mount_deg = 0.25", "CameraTilt.Mount_deg"},
+      {"Lean.Camera_deg = 0.3", "CameraTilt.Camera_deg"},
+      {"Lean.Sway_deg = 0.75", "CameraTilt.PerFrame_deg"},
+      {"Lean.SwayDoubt = 2", "CameraTilt.PerFrameInflation"},
+      {"Lean.Course_deg = 3", "CameraTilt.DominantDirection_deg"},
+      {"Align.Compass = yes", "Align.DominantDirection"},
+      {"Align.Joint = yes", "Align.MapFilter"},
+      {"TellInCourse = yes", "SnapToDominantDirection"},
+      {"Life.Covered_per_s = 7", "Life.Occluded_per_s"}};
+  std::string text = kPeers +
+                     "ActiveVisualMemory.Ground.ThinLineBlur_px = 2.5\n"      // old name
+                     "ActiveVisualMemory.ShapeEdges.PartAtJunctions = no\n";  // old name
+  for (const auto& [setting, name] : renamed) text += prefix + setting + "\n";
+  const Properties properties = Properties::parse(text, "test.cfg");
+  ConfigReader root(properties);
+  ConfigReader reader = root.group("ActiveVisualMemory");
+  const AttentiveVisualMemoryParams params = readActiveVisualMemoryConfig(reader).pipeline.memory;
+  reader.finish();
+  EXPECT_NEAR(params.memory.tilt_prior.mount_rad, degToRad(0.25), 1e-12);
+  EXPECT_NEAR(params.memory.tilt_prior.camera_rad, degToRad(0.3), 1e-12);
+  EXPECT_NEAR(params.memory.tilt_prior.per_frame_rad, degToRad(0.75), 1e-12);
+  EXPECT_EQ(params.memory.per_frame_inflation, 2.0);
+  EXPECT_NEAR(params.memory.dominant_direction.sigma_rad, degToRad(3.0), 1e-12);
+  EXPECT_TRUE(params.memory.use_dominant_direction && params.memory.use_map_filter);
+  EXPECT_TRUE(params.memory.snap_to_dominant_direction);
+  EXPECT_EQ(params.memory.life.occluded_per_s, 7.0);
+  EXPECT_EQ(params.edge_blur.sigma_px, 2.5);
+  EXPECT_FALSE(params.shape_edges.junctions.enabled);
+  std::string warnings;
+  for (const auto& warning : root.renamedKeys()) warnings += warning.text() + "\n";
+  for (const auto& [setting, name] : renamed) EXPECT_THAT(warnings, HasSubstr(prefix + name));
+  EXPECT_THAT(warnings, HasSubstr("ActiveVisualMemory.Ground.LineBlur_px"));
+  EXPECT_THAT(warnings, HasSubstr("ActiveVisualMemory.ShapeEdges.SplitAtJunctions"));
+}
+
+TEST(ActiveVisualMemoryConfig, LineWidthsAreOneRangeForAllEdgesOfShapes) {
+  const auto range = [](const std::string& text) {
+    return parse(kPeers + text).pipeline.memory.shape_edges.line_width;
+  };
+  EXPECT_EQ(range("").min_m, 0.03);
+  EXPECT_EQ(range("").minMeasured_m(), 0.02) << "a third narrower";
+  const auto wide = range(
+      "ActiveVisualMemory.ShapeEdges.Line.MinimumWidth_m = 0.12\n"
+      "ActiveVisualMemory.ShapeEdges.Line.MaximumWidth_m = 0.2\n");
+  EXPECT_EQ(wide.min_m, 0.12);
+  EXPECT_EQ(wide.max_m, 0.2);
+}
+
+}  // namespace
+}  // namespace vismem

@@ -1,0 +1,68 @@
+// Tests M1.
+#include "active_visual_memory/core/ground/floor_segment.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <random>
+#include <vector>
+
+#include "active_visual_memory/core/ground/ground_projector.h"
+#include "common/geometry/angles.h"
+#include "common/geometry/projection.h"
+
+namespace vismem {
+namespace {
+
+CameraMount mount() {
+  CameraMount m;
+  m.T_robot_pantilt = poseFromXyzRpy(0.05, 0, 0.45, 0, 0, 0);
+  return m;
+}
+
+/// The image of lines on the floor by a tilted camera, with half a pixel of noise.
+std::vector<FloorSegment> seenTilted(const std::vector<Segment3>& lines, const Pose3& T_robot_camera,
+                                     const CameraTilt& camera_tilt, std::mt19937_64& random) {
+  const auto k = intrinsicsFromFieldOfView(320, 240, degToRad(60.0));
+  std::normal_distribution<double> noise(0.0, 0.5);
+  std::vector<ImageSegment> observed;
+  for (const Segment3& line : lines) {
+    auto px = projectSegment(k, tilted(T_robot_camera, camera_tilt), line);
+    if (!px) continue;
+    px->a += Eigen::Vector2d(noise(random), noise(random));
+    px->b += Eigen::Vector2d(noise(random), noise(random));
+    observed.push_back({*px, "edge", 40.0});
+  }
+  return GroundProjector({}).project(k, T_robot_camera, observed);
+}
+
+TEST(FloorSegment, AnEstimatedFrameTiltShrinksTheCovarianceOfItsEnds) {
+  std::mt19937_64 random(1);
+  const auto floor = seenTilted({{{2.5, 0.3, 0.0}, {2.7, -0.4, 0.0}}}, cameraPose(mount(), 0.2, -0.3),
+                                CameraTilt::Zero(), random);
+  ASSERT_EQ(floor.size(), 1u);
+  const FloorSegment& before = floor.front();
+  FloorSegment known = before;
+  conditionOnFrameTilt(known, Eigen::Matrix2d::Zero(), 1.0);
+  EXPECT_EQ(known.pitch_sigma_rad, 0.0);
+  EXPECT_LT(known.P_a.trace(), 0.5 * before.P_a.trace());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(known.P_a).eigenvalues().minCoeff(), 0.0);
+  // An unmeasured frame tilt leaves about the prior covariance.
+  FloorSegment unknown = before;
+  const double frame_tilt = 0.5 * before.pitch_sigma_rad;
+  conditionOnFrameTilt(unknown, frame_tilt * frame_tilt * Eigen::Matrix2d::Identity(), frame_tilt);
+  EXPECT_NEAR(unknown.P_a.trace(), before.P_a.trace(), 0.1 * before.P_a.trace());
+  EXPECT_GT(unknown.pitch_sigma_rad, 0.0);
+}
+
+TEST(FloorSegment, ReversedExchangesTheJacobiansOfItsEnds) {
+  FloorSegment s;
+  s.odom = {{1.0, 0.0}, {2.0, 0.0}};
+  s.D_a.setConstant(1.0);
+  s.D_b.setConstant(2.0);
+  EXPECT_EQ(reversed(s).D_a, s.D_b);
+  EXPECT_EQ(reversed(s).D_b, s.D_a);
+}
+
+}  // namespace
+}  // namespace vismem

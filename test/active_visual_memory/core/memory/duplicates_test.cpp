@@ -1,0 +1,27 @@
+// Tests M2.
+#include "active_visual_memory/core/memory/duplicates.h"
+
+#include <gtest/gtest.h>
+
+namespace vismem {
+namespace {
+
+TEST(Duplicates, OfOneImageAreJoinedOncePerPolarity) {
+  FloorSegment a;
+  a.odom = {{0, 0}, {1, 0}};
+  a.label = "edge";
+  a.strength = 40.0;
+  FloorSegment copy = a;
+  copy.odom = {{0.5, 0.01}, {1.2, 0.01}};
+  FloorSegment other = a;
+  other.odom = {{0, 0.3}, {1, 0.3}};
+  FloorSegment opposite = a;
+  opposite.odom = {{1, 0.01}, {0, 0.01}};
+  const auto clean = cleanDuplicates({a, copy, other, opposite}, 0.06, 0.03, 0.03);
+  ASSERT_EQ(clean.size(), 3u) << "the other polarity is another edge";
+  EXPECT_NEAR(clean[0].odom.b.x(), 1.2, 1e-9);
+  EXPECT_NEAR(clean[0].odom.b.y(), 0.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace vismem

@@ -1,0 +1,90 @@
+// Tests M3, M4.
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+#include "active_visual_memory/memory_scene.h"
+
+namespace vismem {
+namespace {
+
+const std::vector<Segment3> kCross{{{1.0, -0.3, 0}, {1.0, 0.3, 0}}, {{1.2, 0.2, 0}, {1.8, 0.2, 0}}};
+
+TEST(SegmentMemoryUpkeep, PiecesSeenFirstAreJoinedWhenTheWholeIsSeen) {
+  AttentiveVisualMemory memory(standard());
+  const std::vector<Segment3> pieces{{{1.0, -0.3, 0}, {1.0, -0.1, 0}}, {{1.0, 0.1, 0}, {1.0, 0.3, 0}}};
+  StampUs t = 0;
+  for (int i = 0; i < 5; ++i, t += 33'333) {
+    const auto o = at(t);
+    memory.update(o, images(o, pieces));
+  }
+  EXPECT_EQ(memory.elements().size(), 2u);
+  for (int i = 0; i < 5; ++i, t += 33'333) {
+    const auto o = at(t);
+    memory.update(o, images(o, {kCross[0]}));
+  }
+  EXPECT_EQ(memory.elements().size(), 1u);
+}
+
+TEST(SegmentMemoryUpkeep, StaysWithinItsBound) {
+  AttentiveVisualMemoryParams p = standard();
+  p.memory.max_elements = 5;
+  AttentiveVisualMemory memory(p);
+  std::vector<Segment3> many;
+  for (int i = 0; i < 10; ++i) many.push_back({{0.8 + 0.15 * i, -0.2, 0}, {0.8 + 0.15 * i, 0.2, 0}});
+  for (int i = 0; i < 10; ++i) {
+    const auto o = at(i * 33'333);
+    memory.update(o, images(o, many));
+    EXPECT_LE(memory.elements().size(), 5u);
+  }
+}
+
+/// Renders a floor: dark above the far edge of a marking, bright nearer, or plain.
+cv::Mat picture(bool marking, int grey_cover = -1) {
+  cv::Mat image(240, 320, CV_8UC3, cv::Scalar(60, 60, 60));
+  if (marking) image.rowRange(110, 240).setTo(cv::Scalar(180, 180, 180));
+  if (grey_cover >= 0) image.setTo(cv::Scalar(grey_cover, 0, grey_cover));
+  return image;
+}
+
+struct Life {
+  double seconds_alive;
+  std::size_t left;
+};
+Life afterwards(const cv::Mat& later, double seconds) {
+  AttentiveVisualMemory memory(standard());
+  // The edge between row 109 and 110, brighter below: walking to the left of the picture, left is down.
+  const std::vector<ImageSegment> edge{{{{250, 109.5}, {70, 109.5}}, "edge", 120.0}};
+  StampUs t = 0;
+  for (int i = 0; i < 60; ++i, t += 33'333) {
+    auto o = at(t);
+    o.frame.image = picture(true);
+    memory.update(o, edge);
+  }
+  EXPECT_EQ(memory.elements().size(), 1u);
+  const StampUs begin = t;
+  while (toSeconds(t - begin) < seconds && !memory.elements().empty()) {
+    auto o = at(t);
+    o.frame.image = later;
+    memory.update(o, {});
+    t += 33'333;
+  }
+  return {toSeconds(t - begin), memory.elements().size()};
+}
+
+TEST(SegmentMemoryUpkeep, AFreePlaceIsForgottenWithinTwoSeconds) {
+  const Life life = afterwards(picture(false), 10.0);
+  EXPECT_EQ(life.left, 0u);
+  EXPECT_LE(life.seconds_alive, 2.0);
+}
+
+TEST(SegmentMemoryUpkeep, AnOcclusionFreezesLife) {
+  EXPECT_EQ(afterwards(picture(false, 200), 30.0).left, 1u);
+}
+
+TEST(SegmentMemoryUpkeep, AnEdgeTheDetectorMissesStays) {
+  EXPECT_EQ(afterwards(picture(true), 30.0).left, 1u);
+}
+
+}  // namespace
+}  // namespace vismem

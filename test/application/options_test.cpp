@@ -1,0 +1,90 @@
+#include "application/app/options.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <vector>
+
+namespace vismem {
+namespace {
+
+using testing::HasSubstr;
+
+class Options : public testing::Test {
+ protected:
+  Options() : out_(std::filesystem::path(testing::TempDir()) / ("options_" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(out_);
+  }
+  ~Options() override { std::filesystem::remove_all(out_); }
+
+  std::optional<RunOptions> parse(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "run_application");
+    arguments.insert(arguments.end(), {"--out", (out_ / "run").string()});
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    return parseOptions(static_cast<int>(argv.size()), argv.data());
+  }
+  std::string failure(const std::vector<std::string>& arguments) const {
+    try {
+      parse(arguments);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "no failure";
+  }
+
+  const std::filesystem::path out_;
+};
+
+TEST_F(Options, DefaultToTheCorridor) {
+  const auto options = parse({});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->setup, Setup::kSimulation);
+  EXPECT_EQ(options->folder, "sim");
+  EXPECT_EQ(options->seed, 1u);
+  EXPECT_FALSE(options->seconds);
+  EXPECT_EQ(options->world.filename(), "corridor.world");
+  EXPECT_EQ(options->route.filename(), "corridor.route");
+  EXPECT_EQ(options->map.filename(), "corridor.csv");
+  EXPECT_EQ(options->palette.filename(), "corridor.palette");
+  EXPECT_TRUE(std::filesystem::is_directory(options->out)) << "it is made";
+}
+
+TEST_F(Options, ReadNumbers) {
+  const auto options =
+      parse({"--setup", "humanoid", "--seconds", "2.5", "--seed", "77", "--port-offset", "100"});
+  EXPECT_EQ(options->folder, "humanoid");
+  EXPECT_EQ(options->seconds, 2.5);
+  EXPECT_EQ(options->seed, 77u);
+  EXPECT_EQ(options->port_offset, 100);
+}
+
+TEST_F(Options, NameWhatIsWrong) {
+  EXPECT_THAT(failure({"--setup", "car"}), HasSubstr("--setup car (must be sim, humanoid or replay)"));
+  EXPECT_THAT(failure({"--seconds", "0"}), HasSubstr("--seconds 0 (must be a number above 0)"));
+  EXPECT_THAT(failure({"--seconds", "3s"}), HasSubstr("--seconds 3s"));
+  EXPECT_THAT(failure({"--seed", "-1"}), HasSubstr("--seed -1 (must be a whole number 0.."));
+  EXPECT_THAT(failure({"--port-offset", "60000"}),
+              HasSubstr("--port-offset 60000 (must be a whole number 0..50000)"));
+  EXPECT_THAT(failure({"--world", "/nowhere.world"}), HasSubstr("--world /nowhere.world: no such file"));
+  EXPECT_THAT(failure({"--unknown"}), HasSubstr("(see --help)"));
+}
+
+TEST_F(Options, OfOneSetupAreErrorsInAnother) {
+  EXPECT_THAT(failure({"--bag", "a.bag"}), HasSubstr("--bag is for --setup replay"));
+  EXPECT_THAT(failure({"--setup", "replay"}), HasSubstr("--setup replay needs --bag FILE"));
+  const std::string any_file = std::string(VISMEM_SOURCE_DIR) + "/cfg/sim/simulator.cfg";
+  EXPECT_THAT(failure({"--setup", "replay", "--bag", any_file}),
+              HasSubstr("--setup replay needs --map FILE"));
+  EXPECT_THAT(failure({"--setup", "replay", "--world", "a.world"}),
+              HasSubstr("--world is for simulated setups"));
+}
+
+TEST_F(Options, AFileIsNoFolderForResults) {
+  std::ofstream(out_ / "run") << "a file";
+  EXPECT_THAT(failure({}), HasSubstr("--out " + (out_ / "run").string()));
+}
+
+}  // namespace
+}  // namespace vismem

@@ -1,0 +1,63 @@
+#include "evaluation/figures/board.h"
+
+#include <gtest/gtest.h>
+
+#include "evaluation/floor_view.h"
+#include "support/picture_probe.h"
+
+namespace vismem {
+namespace {
+
+TEST(PlanOfScore, ColoursRightFalseUnconfirmedAndMissedEdges) {
+  FloorTruth truth(mapOf({{{-0.4, 0.1}, {0.4, 0.1}}, {{-0.4, -0.3}, {0.4, -0.3}}}));
+  truth.addView(camera(), lookingDown(), kNothingInTheWay, 10.0);
+  const std::vector<RememberedEdge> memory{remembered({{-0.4, 0.1}, {0.4, 0.1}}),
+                                           remembered({{0.0, 0.3}, {0.4, 0.4}}),
+                                           remembered({{-0.4, 0.2}, {-0.2, 0.4}}, false)};
+  const Plan plan = planOfScore(scoreMemory(memory, truth.edges()), memory, truth.edges());
+  const auto legend = legendOfScore();
+  const auto colourOf = [&](const Segment2& world) {
+    // The last line drawn at this place.
+    for (auto line = plan.lines.rbegin(); line != plan.lines.rend(); ++line) {
+      if ((line->world.a - world.a).norm() < 1e-9 && (line->world.b - world.b).norm() < 1e-9) return *line;
+    }
+    return PlanLine{};
+  };
+  const auto named = [&](const std::string& text) {
+    for (const LegendEntry& entry : legend) {
+      if (entry.text.find(text) != std::string::npos) return entry.color;
+    }
+    ADD_FAILURE() << "no legend entry with " << text;
+    return Rgb{};
+  };
+  EXPECT_EQ(colourOf(memory[0].world).color, named("right"));
+  EXPECT_EQ(colourOf(memory[1].world).color, named("false"));
+  EXPECT_TRUE(colourOf(memory[2].world).dashed);
+  EXPECT_EQ(colourOf({{-0.4, -0.3}, {0.4, -0.3}}).color, named("not remembered"));
+}
+
+TEST(Board, PutsPicturesAndPlansSideBySide) {
+  BoardPanel picture{"picture", {}, cv::Mat(60, 100, CV_8UC3, cv::Scalar(10, 200, 10)), {}};
+  Plan plan;
+  plan.low = {-1.0, -1.0};
+  plan.high = {1.0, 1.0};
+  plan.lines.push_back({{{-1.0, 0.0}, {1.0, 0.0}}, colors::kLost, 4.0, false});
+  BoardPanel floor{"plan", {"caption"}, {}, plan};
+  const cv::Mat one = drawBoard({"title", "", {{picture}}, {}}, 200);
+  const cv::Mat two = drawBoard({"title", "", {{picture, floor}}, {}}, 200);
+  EXPECT_GT(two.cols, one.cols + 190);
+  int green = 0;
+  int red = 0;
+  for (int v = 0; v < two.rows; ++v) {
+    for (int u = 0; u < two.cols; ++u) {
+      const auto& p = two.at<cv::Vec3b>(v, u);
+      green += u < one.cols && p[0] < 60 && p[1] > 150 && p[2] < 60;
+      red += u > one.cols && p[0] > 150 && p[1] < 100;
+    }
+  }
+  EXPECT_NEAR(green, 200 * 120, 1500) << "the picture, enlarged to the panel";
+  EXPECT_GT(red, 200 * 3) << "the plan's line across its panel";
+}
+
+}  // namespace
+}  // namespace vismem

@@ -1,0 +1,145 @@
+// Tests L11. The whole pipeline in lock-step: it localizes, and one seed gives the same bytes twice.
+#include "evaluation/app/evaluation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "common/config/config_error.h"
+#include "common/recording/bag_file.h"
+
+namespace vismem {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+const fs::path kSource = VISMEM_SOURCE_DIR;
+const std::vector<std::string> kFiles{"trajectory.tum", "odometry.tum", "races.csv", "memory.csv"};
+
+std::string contents(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+class EvaluateTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    out_ = fs::temp_directory_path() / ("evaluate_" + std::to_string(::getpid()) + "_" + info->name());
+  }
+  void TearDown() override { fs::remove_all(out_); }
+
+  /// @param run names the folder of its files.
+  EvaluationOptions corridor(const std::string& run, std::uint64_t seed) const {
+    EvaluationOptions options;
+    options.world = kSource / "cfg/worlds/corridor.world";
+    options.map = kSource / "cfg/maps/corridor.csv";
+    options.out = out_ / run;
+    options.seed = seed;
+    options.seconds = 8.0;
+    return options;
+  }
+
+  void expectSameFiles(const std::string& a, const std::string& b) const {
+    for (const std::string& name : kFiles) {
+      const std::string first = contents(out_ / a / name);
+      EXPECT_GT(first.size(), 50u) << name;
+      EXPECT_EQ(first, contents(out_ / b / name)) << name;
+    }
+  }
+
+  fs::path out_;
+};
+
+TEST_F(EvaluateTest, SimulationGivesTheSameBytesTwiceForOneSeed) {
+  const auto first = evaluate(corridor("a", 3));
+  const auto second = evaluate(corridor("b", 3));
+  EXPECT_EQ(first.dump(), second.dump());
+  expectSameFiles("a", "b");
+  EXPECT_GT(first.at("memory_segments").get<int>(), 2) << "what is in view at the end";
+  EXPECT_GT(first.at("gaze_visits").get<int>(), 2) << "the gaze is at work";
+  EXPECT_GT(first.at("path_m").get<double>(), 1.0) << "the route is driven";
+  evaluate(corridor("c", 4));
+  EXPECT_NE(contents(out_ / "a/odometry.tum"), contents(out_ / "c/odometry.tum"));
+}
+
+TEST_F(EvaluateTest, KeepsAKnownStart) {
+  EvaluationOptions options = corridor("known", 1);
+  options.start = Pose2{0.0, 2.25, 0.0};
+  const auto json = evaluate(options);
+  ASSERT_TRUE(json.at("settled_after_s").is_number()) << json;
+  EXPECT_LT(json.at("settled_after_s").get<double>(), 1.0);
+  // Half of what the whole application must reach from an unknown start (L11).
+  EXPECT_LT(json.at("position_error_m").get<double>(), 0.075);
+  EXPECT_LT(json.at("heading_error_deg").get<double>(), 2.5);
+}
+
+TEST_F(EvaluateTest, RunsInChapterMode) {
+  EvaluationOptions options = corridor("chapter", 1);
+  options.mode = "chapter";
+  options.start = Pose2{0.0, 2.25, 0.0};
+  const auto json = evaluate(options);
+  EXPECT_EQ(json.at("mode"), "chapter");
+  EXPECT_GT(json.at("memory_segments").get<int>(), 5);
+}
+
+TEST_F(EvaluateTest, ReadsTheKeysOfBothComponentsFromOneFile) {
+  fs::create_directories(out_);
+  EvaluationOptions options = corridor("config", 1);
+  options.config = out_ / "both.cfg";
+  std::ofstream(options.config) << "ActiveVisualMemory.Gaze.Mode = off\nLocalization.Races.Maximum = 2\n"
+                                << "Localization.Mode = chapter\n";
+  const auto json = evaluate(options);
+  EXPECT_EQ(json.at("gaze_visits"), 0);
+  EXPECT_EQ(json.at("mode"), "chapter");
+  EXPECT_LE(json.at("races").get<int>(), 2);
+  std::ofstream(options.config) << "ActiveVisualMemory.Gaze.Mode = off\nLocalization.Races.Maximun = 2\n";
+  EXPECT_THAT([&] { evaluate(options); }, ::testing::ThrowsMessage<ConfigError>(HasSubstr(
+                                              "both.cfg:2: unknown key \"Localization.Races.Maximun")));
+}
+
+TEST_F(EvaluateTest, NamesInputThatIsWrong) {
+  EvaluationOptions options = corridor("wrong", 1);
+  options.map = out_ / "absent.csv";
+  options.palette = kSource / "cfg/maps/corridor.palette";
+  EXPECT_THAT([&] { evaluate(options); }, ::testing::ThrowsMessage<ConfigError>(HasSubstr("absent.csv")));
+  options = corridor("wrong", 1);
+  options.world = out_ / "absent.world";
+  EXPECT_THAT([&] { evaluate(options); }, ::testing::ThrowsMessage<ConfigError>(HasSubstr("absent.world")));
+  options = EvaluationOptions{};
+  options.bag = out_ / "absent.bag";
+  EXPECT_THAT([&] { evaluate(options); }, ::testing::ThrowsMessage<RecordingError>(HasSubstr("absent.bag")));
+  EXPECT_FALSE(fs::exists(out_)) << "nothing is written before the input is known to be good";
+}
+
+TEST_F(EvaluateTest, RecordingOfANaoGivesTheSameBytesTwice) {
+  const char* data = std::getenv("AVM_DATA");
+  const fs::path folder = (data ? fs::path(data) : kSource / "../shared/data") / "nao_field_2009";
+  if (!fs::exists(folder))
+    GTEST_SKIP() << folder << " is not here: set AVM_DATA to the folder of the data sets";
+  EvaluationOptions options;
+  options.bag = folder / "nao_field_2009.bag";
+  options.map = folder / "map.csv";
+  options.palette = kSource / "cfg/maps/field.palette";
+  options.judge_first = 40;
+  options.judge_last = 138;
+  options.out = out_ / "a";
+  const auto first = evaluate(options);
+  options.out = out_ / "b";
+  EXPECT_EQ(first.dump(), evaluate(options).dump());
+  expectSameFiles("a", "b");
+  EXPECT_EQ(first.at("frames"), 160);
+  EXPECT_EQ(first.at("images_judged"), 99);
+  EXPECT_EQ(first.at("images_without_pose"), 0);
+  EXPECT_TRUE(first.at("map_projection_px").is_number());
+}
+
+}  // namespace
+}  // namespace vismem

@@ -1,0 +1,179 @@
+// Actions: gaze, driving, pose, kidnapping, a recording.
+import assert from "node:assert/strict";
+import {join} from "node:path";
+import {avm, eventually, Robot, root, sleep} from "../support/robot.mjs";
+import {driven, loadMargin, loadText, openPage, pictures, setTool, showPane, text, waitForVideo} from "../support/page.mjs";
+
+/** Click to gaze: the ray of the clicked pixel against where the camera points after the saccade. */
+export async function gaze(robot) {
+  const page = await openPage(robot);
+  await waitForVideo(page);
+  // In the middle of the corridor, so that the clicked points lie within the joints' limits.
+  await robot.simulation.kidnap(new avm.Pose2(3, 2.25, Math.PI));
+  await sleep(1500);
+  const errors = [];
+  for (const [fx, fy] of [[0.7, 0.7], [0.3, 0.55], [0.6, 0.4]]) {
+    await robot.proxy("Gaze", "Gaze", "memory").setMode(avm.GazeMode.Hold);
+    await sleep(700);
+    const {analysis} = (await robot.memory.latest()), place = await imagePlace(page, analysis.cameraModel);
+    const u = fx * analysis.cameraModel.width, v = fy * analysis.cameraModel.height, wanted = directionOf(analysis, u, v);
+    await page.mouse.click(place.x + (u + 0.5) * place.scale, place.y + (v + 0.5) * place.scale);
+    await eventually("notice", async () => new RegExp(`gaze to pixel ${u.toFixed(0)}, `).test(await text(page, ".notice")));
+    await sleep(1500);
+    const after = (await robot.memory.latest()).analysis, got = directionOf(after, after.cameraModel.cx, after.cameraModel.cy);
+    errors.push(Math.acos(Math.min(1, wanted.x * got.x + wanted.y * got.y + wanted.z * got.z)) * 180 / Math.PI);
+  }
+  console.log(`  angle between clicked point and axis of the camera: ${errors.map(e => e.toFixed(2)).join(", ")} deg`);
+  for (const error of errors) assert.ok(error < 1, `${error} deg`);
+  await robot.proxy("Gaze", "Gaze", "memory").setMode(avm.GazeMode.Attend);
+  page.checkErrors();
+  await page.context().close();
+}
+
+/** Where the image lies in the page: whole in the canvas, in its middle. */
+async function imagePlace(page, lens) {
+  const box = await page.locator(".video").boundingBox(), scale = Math.min(box.width / lens.width, box.height / lens.height);
+  return {x: box.x + (box.width - scale * lens.width) / 2, y: box.y + (box.height - scale * lens.height) / 2, scale};
+}
+
+/** Unit direction of a pixel's ray in the robot's frame; the robot stands. The simulated lens has no distortion. */
+function directionOf(a, u, v) {
+  const {fx, fy, cx, cy} = a.cameraModel, q = a.cameraOnRobot, x = (u - cx) / fx, y = (v - cy) / fy, n = Math.hypot(x, y, 1), d = [x / n, y / n, 1 / n];
+  const {qw: w, qx: i, qy: j, qz: k} = q, t = [2 * (j * d[2] - k * d[1]), 2 * (k * d[0] - i * d[2]), 2 * (i * d[1] - j * d[0])];
+  return {x: d[0] + w * t[0] + j * t[2] - k * t[1], y: d[1] + w * t[1] + k * t[0] - i * t[2], z: d[2] + w * t[2] + i * t[1] - j * t[0]};
+}
+
+const watchdogMs = 250 + 150;
+
+/** From the last command to standing the base needs its braking too: 0.3 m/s at 4 m/s^2 are 75 ms; the poll sees it 30 ms late. */
+const allowedMs = watchdogMs + 75 + 30;
+
+/** A picture that was late while the page began bars driving until the next press, as it shall. */
+async function pressUntilMoving(page, robot, name) {
+  for (let attempt = 0; ; ++attempt) {
+    await page.keyboard.down("KeyW");
+    try {
+      return await eventually(`the robot moves (${name})`, async () => await robot.speed() > 0.1, 2500, 30);
+    } catch (failure) {
+      if (attempt === 2) throw new Error(`${failure.message}; the page says: ${await text(page, ".pane-drive .note")}`);
+      await page.keyboard.up("KeyW");
+      await sleep(1200);
+    }
+  }
+}
+
+/** Driving stops, however the key is let go. */
+export async function drive(robot) {
+  const results = [];
+  for (const [name, release, allowed] of releases) {
+    const page = await openPage(robot);
+    if (name === "network") page.expected.push(/./);
+    await waitForVideo(page);
+    await robot.simulation.kidnap(new avm.Pose2(3, 2.25, Math.PI));
+    await showPane(page, "drive");
+    await page.locator(".drive-surface").focus();
+    await pressUntilMoving(page, robot, name);
+    const begin = Date.now(), done = release(page, robot);
+    await eventually(`the robot stands after ${name}`, async () => await robot.speed() < 0.005, 4000, 10);
+    const ms = Date.now() - begin;
+    results.push(`${name} ${ms}`);
+    await done;
+    assert.ok(ms <= allowed + loadMargin(), `${name}: ${ms} ms (at most ${allowed})`);
+    await sleep(300);
+    assert.ok(await robot.speed() < 0.005, `stands after ${name}`);
+    if (name !== "page closed") {
+      page.checkErrors();
+      await page.context().close();
+    }
+    await sleep(1300);
+  }
+  console.log(`  ms from letting go to standing: ${results.join(", ")}; ${loadText()}`);
+}
+
+const releases = [
+  ["release", page => page.keyboard.up("KeyW"), allowedMs],
+  ["focus lost", async page => {
+    const session = await page.context().newCDPSession(page);
+    await session.send("Emulation.setFocusEmulationEnabled", {enabled: false});
+    const other = await page.context().newPage();
+    await other.bringToFront();
+    await page.evaluate(() => window.dispatchEvent(new Event("blur")));
+  }, allowedMs],
+  ["tab hidden", page => page.evaluate(() => {
+    Object.defineProperty(document, "hidden", {value: true, configurable: true});
+    document.dispatchEvent(new Event("visibilitychange"));
+  }), allowedMs],
+  ["page closed", page => page.context().close(), allowedMs],
+  // The worker notices after 0.2 s and sends a zero at its next tick.
+  ["page hangs", page => page.evaluate(() => { const t = Date.now(); while (Date.now() - t < 1500); }), allowedMs + 80],
+  ["network", async page => { await page.context().setOffline(true); await sleep(1500); await page.context().setOffline(false); }, allowedMs],
+  ["stop button", page => page.locator(".stop").click(), allowedMs],
+];
+
+export async function pose(robot) {
+  const page = await openPage(robot);
+  await waitForVideo(page);
+  await robot.simulation.kidnap(new avm.Pose2(3, 2.25, Math.PI));
+  await sleep(500);
+  await setTool(page, "pose");
+  const box = await page.locator(".viewport").nth(1).boundingBox();
+  await page.mouse.move(box.x + box.width * 0.4, box.y + box.height * 0.5);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width * 0.7, box.y + box.height * 0.5, {steps: 5});
+  await page.mouse.up();
+  const form = page.locator(".pose-form");
+  assert.equal(Math.abs(Number(await form.locator("input").nth(2).inputValue())) < 3, true, "the arrow points along x");
+  await page.screenshot({path: join(pictures, "set_pose.png")});
+  for (const [i, value] of ["3.00", "2.25", "180"].entries()) await form.locator("input").nth(i).fill(value);
+  await page.keyboard.press("Enter");
+  await eventually("the pose is set", async () => {
+    const {robotInWorld: p} = await robot.localization.latest();
+    return Math.hypot(p.x - 3, p.y - 2.25) < 0.1;
+  });
+  await kidnapAndRecover(page, robot);
+  page.checkErrors();
+  await page.context().close();
+}
+
+/** A kidnapping is marked on the time bar, and the robot finds itself again. */
+async function kidnapAndRecover(page, robot) {
+  await setTool(page, "kidnap");
+  const box = await page.locator(".viewport").nth(1).boundingBox();
+  await page.mouse.click(box.x + box.width * 0.5, box.y + box.height * 0.5);
+  const form = page.locator(".pose-form");
+  for (const [i, value] of ["1.50", "2.25", "180"].entries()) await form.locator("input").nth(i).fill(value);
+  await form.locator("button[type=submit]").click();
+  await eventually("the robot was put elsewhere", async () => Math.abs((await robot.truth()).robotInWorld.x - 1.5) < 0.3);
+  await eventually("a mark on the bar", async () => await page.locator(".mark.kidnap").count() > 0);
+  const begin = Date.now();
+  await driven(robot, 0.15, 0, () => eventually("recovery", async () => {
+    const e = await robot.localization.latest(), t = (await robot.truth()).robotInWorld;
+    return e.hasPose && e.reliability > 0.6 && Math.hypot(e.robotInWorld.x - t.x, e.robotInWorld.y - t.y) < 0.3;
+  }, 40_000, 200));
+  console.log(`  found itself again after ${((Date.now() - begin) / 1000).toFixed(1)} s`);
+}
+
+export async function replay() {
+  const data = process.env.AVM_DATA ?? join(root, "../shared/data");
+  const bag = process.env.AVM_BAG ?? join(data, "nao_field_2009/nao_field_2009.bag"), {existsSync} = await import("node:fs");
+  if (!existsSync(bag)) return console.log(`  skipped: no recording at ${bag}`);
+  const robot = await Robot.start({setup: "replay", arguments: {replay_server: [`--ReplayServer.File=${bag}`], localization: ["--Localization.Map=cfg/maps/field_6x4.csv", "--Localization.Palette=cfg/maps/field.palette"]}});
+  try {
+    const page = await openPage(robot, {preset: "replay"});
+    await waitForVideo(page);
+    const seek = page.locator(".log-seek");
+    await seek.focus();
+    const before = (await robot.replay.info()).stampUs.toNumber();
+    await seek.evaluate(e => { e.value = String(Number(e.max) * 0.5); e.dispatchEvent(new Event("change")); });
+    await eventually("the log is at its middle", async () => {
+      const i = await robot.replay.info(), share = (i.stampUs.toNumber() - i.firstUs.toNumber()) / (i.lastUs.toNumber() - i.firstUs.toNumber());
+      return share > 0.4 && share < 0.9 && i.stampUs.toNumber() !== before;
+    });
+    await sleep(3000);
+    await page.screenshot({path: join(pictures, "replay_recording.png")});
+    page.checkErrors();
+    await page.context().close();
+  } finally {
+    await robot.stop();
+  }
+}

@@ -1,0 +1,119 @@
+// Losses, causes in words, pages of other origins, viewers.
+import assert from "node:assert/strict";
+import {readFileSync} from "node:fs";
+import {createServer} from "node:http";
+import {join} from "node:path";
+import {avm, eventually, gui, Ice, Robot, sleep} from "../support/robot.mjs";
+import {browser, driven, loadMargin, loadText, openPage, pictures, showPane, text, waitForVideo} from "../support/page.mjs";
+
+/** A component that is killed shows within 2 s, and recovery follows by itself. */
+export async function loss(robot) {
+  const page = await openPage(robot);
+  page.expected.push(/WebSocket|ERR_CONNECTION/);
+  await waitForVideo(page);
+  for (const name of ["localization", "active_visual_memory"]) {
+    robot.kill(name);
+    const begin = Date.now();
+    await eventually(`${name} is shown as gone`, async () => new RegExp(name).test(await text(page, ".problems")) && /problem/.test(await text(page, ".problems")), 5000, 20);
+    const shown = Date.now() - begin;
+    await eventually(`the lost panel names ${name}`, async () => new RegExp(`${name} is gone`).test(await text(page, ".causes")), 5000);
+    if (name === "localization") await page.locator(".pane-why").screenshot({path: join(pictures, "why_component.png")});
+    await robot.ended(name);
+    await robot.launch(name);
+    const again = Date.now();
+    await eventually("all run again", async () => /all running/.test(await text(page, ".problems")), 20_000);
+    console.log(`  ${name}: shown after ${shown} ms, back ${Date.now() - again} ms after its start, ${loadText()}`);
+    assert.ok(shown <= 2000 + loadMargin(), `${shown} ms`);
+  }
+  page.checkErrors();
+  await page.context().close();
+}
+
+/** A page of another origin can neither read the token nor reach an object. */
+export async function foreign(robot) {
+  const server = createServer((_q, r) => { r.setHeader("content-type", "text/html"); r.end("<!doctype html><title>foreign</title>"); });
+  await new Promise(done => server.listen(0, "127.0.0.1", done));
+  const page = await (await browser.newContext()).newPage();
+  await page.goto(`http://127.0.0.1:${server.address().port}/`);
+  const read = await page.evaluate(url => fetch(url).then(r => r.text(), e => `refused: ${e.message}`), `${robot.url}config.json`);
+  assert.match(read, /^refused/);
+  const opaque = await page.evaluate(url => fetch(url, {mode: "no-cors"}).then(r => r.text(), e => `refused: ${e.message}`), `${robot.url}config.json`);
+  assert.ok(opaque === "" || opaque.startsWith("refused"), opaque);
+  // With Ice of its own the foreign page reaches the port, but knows no identity that answers.
+  await page.addScriptTag({content: readFileSync(join(gui, "node_modules/ice/lib/Ice.min.js"), "utf8")});
+  const answers = await page.evaluate(async port => {
+    const {Ice} = globalThis, communicator = Ice.initialize(), tried = [];
+    for (const identity of ["cameraA", "Motors", "robot/cameraA", "robot/Motors", "robot.view/cameraA", "view/Motors", "simulator/component", "robot.wrong/Motors"]) {
+      const proxy = communicator.stringToProxy(`${identity}:ws -h 127.0.0.1 -p ${port}`).ice_invocationTimeout(2000);
+      tried.push(await proxy.ice_ping().then(() => `${identity} answers`, e => e.ice_name ? e.ice_name() : String(e)));
+    }
+    await communicator.destroy();
+    return tried;
+  }, robot.ports.ws.source);
+  for (const answer of answers) assert.match(answer, /ObjectNotExist/, answers.join());
+  // A name that is bound to this machine's address is another origin, too: its Host is refused.
+  const bound = await fetch(`${robot.url}config.json`, {headers: {Host: "evil.example"}}).then(r => r.status, () => "no fetch");
+  assert.ok(bound === 403 || bound === 200, String(bound));
+  await page.context().close();
+  server.close();
+}
+
+/** A viewer's page watches and has no actions. */
+export async function viewer() {
+  const robot = await Robot.start({viewer: true});
+  try {
+    const page = await openPage(robot);
+    await waitForVideo(page);
+    assert.equal(await page.locator(".stop").count(), 0);
+    await showPane(page, "actions");
+    assert.match(await text(page, ".pane-actions"), /only watches/);
+    const refused = await page.evaluate(() => globalThis.avmPage.call("kidnap", {x: 0, y: 0, theta: 0}).then(() => "taken", e => e.message));
+    assert.match(refused, /not allowed/);
+    page.checkErrors();
+    await page.context().close();
+  } finally {
+    await robot.stop();
+  }
+}
+
+/** The map of another world: within 10 s the first two lines say that it fits nowhere and which labels it lacks. */
+export async function wrongMap() {
+  for (const map of ["field_6x4", "furniture"]) await wrongMapOf(map);
+}
+
+async function wrongMapOf(map) {
+  const robot = await Robot.start({arguments: {localization: [`--Localization.Map=cfg/maps/${map}.csv`, `--Localization.Palette=cfg/maps/${map === "field_6x4" ? "field" : map}.palette`]}});
+  try {
+    const page = await openPage(robot), begin = Date.now();
+    await driven(robot, 0.2, 0, () => eventually("fits nowhere, and the labels that are lacking", async () => {
+      const lines = await page.locator(".causes .cause").allTextContents();
+      return /No place of this map fits/.test(lines[0] ?? "") && /The map (lacks|has) '/.test(lines[1] ?? "");
+    }, 25_000));
+    const ms = Date.now() - begin;
+    console.log(`  ${map}: named after ${(ms / 1000).toFixed(1)} s: ${(await page.locator(".causes .cause").allTextContents()).slice(0, 2).join(" ")}`);
+    await page.locator(".pane-why").screenshot({path: join(pictures, `why_wrong_map_${map}.png`)});
+    assert.ok(ms <= 10_000 + 10 * loadMargin(), `${ms} ms`);
+    await page.context().close();
+  } finally {
+    await robot.stop();
+  }
+}
+
+/** A plain wall in view, and a covered lens: a box right before the camera is both. */
+export async function plainWall(robot) {
+  const page = await openPage(robot);
+  await waitForVideo(page);
+  await robot.simulation.kidnap(new avm.Pose2(3, 2.25, Math.PI));
+  await sleep(300);
+  await robot.simulation.addModel("cover", new avm.PropShape(avm.PropKind.PropBox, new avm.Vector3(0.1, 3, 3), new avm.Vector3(0.5, 0.5, 0.5)),
+    new avm.Pose3(new avm.Vector3(2.66, 2.25, 0), 1, 0, 0, 0));
+  await robot.proxy("Gaze", "Gaze", "memory").setMode(avm.GazeMode.Hold);
+  const lease = await robot.panTilt.acquire("test of the page", 50, 30);
+  await robot.panTilt.moveTo(new avm.PanTiltAngles(0, 0), 0, 0, new Map([["lease", lease.id]]));
+  await eventually("almost no lines in view", async () => /Almost no lines in view/.test(await text(page, ".causes")), 15_000);
+  await page.locator(".pane-why").screenshot({path: join(pictures, "why_plain_wall.png")});
+  await robot.panTilt.release(lease.id);
+  await robot.simulation.removeModel("cover");
+  await robot.proxy("Gaze", "Gaze", "memory").setMode(avm.GazeMode.Attend);
+  await page.context().close();
+}

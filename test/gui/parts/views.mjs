@@ -1,0 +1,220 @@
+// Views: layout, accessibility, every pane, rates, time travel, keyboard, size.
+import assert from "node:assert/strict";
+import {readFileSync} from "node:fs";
+import {createRequire} from "node:module";
+import {join} from "node:path";
+import {avm, eventually, gui, Ice, sleep} from "../support/robot.mjs";
+import {driven, loadText, longRun, median, openPage, pictures, showPane, text, waitForVideo} from "../support/page.mjs";
+
+const axe = readFileSync(createRequire(join(gui, "package.json")).resolve("axe-core/axe.min.js"), "utf8");
+
+export async function looks(robot) {
+  const started = Date.now(), page = await openPage(robot);
+  await waitForVideo(page);
+  const firstImage = Date.now() - started;
+  await eventually("segments", async () => /\d+ segments/.test(await text(page, ".stage .stamp")));
+  console.log(`  first image ${firstImage} ms, every view ${Date.now() - started} ms after navigation, ${loadText()}`);
+  await driven(robot, 0.25, 0, () => sleep(9000));
+  for (const [preset, theme] of [["watch", "dark"], ["tune", "dark"], ["replay", "dark"], ["watch", "light"]]) {
+    await page.locator(`.presets button:has-text("${preset}")`).click();
+    await page.evaluate(theme => { if (document.documentElement.dataset.theme !== theme) [...document.querySelectorAll("button")].find(b => b.textContent === "theme").click(); }, theme);
+    for (const [width, height] of [[1280, 800], [1024, 768]]) {
+      await page.setViewportSize({width, height});
+      await sleep(900);
+      await checkLayout(page, `${preset} ${theme} ${width}x${height}`);
+      if (width === 1280) await page.screenshot({path: join(pictures, theme === "dark" ? `${preset}.png` : `${preset}_${theme}.png`)});
+    }
+    await checkAccessible(page, `${preset} ${theme}`);
+  }
+  page.checkErrors();
+  await page.context().close();
+}
+
+/** Nothing overlaps: bars, groups and controls of one toolbar lie beside each other, inside the page. */
+async function checkLayout(page, what) {
+  // After a change of size the panes take their places within some frames.
+  let problems = [];
+  await eventually(`no overlap: ${what}`, async () => (problems = await layoutProblems(page)).length === 0, 4000, 200).catch(() => {});
+  assert.deepEqual(problems, [], what);
+}
+
+function layoutProblems(page) {
+  return page.evaluate(() => {
+    const found = [], box = e => e.getBoundingClientRect(), name = e => `${e.className} ${e.textContent.slice(0, 20)}`;
+    const overlap = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
+    const sets = [[...document.querySelectorAll(".top-bar, .dock, .time-bar")], [...document.querySelectorAll(".dv-groupview")], [...document.querySelector(".top-bar").children],
+      [...document.querySelector(".time-bar").children], ...[...document.querySelectorAll(".setting")].map(s => [...s.children]), ...[...document.querySelectorAll(".toolbar")].map(t => [...t.children])];
+    for (const set of sets) {
+      const shown = set.filter(e => box(e).width > 0 && box(e).height > 0 && getComputedStyle(e).visibility !== "hidden");
+      shown.forEach((a, i) => shown.slice(i + 1).forEach(b => { if (overlap(box(a), box(b))) found.push(`${name(a)} over ${name(b)}`); }));
+      for (const e of shown) if (!e.closest(".scroll") && (box(e).right > innerWidth + 1 || box(e).bottom > innerHeight + 1)) found.push(`${name(e)} leaves the page`);
+    }
+    return found;
+  });
+}
+
+async function checkAccessible(page, what) {
+  await page.evaluate(axe);
+  const {violations} = await page.evaluate(() => globalThis.axe.run(document, {runOnly: ["wcag2a", "wcag2aa", "wcag21aa", "wcag22aa"]}));
+  const serious = violations.filter(v => v.impact === "serious" || v.impact === "critical").map(v => `${v.id}: ${v.nodes.slice(0, 4).map(n => `${n.html.slice(0, 140)} ${n.failureSummary.slice(0, 160)}`).join(" | ")}`);
+  assert.deepEqual(serious, [], what);
+}
+
+export async function panes(robot) {
+  const page = await openPage(robot);
+  await waitForVideo(page);
+  await driven(robot, 0.2, 0.1, async () => {
+    await sleep(4000);
+    for (const title of ["attention", "drive", "actions", "why"]) {
+      await showPane(page, title);
+      await sleep(700);
+      await page.locator(`.pane-${title}`).screenshot({path: join(pictures, `${title}.png`)});
+    }
+    await checkSelection(page);
+    for (const title of ["components", "log", "settings", "plots"]) {
+      await showPane(page, title);
+      await sleep(1300);
+      if (title === "components") await page.locator(".component summary").nth(1).click();
+      await sleep(200);
+      await page.locator(`.pane-${title}`).screenshot({path: join(pictures, `${title}.png`)});
+    }
+  });
+  assert.match(await text(page, ".plot figcaption"), /error [\d.]+/, "the plot of the position error has values");
+  await showPane(page, "log");
+  assert.match(await text(page, ".log"), /configuration/, "the log of the components");
+  await showPane(page, "settings");
+  await checkSetting(page, robot);
+  await showPane(page, "why");
+  await page.locator(".pane-why button:has-text('show')").click();
+  await eventually("health map", async () => /best 0\.\d+ at/.test(await page.locator(".pane-why .note").textContent()), 30_000);
+  await sleep(500);
+  await page.locator(".pane-world").screenshot({path: join(pictures, "health_map.png")});
+  page.checkErrors();
+  await page.context().close();
+}
+
+/** Clicking a segment of the top view shows all that is known of it. */
+async function checkSelection(page) {
+  await showPane(page, "details");
+  const box = await page.locator(".viewport").nth(1).boundingBox();
+  let kind = "";
+  for (let k = 0; k < 60 && !/segment/.test(kind); ++k) {
+    await page.mouse.click(box.x + box.width * (0.1 + 0.8 * ((k * 7) % 60) / 60), box.y + box.height * (0.15 + 0.7 * k / 60));
+    await sleep(60);
+    kind = await text(page, ".pane-details .toolbar b");
+  }
+  assert.match(kind, /segment \d+|map \d+|attention|race/, "something was selected");
+  await sleep(1300);
+  await page.locator(".pane-details").screenshot({path: join(pictures, "details.png")});
+}
+
+async function checkSetting(page, robot) {
+  const field = await eventually("parameters", async () => await page.locator("input[type=number][aria-label^='Overlay.Rate_hz']").count() > 0 && page.locator("input[type=number][aria-label^='Overlay.Rate_hz']"));
+  await field.fill("7");
+  await field.press("Enter");
+  const component = robot.proxy("Component", "active_visual_memory/component", "memory");
+  await eventually("the component has the value", async () => (await component.parameters()).find(p => p.name === "Overlay.Rate_hz").value === 7);
+}
+
+/** Video and scene rates: printed, and held to half of what the issue asks for unless the long run is asked for. */
+export async function rates(robot) {
+  const page = await openPage(robot), video = [], scene = [], seconds = longRun ? 20 : 6;
+  await waitForVideo(page);
+  await driven(robot, 0.2, 0.1, async () => {
+    for (let run = 0; run < 3; ++run) {
+      const count = () => page.evaluate(() => Number(document.querySelector(".world-canvas").dataset.renders));
+      const before = await count(), fps = [], begin = Date.now();
+      while (Date.now() - begin < seconds * 1000) {
+        await sleep(1000);
+        fps.push(Number((await text(page, ".top-bar .link")).match(/(\d+)(?: of \d+)? fps/)?.[1] ?? 0));
+      }
+      scene.push((await count() - before) / ((Date.now() - begin) / 1000));
+      video.push(median(fps));
+    }
+  });
+  console.log(`  video ${video.join(", ")} fps, scene ${scene.map(s => s.toFixed(1)).join(", ")} Hz in runs of ${seconds} s, ${loadText()}`);
+  if (longRun) {
+    assert.ok(median(video) >= 25, `${median(video)} fps`);
+    assert.ok(median(scene) >= 10, `${median(scene)} Hz`);
+  } else {
+    assert.ok(median(video) > 5 && median(scene) > 2, "pictures and scene go on");
+  }
+  page.checkErrors();
+  await page.context().close();
+}
+
+/** A moment of the past: the image is the one that the camera gave with that stamp, pose and segments are of that time. */
+export async function timeTravel(robot) {
+  const page = await openPage(robot), seen = new Map();
+  await waitForVideo(page);
+  const hash = bytes => { let h = 0x811c9dc5; for (const b of bytes) h = Math.imul(h ^ b, 0x01000193); return h >>> 0; };
+  await driven(robot, 0.2, 0.2, async () => {
+    const end = Date.now() + 6000;
+    let frame = new Ice.Long(0xffffffff, 0xffffffff), revision = new Ice.Long(0, 0);
+    const images = (async () => { while (Date.now() < end) { const r = await robot.camera.getNext("JPEG", frame); if (r.state === avm.SourceState.Running) { frame = r.image.seq; seen.set(`image ${r.image.stampUs.toNumber()}`, hash(r.image.pixels)); } } })();
+    while (Date.now() < end) {
+      const {state, update} = await robot.memory.next(revision);
+      if (state !== avm.SourceState.Running) continue;
+      revision = update.snapshot.revision;
+      seen.set(`memory ${update.snapshot.stampUs.toNumber()}`, {n: update.snapshot.segments.length, pose: update.snapshot.robotInOdom});
+    }
+    await images;
+  });
+  await page.locator(".time-bar button:has-text('pause')").click();
+  let compared = 0;
+  // On a busy machine it takes some steps to get back to where this test was looking.
+  for (let k = 0; k < 20 && compared < 6; ++k) {
+    await page.locator(".time-bar button:has-text('-1')").click();
+    await sleep(700);
+    const moment = await page.evaluate(() => { const m = globalThis.avmPage.moment(); return {live: m.live, frame: m.frame, memory: m.memory && {stampUs: m.memory.stampUs, n: m.memory.ids.length, pose: m.memory.robot}}; });
+    assert.equal(moment.live, false);
+    const image = seen.get(`image ${moment.frame.stampUs}`), memory = seen.get(`memory ${moment.memory.stampUs}`);
+    if (image !== undefined) { assert.equal(moment.frame.hash, image, "the image of that stamp"); ++compared; }
+    if (memory !== undefined) {
+      assert.equal(moment.memory.n, memory.n);
+      assert.deepEqual(moment.memory.pose, {x: memory.pose.x, y: memory.pose.y, theta: memory.pose.theta});
+      ++compared;
+    }
+  }
+  assert.ok(compared >= 3, `${compared} moments compared`);
+  assert.match(await text(page, ".mode"), /PAST/);
+  await page.screenshot({path: join(pictures, "past.png")});
+  await page.locator(".time-bar button:has-text('live')").click();
+  await eventually("live again", async () => /LIVE/.test(await text(page, ".mode")));
+  page.checkErrors();
+  await page.context().close();
+}
+
+/** The keyboard alone: tabs, overlays, presets, driving. */
+export async function keyboard(robot) {
+  const page = await openPage(robot);
+  await waitForVideo(page);
+  const reached = new Set();
+  for (let i = 0; i < 90; ++i) {
+    await page.keyboard.press("Tab");
+    reached.add(await page.evaluate(() => { const e = document.activeElement; return `${e.getAttribute("role") ?? e.tagName.toLowerCase()}:${(e.getAttribute("aria-label") ?? e.textContent ?? "").slice(0, 30)}`; }));
+  }
+  for (const wanted of [/STOP/, /watch/, /panes/, /theme/, /observed/, /tab:/, /3-D scene/, /map from above/, /moment shown/, /pause/])
+    assert.ok([...reached].some(r => wanted.test(r)), `Tab reaches ${wanted}: ${[...reached].join("; ")}`);
+  await page.keyboard.press("p");
+  await eventually("P pauses", async () => /PAST/.test(await text(page, ".mode")));
+  await page.keyboard.press("l");
+  await eventually("L goes live", async () => /LIVE/.test(await text(page, ".mode")));
+  page.checkErrors();
+  await page.context().close();
+}
+
+/** Bytes that the browser fetches, compressed. */
+export async function bundle(robot) {
+  const {gzipSync} = await import("node:zlib");
+  const page = await openPage(robot);
+  await waitForVideo(page);
+  const names = await page.evaluate(() => performance.getEntriesByType("resource").map(r => r.name));
+  let total = 0;
+  for (const name of new Set([...names.filter(n => n.startsWith(robot.url) && !n.endsWith(".json")), robot.url])) total += gzipSync(Buffer.from(await (await fetch(name)).arrayBuffer()), {level: 9}).length;
+  const worker = await page.evaluate(() => performance.getEntriesByType("resource").some(r => r.name.includes("worker")));
+  if (!worker) for (const match of (await (await fetch(names.find(n => /index.*js$/.test(n)))).text()).matchAll(/worker-[\w-]+\.js/g)) { total += gzipSync(Buffer.from(await (await fetch(`${robot.url}assets/${match[0]}`)).arrayBuffer()), {level: 9}).length; break; }
+  console.log(`  ${Math.round(total / 1000)} kB compressed`);
+  assert.ok(total < 500_000, `${total} bytes`);
+  await page.context().close();
+}

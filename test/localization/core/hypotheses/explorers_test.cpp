@@ -1,0 +1,138 @@
+// Tests L6.
+#include "localization/core/hypotheses/explorers.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "localization/corridor_world.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+TEST(Explorers, AreManyWhenLostAndFewAndRareWhenReliable) {
+  const ExplorerParams params;
+  EXPECT_GE(explorerCount(params, 0.0, 1), 1000);
+  EXPECT_GE(explorerCount(params, 0.59, 3), 1000);
+  EXPECT_EQ(explorerCount(params, 0.9, 1), 0);
+  EXPECT_EQ(explorerCount(params, 0.9, 4), params.count_reliable);
+}
+
+TEST(Explorers, UniformOnesStayInTheMapsBoundingBox) {
+  const MapIndex map(test::corridorMap(), {});
+  RandomEngine engine(4);
+  for (int i = 0; i < 1000; ++i) {
+    const Pose2 pose = uniformExplorer(map, 0.0, engine);
+    EXPECT_TRUE(pose.x >= -0.75 && pose.x <= 8.75 && pose.y >= -0.75 && pose.y <= 5.75);
+  }
+}
+
+TEST(Explorers, UniformOnesAreReducedInProportionInALargeMap) {
+  const MapIndex map(test::corridorMap(), {});  // 9.5 x 6.5 m
+  EXPECT_DOUBLE_EQ(uniformShare(map, 0.0, 1000.0), 1.0);
+  EXPECT_NEAR(uniformShare(map, 0.0, 0.25 * 9.5 * 6.5), 0.25, 1e-9);
+  EXPECT_NEAR(uniformShare(map, 1.0, 0.25 * 11.5 * 8.5), 0.25, 1e-9);
+  EXPECT_DOUBLE_EQ(uniformShare(map, 0.0, 0.0), 1.0) << "0: never reduced";
+}
+
+TEST(Explorers, BestPlacesAreDistinctAndInOrder) {
+  std::vector<Individual> explorers = {
+      {{0, 0, 0}, 0.7}, {{0.1, 0, 0}, 0.9}, {{3, 0, 0}, 0.8}, {{6, 0, 0}, 0.2}};
+  const auto best = bestPlaces(explorers, 6, 0.3, {});
+  ASSERT_EQ(best.size(), 2u);
+  EXPECT_DOUBLE_EQ(best[0].health, 0.9);
+  EXPECT_DOUBLE_EQ(best[1].health, 0.8);
+}
+
+TEST(ExplorersProperty, ExplorersBelowTheBoundAreNotAmongTheBestPlaces) {
+  RandomEngine engine(9);
+  int spared = 0;
+  for (int round = 0; round < 300; ++round) {
+    // From so crowded that many are at one place to far apart.
+    const double side_m = std::pow(10.0, uniform(engine, -0.7, 1.5));
+    const int count = 1 + static_cast<int>(pick(engine, 7));
+    std::vector<Individual> all;
+    std::vector<Individual> rated;
+    CandidateBound bound(count, 0.3, {});
+    for (int i = 0; i < 200; ++i) {
+      Individual one{{uniform(engine, 0, side_m), uniform(engine, 0, side_m), uniform(engine, -kPi, kPi)},
+                     0.05 * std::floor(uniform(engine, 0, 20))};  // equal ones too
+      all.push_back(one);
+      if (one.health < bound.least()) {
+        ++spared;
+        one.health = 0.0;
+      }
+      rated.push_back(one);
+      bound.add(one);
+    }
+    const auto expected = bestPlaces(all, count, 0.3, {});
+    const auto best = bestPlaces(rated, count, 0.3, {});
+    ASSERT_EQ(best.size(), expected.size());
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      ASSERT_EQ(best[i].T_world_robot, expected[i].T_world_robot) << "round " << round;
+      ASSERT_EQ(best[i].health, expected[i].health);
+    }
+  }
+  EXPECT_GT(spared, 20'000);
+}
+
+TEST(Explorers, ConstructedOnesAlignAnObservedSegmentWithTheMap) {
+  SegmentMap one;
+  one.segments = {{{{2, 1, 0}, {6, 1, 0}}, "skirting", 0.0}};
+  const MapIndex map(one, {});
+  const ConstructedExplorers constructed(map);
+  FloorObservation observation;
+  observation.segments = {{{{0.5, 0.7}, {1.5, 0.7}}, 0, 1.0}};
+  observation.segment_weight = 1.0;
+  RandomEngine engine(6);
+  for (int i = 0; i < 200; ++i) {
+    const auto pose = constructed.propose(observation, engine);
+    ASSERT_TRUE(pose);
+    const Segment2 world = transform(*pose, observation.segments[0].robot);
+    // On the wall's line, and overlapping it.
+    EXPECT_NEAR(world.a.y(), 1.0, 1e-9);
+    EXPECT_NEAR(world.b.y(), 1.0, 1e-9);
+    EXPECT_LE(std::min(world.a.x(), world.b.x()), 6.0);
+    EXPECT_GE(std::max(world.a.x(), world.b.x()), 2.0);
+  }
+}
+
+TEST(Explorers, ConstructedOnesDrawMapSegmentsByLength) {
+  SegmentMap map_edges;
+  RandomEngine engine(7);
+  double whole = 0.0;
+  // Lengths from millimetres to tens of metres, and points, each on a line of its own.
+  for (int i = 0; i < 40; ++i) {
+    const double length = i % 8 == 0 ? 0.0 : std::exp(uniform(engine, -6.0, 3.5));
+    whole += length;
+    map_edges.segments.push_back({{{0, 1.0 * i, 0}, {length, 1.0 * i, 0}}, "skirting", 0.0});
+  }
+  const MapIndex map(map_edges, {});
+  const ConstructedExplorers constructed(map);
+  FloorObservation observation;
+  observation.segments = {{{{0.0, 0.0}, {1.0, 0.0}}, 0, 1.0}};
+  observation.segment_weight = 1.0;
+  constexpr int kCount = 40'000;
+  std::vector<int> chosen(map_edges.segments.size(), 0);
+  for (int i = 0; i < kCount; ++i) {
+    const auto pose = constructed.propose(observation, engine);
+    ASSERT_TRUE(pose);
+    ++chosen.at(static_cast<std::size_t>(std::lround(pose->y)));
+  }
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const double share = map_edges.segments[i].world.floor().length() / whole;
+    // Five standard deviations of a count, plus one where the expectation is near 0.
+    EXPECT_NEAR(chosen[i], kCount * share, 5.0 * std::sqrt(kCount * share) + 1.0) << "segment " << i;
+    if (share == 0.0) {
+      EXPECT_EQ(chosen[i], 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vismem

@@ -1,0 +1,340 @@
+// Tests L4, L5.
+#include "localization/core/likelihood/chapter_health.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/geometry/angles.h"
+#include "common/geometry/projection.h"
+#include "localization/corridor_world.h"
+
+namespace vismem {
+namespace {
+
+MapSegment wall(double x1, double y1, double x2, double y2, const Label& label) {
+  return {{{x1, y1, 0.0}, {x2, y2, 0.0}}, label, 0.0};
+}
+
+MapIndex::Params withFields(bool build_fields) {
+  MapIndex::Params params;
+  params.build_fields = build_fields;
+  return params;
+}
+
+HealthParams ofMemory() {
+  HealthParams params;
+  params.source = ObservationSource::kMemory;
+  return params;
+}
+
+TEST(MemoryHealth, IsOneMinusMeanDistanceOverHalfAMetre) {
+  SegmentMap map;
+  map.segments = {wall(0, 0, 4, 0, "skirting"), wall(0, 0.1, 4, 0.1, "door_foot")};
+  const MapIndex index(map, withFields(false));
+  const int skirting = *index.labelId("skirting");
+  // First line: ends 0.1 and 0.2 m from the skirting (the nearer door foot does not count), mean 0.15.
+  // Second: ends 0 and 0.3 m, mean 0.15. Mean of both 0.15: H = 1 - 0.15 / 0.5 = 0.7.
+  const std::vector<RememberedLine> lines = {{{{1.0, 0.1}, {2.0, 0.2}}, skirting},
+                                             {{{1.0, 0.0}, {2.0, -0.3}}, skirting}};
+  EXPECT_NEAR(memoryHealth(lines, {0, 0, 0}, index, 0.5), 0.7, 1e-12);
+  // Seen from a robot at (3, 1) heading back: the same lines given in its frame.
+  const Pose2 pose{3.0, 1.0, degToRad(180)};
+  std::vector<RememberedLine> seen;
+  for (const RememberedLine& line : lines) seen.push_back({transform(inverse(pose), line.robot), line.label});
+  EXPECT_NEAR(memoryHealth(seen, pose, index, 0.5), 0.7, 1e-12);
+}
+
+TEST(MemoryHealth, DistancesAreNotTruncatedAndHealthIsClamped) {
+  SegmentMap map;
+  map.segments = {wall(0, 0, 4, 0, "skirting")};
+  const MapIndex index(map, withFields(true));
+  // One line right, one 10 m away: mean 5 m, far under zero.
+  const std::vector<RememberedLine> lines = {{{{1, 0}, {2, 0}}, 0}, {{{1, 10}, {2, 10}}, 0}};
+  EXPECT_DOUBLE_EQ(memoryHealth(lines, {0, 0, 0}, index, 0.5), 0.0);
+  EXPECT_NEAR(index.distance(0, {1, 10}), 10.0, 1e-12);
+}
+
+TEST(HealthProperty, FieldAndBruteForceGiveTheSameMemoryHealth) {
+  const SegmentMap map = test::corridorMap();
+  const MapIndex fields(map, withFields(true));
+  const MapIndex brute(map, withFields(false));
+  test::CorridorWorld world({}, 3);
+  MemoryUpdate update;
+  for (int i = 0; i < 50; ++i) update = world.next();
+  HealthObservation with_fields(fields, ofMemory());
+  HealthObservation by_brute_force(brute, ofMemory());
+  with_fields.set(update);
+  by_brute_force.set(update);
+  RandomEngine engine(9);
+  for (int i = 0; i < 300; ++i) {
+    const Pose2 pose{uniform(engine, 0, 8), uniform(engine, 0, 5), uniform(engine, -3, 3)};
+    EXPECT_NEAR(with_fields.health(pose), by_brute_force.health(pose), 0.05 / 0.5);
+  }
+}
+
+/// Lines all over the floor; those of the second label stand among posts, of which only the feet are there.
+SegmentMap manyLines(RandomEngine& engine) {
+  SegmentMap map;
+  for (int i = 0; i < 3000; ++i) {
+    const Eigen::Vector3d a(uniform(engine, 0, 100), uniform(engine, 0, 100), 0.0);
+    const Eigen::Vector3d way(uniform(engine, -4, 4), uniform(engine, -4, 4), 0.0);
+    const bool is_post = i % 7 == 0;
+    map.segments.push_back({{a, is_post ? Eigen::Vector3d(a + 2.0 * Eigen::Vector3d::UnitZ()) : a + way},
+                            is_post || i % 3 == 0 ? "door" : "skirting",
+                            0.0});
+  }
+  return map;
+}
+
+TEST(HealthProperty, FieldsGiveTheExactMemoryHealthInALargeMap) {
+  RandomEngine engine(17);
+  const SegmentMap map = manyLines(engine);
+  MapIndex::Params params = withFields(true);
+  params.reach_m = 2.0;
+  params.build_trees = true;
+  const MapIndex fields(map, params);
+  const MapIndex brute(map, withFields(false));
+  int good = 0;
+  int far = 0;
+  int skipped = 0;
+  for (int round = 0; round < 60; ++round) {
+    const Pose2 truth{uniform(engine, 10, 90), uniform(engine, 10, 90), uniform(engine, -3, 3)};
+    std::vector<RememberedLine> lines;
+    for (int label = 0; label < 2; ++label) {
+      for (const Segment2& line : brute.floor(label)) {
+        if ((line.middle() - truth.position()).norm() > 6.0) continue;
+        lines.push_back({transform(inverse(truth), line), label});
+      }
+      // Something that the map does not have.
+      const Eigen::Vector2d a(uniform(engine, -4, 4), uniform(engine, -4, 4));
+      if (round % 2 == 0) lines.push_back({{a, a + Eigen::Vector2d(1, 0)}, label});
+    }
+    ASSERT_GT(lines.size(), 8u) << "more than are asked about at once";
+    for (int i = 0; i < 30; ++i) {
+      const double off = 0.01 * i;
+      Pose2 pose = truth * Pose2{off * uniform(engine, -1, 1), off, off * uniform(engine, -1, 1)};
+      if (i % 3 == 0) pose.x += uniform(engine, -150, 150);
+      // So wide that places far off the map have some health too.
+      const double scale_m = i % 2 == 0 ? 0.5 : 50.0;
+      const double health = memoryHealth(lines, pose, brute, scale_m);
+      ASSERT_NEAR(memoryHealth(lines, pose, fields, scale_m), health, 1e-12);
+      const double least = 0.1 * static_cast<double>(pick(engine, 10));
+      const double bounded = memoryHealth(lines, pose, fields, scale_m, least);
+      ASSERT_TRUE(std::abs(bounded - health) < 1e-12 || (bounded == 0.0 && health < least))
+          << bounded << ", " << health;
+      good += health > 0.3 && scale_m < 1.0 ? 1 : 0;
+      far += health < 0.9 && health > 0.0 && scale_m > 1.0 ? 1 : 0;
+      skipped += bounded == 0.0 && health > 0.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(good, 20);
+  EXPECT_GT(far, 50);
+  EXPECT_GT(skipped, 50);
+}
+
+TEST(HealthProperty, IsOneAtTheTruePose) {
+  test::CorridorParams params;
+  params.end_noise_m = 0.0;
+  params.odometry_scale_error = 0.0;
+  params.odometry_turn_noise = 0.0;
+  test::CorridorWorld world(params, 4);
+  MemoryUpdate update;
+  for (int i = 0; i < 50; ++i) update = world.next();
+  const MapIndex index(test::corridorMap(), withFields(false));
+  HealthObservation observation(index, ofMemory());
+  observation.set(update);
+  EXPECT_NEAR(observation.health(world.truth()), 1.0, 1e-9);
+  const Pose2 beside{world.truth().x, world.truth().y, world.truth().theta + 0.3};
+  EXPECT_LT(observation.health(beside), 0.9);
+}
+
+TEST(ImageHealth, HandWorkedDistances) {
+  // The camera at 1 m over the origin looks straight down the world's x by 45 degrees; an edge of the floor
+  // across its view at x = 1 lies on the image's middle row.
+  SegmentMap map;
+  map.segments = {wall(1, -3, 1, 3, "line")};
+  const MapIndex index(map, withFields(false));
+  CameraMount mount;
+  mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 1, 0, 0, 0);
+  const Pose3 T = cameraPose(mount, 0.0, degToRad(-45));
+  const CameraIntrinsics camera = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+  // Distances 0, 10 and 20 px: mean 10, H = 1 - 10 / 50 = 0.8.
+  const std::vector<ImagePoint> points = {{{100, 119.5}, 0}, {{150, 129.5}, 0}, {{200, 99.5}, 0}};
+  ProjectedLines room;
+  EXPECT_NEAR(imageHealth(points, camera, T, index, 50.0, room), 0.8, 1e-6);
+  EXPECT_NEAR(imageHealth({points[0]}, camera, T, index, 50.0, room), 1.0, 1e-6);
+  // Turned away no line is in view: the diagonal (400 px) counts, and the health is clamped.
+  const Pose3 away = toPose3({0, 0, degToRad(180)}) * T;
+  EXPECT_DOUBLE_EQ(imageHealth(points, camera, away, index, 50.0, room), 0.0);
+}
+
+TEST(HealthObservation, BothIsTheMeanOfImageAndMemory) {
+  // The world line across the view at x = 1 (see ImageHealth) seen 5 px too low: H = 1 - 5 / 50 = 0.9; the
+  // memory has it where it is: H = 1; both: the mean.
+  SegmentMap map;
+  map.segments = {wall(1, -3, 1, 3, "line")};
+  const MapIndex index(map, withFields(false));
+  CameraMount mount;
+  mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 1, 0, 0, 0);
+  auto analysis = std::make_shared<ImageAnalysis>();
+  analysis->intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+  analysis->T_robot_camera = cameraPose(mount, 0.0, degToRad(-45));
+  analysis->observed = {{{{20.5, 124.5}, {300.5, 124.5}}, "line", 30.0},
+                        {{{5, 5}, {90, 90}}, kUnknownLabel, 30.0}};
+  auto snapshot = std::make_shared<MemorySnapshot>();
+  MemorySegment segment;
+  segment.odom = {{1, -1, 0}, {1, 1, 0}};
+  segment.label = "line";
+  snapshot->segments.push_back(segment);
+  HealthParams params;
+  for (const auto& [source, expected] : {std::pair(ObservationSource::kImage, 0.9),
+                                         {ObservationSource::kMemory, 1.0},
+                                         {ObservationSource::kBoth, 0.95}}) {
+    params.source = source;
+    HealthObservation observation(index, params);
+    observation.set({snapshot, analysis});
+    EXPECT_NEAR(observation.health({0, 0, 0}), expected, 1e-6);
+  }
+}
+
+/// What stands and lies in 60 x 60 m, some of it behind and beside the camera, seen by a camera that looks
+/// down, ahead and up; on the floor of a small part of it, and where nothing is.
+TEST(HealthProperty, TreesGiveTheExactImageHealth) {
+  RandomEngine engine(31);
+  SegmentMap map;
+  const std::vector<Label> labels{"skirting", "door_foot", "door_jamb", "shelf"};
+  for (int i = 0; i < 3000; ++i) {
+    // The last label has so few that they are no tree.
+    const std::size_t label = i < 2980 ? pick(engine, 3) : 3;
+    const Eigen::Vector3d a(uniform(engine, 0, 60), uniform(engine, 0, 60),
+                            label < 2 ? 0.0 : uniform(engine, 0, 2));
+    const Eigen::Vector3d way = label == 2
+                                    ? Eigen::Vector3d(0, 0, 2)
+                                    : Eigen::Vector3d(uniform(engine, -4, 4), uniform(engine, -4, 4), 0);
+    map.segments.push_back({{a, i % 50 == 0 ? a : Eigen::Vector3d(a + way)}, labels[label], 0.0});
+  }
+  MapIndex::Params with_trees;
+  with_trees.build_trees = true;
+  const MapIndex trees(map, with_trees);
+  const MapIndex list(map, withFields(false));
+  HealthParams params;
+  params.source = ObservationSource::kImage;
+  CameraMount mount;
+  mount.T_robot_pantilt = poseFromXyzRpy(0.1, 0, 0.8, 0, 0, 0);
+  int partial = 0;
+  int none = 0;
+  int enough = 0;
+  int good = 0;
+  int skipped = 0;
+  for (int image = 0; image < 150; ++image) {
+    // Also one that is larger than the image.
+    params.image_scale_px = image % 4 == 3 ? 600.0 : 50.0;
+    auto analysis = std::make_shared<ImageAnalysis>();
+    analysis->intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+    analysis->T_robot_camera = cameraPose(mount, uniform(engine, -2, 2), degToRad(uniform(engine, -80, 20)));
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::Vector2d a(uniform(engine, 0, 319), uniform(engine, 0, 239));
+      const Eigen::Vector2d b(uniform(engine, 0, 319), uniform(engine, 0, 239));
+      analysis->observed.push_back({{a, b}, labels[pick(engine, labels.size())], 30.0});
+    }
+    // Some images show the map itself, from a place that is among those that are rated.
+    const bool is_true = image >= 100;
+    const Pose2 truth{uniform(engine, 10, 50), uniform(engine, 10, 50), uniform(engine, -3, 3)};
+    if (is_true) {
+      analysis->observed.clear();
+      analysis->T_robot_camera =
+          cameraPose(mount, uniform(engine, -2, 2), degToRad(uniform(engine, -50, -5)));
+      for (const MapSegment& segment : map.segments) {
+        if ((segment.world.a.head<2>() - truth.position()).norm() > 4.0) continue;
+        const auto px =
+            projectSegment(analysis->intrinsics, toPose3(truth) * analysis->T_robot_camera, segment.world);
+        if (px) analysis->observed.push_back({*px, segment.label, 30.0});
+      }
+    }
+    HealthObservation by_trees(trees, params);
+    HealthObservation by_list(list, params);
+    by_trees.set({nullptr, analysis});
+    by_list.set({nullptr, analysis});
+    for (int i = 0; i < 40; ++i) {
+      Pose2 pose{uniform(engine, -20, 80), uniform(engine, -20, 80), uniform(engine, -3, 3)};
+      if (is_true && i % 2 == 0) {
+        const double off = 0.02 * i;
+        pose = truth * Pose2{off * uniform(engine, -1, 1), off * uniform(engine, -1, 1),
+                             off * uniform(engine, -0.5, 0.5)};
+      }
+      if (by_list.isEmpty()) continue;
+      const double health = by_list.health(pose);
+      ASSERT_EQ(by_trees.health(pose), health) << "image " << image << ", place " << i;
+      good += health > 0.8 ? 1 : 0;
+      // Who asks only for enough is bounded the same from there on, and nothing else than that or 0 below.
+      const double least = i % 5 == 4 ? 0.9 : 0.05 * (1 << i % 4);
+      const double bounded = by_trees.health(pose, least);
+      ASSERT_TRUE(bounded == health || (bounded == 0.0 && health < least))
+          << "image " << image << ", place " << i << ": " << bounded << " for " << health << ", least "
+          << least;
+      enough += health >= least ? 1 : 0;
+      skipped += bounded != health ? 1 : 0;
+      (health > 0.0 ? partial : none) += 1;
+    }
+  }
+  EXPECT_GT(partial, 300);
+  EXPECT_GT(none, 300);
+  EXPECT_GT(enough, 100);
+  EXPECT_GT(good, 100);
+  EXPECT_GT(skipped, 100);
+}
+
+TEST(HealthProperty, OnlyHealthsBelowTheLeastMayBeZero) {
+  RandomEngine engine(41);
+  const SegmentMap map = test::corridorMap();
+  HealthParams params;
+  params.source = ObservationSource::kBoth;
+  const MapIndex index(map, chapterIndex(params, {}));
+  test::CorridorWorld world({}, 3);
+  MemoryUpdate update;
+  for (int i = 0; i < 50; ++i) update = world.next();
+  CameraMount mount;
+  mount.T_robot_pantilt = poseFromXyzRpy(0.1, 0, 0.8, 0, 0, 0);
+  auto analysis = std::make_shared<ImageAnalysis>();
+  analysis->intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+  analysis->T_robot_camera = cameraPose(mount, 0.0, degToRad(-30));
+  for (const MapSegment& segment : map.segments) {
+    const auto px = projectSegment(analysis->intrinsics, toPose3(world.truth()) * analysis->T_robot_camera,
+                                   segment.world);
+    if (px) analysis->observed.push_back({*px, segment.label, 30.0});
+  }
+  HealthObservation both(index, params);
+  both.set({update.snapshot, analysis});
+  int enough = 0;
+  int skipped = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double off = 0.001 * i;
+    const Pose2 pose = world.truth() * Pose2{off * uniform(engine, -1, 1), off * uniform(engine, -1, 1),
+                                             off * uniform(engine, -1, 1)};
+    const double health = both.health(pose);
+    const double least = uniform(engine, 0, 1);
+    const double bounded = both.health(pose, least);
+    ASSERT_TRUE(bounded == health || (bounded == 0.0 && health < least))
+        << bounded << " for " << health << ", " << least;
+    enough += health >= least ? 1 : 0;
+    skipped += bounded != health ? 1 : 0;
+  }
+  EXPECT_GT(enough, 200);
+  EXPECT_GT(skipped, 200);
+}
+
+TEST(HealthObservation, UnknownLabelsAreLeftOut) {
+  const MapIndex index(test::corridorMap(), withFields(true));
+  auto snapshot = std::make_shared<MemorySnapshot>();
+  MemorySegment segment;
+  segment.odom = {{1, 0, 0}, {2, 0, 0}};
+  segment.label = kUnknownLabel;
+  snapshot->segments.push_back(segment);
+  HealthObservation observation(index, ofMemory());
+  observation.set({snapshot, nullptr});
+  EXPECT_TRUE(observation.isEmpty());
+}
+
+}  // namespace
+}  // namespace vismem

@@ -1,0 +1,108 @@
+// Tests L4, L5.
+#include "localization/core/map/map_index.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/geometry/angles.h"
+#include "localization/corridor_world.h"
+
+namespace vismem {
+namespace {
+
+MapSegment wall(double x1, double y1, double x2, double y2, const Label& label) {
+  return {{{x1, y1, 0.0}, {x2, y2, 0.0}}, label, 0.0};
+}
+
+MapIndex::Params withFields(bool build_fields) {
+  MapIndex::Params params;
+  params.build_fields = build_fields;
+  return params;
+}
+
+TEST(MapIndex, AnyMatchesEveryKnownLabelAndUnknownNone) {
+  SegmentMap map;
+  map.segments = {wall(0, 0, 4, 0, "skirting"), wall(0, 1, 4, 1, kAnyLabel)};
+  const MapIndex index(map, withFields(true));
+  EXPECT_NEAR(index.distance(*index.floorLabelId("skirting"), {2.0, 0.9}), 0.1, 1e-6);
+  EXPECT_NEAR(index.distance(*index.floorLabelId("stripe_edge"), {2.0, 0.4}), 0.6, 1e-6);
+  EXPECT_FALSE(index.labelId(kUnknownLabel));
+}
+
+TEST(MapIndex, LabelsWithoutAMapSegmentAreRejected) {
+  SegmentMap map;
+  map.segments = {wall(0, 0, 4, 0, "skirting"), {{{1, 0, 0.5}, {1, 0, 2.0}}, "shelf", 0.0}};
+  const MapIndex index(map, withFields(true));
+  EXPECT_FALSE(index.labelId("door_foot"));
+  EXPECT_TRUE(index.labelId("shelf"));
+  EXPECT_FALSE(index.floorLabelId("shelf"));  // it does not touch the floor
+}
+
+TEST(MapIndex, AnUprightEdgeTouchesTheFloorAtItsFoot) {
+  SegmentMap map;
+  map.segments = {{{{1, 2, 0.0}, {1, 2, 2.0}}, "door_jamb", 0.0}};
+  const MapIndex index(map, withFields(true));
+  EXPECT_NEAR(index.distance(*index.floorLabelId("door_jamb"), {1.3, 2.4}), 0.5, 0.01);
+}
+
+TEST(MapIndexProperty, TheFieldAgreesWithExhaustiveSearch) {
+  const SegmentMap map = test::corridorMap();
+  for (const bool gated : {false, true}) {
+    MapIndex::Params params;
+    if (gated) params.direction_gate_rad = degToRad(20);
+    const MapIndex index(map, params);
+    RandomEngine engine(5);
+    int compared = 0;
+    for (int i = 0; i < 5000; ++i) {
+      const Eigen::Vector2d p(uniform(engine, -2, 10), uniform(engine, -2, 7));
+      const double direction = uniform(engine, -4, 4);
+      const int label = static_cast<int>(pick(engine, 2));
+      const auto field = index.nearest(label, p, direction);
+      const auto brute = index.nearestBruteForce(label, p, direction);
+      // Without a near segment the field is empty; bilinear values differ by less than half a cell's
+      // diagonal.
+      if (!field) {
+        EXPECT_TRUE(!brute || brute->distance_m > 1.0 - 0.05) << p.transpose();
+        continue;
+      }
+      ASSERT_TRUE(brute);
+      EXPECT_NEAR(field->distance_m, brute->distance_m, 0.05) << p.transpose();
+      ++compared;
+    }
+    EXPECT_GT(compared, 1000);
+  }
+}
+
+/// Lines all over the floor; those of the second label stand among posts, of which only the feet are there.
+SegmentMap manyLines(RandomEngine& engine) {
+  SegmentMap map;
+  for (int i = 0; i < 3000; ++i) {
+    const Eigen::Vector3d a(uniform(engine, 0, 100), uniform(engine, 0, 100), 0.0);
+    const Eigen::Vector3d way(uniform(engine, -4, 4), uniform(engine, -4, 4), 0.0);
+    const bool is_post = i % 7 == 0;
+    map.segments.push_back({{a, is_post ? Eigen::Vector3d(a + 2.0 * Eigen::Vector3d::UnitZ()) : a + way},
+                            is_post || i % 3 == 0 ? "door" : "skirting",
+                            0.0});
+  }
+  return map;
+}
+
+TEST(MapIndexProperty, DistancesBeyondTheFieldsAreExact) {
+  RandomEngine engine(18);
+  const SegmentMap map = manyLines(engine);
+  MapIndex::Params params = withFields(true);
+  params.build_trees = true;
+  const MapIndex cells(map, params);
+  const MapIndex brute(map, withFields(false));
+  for (int i = 0; i < 500; ++i) {
+    const double side_m = i % 2 == 0 ? 100.0 : 3000.0;
+    const Eigen::Vector2d p(uniform(engine, -side_m, side_m), uniform(engine, -side_m, side_m));
+    for (int label = 0; label < 2; ++label) {
+      ASSERT_NEAR(cells.distance(label, p), brute.distance(label, p), 1e-9) << p.transpose();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vismem

@@ -1,0 +1,179 @@
+// Tests C1. What bag_info advises on bags of other people, and logs of JdeRobot.
+#include "common/recording/bag_advice.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "common/geometry/angles.h"
+#include "common/recording/jderobot_log.h"
+#include "recording/bag_writer.h"
+#include "support/temporary_folder.h"
+
+namespace vismem {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class BagAdviceTest : public ::testing::Test {
+ protected:
+  void images(BagWriter& bag, const std::string& topic, int count) const {
+    for (int i = 0; i < count; ++i) {
+      bag.image(topic, 1'000'000 + 100'000 * i, "mono8", 16, 16, std::vector<std::uint8_t>(256, 7), "eye");
+    }
+  }
+  void odometry(BagWriter& bag) const {
+    bag.odometry("/odom", 900'000, 0.0, 0.0, 0.0);
+    bag.odometry("/odom", 2'000'000, 1.0, 0.0, 0.0);
+  }
+  BagAdvice advise(const RobotLogOptions& wanted = {}) const { return adviseOn({file_}, wanted); }
+
+  TemporaryFolder folder_;
+  const std::string file_ = folder_ / "log.bag";
+};
+
+TEST_F(BagAdviceTest, NamesTheTopicsOfABagWithSeveralCameras) {
+  {
+    BagWriter bag(file_);
+    images(bag, "/front/image", 2);
+    images(bag, "/rear/image", 3);
+    bag.cameraInfo("/rear/camera_info", 1'000'000, 16, 16, 20.0);
+    bag.cameraInfo("/front/camera_info", 1'000'000, 16, 16, 20.0);
+    bag.transform("/tf_static", 1'000'000, "base_link", "eye", 0.0, 0.0, 0.4, 0.0);
+    odometry(bag);
+    bag.close();
+  }
+  const BagAdvice advice = advise();
+  EXPECT_TRUE(advice.playable) << advice.problem;
+  // The camera with most images, and the calibration beside it without a key.
+  EXPECT_THAT(advice.arguments, ElementsAre("--ReplayServer.Topics.Image=/rear/image"));
+  EXPECT_THAT(advice.roles[0].candidates, ElementsAre("/rear/image", "/front/image"));
+  EXPECT_EQ(RobotLog::open(file_, advice.options).frameStamps().size(), 3u) << "the advice alone plays it";
+  RobotLogOptions wanted;
+  EXPECT_EQ(applyTopics("image=/front/image", wanted), "");
+  EXPECT_THAT(advise(wanted).arguments, ElementsAre("--ReplayServer.Topics.Image=/front/image"));
+  EXPECT_EQ(applyTopics("image=/nothing", wanted), "");
+  EXPECT_THAT(advise(wanted).problem,
+              HasSubstr("the bag has no topic /nothing of that type: name one of /rear/image"));
+}
+
+TEST_F(BagAdviceTest, SaysWhatIsNeededForEachMissingRole) {
+  {
+    BagWriter bag(file_);
+    images(bag, "/camera/image_raw", 2);
+    bag.close();
+  }
+  BagAdvice advice = advise();
+  EXPECT_FALSE(advice.playable);
+  ASSERT_EQ(advice.roles.size(), 4u);
+  EXPECT_THAT(advice.roles[0].needed, IsEmpty());
+  EXPECT_THAT(advice.roles[1].needed, HasSubstr("ReplayServer.Camera.FieldOfView_deg"));
+  EXPECT_THAT(advice.roles[2].needed, HasSubstr("nav_msgs/Odometry"));
+  EXPECT_THAT(advice.roles[3].needed, HasSubstr("ReplayServer.Camera.Fixed=yes"));
+  EXPECT_THAT(advice.problem, HasSubstr("calibration: needed"));
+}
+
+TEST_F(BagAdviceTest, PlaysACameraWithoutCalibrationOnTransformsAlone) {
+  {
+    BagWriter bag(file_);
+    images(bag, "/camera/image_raw", 2);
+    bag.transform("/tf", 900'000, "odom", "base_link", 0.0, 0.0, 0.0, 0.0);
+    bag.transform("/tf", 1'300'000, "odom", "base_link", 1.0, 0.0, 0.0, 0.5);
+    bag.close();
+  }
+  EXPECT_THAT(advise().problem, HasSubstr("FieldOfView_deg"));
+  RobotLogOptions wanted;
+  wanted.fov_rad = degToRad(90.0);
+  EXPECT_THAT(advise(wanted).problem, HasSubstr("the camera's pose is unknown"));
+  EXPECT_THAT(advise(wanted).roles.back().needed, HasSubstr("ReplayServer.Camera.Fixed=yes"));
+  wanted.fixed_camera = true;
+  const BagAdvice advice = advise(wanted);
+  ASSERT_TRUE(advice.playable) << advice.problem;
+  const RobotLog log = RobotLog::open(file_, advice.options);
+  EXPECT_FALSE(log.knowsCameraPose());
+  ASSERT_EQ(log.odometry().size(), 2u);
+  EXPECT_NEAR(log.odometry()[1].T_odom_robot.theta, 0.5, 1e-12);
+}
+
+TEST_F(BagAdviceTest, ReadsTopicsFromTheCommandLine) {
+  RobotLogOptions options;
+  EXPECT_EQ(applyTopics("", options), "");
+  EXPECT_EQ(applyTopics("image=/a,camera_info=/b,odometry=/c,joints=/d,robot=r,camera=c,odom=o,pan=p,tilt=t",
+                        options),
+            "");
+  EXPECT_EQ(options.image_topic + options.camera_info_topic + options.odometry_topic + options.joint_topic,
+            "/a/b/c/d");
+  EXPECT_EQ(options.robot_frame + options.camera_frame + options.odom_frame + options.pan_joint +
+                options.tilt_joint,
+            "rcopt");
+  EXPECT_THAT(applyTopics("picture=/a", options),
+              HasSubstr("\"picture=/a\" (must be ROLE=/topic with a role of image, "));
+  EXPECT_THAT(applyTopics("image", options), HasSubstr("\"image\" (must be"));
+  EXPECT_THAT(applyTopics("image=", options), HasSubstr("\"image=\" (must be"));
+}
+
+class JdeRobotLogTest : public ::testing::Test {
+ protected:
+  JdeRobotLogTest() {
+    fs::create_directories(root() / "images/camera1");
+    fs::create_directories(root() / "encoders/encoder1");
+    write("images/camera1/cameraData.jde", "0\n100\nabc\n200\r\n");
+    write("images/camera1/0.png", "png");
+    write("images/camera1/100.jpg", "jpg");
+    write("encoders/encoder1/encoderData.jde", "50\n150\n160\n");
+    encoders(50, {1000.0F, -500.0F, 90.0F, 0.0F, 1.0F});
+    encoders(150, {1100.0F, -500.0F, 180.0F, -1.0F, 0.0F});
+    write("encoders/encoder1/160", "short");
+  }
+  fs::path root() const { return folder_.path() / "log"; }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(root() / name, std::ios::binary) << text;
+  }
+  void encoders(int ms, std::vector<float> values) const {
+    std::string bytes(values.size() * sizeof(float), '\0');
+    std::memcpy(bytes.data(), values.data(), bytes.size());
+    write("encoders/encoder1/" + std::to_string(ms), bytes);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(JdeRobotLogTest, ReadsImagesAndEncoders) {
+  const JdeRobotLog log = readJdeRobotLog(root(), 1);
+  ASSERT_EQ(log.images.size(), 2u);
+  EXPECT_EQ(log.images[0].format, "png");
+  EXPECT_EQ(log.images[1].stamp_us, 100'000);
+  EXPECT_EQ(log.images[1].format, "jpeg");
+  ASSERT_EQ(log.odometry.size(), 2u);
+  // Millimetres and degrees become metres and radians.
+  EXPECT_NEAR(log.odometry[0].x_m, 1.0, 1e-6);
+  EXPECT_NEAR(log.odometry[0].y_m, -0.5, 1e-6);
+  EXPECT_NEAR(log.odometry[0].theta_rad, degToRad(90.0), 1e-6);
+  EXPECT_THAT(log.notes, ElementsAre(HasSubstr("1 lines are no number"),
+                                     HasSubstr("1 images that cameraData.jde names are not there"),
+                                     HasSubstr("1 samples are left out (expected files of 20 bytes")));
+}
+
+TEST_F(JdeRobotLogTest, SaysWhatIsMissing) {
+  try {
+    readJdeRobotLog(root(), 2);
+    FAIL() << "there is no camera 2";
+  } catch (const RecordingError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("images/camera2/cameraData.jde"));
+  }
+  fs::remove_all(root() / "encoders");
+  EXPECT_THAT(readJdeRobotLog(root(), 1).notes,
+              Contains(HasSubstr("no odometry (expected encoder1/encoderData.jde)")));
+  std::size_t wrong = 0;
+  EXPECT_THAT(parseJdeStamps("5\n-1\n99999999999999999999\n7 \n", wrong), ElementsAre(5, 7));
+  EXPECT_EQ(wrong, 2u);
+}
+
+}  // namespace
+}  // namespace vismem

@@ -1,0 +1,124 @@
+// The examples of docs/formats.md: the page is the input, the readers of the programs are the judges.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <regex>
+#include <sstream>
+
+#include "common/config/config_error.h"
+#include "common/routes/route.h"
+#include "common/segment_map/map_check.h"
+#include "common/segment_map/segment_map.h"
+#include "common/vision/palette.h"
+#include "evaluation/core/trajectory_io.h"
+#include "simulator/core/scenario.h"
+
+namespace vismem {
+namespace {
+
+struct Example {
+  std::string kind;  ///< "map", "map error", "check warning" ...
+  std::string file;
+  std::string text;
+  std::vector<std::string> messages;  ///< of errors and warnings
+};
+
+/// A fenced block from the line after its opening on; `line` moves behind its end.
+std::string fencedBlock(const std::vector<std::string>& lines, std::size_t& line) {
+  std::string text;
+  for (; line < lines.size() && lines[line] != "```"; ++line) text += lines[line] + "\n";
+  ++line;
+  return text;
+}
+
+std::vector<std::string> linesOf(std::istream& in) {
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+std::vector<Example> examplesOfPage() {
+  std::ifstream page(std::string(VISMEM_SOURCE_DIR) + "/docs/formats.md");
+  const std::vector<std::string> lines = linesOf(page);
+  const std::regex marker("<!-- ([a-z ]+): (\\S+) -->");
+  std::vector<Example> examples;
+  for (std::size_t i = 0; i < lines.size();) {
+    std::smatch match;
+    if (!std::regex_match(lines[i++], match, marker)) continue;
+    Example example{match[1], match[2], {}, {}};
+    ++i;  // the opening of the block
+    example.text = fencedBlock(lines, i);
+    if (i < lines.size() && lines[i] == "```text") {
+      ++i;
+      std::istringstream messages(fencedBlock(lines, i));
+      example.messages = linesOf(messages);
+    }
+    examples.push_back(example);
+  }
+  return examples;
+}
+
+std::vector<std::string> problemsOf(const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const ConfigError& error) {
+    return error.problems();
+  }
+  return {};
+}
+
+PaletteLabels labelsOfPage(const std::vector<Example>& examples) {
+  for (const Example& example : examples) {
+    if (example.kind != "palette") continue;
+    const Palette palette = Palette::parse(example.text, example.file);
+    const auto labels = palette.labels();
+    return {{labels.begin(), labels.end()}, palette.stripes()};
+  }
+  return {};
+}
+
+TEST(FormatsPage, ExamplesAreReadAndMistakesGiveTheirMessages) {
+  const std::vector<Example> examples = examplesOfPage();
+  const PaletteLabels labels = labelsOfPage(examples);
+  const std::map<std::string, std::function<void(const Example&)>> readers{
+      {"map", [](const Example& e) { parseSegmentMap(e.text, e.file); }},
+      {"palette", [](const Example& e) { Palette::parse(e.text, e.file); }},
+      {"route", [](const Example& e) { parseRoute(e.text, e.file); }},
+      {"scenario", [](const Example& e) { parseScenario(e.text, e.file); }},
+      {"tum", [](const Example& e) { parseTum(e.text, e.file); }},
+  };
+  std::map<std::string, int> seen;
+  for (const Example& example : examples) {
+    SCOPED_TRACE(example.kind + ": " + example.file);
+    ++seen[example.kind];
+    if (example.kind == "check warning") {
+      const auto map = parseSegmentMap(example.text, example.file);
+      EXPECT_EQ(checkMap(map, example.file, labels, "kitchen.palette"), example.messages);
+      continue;
+    }
+    const bool is_error = example.kind.ends_with(" error");
+    const auto reader = readers.find(example.kind.substr(0, example.kind.find(' ')));
+    ASSERT_NE(reader, readers.end()) << "no reader for this kind";
+    EXPECT_EQ(problemsOf([&] { reader->second(example); }), example.messages);
+    EXPECT_EQ(is_error, !example.messages.empty());
+  }
+  for (const auto& [kind, reader] : readers) {
+    EXPECT_EQ(seen[kind], 1) << kind;
+    EXPECT_EQ(seen[kind + " error"], 1) << kind;
+  }
+}
+
+TEST(FormatsPage, MapAndPaletteOfThePageBelongTogether) {
+  const std::vector<Example> examples = examplesOfPage();
+  for (const Example& example : examples) {
+    if (example.kind != "map") continue;
+    EXPECT_THAT(checkMap(parseSegmentMap(example.text, example.file), example.file, labelsOfPage(examples),
+                         "kitchen.palette"),
+                testing::IsEmpty());
+  }
+}
+
+}  // namespace
+}  // namespace vismem
