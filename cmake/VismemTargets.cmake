@@ -27,6 +27,10 @@ function(vismem_program name)
   target_link_libraries(${name} PRIVATE ${A_LIBRARIES} project_warnings)
 endfunction()
 
+# "support/build_paths.h" is generated; the rest of test/ is included as it lies there.
+configure_file(${PROJECT_SOURCE_DIR}/test/support/build_paths.h.in ${CMAKE_BINARY_DIR}/test_paths/support/build_paths.h @ONLY)
+set(VISMEM_TEST_INCLUDES ${PROJECT_SOURCE_DIR}/test ${CMAKE_BINARY_DIR}/test_paths)
+
 # Target tests_LABEL: the tests of one label with their dependencies only.
 set(VISMEM_TEST_LABELS unit property golden contract component system faults hwkernel browser)
 foreach(label IN LISTS VISMEM_TEST_LABELS)
@@ -44,13 +48,11 @@ set(sanitizer_options
 # that start real processes name them.
 # EMULATED_DEVICES: it runs under umockdev, which replaces the machine's devices by its own.
 # SHARDS: number of parallel processes for its tests, for tests that wait most of the time.
-# VISMEM_SOURCE_DIR and VISMEM_BIN_DIR are defined for tests that need test/data, cfg/ or the programs.
+# Tests that need test/data, cfg/ or the programs include "support/build_paths.h".
 function(vismem_test name)
   cmake_parse_arguments(A "EMULATED_DEVICES" "LABEL;TIMEOUT;SHARDS" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
   add_executable(${name} ${A_SOURCES})
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/components ${PROJECT_SOURCE_DIR}/test)
-  target_compile_definitions(${name} PRIVATE VISMEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                                             VISMEM_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/components ${VISMEM_TEST_INCLUDES})
   target_link_libraries(${name} PRIVATE ${A_LIBRARIES} GTest::gmock GTest::gtest GTest::gtest_main project_warnings)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test)
   if(A_PROGRAMS)
@@ -91,9 +93,7 @@ function(vismem_benchmark name)
   cmake_parse_arguments(A "" "" "SOURCES;LIBRARIES;PROGRAMS" ${ARGN})
   set(target bench_${name})
   add_executable(${target} ${A_SOURCES})
-  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/components ${PROJECT_SOURCE_DIR}/test)
-  target_compile_definitions(${target} PRIVATE VISMEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                                               VISMEM_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/components ${VISMEM_TEST_INCLUDES})
   target_link_libraries(${target} PRIVATE ${A_LIBRARIES} benchmark::benchmark project_warnings)
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bench OUTPUT_NAME ${name})
   if(A_PROGRAMS)
@@ -120,7 +120,6 @@ function(vismem_fuzzer name)
              WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
     set_tests_properties(${target} PROPERTIES LABELS unit TIMEOUT 300 ENVIRONMENT "${sanitizer_options}")
   endif()
-  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/components ${PROJECT_SOURCE_DIR}/test)
-  target_compile_definitions(${target} PRIVATE VISMEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/components ${VISMEM_TEST_INCLUDES})
   target_link_libraries(${target} PRIVATE ${A_LIBRARIES} project_warnings)
 endfunction()

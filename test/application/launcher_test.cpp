@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "application/app/session_setup.h"
+#include "support/build_paths.h"
 #include "support/temporary_folder.h"
 
 namespace vismem {

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <vector>
 
+#include "support/build_paths.h"
+
 namespace vismem {
 namespace {
 

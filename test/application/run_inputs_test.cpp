@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "support/build_paths.h"
+
 namespace vismem {
 namespace {
 

@@ -12,6 +12,7 @@
 #include "common/geometry/angles.h"
 #include "common/robot/command_lease.h"
 #include "common/robot_ice/base_ice.h"
+#include "support/build_paths.h"
 #include "support/ice_client.h"
 #include "support/p2os_robot.h"
 

@@ -12,6 +12,7 @@
 
 #include "common/geometry/angles.h"
 #include "common/robot_ice/camera_ice.h"
+#include "support/build_paths.h"
 #include "support/ice_client.h"
 #include "support/mjpeg_server.h"
 #include "support/pictures.h"

@@ -2,6 +2,7 @@
 #include "contract/frame_source_contract.h"
 #include "simulator/app/real_time_simulation.h"
 #include "simulator/core/simulation.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

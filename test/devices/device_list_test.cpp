@@ -8,6 +8,7 @@
 
 #include "common/process/child_process.h"
 #include "devices/core/device_report.h"
+#include "support/build_paths.h"
 #include "support/emulated_camera.h"
 #include "support/eventually.h"
 #include "support/file_permissions.h"

@@ -13,6 +13,7 @@
 
 #include "common/config/config_error.h"
 #include "common/recording/bag_file.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

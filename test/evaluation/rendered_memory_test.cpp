@@ -15,6 +15,7 @@
 #include "common/vision/palette.h"
 #include "evaluation/core/lockstep.h"
 #include "simulator/core/simulation.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

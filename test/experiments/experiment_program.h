@@ -14,6 +14,8 @@
 #include <sstream>
 #include <string>
 
+#include "support/build_paths.h"
+
 namespace vismem {
 
 using testing::HasSubstr;

@@ -8,6 +8,7 @@
 
 #include "common/config/properties.h"
 #include "common/process/setup.h"
+#include "support/build_paths.h"
 #include "support/data_folder.h"
 
 namespace vismem {

@@ -9,6 +9,7 @@
 #include "common/process/setup.h"
 #include "common/robot_ice/base_ice.h"
 #include "faults/fault_scenarios.h"
+#include "support/build_paths.h"
 #include "support/free_ports.h"
 
 namespace vismem {

@@ -8,6 +8,7 @@
 #include "common/config/config_error.h"
 #include "simulator/core/world.h"
 #include "simulator/core/world_material.h"
+#include "support/build_paths.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string bytes(reinterpret_cast<const char*>(data), size);

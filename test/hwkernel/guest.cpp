@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "support/build_paths.h"
 #include "support/eventually.h"
 #include "support/free_ports.h"
 

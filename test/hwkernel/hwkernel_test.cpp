@@ -18,6 +18,7 @@
 #include "common/robot_ice/camera_ice.h"
 #include "common/robot_ice/pantilt_ice.h"
 #include "hwkernel/guest.h"
+#include "support/build_paths.h"
 #include "support/eventually.h"
 
 namespace vismem {

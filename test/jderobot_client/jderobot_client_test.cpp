@@ -12,6 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "recording/bag_writer.h"
+#include "support/build_paths.h"
 #include "support/component_process.h"
 
 namespace vismem {

@@ -8,6 +8,7 @@
 
 #include "common/drivers/host_clock.h"
 #include "common/robot_ice/pantilt_ice.h"
+#include "support/build_paths.h"
 #include "support/ice_client.h"
 
 namespace vismem {

@@ -6,6 +6,8 @@
 
 #include <csignal>
 
+#include "support/build_paths.h"
+
 namespace vismem {
 namespace {
 

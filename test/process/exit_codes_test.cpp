@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/process/child_process.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

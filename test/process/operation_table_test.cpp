@@ -9,6 +9,7 @@
 #include <map>
 
 #include "common/process/child_process.h"
+#include "support/build_paths.h"
 #include "support/temporary_folder.h"
 #include "untrusted_clients/slice_model.h"
 

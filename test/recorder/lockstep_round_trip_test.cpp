@@ -12,6 +12,7 @@
 
 #include "common/recording/robot_log.h"
 #include "evaluation/app/evaluation.h"
+#include "support/build_paths.h"
 #include "support/temporary_folder.h"
 
 namespace vismem {

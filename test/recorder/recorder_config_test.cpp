@@ -6,6 +6,7 @@
 
 #include "common/config/config_error.h"
 #include "recorder/app/config.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

@@ -16,6 +16,7 @@
 #include "common/config/properties.h"
 #include "common/recording/bag_file.h"
 #include "common/recording/robot_log.h"
+#include "support/build_paths.h"
 #include "support/component_process.h"
 #include "support/eventually.h"
 #include "support/ice_client.h"

@@ -10,6 +10,7 @@
 #include "common/recording/bag_encoder.h"
 #include "common/recording/file_sink.h"
 #include "common/recording/ros_messages.h"
+#include "support/build_paths.h"
 #include "support/temporary_folder.h"
 
 namespace vismem {

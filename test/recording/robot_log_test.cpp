@@ -15,6 +15,7 @@
 
 #include "common/geometry/angles.h"
 #include "recording/bag_writer.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

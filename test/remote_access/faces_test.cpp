@@ -10,6 +10,7 @@
 
 #include "common/process/operation_table.h"
 #include "remote_access/served_robot.h"
+#include "support/build_paths.h"
 #include "support/free_ports.h"
 
 namespace vismem::test {

@@ -10,6 +10,7 @@
 #include <limits>
 #include <thread>
 
+#include "support/build_paths.h"
 #include "support/eventually.h"
 #include "support/ice_client.h"
 

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "common/segment_map/segment_map.h"
+#include "support/build_paths.h"
 #include "support/eventually.h"
 #include "support/ice_client.h"
 

@@ -6,6 +6,7 @@
 
 #include "common/process/robot_identity.h"
 #include "recording/bag_writer.h"
+#include "support/build_paths.h"
 
 namespace vismem::test {
 namespace {

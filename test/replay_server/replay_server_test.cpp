@@ -11,6 +11,7 @@
 #include "common/robot_ice/pantilt_ice.h"
 #include "common/robot_ice/replay_ice.h"
 #include "recording/bag_writer.h"
+#include "support/build_paths.h"
 #include "support/component_process.h"
 #include "support/eventually.h"
 

@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "common/config/config_error.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

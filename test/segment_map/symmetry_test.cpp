@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/segment_map/segment_map.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

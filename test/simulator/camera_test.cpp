@@ -12,6 +12,7 @@
 #include "simulator/core/image_errors.h"
 #include "simulator/core/simulation.h"
 #include "simulator/core/truth_frames.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

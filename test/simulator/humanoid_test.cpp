@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "simulator/core/simulation.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

@@ -16,6 +16,7 @@
 #include "simulator/core/map_builder.h"
 #include "simulator/core/renderer.h"
 #include "simulator/core/simulation.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

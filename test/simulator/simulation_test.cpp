@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "simulator/core/renderer.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "common/config/config_error.h"
 #include "simulator/core/scenario.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

@@ -10,6 +10,7 @@
 #include "common/robot_ice/camera_ice.h"
 #include "common/robot_ice/pantilt_ice.h"
 #include "common/robot_ice/simulation_ice.h"
+#include "support/build_paths.h"
 #include "support/component_process.h"
 
 namespace vismem {

@@ -18,6 +18,7 @@
 
 #include "common/config/config_error.h"
 #include "common/config/text_file.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

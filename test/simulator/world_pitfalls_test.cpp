@@ -8,6 +8,7 @@
 #include "common/geometry/angles.h"
 #include "simulator/core/renderer.h"
 #include "simulator/core/world.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

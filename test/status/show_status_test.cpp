@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "support/build_paths.h"
 #include "support/component_process.h"
 
 namespace vismem {

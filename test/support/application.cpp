@@ -6,6 +6,7 @@
 
 #include "common/process/ice_setup.h"
 #include "common/process/setup.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "common/process/child_process.h"
 #include "common/process/ready_line.h"
+#include "support/build_paths.h"
 #include "support/eventually.h"
 
 namespace vismem {

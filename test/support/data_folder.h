@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "support/build_paths.h"
+
 namespace vismem {
 
 /// AVM_DATA, else ../shared/data seen from the project's root. May be absent: tests are skipped then.

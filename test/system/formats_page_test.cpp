@@ -14,6 +14,7 @@
 #include "common/vision/palette.h"
 #include "evaluation/core/trajectory_io.h"
 #include "simulator/core/scenario.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {

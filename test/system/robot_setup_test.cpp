@@ -10,6 +10,7 @@
 #include <memory>
 #include <thread>
 
+#include "support/build_paths.h"
 #include "support/emulated_camera.h"
 #include "support/ice_client.h"
 #include "support/p2os_robot.h"

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "common/process/child_process.h"
+#include "support/build_paths.h"
 #include "support/free_ports.h"
 
 namespace vismem {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "common/process/child_process.h"
+#include "support/build_paths.h"
 #include "support/temporary_folder.h"
 
 namespace vismem {

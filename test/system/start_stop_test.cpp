@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "common/process/child_process.h"
+#include "support/build_paths.h"
 #include "support/component_process.h"
 #include "support/free_ports.h"
 

@@ -14,6 +14,7 @@
 #include "common/config/properties.h"
 #include "common/robot_ice/camera_ice.h"
 #include "recording/bag_writer.h"
+#include "support/build_paths.h"
 #include "support/ice_client.h"
 #include "support/temporary_folder.h"
 

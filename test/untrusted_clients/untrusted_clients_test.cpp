@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "recording/bag_writer.h"
+#include "support/build_paths.h"
 #include "support/component_process.h"
 #include "support/temporary_folder.h"
 #include "untrusted_clients/attack.h"

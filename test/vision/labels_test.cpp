@@ -14,6 +14,7 @@
 #include "common/vision/edge_sampling.h"
 #include "common/vision/segment_extractor.h"
 #include "common/vision/segment_labeller.h"
+#include "support/build_paths.h"
 #include "vision/support/synthetic.h"
 
 namespace vismem {

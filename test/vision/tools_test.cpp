@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
+#include "support/build_paths.h"
 #include "vision/support/synthetic.h"
 
 namespace vismem {

@@ -16,6 +16,7 @@
 #include "common/robot_ice/camera_ice.h"
 #include "common/robot_ice/pantilt_ice.h"
 #include "robot_ice/loopback.h"
+#include "support/build_paths.h"
 #include "support/component_process.h"
 
 namespace vismem {

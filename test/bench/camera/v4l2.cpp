@@ -24,6 +24,7 @@
 #include "common/v4l2/v4l2_device.h"
 #include "drivers/camera_v4l2/frame_buffers.h"
 #include "drivers/camera_v4l2/negotiation.h"
+#include "support/build_paths.h"
 #include "support/emulated_camera.h"
 
 namespace vismem {

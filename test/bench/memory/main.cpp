@@ -23,6 +23,7 @@
 #include "over_time.h"
 #include "simulator/core/image_errors.h"
 #include "simulator/core/renderer.h"
+#include "support/build_paths.h"
 
 namespace {
 

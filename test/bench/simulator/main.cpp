@@ -20,6 +20,7 @@
 #include "simulator/core/image_errors.h"
 #include "simulator/core/renderer.h"
 #include "simulator/core/simulation.h"
+#include "support/build_paths.h"
 
 namespace {
 

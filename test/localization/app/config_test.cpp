@@ -9,6 +9,7 @@
 
 #include "common/config/config_error.h"
 #include "common/geometry/angles.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {
