@@ -250,7 +250,7 @@ class PerceptionLoopWithAHead : public PerceptionLoopTest {
 };
 
 TEST_F(PerceptionLoopWithAHead, AnUrgentRequestDoesNotWaitForAnImage) {
-  // An image that tells its camera's pose does not wait for the joints: the first ones may come without them.
+  // An image with its camera's pose does not wait for the joints: the first ones may come without them.
   const auto attends = [&] {
     const auto status = gaze_.status();
     return status && status->target;
