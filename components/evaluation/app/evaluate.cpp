@@ -14,6 +14,7 @@ struct Arguments {
   std::vector<double> start;
   double seconds = 0.0;
   std::vector<std::uint64_t> judge;
+  std::string perturb;
 };
 
 void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& arguments) {
@@ -53,6 +54,11 @@ void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& argum
   app.add_option("--setup", options.setup, "robot and configuration of a world: cfg/SETUP (sim, humanoid)")
       ->needs(world);
   app.add_option("--scenario", options.scenario, "what happens in a world: docs/scenarios.md")->needs(world);
+  app.add_option(
+         "--perturb", arguments.perturb,
+         "the camera: KEY=NUMBER,... of height [m], tilt [degrees], focal and brightness (factors), jpeg "
+         "(quality), blur [px], late [s], every (one image of so many)")
+      ->check([](const std::string& text) { return vismem::parsePerturbation(text).error; });
   app.add_flag("--profile", options.profile, "add the real-time factor and CPU time by stage to the JSON");
   app.add_option("--camera-rate", options.camera_rate_hz, "of a simulated camera [Hz]")
       ->check(CLI::Range(0.5, 100.0))
@@ -81,6 +87,7 @@ int main(int argc, char** argv) {
     options.judge_first = arguments.judge[0];
     options.judge_last = arguments.judge[1];
   }
+  options.perturbation = vismem::parsePerturbation(arguments.perturb).perturbation;
   if (arguments.seconds > 0.0) {
     options.seconds = arguments.seconds;
   } else if (!options.world.empty()) {

@@ -13,6 +13,7 @@
 #include "common/segment_map/symmetry.h"
 #include "evaluation/app/cpu_stages.h"
 #include "evaluation/app/evaluation_setup.h"
+#include "evaluation/app/perturbed_robot.h"
 #include "evaluation/app/recorded_robot.h"
 #include "evaluation/core/lockstep.h"
 #include "evaluation/core/map_projection.h"
@@ -169,7 +170,8 @@ nlohmann::json evaluateBag(const EvaluationOptions& options) {
   MemoryPipeline memory(params.pipeline, params.palette);
   Localizer localizer(params.localizer, params.map_edges, options.seed);
   KnownStart start(localizer, options.start);
-  Lockstep run(robot, params.assembler, memory, localizer);
+  PerturbedRobot perturbed(robot, options.perturbation);
+  Lockstep run(perturbed, params.assembler, memory, localizer);
   run.run(
       [&](const LockstepFrame& frame) {
         start.afterFrame();
@@ -217,7 +219,7 @@ nlohmann::json evaluateWorld(const EvaluationOptions& options) {
     recorded = std::make_unique<RecordedRobot>(*robot, options.record);
     copyConfiguration(options);
   }
-  SteppedRobot& stepped = recorded ? static_cast<SteppedRobot&>(*recorded) : *robot;
+  PerturbedRobot stepped(recorded ? static_cast<SteppedRobot&>(*recorded) : *robot, options.perturbation);
   Record record;
   MemoryPipeline memory(params.pipeline, params.palette);
   Localizer localizer(params.localizer, params.map_edges, options.seed);

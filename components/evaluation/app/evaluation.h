@@ -9,6 +9,7 @@
 #include <string>
 
 #include "common/geometry/pose.h"
+#include "evaluation/core/perturbation.h"
 
 namespace vismem {
 
@@ -24,6 +25,7 @@ struct EvaluationOptions {
   std::filesystem::path record;   ///< of a world: a folder for a recording; empty: none
   std::string setup = "sim";      ///< of a world: cfg/SETUP holds the robot and the components: sim, humanoid
   std::filesystem::path scenario;  ///< of a world: its events; empty: only the drive along the route
+  Perturbation perturbation;       ///< of the camera
   bool profile = false;            ///< real-time factor and CPU time by stage in the summary
   std::filesystem::path route;     ///< of a world: empty: beside it, with the ending .route, if there is one
   std::string mode;  ///< "default" or "chapter", for both components; empty: as each is configured

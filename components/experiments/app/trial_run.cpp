@@ -95,6 +95,7 @@ struct TrialRun::Impl {
         // The streams' names seed their numbers: renaming one changes every published result.
         synthetic(params.map_edges, given.errors, given.disturbance, subStream(given.seed, "made-up vision"),
                   subStream(given.map_seed.value_or(given.seed), "made-up map")),
+        clutter(given.disturbance, params.map_edges),
         places(subStream(given.seed, "places")),
         losses(subStream(given.seed, "losses")) {
     SimulationConfig robot = simulationConfig(evaluationOptions(options));
@@ -149,6 +150,8 @@ struct TrialRun::Impl {
     if (!isDark(observation.frame.stamp_us, trial)) {
       if (options.rendered) {
         observed = memory.extractor().extract(observation.frame.image, observation.frame.intrinsics, nullptr);
+        clutter.add(toSeconds(observation.frame.stamp_us), observation.frame.intrinsics, T_world_camera,
+                    losses, observed);
         loseSegments(options.disturbance, losses, observed);
       } else {
         observed = synthetic.observe(toSeconds(observation.frame.stamp_us), observation.frame.intrinsics,
@@ -240,6 +243,7 @@ struct TrialRun::Impl {
   MemoryPipeline memory;
   ObservationAssembler assembler;
   SyntheticVision synthetic;
+  Clutter clutter;  ///< of rendered images
   RandomEngine places;
   RandomEngine losses;
   std::unique_ptr<Simulation> simulation;

@@ -13,11 +13,7 @@ namespace {
 /// An older state is not correlated with the present one.
 constexpr double kForgotten_s = 1.0;
 constexpr double kImage_s = 0.1;  // the time over which `persistence` is given
-constexpr double kOnFloor_m = 0.02;
 constexpr double kShortestFalse_px = 12.0;
-constexpr double kClutterReach_m = 4.0;
-constexpr double kShortestClutter_m = 0.3;
-constexpr double kLongestClutter_m = 1.5;
 /// Edges of average contrast.
 constexpr double kStrength = 40.0;
 
@@ -26,18 +22,17 @@ double shareBelow(double normal) {
   return 0.5 * std::erfc(-normal / std::numbers::sqrt2);
 }
 
-bool isOnFloor(const MapSegment& edge) {
-  return std::abs(edge.world.a.z()) <= kOnFloor_m && std::abs(edge.world.b.z()) <= kOnFloor_m;
-}
-
 }  // namespace
 
 SyntheticVision::SyntheticVision(const SegmentMap& edges, const VisionErrors& errors,
                                  const Disturbance& disturbance, std::uint64_t seed, std::uint64_t map_seed)
-    : edges_(edges), errors_(errors), disturbance_(disturbance), engine_(seed) {
-  for (const MapSegment& edge : edges_.segments) {
-    if (edge.label != kAnyLabel) (isOnFloor(edge) ? floor_labels_ : upright_labels_).push_back(edge.label);
-  }
+    : edges_(edges),
+      errors_(errors),
+      disturbance_(disturbance),
+      engine_(seed),
+      floor_labels_(edgeLabels(edges, true)),
+      upright_labels_(edgeLabels(edges, false)),
+      clutter_(disturbance, edges) {
   RandomEngine map_engine(map_seed);
   map_errors_.resize(edges_.segments.size());
   for (MapError& error : map_errors_) {
@@ -52,13 +47,6 @@ const Label& SyntheticVision::anyLabel(bool on_floor) {
   return labels.empty() ? kUnknownLabel : labels[pick(engine_, labels.size())];
 }
 
-Eigen::Vector2d SyntheticVision::anyPixel(const CameraIntrinsics& intrinsics) {
-  // Two statements: the order of evaluation of arguments is not defined, and runs must repeat.
-  const double u = uniform(engine_, 0.0, intrinsics.width - 1.0);
-  const double v = uniform(engine_, 0.0, intrinsics.height - 1.0);
-  return {u, v};
-}
-
 std::vector<ImageSegment> SyntheticVision::observe(double time_s, const CameraIntrinsics& intrinsics,
                                                    const Pose3& T_world_camera, const CastRay& cast) {
   std::vector<ImageSegment> image;
@@ -70,7 +58,7 @@ std::vector<ImageSegment> SyntheticVision::observe(double time_s, const CameraIn
   }
   double expected = errors_.false_per_image;
   for (; uniform(engine_, 0.0, 1.0) < expected; expected -= 1.0) addFalse(intrinsics, image);
-  addClutter(time_s, intrinsics, T_world_camera, image);
+  clutter_.add(time_s, intrinsics, T_world_camera, engine_, image);
   loseSegments(disturbance_, engine_, image);
   return image;
 }
@@ -163,7 +151,7 @@ void SyntheticVision::addPiece(double time_s, const CameraIntrinsics& intrinsics
 }
 
 void SyntheticVision::addFalse(const CameraIntrinsics& intrinsics, std::vector<ImageSegment>& image) {
-  const Eigen::Vector2d a = anyPixel(intrinsics);
+  const Eigen::Vector2d a = anyPixel(intrinsics, engine_);
   const double direction = uniform(engine_, -std::numbers::pi, std::numbers::pi);
   const double length = uniform(engine_, kShortestFalse_px, errors_.longest_false_px);
   const Label& label = anyLabel(uniform(engine_, 0.0, 1.0) < errors_.false_on_floor);
@@ -171,46 +159,6 @@ void SyntheticVision::addFalse(const CameraIntrinsics& intrinsics, std::vector<I
       clipToBox({a, a + length * Eigen::Vector2d(std::cos(direction), std::sin(direction))},
                 Eigen::Vector2d::Zero(), Eigen::Vector2d(intrinsics.width - 1.0, intrinsics.height - 1.0));
   if (inside && inside->length() >= errors_.least_px) image.push_back({*inside, label, kStrength});
-}
-
-void SyntheticVision::addClutter(double time_s, const CameraIntrinsics& intrinsics,
-                                 const Pose3& T_world_camera, std::vector<ImageSegment>& image) {
-  const double share = disturbance_.false_share;
-  if (!(share > 0.0)) return;
-  std::erase_if(clutter_, [&](const Clutter& one) { return one.until_s <= time_s; });
-  const auto labelled =
-      std::count_if(image.begin(), image.end(), [](const auto& one) { return one.label != kUnknownLabel; });
-  // Number of false segments for the requested share; its fraction is drawn.
-  const double wanted = share / (1.0 - share) * static_cast<double>(labelled);
-  auto left = static_cast<int>(wanted);
-  if (uniform(engine_, 0.0, 1.0) < wanted - left) ++left;
-  const auto show = [&](const Clutter& one) {
-    if (left <= 0) return;
-    const auto px = projectSegment(intrinsics, T_world_camera, one.world);
-    if (!px || px->length() < errors_.least_px) return;
-    image.push_back({*px, one.label, kStrength});
-    --left;
-  };
-  for (const Clutter& one : clutter_) show(one);
-  // An image without floor in range has no place for more.
-  for (int tries = 4 * left; left > 0 && tries > 0; --tries) {
-    const Eigen::Vector2d px = anyPixel(intrinsics);
-    const double direction = uniform(engine_, -std::numbers::pi, std::numbers::pi);
-    const double length = uniform(engine_, kShortestClutter_m, kLongestClutter_m);
-    const double lasts = -disturbance_.clutter_s * std::log(1.0 - uniform(engine_, 0.0, 1.0));
-    const auto floor = backProjectToGround(intrinsics, T_world_camera, px, kClutterReach_m);
-    if (!floor) continue;
-    const Eigen::Vector3d half =
-        0.5 * length * Eigen::Vector3d(std::cos(direction), std::sin(direction), 0.0);
-    clutter_.push_back({{*floor - half, *floor + half}, anyLabel(true), time_s + lasts});
-    show(clutter_.back());
-  }
-}
-
-void loseSegments(const Disturbance& disturbance, RandomEngine& engine, std::vector<ImageSegment>& image) {
-  if (!(disturbance.lost_share > 0.0)) return;
-  std::erase_if(image,
-                [&](const ImageSegment&) { return uniform(engine, 0.0, 1.0) < disturbance.lost_share; });
 }
 
 }  // namespace vismem

@@ -9,6 +9,7 @@
 
 #include "common/geometry/pose.h"
 #include "common/vision/image_segment.h"
+#include "experiments/trials/clutter.h"
 #include "experiments/trials/measured_errors.h"
 #include "experiments/trials/visible_pieces.h"
 #include "experiments/trials/vision_statistics.h"
@@ -70,16 +71,7 @@ struct VisionErrors {
   double false_on_floor = 0.13;    ///< share of the false ones with a label of the floor's edges
   double false_per_image = 0.165;  ///< false labelled segments, each seen once
   double longest_false_px = 126.0;
-  double least_px = 4.0;  ///< shorter ones are not reported
-};
-
-/// Disturbances of the observations beside the detector's own errors.
-struct Disturbance {
-  /// Share of labelled segments that belong to unmapped objects: they lie on the floor near the robot for a
-  /// while, with labels of the map.
-  double false_share = 0.0;
-  double lost_share = 0.0;  ///< of all segments, independently
-  double clutter_s = 3.0;   ///< mean time for which an unmapped object stays
+  double least_px = Clutter::kLeast_px;  ///< shorter ones are not reported
 };
 
 /// *Single-threaded*. The same seed and calls give the same segments.
@@ -114,11 +106,6 @@ class SyntheticVision {
     double along_a = 0.0;
     double along_b = 0.0;
   };
-  struct Clutter {
-    Segment3 world;
-    Label label;
-    double until_s = 0.0;
-  };
 
   void age(double time_s, bool on_floor, EdgeState& state);
   /// Distances of the end of a found piece beside its line and beyond its end [px].
@@ -128,11 +115,8 @@ class SyntheticVision {
   void addPiece(double time_s, const CameraIntrinsics& intrinsics, const VisiblePiece& piece,
                 std::vector<ImageSegment>& image);
   void addFalse(const CameraIntrinsics& intrinsics, std::vector<ImageSegment>& image);
-  void addClutter(double time_s, const CameraIntrinsics& intrinsics, const Pose3& T_world_camera,
-                  std::vector<ImageSegment>& image);
   /// The label of a random edge of the map, on the floor or above it.
   const Label& anyLabel(bool on_floor);
-  Eigen::Vector2d anyPixel(const CameraIntrinsics& intrinsics);
 
   SegmentMap edges_;
   VisionErrors errors_;
@@ -143,10 +127,7 @@ class SyntheticVision {
   std::map<int, EdgeState> states_;
   std::map<int, EdgeState> outline_states_;
   std::vector<MapError> map_errors_;  ///< of each edge
-  std::vector<Clutter> clutter_;
+  Clutter clutter_;
 };
-
-/// Removes the share `disturbance.lost_share` of the segments: the disturbance of rendered images.
-void loseSegments(const Disturbance& disturbance, RandomEngine& engine, std::vector<ImageSegment>& image);
 
 }  // namespace vismem

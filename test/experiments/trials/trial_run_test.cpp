@@ -60,6 +60,24 @@ TEST(TrialRun, TheDefaultModeFindsTheKidnappedRobot) {
   EXPECT_TRUE(events[1].right_at_end);
 }
 
+TEST(TrialRun, RenderedImagesGetTheFalseSegmentsThatAreAsked) {
+  TrialOptions options = shortTrial();
+  options.rendered = true;
+  options.events = 1;
+  options.event_s = 4.0;
+  const auto falseShare = [&] {
+    VisionStatistics statistics;
+    statistics.beginRun();
+    TrialRun run(options);
+    run.measureVision(&statistics);
+    run.record();
+    return statistics.falseShare();
+  };
+  EXPECT_LT(falseShare(), 0.1);
+  options.disturbance.false_share = 0.3;
+  EXPECT_NEAR(falseShare(), 0.3, 0.08);
+}
+
 // The comparison of B4: the same kidnappings, another gaze, and a localization that gives the same
 // estimates on the record that it gave in the loop.
 TEST(TrialRun, LocalizationSteersTheGazeInClosedLoop) {

@@ -1,0 +1,124 @@
+#include "evaluation/core/perturbation.h"
+
+#include <cmath>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "common/config/nearest_name.h"
+#include "common/geometry/angles.h"
+#include "common/image_codec/image_codec.h"
+
+namespace vismem {
+namespace {
+
+struct Key {
+  double least;
+  double most;
+  bool whole;
+  void (*set)(Perturbation&, double);
+};
+
+const std::map<std::string, Key>& keys() {
+  static const std::map<std::string, Key> all{
+      {"height", {-1.0, 1.0, false, [](Perturbation& p, double v) { p.height_m = v; }}},
+      {"tilt", {-45.0, 45.0, false, [](Perturbation& p, double v) { p.tilt_rad = degToRad(v); }}},
+      {"focal", {0.5, 2.0, false, [](Perturbation& p, double v) { p.focal = v; }}},
+      {"brightness", {0.0, 10.0, false, [](Perturbation& p, double v) { p.brightness = v; }}},
+      {"jpeg", {1.0, 100.0, true, [](Perturbation& p, double v) { p.jpeg_quality = static_cast<int>(v); }}},
+      {"blur", {2.0, 100.0, true, [](Perturbation& p, double v) { p.blur_px = static_cast<int>(v); }}},
+      {"late", {-1.0, 1.0, false, [](Perturbation& p, double v) { p.late_s = v; }}},
+      {"every", {1.0, 1000.0, true, [](Perturbation& p, double v) { p.every = static_cast<int>(v); }}},
+  };
+  return all;
+}
+
+/// @return what is wrong with `name=number`; empty if it was set.
+std::string setOne(const std::string& item, std::set<std::string>& given, Perturbation& perturbation) {
+  const auto equals = item.find('=');
+  const std::string name = item.substr(0, equals);
+  const auto key = keys().find(name);
+  if (key == keys().end()) {
+    std::set<std::string> names;
+    for (const auto& [known, unused] : keys()) names.insert(known);
+    std::string list;
+    for (const std::string& known : names) list += (list.empty() ? "" : ", ") + known;
+    return "\"" + name + "\"" + suggestion(name, names) + " (expected one of " + list + ")";
+  }
+  if (!given.insert(name).second) return name + " twice";
+  const std::string number = equals == std::string::npos ? "" : item.substr(equals + 1);
+  std::istringstream text(number);
+  double value = 0.0;
+  char rest = 0;
+  const bool is_number = text >> value && !(text >> rest);
+  const auto& [least, most, whole, set] = key->second;
+  if (!is_number || !(value >= least && value <= most) || (whole && value != std::floor(value))) {
+    std::ostringstream wrong;
+    wrong << name << "=" << number << " (expected a " << (whole ? "whole " : "") << "number from " << least
+          << " to " << most << ")";
+    return wrong.str();
+  }
+  set(perturbation, value);
+  return "";
+}
+
+cv::Mat perturbedPixels(const Perturbation& p, const cv::Mat& image) {
+  cv::Mat pixels = image;
+  if (p.blur_px > 0) {
+    cv::Mat blurred;
+    cv::blur(pixels, blurred, cv::Size(p.blur_px, 1));
+    pixels = blurred;
+  }
+  if (p.brightness != 1.0) {
+    cv::Mat scaled;
+    pixels.convertTo(scaled, -1, p.brightness);
+    pixels = scaled;
+  }
+  if (p.jpeg_quality > 0) {
+    const DecodedImage decoded = decodeImageFile(encodeJpeg(pixels, p.jpeg_quality));
+    if (!decoded.error.empty()) throw std::runtime_error("a perturbed image " + decoded.error);
+    pixels = decoded.image;
+  }
+  return pixels;
+}
+
+}  // namespace
+
+ParsedPerturbation parsePerturbation(const std::string& text) {
+  ParsedPerturbation parsed;
+  std::set<std::string> given;
+  std::istringstream items(text);
+  for (std::string item; parsed.error.empty() && std::getline(items, item, ',');) {
+    parsed.error = setOne(item, given, parsed.perturbation);
+  }
+  return parsed;
+}
+
+bool arrives(const Perturbation& perturbation, const Frame& frame) {
+  return frame.seq % static_cast<std::uint64_t>(perturbation.every) == 0;
+}
+
+Frame perturbed(const Perturbation& p, Frame frame) {
+  if (p.changesPose()) {
+    if (!frame.T_robot_camera) {
+      throw std::invalid_argument(
+          "a height or tilt of the camera needs frames with its pose on the robot (transforms in the "
+          "recording)");
+    }
+    // The optical frame has x to the right: a positive turn about it looks up.
+    *frame.T_robot_camera =
+        *frame.T_robot_camera * Pose3(Eigen::AngleAxisd(p.tilt_rad, Eigen::Vector3d::UnitX()));
+    frame.T_robot_camera->translation().z() += p.height_m;
+  }
+  frame.intrinsics.fx *= p.focal;
+  frame.intrinsics.fy *= p.focal;
+  frame.stamp_us += toStampUs(p.late_s);
+  frame.image = perturbedPixels(p, frame.image);
+  frame.native.reset();
+  return frame;
+}
+
+}  // namespace vismem
