@@ -34,7 +34,7 @@ TEST(Clutter, AddsTheShareOfFalseSegmentsOnTheFloorWithLabelsOfTheMap) {
       EXPECT_TRUE(one->label == Label("skirting") || one->label == Label("door_foot"));
       EXPECT_GE(one->px.length(), Clutter::kLeast_px);
       // Beyond 4 m from the camera no object begins; the longest reaches 0.75 m further.
-      const auto floor = backProjectToGround(kIntrinsics, camera(), one->px.midpoint(), 5.0);
+      const auto floor = backProjectToGround(kIntrinsics, camera(), 0.5 * (one->px.a + one->px.b), 5.0);
       EXPECT_TRUE(floor);
     }
   }
