@@ -29,7 +29,7 @@ const estimate: EstimateState = {t: now, stampUs: 0, revision: 5, hasPose: true,
 const square = [[0, 0, 1, 0], [1, 0, 1, 1], [1, 1, 0, 1], [0, 1, 0, 0]];
 
 function signals(change: Partial<Signals> & {moment?: Signals["moment"]}): Signals {
-  return {now, moment: {...emptyMoment, t: now}, video: {fps: 30, sourceFps: 30, ageMs: 5, roundTripMs: 1, stampUs: 1, width: 320, height: 240, state: "Running", message: "", last: now - 30},
+  return {now, moment: {...emptyMoment, t: now}, video: {fps: 30, sourceFps: 30, ageMs: 5, roundTripMs: 1, stampUs: 1, width: 320, height: 240, brightness: 120, state: "Running", message: "", last: now - 30},
     hasCamera: true, links: [], components: [], map: null, replay: null, bestFit: null, paused: false, ...change};
 }
 
@@ -56,6 +56,15 @@ test("no images for three seconds, with the camera's reason", () => {
 });
 
 test("a plain wall", () => assert.deepEqual(ids(signals({moment: {...emptyMoment, t: now, analysis: analysisOf(1, 0, 0)}})), ["nothing seen"]));
+
+test("a covered lens is told from a plain wall", () => {
+  const s = signals({moment: {...emptyMoment, t: now, analysis: analysisOf(0, 6, 0)}});
+  s.video = {...s.video!, brightness: 3};
+  assert.deepEqual(ids(s), ["dark", "memory wrong"]);
+  assert.match(causesOf(s)[0]!.text, /The picture is black \(brightness 3 of 255\)/);
+  s.video = {...s.video, brightness: null};
+  assert.equal(ids(s)[0], "nothing seen", "no picture was drawn: nothing is said of its light");
+});
 
 test("unknown labels", () => {
   const analysis = analysisOf(10, 0, 0);

@@ -28,6 +28,8 @@ export interface Cause {
 }
 
 const nothingSeen = 3;
+/** Of 255: a covered lens, or night. */
+const black = 25;
 const unknownShare = 0.6;
 const fitsNowhere = 0.35;
 
@@ -67,8 +69,11 @@ function viewCauses(s: Signals): Cause[] {
   const causes: Cause[] = [];
   if (!a || s.moment.t - a.t > 2000) return causes;
   const n = a.observedLabels.length;
-  if (n < nothingSeen) {
-    causes.push({id: "nothing seen", weight: 0.88, text: `Almost no lines in view (${n}): a plain wall, darkness or a covered lens?`, advice: "Turn the robot or free the lens."});
+  const light = s.video?.brightness ?? null;
+  if (n < nothingSeen && light !== null && light < black) {
+    causes.push({id: "dark", weight: 0.89, text: `The picture is black (brightness ${light.toFixed(0)} of 255): is the lens covered, or the light off?`, advice: "Free the lens, or switch the light on."});
+  } else if (n < nothingSeen) {
+    causes.push({id: "nothing seen", weight: 0.88, text: `Almost no lines in view (${n}): a plain wall, or something right before the lens?`, advice: "Turn the robot, or free the view."});
   } else {
     const unknown = a.labelNames.indexOf("unknown");
     let count = 0;
@@ -183,7 +188,7 @@ export class CauseWatch {
 
   /** @return causes that have held for `holdMs` (0 for losses of components), sorted, with their start. */
   update(causes: readonly Cause[], now: number): {cause: Cause; since: number}[] {
-    const slow = new Set(["nothing seen", "labels unknown", "memory wrong", "one direction", "ambiguous", "fits badly"]);
+    const slow = new Set(["nothing seen", "dark", "labels unknown", "memory wrong", "one direction", "ambiguous", "fits badly"]);
     for (const cause of causes) {
       if (now - (this.lastSeen.get(cause.id) ?? -Infinity) > 1500) this.since.set(cause.id, now);
       this.lastSeen.set(cause.id, now);
