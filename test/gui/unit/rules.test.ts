@@ -79,6 +79,17 @@ test("the map of another world: fits nowhere first, then the labels that the map
   assert.match(causes[1]!.text, /The map lacks 'door_jamb' \(the memory has 2\), 'skirting' \(the memory has 2\)/);
 });
 
+test("what is lost comes before what is concluded from it", () => {
+  const moment = {...emptyMoment, t: now, analysis: analysisOf(10, 8, 8), memory: memoryOf(square, ["door_jamb", "door_jamb", "skirting", "skirting"]), estimate: {...estimate, hasPose: false, reliability: 0}};
+  const memory: ComponentInfo = {name: "active_visual_memory", alive: true, message: "", since: now - 9000, state: "Degraded", reason: "Odometry is away", version: "0.1.0", uptimeS: 60,
+    peers: [{name: "Odometry", proxy: "", connected: false, message: "connection refused", reconnections: 0}], rates: [], latencies: [], gauges: [], errors: []};
+  const dead = {...memory, name: "base_server", alive: false, peers: []}, absent = {...dead, name: "pantilt_server", version: ""};
+  const s = signals({moment, map: mapOf(["line"]), bestFit: {value: 0.12, at: now - 500}, components: [memory, dead, absent]});
+  s.video = {...s.video!, last: now - 3000};
+  const order = new CauseWatch().update(causesOf(s), now).map(c => c.cause.id);
+  assert.deepEqual(order.slice(0, 6), ["dead base_server", "absent pantilt_server", "peer active_visual_memory Odometry", "no images", "fits nowhere", "labels lacking"]);
+});
+
 test("one direction only", () => {
   const lines = [[0, 0, 3, 0.01], [0, 1, 3, 1], [0, 2, 3, 2], [3, 3, 0, 3]];
   const memory = memoryOf(lines, ["a", "a", "a", "a"]);
