@@ -84,7 +84,7 @@ TEST(Commands, RecordIntoTheFolderOfTheResults) {
               testing::Contains("--Recorder.Cameras.cameraA.Proxy=cameraA:tcp -h 127.0.0.1 -p 10999"));
 }
 
-TEST(Commands, TellThePageWhereTheRecorderIs) {
+TEST(Commands, GiveThePageTheRecordersProxy) {
   RunOptions options = simulation();
   options.port_offset = 1000;
   const auto recorderOfPage = testing::Contains(testing::HasSubstr("GuiServer.Recorder.Proxy"));

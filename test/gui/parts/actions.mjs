@@ -102,7 +102,7 @@ export async function drive(robot) {
 
 /** What drives: how it is held, and how it is let go. */
 const keyW = {press: page => page.keyboard.down("KeyW"), release: page => page.keyboard.up("KeyW")};
-const finger = {press: page => touchStick(page, "touchStart"), release: page => touchStick(page, "touchEnd")};
+const finger = {press: touchStick, release: page => liftFinger(page, "touchEnd")};
 const gamepad = {
   before: () => {
     const pad = {connected: true, axes: [0, 0, 0, 0], buttons: Array.from({length: 16}, () => ({pressed: false, value: 0}))};
@@ -114,16 +114,19 @@ const gamepad = {
 };
 
 /** A finger at the upper edge of the stick: straight on. */
-async function touchStick(page, type) {
-  const box = await page.locator(".stick").boundingBox(), session = await page.context().newCDPSession(page);
-  const touchPoints = type === "touchStart" ? [{x: box.x + box.width / 2, y: box.y + 4}] : [];
-  await session.send("Input.dispatchTouchEvent", {type, touchPoints});
+async function touchStick(page) {
+  // A touch belongs to the session that began it.
+  page.fingers ??= await page.context().newCDPSession(page);
+  const box = await page.locator(".stick").boundingBox();
+  await page.fingers.send("Input.dispatchTouchEvent", {type: "touchStart", touchPoints: [{x: box.x + box.width / 2, y: box.y + 4}]});
 }
+
+function liftFinger(page, type) { return page.fingers.send("Input.dispatchTouchEvent", {type, touchPoints: []}); }
 
 const releases = [
   ["key", keyW.release, allowedMs],
   ["finger", finger.release, allowedMs, finger],
-  ["touch cancelled", page => touchStick(page, "touchCancel"), allowedMs, finger],
+  ["touch cancelled", page => liftFinger(page, "touchCancel"), allowedMs, finger],
   // The page looks at the pad 20 times a second.
   ["trigger of a gamepad", gamepad.release, allowedMs + 50, gamepad],
   ["gamepad unplugged", page => page.evaluate(() => { globalThis.testPad.connected = false; }), allowedMs + 50, gamepad],

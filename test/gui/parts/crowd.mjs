@@ -1,4 +1,4 @@
-// Many pages at once: all live, one drives, the others are told who.
+// Many pages at once: all live, one drives, the others see who.
 import assert from "node:assert/strict";
 import {avm, eventually, Ice, sleep} from "../support/robot.mjs";
 import {loadText, openPage, showPane, text, waitForVideo} from "../support/page.mjs";
@@ -43,7 +43,7 @@ async function oneDrives([driver, ...others], robot) {
   assert.match(client, /^page \d+/);
   for (const page of others.slice(0, 3)) {
     await showPane(page, "drive");
-    await eventually("another page is told who drives", async () => (await text(page, ".pane-drive .note")).includes(`${client} drives`), 15_000);
+    await eventually("another page names who drives", async () => (await text(page, ".pane-drive .note")).includes(`${client} drives`), 15_000);
   }
   await driver.keyboard.up("KeyA");
   await eventually("nobody drives", async () => !(await robot.base.holder()).held, 10_000);

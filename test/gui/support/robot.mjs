@@ -47,6 +47,10 @@ async function freePorts(count) {
   return ports;
 }
 
+/** Every process that was started: none outlives a test that fails. */
+const children = new Set();
+process.on("exit", () => { for (const child of children) child.kill("SIGKILL"); });
+
 /** In the order of their start. */
 const programs = ["simulator", "replay_server", "camera_server", "pantilt_server", "base_server", "active_visual_memory", "localization", "recorder", "gui_server"];
 const portPattern = /-p +(\d+)/g;
@@ -102,9 +106,13 @@ export class Robot {
     const child = spawn(join(bin, name), [...this.commands[name], ...more], {cwd: root, stdio: ["ignore", "pipe", "pipe"]});
     const state = {child, out: "", error: "", code: null};
     this.processes.set(name, state);
+    children.add(child);
     child.stdout.on("data", data => { state.out += data; });
     child.stderr.on("data", data => { state.error = (state.error + data).slice(-20_000); });
-    child.on("exit", (code, signal) => { state.code = code ?? signal; });
+    child.on("exit", (code, signal) => {
+      state.code = code ?? signal;
+      children.delete(child);
+    });
     await eventually(`${name} ready`, () => state.code !== null || state.out.includes(`${name} ready`), 30_000);
     if (state.code !== null) throw new Error(`${name} ended with ${state.code}: ${state.error}`);
   }

@@ -64,6 +64,11 @@ test("a covered lens is told from a plain wall", () => {
   assert.match(causesOf(s)[0]!.text, /The picture is black \(brightness 3 of 255\)/);
   s.video = {...s.video, brightness: null};
   assert.equal(ids(s)[0], "nothing seen", "no picture was drawn: nothing is said of its light");
+  s.bestFit = {value: 0.1, at: now - 500};
+  const watch = new CauseWatch();
+  assert.deepEqual(watch.update(causesOf(s), now).map(c => c.cause.id), ["fits nowhere"], "a short look at a wall is no cause");
+  watch.update(causesOf(s), now + 800);
+  assert.equal(watch.update(causesOf(s), now + 1600)[0]!.cause.id, "nothing seen", "what is not seen now weighs more than what an old memory fits");
 });
 
 test("unknown labels", () => {

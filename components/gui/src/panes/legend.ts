@@ -30,39 +30,38 @@ export function signsOf(option: keyof SceneOptions, theme: Theme): HTMLElement[]
   });
 }
 
+/** A scale of values between two words, or a colour of its own. */
+type Entry = {name: string; low: string; high: string} | {name: string; tint: string};
+
 /** Over the scene, where its colours need words. */
 export class Legend {
   readonly element = h("div", {class: "legend"});
   private shown = "";
 
   draw(by: ColourBy, grid: HealthGrid | null, moment: Moment, theme: Theme): void {
-    const entries = [...this.heatOf(by, moment), ...this.labelsOf(by, moment, theme), ...(grid ? [["scale", "health map", "0", "1"]] : [])];
-    const key = JSON.stringify([entries, theme]);
+    const entries = [...entriesOf(by, moment, theme), ...(grid ? [{name: "health map", low: "0", high: "1"}] : [])], key = JSON.stringify(entries);
     if (key === this.shown) return;
     this.shown = key;
-    this.element.replaceChildren(...entries.map(([kind, text, low, high]) => {
-      if (kind === "scale") return h("div", {}, h("b", {text}), ` ${low} `, h("span", {class: "heat"}), ` ${high}`);
+    this.element.replaceChildren(...entries.map(entry => {
+      if ("low" in entry) return h("div", {}, h("b", {text: entry.name}), ` ${entry.low} `, h("span", {class: "heat"}), ` ${entry.high}`);
       const sign = h("span", {class: "sign", text: signs.line});
-      sign.style.color = low!;
-      return h("div", {}, sign, ` ${text}`);
+      sign.style.color = entry.tint;
+      return h("div", {}, sign, ` ${entry.name}`);
     }));
   }
+}
 
-  private heatOf(by: ColourBy, {memory}: Moment): string[][] {
-    switch (by) {
-      case "life": {
-        let most = 0;
-        if (memory) for (let i = 0; i < memory.ids.length; ++i) most = Math.max(most, memory.rows[i * rowSize + column.life]!);
-        return [["scale", "life", "0", fixed(most, 0)]];
-      }
-      case "age": return [["scale", "last seen", "20 s ago", "now"]];
-      case "uncertainty": return [["scale", "sigma of an end", "0.2 m", "0"]];
-      default: return [];
+function entriesOf(by: ColourBy, {memory}: Moment, theme: Theme): Entry[] {
+  if (!memory) return [];
+  switch (by) {
+    case "label": return [...new Set(memory.labels)].sort((a, b) => a - b).map(label => ({name: memory.labelNames[label] ?? "", tint: labelColour(label, theme)}));
+    case "life": {
+      let most = 0;
+      for (let i = 0; i < memory.ids.length; ++i) most = Math.max(most, memory.rows[i * rowSize + column.life]!);
+      return [{name: "life", low: "0", high: fixed(most, 0)}];
     }
-  }
-
-  private labelsOf(by: ColourBy, {memory}: Moment, theme: Theme): string[][] {
-    if (by !== "label" || !memory) return [];
-    return [...new Set(memory.labels)].sort((a, b) => a - b).map(label => ["label", memory.labelNames[label] ?? "", labelColour(label, theme)]);
+    case "age": return [{name: "last seen", low: "20 s ago", high: "now"}];
+    case "uncertainty": return [{name: "sigma of an end", low: "0.2 m", high: "0"}];
+    default: return [];
   }
 }

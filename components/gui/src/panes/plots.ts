@@ -73,7 +73,7 @@ class Chart {
     const newest = () => nowMs() / 1000;
     this.plot = new uPlot({
       width, height, padding: [6, 8, 0, 0], legend: {show: false}, scales: {x: {time: false}, y: {range: (_u, min, max) => min === null || max === null ? [0, 1] : [Math.min(0, min), Math.max(max * 1.08, 0.01)]}},
-      axes: [{...axis, size: 20, gap: 2, splits: (_u, _i, min, max) => ticksBefore(newest(), min, max), values: (_u, values) => values.map(v => `${Math.round(v - newest())} s`)}, {...axis, size: 40, gap: 3, space: 20}],
+      axes: [{...axis, size: 20, gap: 2, splits: (_u, _i, min, max) => ticksBefore(newest(), min, max), values: (_u, values) => values.map(v => `${Math.round(v - newest())} s`)}, {...axis, size: 46, gap: 3, space: 20}],
       cursor: {drag: {x: true, y: false, setScale: false}, points: {show: false}},
       series: [{}, ...names.map((name, i) => ({label: name, stroke: labelColour(i, theme), width: 1.5, points: {show: false}, ...(i >= 8 ? {dash: [5, 3]} : {})}))],
       hooks: {

@@ -79,7 +79,7 @@ export class WorldPane extends Pane {
       this.arrange();
     }));
     if (!this.store.config.viewer) bar.append(this.makeTools());
-    bar.append(select("colour of segments", [["kind", "colour: confirmed"], ["label", "colour: label"], ["life", "colour: life"], ["age", "colour: age"],
+    bar.append(select("colour of segments", [["kind", "colour: state"], ["label", "colour: label"], ["life", "colour: life"], ["age", "colour: age"],
       ["uncertainty", "colour: sigma"]], this.options.colourBy, value => { this.options.colourBy = value as ColourBy; this.ask(); }));
     bar.append(this.makeLayers(), select("which view keeps the robot in its middle", [["3d", "follow: 3-D"], ["both", "follow: both"], ["none", "follow: none"]], this.followed,
       value => { this.followed = value as typeof this.followed; this.ask(); }),

@@ -71,9 +71,9 @@ function viewCauses(s: Signals): Cause[] {
   const n = a.observedLabels.length;
   const light = s.video?.brightness ?? null;
   if (n < nothingSeen && light !== null && light < black) {
-    causes.push({id: "dark", weight: 0.89, text: `The picture is black (brightness ${light.toFixed(0)} of 255): is the lens covered, or the light off?`, advice: "Free the lens, or switch the light on."});
+    causes.push({id: "dark", weight: 0.9915, text: `The picture is black (brightness ${light.toFixed(0)} of 255): is the lens covered, or the light off?`, advice: "Free the lens, or switch the light on."});
   } else if (n < nothingSeen) {
-    causes.push({id: "nothing seen", weight: 0.88, text: `Almost no lines in view (${n}): a plain wall, or something right before the lens?`, advice: "Turn the robot, or free the view."});
+    causes.push({id: "nothing seen", weight: 0.991, text: `Almost no lines in view (${n}): a plain wall, or something right before the lens?`, advice: "Turn the robot, or free the view."});
   } else {
     const unknown = a.labelNames.indexOf("unknown");
     let count = 0;
