@@ -18,8 +18,8 @@ function analysis(t: number, seq: number): AnalysisState {
 }
 
 /** Segments that wander a little, come and go; all values follow from k. */
-function memory(k: number, t: number): MemoryState {
-  const ids = Array.from({length: 40}, (_, i) => i + Math.floor(k / 7)), n = ids.length, rows = new Float32Array(n * rowSize);
+function memory(k: number, t: number, segments = 40): MemoryState {
+  const ids = Array.from({length: segments}, (_, i) => i + Math.floor(k / 7)), n = ids.length, rows = new Float32Array(n * rowSize);
   ids.forEach((id, i) => {
     const at = i * rowSize, moves = id % 5 === 0 ? 0.001 * k : 0;
     rows.set([id + moves, id / 2, 0, id + 1 + moves, id / 2 + 0.3, 0], at);
@@ -96,7 +96,7 @@ test("differences are much smaller than whole snapshots", () => {
   const ring = new SnapshotRing(spanMs);
   let whole = 0;
   for (let k = 0; k < 600; ++k) {
-    const state = memory(k, k * 100);
+    const state = memory(k, k * 100, 300);
     whole += state.rows.byteLength;
     ring.push(state);
   }

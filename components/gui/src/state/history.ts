@@ -12,7 +12,7 @@ export const spanMs = 300_000;
 export const budgetBytes = 96 * 1024 * 1024;
 const imageBudget = 64 * 1024 * 1024;
 /** Of the smaller streams, which are counted by their number: about what an object with these fields takes. */
-const entryBytes = {estimate: 400, gaze: 1500, truth: 150, odometry: 150};
+const entryBytes = {estimate: 1500, gaze: 4000, truth: 250, odometry: 250};
 
 /** Analyses that wait for their image, which comes on a connection of its own. */
 const waitingAnalyses = 8;

@@ -13,9 +13,13 @@ export interface StoredImage {
   analysis: AnalysisState | null;
 }
 
+/** Objects and typed arrays themselves, beside what is in the arrays. */
+const imageObjects = 400;
+const analysisObjects = 1500;
+
 function sizeOf(image: StoredImage): number {
   const a = image.analysis;
-  return image.jpeg.byteLength + 200 + (a ? a.observed.byteLength + a.predicted.byteLength + a.predictedIds.byteLength + a.matches.byteLength + 400 : 0);
+  return image.jpeg.byteLength + imageObjects + (a ? a.observed.byteLength + a.predicted.byteLength + a.predictedIds.byteLength + a.matches.byteLength + analysisObjects : 0);
 }
 
 export class ImageRing {
