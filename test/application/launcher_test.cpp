@@ -85,6 +85,17 @@ TEST(Commands, RecordIntoTheFolderOfTheResults) {
               testing::Contains("--Recorder.Cameras.cameraA.Proxy=cameraA:tcp -h 127.0.0.1 -p 10999"));
 }
 
+TEST(Commands, GiveThePageTheRecordersProxy) {
+  RunOptions options = simulation();
+  options.port_offset = 1000;
+  const auto recorderOfPage = testing::Contains(testing::HasSubstr("GuiServer.Recorder.Proxy"));
+  EXPECT_THAT(commandsOf(options).back().arguments, Not(recorderOfPage));
+  options.record = true;
+  options.out = "/somewhere";
+  EXPECT_THAT(commandsOf(options).back().arguments,
+              testing::Contains("--GuiServer.Recorder.Proxy=Recorder:ws -h 127.0.0.1 -p 12008"));
+}
+
 TEST(Commands, TakeASessionsConfigurationsAtTheReplaysPlaces) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "cfg");

@@ -1,14 +1,17 @@
 // The page in a real browser on real components: node page_test.mjs [PART...]; without names all parts.
 // AVM_PICTURES: folder for the pictures of docs/gui.md. AVM_GUI_LONG=1: whole runs with the limits of an idle machine.
 import {join} from "node:path";
-import {drive, gaze, pose, replay} from "./parts/actions.mjs";
-import {foreign, loss, plainWall, viewer, wrongMap} from "./parts/safety.mjs";
-import {bundle, keyboard, looks, panes, rates, timeTravel} from "./parts/views.mjs";
+import {drive, gaze, pose} from "./parts/actions.mjs";
+import {blindness, odometryLost, wrongMap} from "./parts/causes.mjs";
+import {crowd} from "./parts/crowd.mjs";
+import {recording, replay} from "./parts/recording.mjs";
+import {foreign, loss, viewer} from "./parts/safety.mjs";
+import {bundle, keyboard, looks, panes, rates, tablet, timeTravel} from "./parts/views.mjs";
 import {browser, pictures} from "./support/page.mjs";
 import {Robot} from "./support/robot.mjs";
 
-const shared = {looks, panes, rates, gaze, drive, pose, timeTravel, keyboard, bundle, foreign, plainWall, loss};
-const own = {viewer, wrongMap, replay};
+const shared = {looks, panes, tablet, rates, gaze, drive, pose, timeTravel, keyboard, bundle, foreign, blindness, crowd, loss};
+const own = {viewer, wrongMap, odometryLost, recording, replay};
 const wanted = process.argv.slice(2), chosen = name => wanted.length === 0 || wanted.includes(name);
 let failed = 0;
 

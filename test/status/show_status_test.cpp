@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/process/ready_line.h"
 #include "support/build_paths.h"
 #include "support/component_process.h"
 
@@ -19,6 +20,7 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 class ShowStatus : public testing::Test {
  protected:
@@ -63,6 +65,23 @@ TEST_F(ShowStatus, ARunningComponentWithItsConfiguration) {
   const auto configuration = status({"--configuration", "probe_component"});
   EXPECT_EQ(configuration->exitCode(), 0);
   EXPECT_THAT(configuration->out(), AllOf(HasSubstr("Probe.Size = 5\n"), HasSubstr("Probe.Work = serve\n")));
+}
+
+TEST_F(ShowStatus, ASetupWithoutItsPageIsWholeUnlessThePageWasStarted) {
+  ComponentProcess probe("probe_component", {});
+  const auto endpoints = readyEndpoints(probe.readyLine().value_or("")).value_or("");
+  std::ofstream(root_ / "cfg/lab/probe_component.cfg") << "ProbeComponent.Endpoints = " << endpoints << "\n";
+  std::ofstream(root_ / "cfg/lab/gui_server.cfg") << "GuiServer.Endpoints = tcp -h 127.0.0.1 -p 1\n";
+  const auto without = status({"lab"});
+  EXPECT_EQ(without->exitCode(), 0) << without->out() << without->error();
+  EXPECT_THAT(without->out(), AllOf(HasSubstr("probe_component  running"), Not(HasSubstr("gui_server"))));
+  record({&probe});
+  std::ofstream(root_ / "out/lab/pids", std::ios::app) << "1 gui_server\n";
+  std::ofstream(root_ / "out/lab/gui_server.out")
+      << "gui_server ready: GuiServerAdapter=tcp -h 127.0.0.1 -p 1\n";
+  const auto died = status({"lab"});
+  EXPECT_EQ(died->exitCode(), 1);
+  EXPECT_THAT(died->out(), HasSubstr("gui_server       absent"));
 }
 
 TEST_F(ShowStatus, AFrozenAndAnAbsentComponentDelayItByOneTimeoutAtMost) {

@@ -49,10 +49,21 @@ std::string makeToken() {
   return text.str();
 }
 
+/// Where the page reaches the recorder; the configuration of its server leaves out what runs on request.
+std::string recorderOfPage(const RunOptions& options) {
+  const Properties properties = Properties::load(configOf(options, "recorder"));
+  properties.throwIfBad();
+  const auto* entry = properties.find("Recorder.WebEndpoints");
+  return entry == nullptr ? "" : "Recorder:" + shiftPorts(entry->value, options.port_offset);
+}
+
 /// Adds the server of the page, and the token without which components answer no page.
 void addPage(const RunOptions& options, std::vector<ComponentCommand>& commands) {
   if (!hasPage(options)) return;
   commands.push_back(commandOf(options, "gui_server"));
+  if (options.record) {
+    commands.back().arguments.push_back("--GuiServer.Recorder.Proxy=" + recorderOfPage(options));
+  }
   const std::string token = makeToken();
   for (auto& command : commands) command.arguments.push_back("--Robot.Token=" + token);
 }

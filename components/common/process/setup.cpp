@@ -39,6 +39,10 @@ bool isOptionalComponent(const std::string& name) {
   return name == "recorder";
 }
 
+bool mayBeLeftOut(const std::string& name) {
+  return name == "gui_server";
+}
+
 std::vector<SetupComponent> componentsOfSetup(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::directory_iterator files(folder, error);

@@ -26,6 +26,9 @@ struct SetupComponent {
 /// Whether a setup works without this component, which runs only on request: the recorder.
 bool isOptionalComponent(const std::string& name);
 
+/// Whether a setup also runs whole without this component: the server of the page, which --no-gui leaves out.
+bool mayBeLeftOut(const std::string& name);
+
 /// The components of a setup, by name: every file NAME.cfg of the folder that sets a key of NAME's, without the
 /// optional ones. Other files of the folder (recordings.cfg) are ignored.
 /// @throw ConfigError when the folder or one of its files cannot be read.

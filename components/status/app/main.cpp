@@ -108,7 +108,9 @@ class Viewer {
       }
     }
     ask(rows);
-    if (only_who_answers) std::erase_if(rows, [](const ComponentRow& row) { return row.absent; });
+    std::erase_if(rows, [&](const ComponentRow& row) {
+      return row.absent && (only_who_answers || row.may_be_left_out);
+    });
     return rows;
   }
 

@@ -78,6 +78,7 @@ std::vector<ComponentRow> rowsOfSetup(const fs::path& root, const std::string& s
     row.setup = setup;
     row.name = component.name;
     row.endpoints = shiftPorts(component.endpoints, port_offset);
+    row.may_be_left_out = mayBeLeftOut(component.name);
     if (row.endpoints.empty()) row.failure = component.file.string() + " names no endpoints";
     rows.push_back(std::move(row));
   }

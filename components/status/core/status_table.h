@@ -22,6 +22,8 @@ struct ComponentRow {
   std::string failure;
   /// True if no server listens there, as opposed to a server without an answer.
   bool absent = false;
+  /// True if the setup is whole without it: absent it is no row.
+  bool may_be_left_out = false;
 };
 
 /// "running", "waiting", "degraded", "starting", "stopping"; "absent" without a server, "silent" for a server

@@ -1,10 +1,10 @@
-// Losses, causes in words, pages of other origins, viewers.
+// Losses, pages of other origins, viewers.
 import assert from "node:assert/strict";
 import {readFileSync} from "node:fs";
 import {createServer} from "node:http";
 import {join} from "node:path";
 import {avm, eventually, gui, Ice, Robot, sleep} from "../support/robot.mjs";
-import {browser, driven, loadMargin, loadText, openPage, pictures, showPane, text, waitForVideo} from "../support/page.mjs";
+import {browser, loadMargin, loadText, openPage, pictures, showPane, text, waitForVideo} from "../support/page.mjs";
 
 /** A component that is killed shows within 2 s, and recovery follows by itself. */
 export async function loss(robot) {
@@ -49,7 +49,7 @@ export async function foreign(robot) {
     }
     await communicator.destroy();
     return tried;
-  }, robot.ports.ws.source);
+  }, robot.port(11000));
   for (const answer of answers) assert.match(answer, /ObjectNotExist/, answers.join());
   // A name that is bound to this machine's address is another origin, too: its Host is refused.
   const bound = await fetch(`${robot.url}config.json`, {headers: {Host: "evil.example"}}).then(r => r.status, () => "no fetch");
@@ -74,46 +74,4 @@ export async function viewer() {
   } finally {
     await robot.stop();
   }
-}
-
-/** The map of another world: within 10 s the first two lines say that it fits nowhere and which labels it lacks. */
-export async function wrongMap() {
-  for (const map of ["field_6x4", "furniture"]) await wrongMapOf(map);
-}
-
-async function wrongMapOf(map) {
-  const robot = await Robot.start({arguments: {localization: [`--Localization.Map=cfg/maps/${map}.csv`, `--Localization.Palette=cfg/maps/${map === "field_6x4" ? "field" : map}.palette`]}});
-  try {
-    const page = await openPage(robot), begin = Date.now();
-    await driven(robot, 0.2, 0, () => eventually("fits nowhere, and the labels that are lacking", async () => {
-      const lines = await page.locator(".causes .cause").allTextContents();
-      return /No place of this map fits/.test(lines[0] ?? "") && /The map (lacks|has) '/.test(lines[1] ?? "");
-    }, 25_000));
-    const ms = Date.now() - begin;
-    console.log(`  ${map}: named after ${(ms / 1000).toFixed(1)} s: ${(await page.locator(".causes .cause").allTextContents()).slice(0, 2).join(" ")}`);
-    await page.locator(".pane-why").screenshot({path: join(pictures, `why_wrong_map_${map}.png`)});
-    assert.ok(ms <= 10_000 + 10 * loadMargin(), `${ms} ms`);
-    await page.context().close();
-  } finally {
-    await robot.stop();
-  }
-}
-
-/** A plain wall in view, and a covered lens: a box right before the camera is both. */
-export async function plainWall(robot) {
-  const page = await openPage(robot);
-  await waitForVideo(page);
-  await robot.simulation.kidnap(new avm.Pose2(3, 2.25, Math.PI));
-  await sleep(300);
-  await robot.simulation.addModel("cover", new avm.PropShape(avm.PropKind.PropBox, new avm.Vector3(0.1, 3, 3), new avm.Vector3(0.5, 0.5, 0.5)),
-    new avm.Pose3(new avm.Vector3(2.66, 2.25, 0), 1, 0, 0, 0));
-  await robot.proxy("Gaze", "Gaze", "memory").setMode(avm.GazeMode.Hold);
-  const lease = await robot.panTilt.acquire("test of the page", 50, 30);
-  await robot.panTilt.moveTo(new avm.PanTiltAngles(0, 0), 0, 0, new Map([["lease", lease.id]]));
-  await eventually("almost no lines in view", async () => /Almost no lines in view/.test(await text(page, ".causes")), 15_000);
-  await page.locator(".pane-why").screenshot({path: join(pictures, "why_plain_wall.png")});
-  await robot.panTilt.release(lease.id);
-  await robot.simulation.removeModel("cover");
-  await robot.proxy("Gaze", "Gaze", "memory").setMode(avm.GazeMode.Attend);
-  await page.context().close();
 }

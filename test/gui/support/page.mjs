@@ -13,9 +13,10 @@ export const longRun = process.env.AVM_GUI_LONG === "1";
 
 export const browser = await chromium.launch({executablePath: process.env.AVM_CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu"]});
 
-/** A page of a robot, whose console errors fail the test. */
-export async function openPage(robot, {width = 1280, height = 800, theme = "dark", preset = "watch"} = {}) {
-  const context = await browser.newContext({viewport: {width, height}, colorScheme: theme});
+/** A page of a robot, whose console errors fail the test. @param options.before runs in the page before its own scripts. */
+export async function openPage(robot, {width = 1280, height = 800, theme = "dark", preset = "watch", touch = false, before} = {}) {
+  const context = await browser.newContext({viewport: {width, height}, colorScheme: theme, hasTouch: touch});
+  if (before) await context.addInitScript(before);
   const page = await context.newPage(), errors = [];
   page.on("console", message => { if (message.type() === "error") errors.push(message.text()); });
   page.on("pageerror", error => errors.push(error.stack));

@@ -1,6 +1,6 @@
 // A simulated or replayed robot with the page's server, as processes at free ports, and a client of its own.
 import {spawn} from "node:child_process";
-import {mkdirSync, mkdtempSync, rmSync} from "node:fs";
+import {existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync} from "node:fs";
 import {createRequire} from "node:module";
 import {createServer} from "node:net";
 import {tmpdir} from "node:os";
@@ -16,6 +16,9 @@ const require = createRequire(import.meta.url);
 const generated = mkdtempSync(join(tmpdir(), "avm-gui-slice-"));
 process.on("exit", () => rmSync(generated, {recursive: true, force: true}));
 export const {Ice, avm} = require("./ice.cjs").load(gui, join(root, "interfaces"), generated, process.env.AVM_SLICE2JS);
+
+/** Of the setups' recorder.cfg; scripts/start names it to the page's server. */
+const recorderWebPort = 11008;
 
 export const sleep = ms => new Promise(done => setTimeout(done, ms));
 
@@ -44,57 +47,72 @@ async function freePorts(count) {
   return ports;
 }
 
+/** Every process that was started: none outlives a test that fails. */
+const children = new Set();
+process.on("exit", () => { for (const child of children) child.kill("SIGKILL"); });
+
+/** In the order of their start. */
+const programs = ["simulator", "replay_server", "camera_server", "pantilt_server", "base_server", "active_visual_memory", "localization", "recorder", "gui_server"];
+const portPattern = /-p +(\d+)/g;
+
 export class Robot {
   processes = new Map();
+  commands = {};
   token = "test0123456789abcdef0123456789";
   viewToken = "view0123456789abcdef0123456789";
 
-  /** @param options.setup "sim" or "replay"; options.arguments: more arguments by component; options.without: components left out;
-   *  options.viewer: a page that only watches. */
+  /** A setup of cfg/ at free ports.
+   *  @param options.setup its name, "sim" unless said; options.arguments: more arguments by component; options.without: components left out;
+   *  options.recorder: with the recorder, as scripts/start --record; options.viewer: a page that only watches. */
   static async start(options = {}) {
     const robot = new Robot();
-    robot.setup = options.setup ?? "sim";
     robot.options = options;
-    const source = robot.setup === "replay" ? "replay_server" : "simulator";
-    const names = [source, "active_visual_memory", "localization", "gui_server"].filter(n => !(options.without ?? []).includes(n));
-    const ports = await freePorts(9);
-    robot.ports = {tcp: {source: ports[0], memory: ports[1], localization: ports[2], gui: ports[3]}, ws: {source: ports[4], memory: ports[5], localization: ports[6]}, http: ports[7], second: ports[8]};
-    robot.commands = robot.makeCommands(source);
+    robot.setup = options.setup ?? "sim";
+    const names = programs.filter(n => existsSync(join(root, robot.configurationOf(n))) && (n !== "recorder" || options.recorder) && !(options.without ?? []).includes(n));
+    await robot.takePorts(names);
+    for (const name of names) robot.commands[name] = robot.commandOf(name);
     for (const name of names) await robot.launch(name);
-    robot.url = `http://127.0.0.1:${robot.ports.http}/`;
+    robot.url = `http://127.0.0.1:${robot.port(8770)}/`;
     robot.communicator = Ice.initialize(["--Ice.MessageSizeMax=16384", "--Ice.Default.InvocationTimeout=3000"]);
     return robot;
   }
 
-  makeCommands(source) {
-    const {tcp, ws, http} = this.ports, at = port => `tcp -h 127.0.0.1 -p ${port}`, web = port => `ws -h 127.0.0.1 -p ${port}`;
-    const prefix = source === "simulator" ? "Simulator" : "ReplayServer", extra = name => this.options.arguments?.[name] ?? [];
-    const secret = [`--Robot.Token=${this.token}`, `--Robot.ViewToken=${this.viewToken}`];
-    const page = {Camera: ["cameraA", ws.source], Base: ["Motors", ws.source], Odometry: ["Encoders", ws.source], PanTilt: ["PanTilt", ws.source], VisualMemory: ["VisualMemory", ws.memory],
-      Gaze: ["Gaze", ws.memory], Localization: ["Localization", ws.localization], Simulation: ["Simulation", ws.source], Replay: ["Replay", ws.source]};
-    if (source === "simulator") delete page.Replay;
-    else { delete page.Simulation; delete page.Base; }
-    const cfg = name => `--Ice.Config=cfg/${this.setup}/${name}.cfg`;
-    return {
-      [source]: [cfg(source), `--${prefix}.Endpoints=${at(tcp.source)}`, `--${prefix}.WebEndpoints=${web(ws.source)}`, ...secret, ...extra(source)],
-      active_visual_memory: [cfg("active_visual_memory"), `--ActiveVisualMemory.Endpoints=${at(tcp.memory)}`, `--ActiveVisualMemory.WebEndpoints=${web(ws.memory)}`,
-        `--ActiveVisualMemory.Camera.Proxy=cameraA:${at(tcp.source)}`, `--ActiveVisualMemory.PanTilt.Proxy=PanTilt:${at(tcp.source)}`, `--ActiveVisualMemory.Odometry.Proxy=Encoders:${at(tcp.source)}`, ...secret, ...extra("active_visual_memory")],
-      localization: [cfg("localization"), `--Localization.Endpoints=${at(tcp.localization)}`, `--Localization.WebEndpoints=${web(ws.localization)}`,
-        `--Localization.VisualMemory.Proxy=VisualMemory:${at(tcp.memory)}`, `--Localization.Gaze.Proxy=Gaze:${at(tcp.memory)}`, ...secret, ...extra("localization")],
-      gui_server: [cfg("gui_server"), `--GuiServer.Endpoints=${at(tcp.gui)}`, `--GuiServer.Http.Endpoints=http -h 127.0.0.1 -p ${http}`, `--GuiServer.Pages=${pages}`,
-        ...Object.entries(page).map(([name, [identity, port]]) => `--GuiServer.${name}.Proxy=${identity}:${web(port)}`),
-        `--GuiServer.Components.${source}.Proxy=${source}/component:${web(ws.source)}`, `--GuiServer.Components.active_visual_memory.Proxy=active_visual_memory/component:${web(ws.memory)}`,
-        `--GuiServer.Components.localization.Proxy=localization/component:${web(ws.localization)}`, ...(this.options.viewer ? ["--GuiServer.ReadOnly=yes"] : []), ...secret, ...extra("gui_server")],
-    };
+  configurationOf(name) { return `cfg/${this.setup}/${name}.cfg`; }
+
+  /** A free port for every one that the setup names. */
+  async takePorts(names) {
+    const asked = new Set(names.flatMap(name => [...readFileSync(join(root, this.configurationOf(name)), "utf8").matchAll(portPattern)].map(m => Number(m[1]))));
+    asked.add(recorderWebPort);
+    const free = await freePorts(asked.size);
+    this.ports = new Map([...asked].map((port, i) => [port, free[i]]));
+  }
+
+  /** Where this robot serves what the setup has at a port. */
+  port(ofSetup) { return this.ports.get(ofSetup); }
+
+  commandOf(name) {
+    const moved = text => text.replace(portPattern, (_, port) => `-p ${this.port(Number(port))}`);
+    const lines = readFileSync(join(root, this.configurationOf(name)), "utf8").matchAll(/^\s*([\w.]+(?:Proxy|Endpoints))\s*=\s*([^#\n]*)/gm);
+    const command = [`--Ice.Config=${this.configurationOf(name)}`, ...[...lines].map(([, key, value]) => `--${key}=${moved(value.trim())}`), `--Robot.Token=${this.token}`, `--Robot.ViewToken=${this.viewToken}`];
+    if (name === "gui_server") {
+      command.push(`--GuiServer.Pages=${pages}`);
+      if (this.options.viewer) command.push("--GuiServer.ReadOnly=yes");
+      if (this.options.recorder) command.push(moved(`--GuiServer.Recorder.Proxy=Recorder:ws -h 127.0.0.1 -p ${recorderWebPort}`));
+    }
+    return [...command, ...(this.options.arguments?.[name] ?? [])];
   }
 
   async launch(name, more = []) {
     const child = spawn(join(bin, name), [...this.commands[name], ...more], {cwd: root, stdio: ["ignore", "pipe", "pipe"]});
     const state = {child, out: "", error: "", code: null};
     this.processes.set(name, state);
+    children.add(child);
     child.stdout.on("data", data => { state.out += data; });
     child.stderr.on("data", data => { state.error = (state.error + data).slice(-20_000); });
-    child.on("exit", (code, signal) => { state.code = code ?? signal; });
+    child.on("exit", (code, signal) => {
+      state.code = code ?? signal;
+      children.delete(child);
+    });
     await eventually(`${name} ready`, () => state.code !== null || state.out.includes(`${name} ready`), 30_000);
     if (state.code !== null) throw new Error(`${name} ended with ${state.code}: ${state.error}`);
   }
@@ -103,16 +121,19 @@ export class Robot {
 
   async ended(name) { await eventually(`${name} ends`, () => this.processes.get(name).code !== null); }
 
-  proxy(type, identity, which) {
-    return avm[`${type}Prx`].uncheckedCast(this.communicator.stringToProxy(`${identity}:tcp -h 127.0.0.1 -p ${this.ports.tcp[which]}`));
+  /** @param port the one of the setup's configuration. */
+  proxy(type, identity, port) {
+    return avm[`${type}Prx`].uncheckedCast(this.communicator.stringToProxy(`${identity}:tcp -h 127.0.0.1 -p ${this.port(port)}`));
   }
-  get simulation() { return this.proxy("Simulation", "Simulation", "source"); }
-  get localization() { return this.proxy("Localization", "Localization", "localization"); }
-  get base() { return this.proxy("Base", "Motors", "source"); }
-  get panTilt() { return this.proxy("PanTilt", "PanTilt", "source"); }
-  get memory() { return this.proxy("VisualMemory", "VisualMemory", "memory"); }
-  get replay() { return this.proxy("Replay", "Replay", "source"); }
-  get camera() { return this.proxy("Camera", "cameraA", "source"); }
+  get simulation() { return this.proxy("Simulation", "Simulation", 9972); }
+  get localization() { return this.proxy("Localization", "Localization", 9971); }
+  get base() { return this.proxy("Base", "Motors", 9990); }
+  get panTilt() { return this.proxy("PanTilt", "PanTilt", 9977); }
+  get memory() { return this.proxy("VisualMemory", "VisualMemory", 9970); }
+  get gaze() { return this.proxy("Gaze", "Gaze", 9970); }
+  get replay() { return this.proxy("Replay", "Replay", 9973); }
+  get camera() { return this.proxy("Camera", "cameraA", 9999); }
+  get recorder() { return this.proxy("Recorder", "Recorder", 9992); }
 
   /** The newest true pose. */
   async truth() {
@@ -127,11 +148,6 @@ export class Robot {
     return Math.hypot(b.robotInWorld.x - a.robotInWorld.x, b.robotInWorld.y - a.robotInWorld.y) / ((b.stampUs.toNumber() - a.stampUs.toNumber()) / 1e6);
   }
 
-  async panTiltNow() {
-    const {samples} = await this.panTilt.samplesSince(new Ice.Long(0x80000000, 0));
-    return samples.at(-1);
-  }
-
   async stop() {
     for (const {child, code} of this.processes.values()) if (code === null) child.kill("SIGTERM");
     await eventually("all end", () => [...this.processes.values()].every(p => p.code !== null), 8000).catch(() => {
@@ -141,10 +157,22 @@ export class Robot {
   }
 }
 
+/** FNV-1a, as the page notes it of every image. */
+export function hashOf(bytes) {
+  let hash = 0x811c9dc5;
+  for (const byte of bytes) hash = Math.imul(hash ^ byte, 0x01000193);
+  return hash >>> 0;
+}
+
 /** Seconds of processor time of a process. */
-export function cpuSeconds(pid, readFileSync) {
+export function cpuSeconds(pid) {
   const fields = readFileSync(`/proc/${pid}/stat`, "utf8").replace(/^.*\) /, "").split(" ");
   return (Number(fields[11]) + Number(fields[12])) / 100;
+}
+
+/** Memory of a process, in which shared pages count in parts [MB]. */
+export function pssMegabytes(pid) {
+  return Number(readFileSync(`/proc/${pid}/smaps_rollup`, "utf8").match(/^Pss: *(\d+)/m)[1]) / 1024;
 }
 
 export function ensureFolder(path) { mkdirSync(path, {recursive: true}); return path; }

@@ -5,15 +5,21 @@ import {budgetBytes, History, spanMs} from "@gui/state/history";
 import {hashOf, ImageRing} from "@gui/state/image_ring";
 import {SnapshotRing} from "@gui/state/snapshot_ring";
 import {column, rowSize} from "@gui/shared/state";
-import type {MemoryState} from "@gui/shared/state";
+import type {AnalysisState, MemoryState} from "@gui/shared/state";
 
 function image(t: number, bytes: number) {
   return {t, stampUs: t * 1000, seq: Math.round(t / 33), width: 640, height: 480, jpeg: new Uint8Array(bytes)};
 }
 
+function analysis(t: number, seq: number): AnalysisState {
+  const lens = {width: 640, height: 480, fx: 500, fy: 500, cx: 320, cy: 240, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0};
+  return {t, stampUs: 0, frameSeq: seq, lens, robot: {x: 0, y: 0, theta: 0}, camera: {x: 0, y: 0, z: 0.45, qw: 1, qx: 0, qy: 0, qz: 0}, observed: new Float32Array(0),
+    observedLabels: new Uint16Array(0), predicted: new Float32Array(0), predictedIds: new Float64Array(0), matches: new Uint16Array(0), labelNames: []};
+}
+
 /** Segments that wander a little, come and go; all values follow from k. */
-function memory(k: number, t: number): MemoryState {
-  const ids = Array.from({length: 40}, (_, i) => i + Math.floor(k / 7)), n = ids.length, rows = new Float32Array(n * rowSize);
+function memory(k: number, t: number, segments = 40): MemoryState {
+  const ids = Array.from({length: segments}, (_, i) => i + Math.floor(k / 7)), n = ids.length, rows = new Float32Array(n * rowSize);
   ids.forEach((id, i) => {
     const at = i * rowSize, moves = id % 5 === 0 ? 0.001 * k : 0;
     rows.set([id + moves, id / 2, 0, id + 1 + moves, id / 2 + 0.3, 0], at);
@@ -90,7 +96,7 @@ test("differences are much smaller than whole snapshots", () => {
   const ring = new SnapshotRing(spanMs);
   let whole = 0;
   for (let k = 0; k < 600; ++k) {
-    const state = memory(k, k * 100);
+    const state = memory(k, k * 100, 300);
     whole += state.rows.byteLength;
     ring.push(state);
   }
@@ -116,4 +122,23 @@ test("a moment has the last value of every stream at or before it", () => {
   assert.equal(moment.frame!.hash, hashOf(jpeg));
   assert.equal(moment.memory, null);
   assert.equal([...history.marks][0]!.kind, "kidnap");
+});
+
+test("an analysis that comes before its image, or after it, is shown with it", () => {
+  const history = new History();
+  history.addAnalysis(analysis(990, 30));
+  history.addImage({...image(1000, 3), seq: 30});
+  history.addImage({...image(1033, 3), seq: 31});
+  history.addAnalysis(analysis(1040, 31));
+  assert.equal(history.momentAt(1010).moment.analysis!.frameSeq, 30);
+  assert.equal(history.momentAt(1050).moment.analysis!.frameSeq, 31);
+});
+
+test("an image that the memory passed over has the analysis before it, of at most half a second", () => {
+  const history = new History();
+  history.addImage({...image(1000, 3), seq: 30});
+  history.addAnalysis(analysis(1010, 30));
+  for (let k = 1; k <= 20; ++k) history.addImage({...image(1000 + 50 * k, 3), seq: 30 + k});
+  assert.equal(history.momentAt(1410).moment.analysis!.frameSeq, 30);
+  assert.equal(history.momentAt(1600).moment.analysis, null);
 });

@@ -29,7 +29,7 @@ const estimate: EstimateState = {t: now, stampUs: 0, revision: 5, hasPose: true,
 const square = [[0, 0, 1, 0], [1, 0, 1, 1], [1, 1, 0, 1], [0, 1, 0, 0]];
 
 function signals(change: Partial<Signals> & {moment?: Signals["moment"]}): Signals {
-  return {now, moment: {...emptyMoment, t: now}, video: {fps: 30, sourceFps: 30, ageMs: 5, roundTripMs: 1, stampUs: 1, width: 320, height: 240, state: "Running", message: "", last: now - 30},
+  return {now, moment: {...emptyMoment, t: now}, video: {fps: 30, sourceFps: 30, ageMs: 5, roundTripMs: 1, stampUs: 1, width: 320, height: 240, brightness: 120, state: "Running", message: "", last: now - 30},
     hasCamera: true, links: [], components: [], map: null, replay: null, bestFit: null, paused: false, ...change};
 }
 
@@ -57,6 +57,20 @@ test("no images for three seconds, with the camera's reason", () => {
 
 test("a plain wall", () => assert.deepEqual(ids(signals({moment: {...emptyMoment, t: now, analysis: analysisOf(1, 0, 0)}})), ["nothing seen"]));
 
+test("a covered lens is told from a plain wall", () => {
+  const s = signals({moment: {...emptyMoment, t: now, analysis: analysisOf(0, 6, 0)}});
+  s.video = {...s.video!, brightness: 3};
+  assert.deepEqual(ids(s), ["dark", "memory wrong"]);
+  assert.match(causesOf(s)[0]!.text, /The picture is black \(brightness 3 of 255\)/);
+  s.video = {...s.video, brightness: null};
+  assert.equal(ids(s)[0], "nothing seen", "no picture was drawn: nothing is said of its light");
+  s.bestFit = {value: 0.1, at: now - 500};
+  const watch = new CauseWatch();
+  assert.deepEqual(watch.update(causesOf(s), now).map(c => c.cause.id), ["fits nowhere"], "a short look at a wall is no cause");
+  watch.update(causesOf(s), now + 800);
+  assert.equal(watch.update(causesOf(s), now + 1600)[0]!.cause.id, "nothing seen", "what is not seen now weighs more than what an old memory fits");
+});
+
 test("unknown labels", () => {
   const analysis = analysisOf(10, 0, 0);
   analysis.observedLabels.fill(1, 0, 8);
@@ -68,6 +82,17 @@ test("the map of another world: fits nowhere first, then the labels that the map
   const causes = new CauseWatch().update(causesOf(signals({moment, map: mapOf(["line"]), bestFit: {value: 0.12, at: now - 500}})), now).map(c => c.cause);
   assert.match(causes[0]!.text, /No place of this map fits: the best one explains 12 %/);
   assert.match(causes[1]!.text, /The map lacks 'door_jamb' \(the memory has 2\), 'skirting' \(the memory has 2\)/);
+});
+
+test("what is lost comes before what is concluded from it", () => {
+  const moment = {...emptyMoment, t: now, analysis: analysisOf(10, 8, 8), memory: memoryOf(square, ["door_jamb", "door_jamb", "skirting", "skirting"]), estimate: {...estimate, hasPose: false, reliability: 0}};
+  const memory: ComponentInfo = {name: "active_visual_memory", alive: true, message: "", since: now - 9000, state: "Degraded", reason: "Odometry is away", version: "0.1.0", uptimeS: 60,
+    peers: [{name: "Odometry", proxy: "", connected: false, message: "connection refused", reconnections: 0}], rates: [], latencies: [], gauges: [], errors: []};
+  const dead = {...memory, name: "base_server", alive: false, peers: []}, absent = {...dead, name: "pantilt_server", version: ""};
+  const s = signals({moment, map: mapOf(["line"]), bestFit: {value: 0.12, at: now - 500}, components: [memory, dead, absent]});
+  s.video = {...s.video!, last: now - 3000};
+  const order = new CauseWatch().update(causesOf(s), now).map(c => c.cause.id);
+  assert.deepEqual(order.slice(0, 6), ["dead base_server", "absent pantilt_server", "peer active_visual_memory Odometry", "no images", "fits nowhere", "labels lacking"]);
 });
 
 test("one direction only", () => {

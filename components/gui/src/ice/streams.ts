@@ -12,6 +12,7 @@ import {
 import {Driver} from "./driver";
 import {avm, describe, Ice, Link, longOf, minusOne, sleep, smallestLong} from "./link";
 import type {Peer} from "./link";
+import {LightMeter} from "./light_meter";
 import {AgeMeter, RateMeter} from "./meters";
 import {Video} from "./video";
 
@@ -41,11 +42,12 @@ export class Streams {
   private stampBaseUs: number | null = null;
   private readonly rate = new RateMeter();
   private readonly age = new AgeMeter();
+  private readonly light = new LightMeter();
   private lastSeq: number | null = null;
   private waiting: StoredImage | null = null;
   private drawing = false;
   private readonly sourceRate = new RateMeter();
-  private videoInfo: VideoInfo = {fps: 0, sourceFps: 0, ageMs: 0, roundTripMs: 0, stampUs: 0, width: 0, height: 0, state: "Waiting", message: "no image yet", last: 0};
+  private videoInfo: VideoInfo = {fps: 0, sourceFps: 0, ageMs: 0, roundTripMs: 0, stampUs: 0, width: 0, height: 0, brightness: null, state: "Waiting", message: "no image yet", last: 0};
   private readonly components = new Map<string, ComponentInfo>();
   private analysisArrived: (() => void) | null = null;
   private realSpeed = 1;
@@ -142,9 +144,12 @@ export class Streams {
     const [bitmap] = await Promise.all([decoded, this.waitForAnalysis(image.seq)]);
     if (generation !== this.generation) return bitmap.close();
     const analysis = image.analysis ?? this.live.analysis;
+    const now = nowMs(), first = this.rate.hz(now) === 0;
     this.shownAnalysis = analysis;
+    this.light.look(bitmap, now);
     this.video.show({bitmap, width: image.width, height: image.height, analysis, estimate: this.live.estimate, gaze: this.live.gaze, note: ""});
-    this.rate.count(nowMs());
+    this.rate.count(now);
+    if (first) this.publishVideo(now);
   }
 
   /** Until the analysis of this image came, or 60 ms. */
@@ -337,14 +342,18 @@ export class Streams {
 
   private everyHalfSecond(): void {
     const now = nowMs();
-    Object.assign(this.videoInfo, {fps: this.rate.hz(now), sourceFps: this.sourceRate.hz(now)});
     if (this.past === null && this.videoInfo.last > 0 && now - this.videoInfo.last > 1500 && this.cameraVisible)
       this.video.note(`no image for ${((now - this.videoInfo.last) / 1000).toFixed(0)} s`);
-    this.publish({kind: "video", video: {...this.videoInfo}, place: this.video.place});
+    this.publishVideo(now);
     this.publish({kind: "components", components: [...this.components.values()]});
     const timeline = this.history.timeline(now);
     this.publish({kind: "timeline", timeline});
     if (this.past !== null && timeline.from > this.past) this.show(timeline.from, this.generation);
+  }
+
+  private publishVideo(now: number): void {
+    Object.assign(this.videoInfo, {fps: this.rate.hz(now), sourceFps: this.sourceRate.hz(now), brightness: this.light.brightness});
+    this.publish({kind: "video", video: {...this.videoInfo}, place: this.video.place});
   }
 
   private announce(part: Partial<Moment>): void {

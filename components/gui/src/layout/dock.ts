@@ -71,6 +71,8 @@ export class Dock {
       this.api.fromJSON(JSON.parse(kept) as Parameters<DockviewApi["fromJSON"]>[0]);
     } catch {
       this.api.clear();
+      // The first load comes before dockview has seen its own size: shares of nothing would become halves.
+      this.api.layout(this.host.clientWidth, this.host.clientHeight);
       this.build(partOf(preset, this.host.clientWidth), null, undefined);
       this.resize(partOf(preset, this.host.clientWidth), this.host.clientWidth, this.host.clientHeight);
     }

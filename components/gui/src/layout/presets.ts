@@ -11,13 +11,14 @@ const row = (size: number, ...parts: Part[]): Part => ({split: "row", parts, siz
 const column = (size: number, ...parts: Part[]): Part => ({split: "column", parts, size});
 
 const wide: Record<PresetName, Part> = {
-  watch: row(1, column(0.42, tabs(0.56, "camera"), tabs(0.44, "why", "attention", "drive", "actions")), column(0.58, tabs(0.62, "world"), tabs(0.38, "plots", "details", "components", "log", "settings"))),
+  watch: row(1, column(0.42, tabs(0.56, "camera"), tabs(0.44, "why", "attention", "drive", "actions")), column(0.58, tabs(0.57, "world"), tabs(0.43, "plots", "details", "components", "log", "settings"))),
   tune: row(1, column(0.4, tabs(0.5, "camera"), tabs(0.5, "settings", "actions", "drive")), column(0.6, tabs(0.5, "plots", "world"), tabs(0.5, "components", "log", "attention", "details", "why"))),
-  replay: row(1, column(0.42, tabs(0.55, "camera"), tabs(0.45, "actions", "why", "attention", "settings", "drive")), column(0.58, tabs(0.58, "world"), tabs(0.42, "plots", "log", "details", "components"))),
+  replay: row(1, column(0.42, tabs(0.55, "camera"), tabs(0.45, "actions", "why", "attention", "settings", "drive")), column(0.58, tabs(0.57, "world"), tabs(0.43, "plots", "log", "details", "components"))),
 };
 
+// Nobody drives blind: the camera shares its tabs with nothing that is driven by.
 const narrow: Record<PresetName, Part> = {
-  watch: column(1, tabs(0.5, "camera", "drive", "actions"), tabs(0.5, "world", "why", "plots", "attention", "details", "components", "log", "settings")),
+  watch: column(1, tabs(0.5, "camera"), tabs(0.5, "world", "why", "drive", "actions", "plots", "attention", "details", "components", "log", "settings")),
   tune: column(1, tabs(0.4, "camera", "plots"), tabs(0.6, "settings", "components", "log", "world", "attention", "details", "why", "actions", "drive")),
   replay: column(1, tabs(0.5, "camera", "actions"), tabs(0.5, "world", "plots", "log", "why", "attention", "details", "components", "settings", "drive")),
 };

@@ -52,7 +52,7 @@ export class TimeBar {
     if (document.activeElement !== this.slider || past.value === null) this.slider.value = String(past.value === null ? 0 : (past.value - info.to) / 1000);
     const share = Math.min(1, (info.to - info.from) / spanMs);
     this.slider.style.setProperty("--held", `${(100 * (1 - share)).toFixed(1)}%`);
-    say(this.text, `${past.value === null ? "live" : `${fixed((past.value - info.to) / 1000, 1)} s`}  holds ${fixed((info.to - info.from) / 1000, 0)} s, ${fixed(info.bytes / 1048576, 1)} of ${fixed(info.budget / 1048576, 0)} MB, old images ${fixed(info.oldRate, 1)}/s`);
+    say(this.text, `${past.value === null ? "live" : `${fixed((past.value - info.to) / 1000, 1)} s`} \u00b7 holds ${fixed((info.to - info.from) / 1000, 0)} s, ${fixed(info.bytes / 1048576, 1)} of ${fixed(info.budget / 1048576, 0)} MB, old images ${fixed(info.oldRate, 1)}/s`);
     this.drawMarks(info.marks, info.to);
   }
 

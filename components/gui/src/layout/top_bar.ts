@@ -30,7 +30,7 @@ export class TopBar {
     });
     effect(() => {
       const v = store.video.value, slow = v && v.sourceFps > 1 && v.fps < 0.7 * v.sourceFps;
-      say(link, !v || v.last === 0 ? "no video" : slow ? `${fixed(v.fps, 0)} of ${fixed(v.sourceFps, 0)} fps, link slow` : `${fixed(v.fps, 0)} fps  ${fixed(v.ageMs, 0)} ms`);
+      say(link, !v || v.last === 0 ? "no video" : store.past.value !== null ? `keeps ${fixed(v.sourceFps, 0)} fps` : slow ? `${fixed(v.fps, 0)} of ${fixed(v.sourceFps, 0)} fps, link slow` : `${fixed(v.fps, 0)} fps  ${fixed(v.ageMs, 0)} ms`);
     });
     effect(() => {
       const bad = store.components.value.filter(c => !c.alive || c.state !== "Running");

@@ -38,7 +38,7 @@ export class LogPane extends Pane {
     this.drawn = lines;
     const atEnd = this.body.scrollTop + this.body.clientHeight >= this.body.scrollHeight - 30;
     this.body.replaceChildren(...lines.map(l => h("div", {class: `line ${l.level.toLowerCase()}`}, h("span", {class: "dim", text: new Date(l.stampUs / 1000).toISOString().slice(11, 23)}),
-      h("b", {text: l.component}), h("span", {text: l.level === "Info" || l.level === "Debug" ? "" : l.level.toUpperCase()}), messageOf(l.text))));
+      h("b", {text: l.component}), messageOf(l.level === "Info" || l.level === "Debug" ? l.text : `${l.level.toUpperCase()} ${l.text}`))));
     if (lines.length === 0) this.body.append(h("p", {class: "dim", text: "No messages of this level yet."}));
     if (atEnd) this.body.scrollTop = this.body.scrollHeight;
   }

@@ -57,7 +57,7 @@ class Chart {
     const parts: Node[] = [h("b", {text: this.spec.title + (this.spec.unit ? ` (${this.spec.unit})` : "")})];
     names.forEach((name, i) => {
       const value = group.series.get(name)![index];
-      const key = h("span", {class: `key dash${Math.floor(i / 8) % 2}`, text: `${name.replace(/ \((m|deg)\)$/, "")} ${value === undefined || Number.isNaN(value) ? "-" : value.toPrecision(3)}`});
+      const key = h("span", {class: `key dash${Math.floor(i / 8) % 2}`, text: `${name.replace(/ \((m|deg)\)$/, "")} ${value === undefined || Number.isNaN(value) ? "-" : readable(value)}`});
       key.style.color = labelColour(i, this.store.theme.value);
       parts.push(key);
     });
@@ -72,8 +72,8 @@ class Chart {
     const theme = this.theme = this.store.theme.value, axis = {stroke: colour("dim", theme), grid: {stroke: colour("grid", theme), width: 1}, ticks: {stroke: colour("grid", theme), width: 1}, font: "11px system-ui, sans-serif"};
     const newest = () => nowMs() / 1000;
     this.plot = new uPlot({
-      width, height, legend: {show: false}, scales: {x: {time: false}, y: {range: (_u, min, max) => min === null || max === null ? [0, 1] : [Math.min(0, min), Math.max(max * 1.08, 0.01)]}},
-      axes: [{...axis, size: 20, gap: 2, splits: (_u, _i, min, max) => ticksBefore(newest(), min, max), values: (_u, values) => values.map(v => `${Math.round(v - newest())} s`)}, {...axis, size: 40, gap: 3}],
+      width, height, padding: [6, 8, 0, 0], legend: {show: false}, scales: {x: {time: false}, y: {range: (_u, min, max) => min === null || max === null ? [0, 1] : [Math.min(0, min), Math.max(max * 1.08, 0.01)]}},
+      axes: [{...axis, size: 20, gap: 2, splits: (_u, _i, min, max) => ticksBefore(newest(), min, max), values: (_u, values) => values.map(v => `${Math.round(v - newest())} s`)}, {...axis, size: 46, gap: 3, space: 20}],
       cursor: {drag: {x: true, y: false, setScale: false}, points: {show: false}},
       series: [{}, ...names.map((name, i) => ({label: name, stroke: labelColour(i, theme), width: 1.5, points: {show: false}, ...(i >= 8 ? {dash: [5, 3]} : {})}))],
       hooks: {
@@ -136,6 +136,12 @@ export class PlotsPane extends Pane {
     this.liveButton.disabled = this.fixedRange === null;
     for (const chart of this.charts) chart.draw(this.fixedRange ?? {from: to - this.window, to});
   }
+}
+
+/** At most three decimals, and no more digits than the eye compares. */
+function readable(value: number): string {
+  const size = Math.abs(value);
+  return value.toFixed(size >= 100 || Number.isInteger(value) ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3);
 }
 
 /** Round numbers of seconds before now, about five in the range. */

@@ -28,7 +28,7 @@ export class WhyPane extends Pane {
     const bar = h("div", {class: "toolbar"});
     let rating = "Explained", heading = "best";
     bar.append(h("span", {class: "dim", text: "health map"}),
-      select("what rates a place", [["Explained", "explained share"], ["Likelihood", "likelihood"], ["MemoryHealth", "health of memory"], ["ImageHealth", "health of image"]],
+      select("what rates a place", [["Explained", "explained"], ["Likelihood", "likelihood"], ["MemoryHealth", "memory health"], ["ImageHealth", "image health"]],
         rating, value => { rating = value; }),
       select("heading", [["best", "best of 16"], ["now", "present heading"], ["0", "0 deg"], ["90", "90 deg"], ["180", "180 deg"], ["-90", "-90 deg"]], heading, value => { heading = value; }),
       button("show", "rate every place of the map", () => void this.showGrid(rating, heading)),

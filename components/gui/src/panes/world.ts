@@ -10,6 +10,7 @@ import type {ColourBy, SceneInput, SceneOptions} from "../scene/content";
 import {pick} from "../scene/picking";
 import type {Store, Tool} from "../state/store";
 import {button, degrees, fixed, h, numberField, say, select} from "./dom";
+import {layers, Legend, signsOf} from "./legend";
 import {Pane} from "./pane";
 
 // Colours are given as they shall look on the screen: no conversion on the way.
@@ -18,15 +19,13 @@ ColorManagement.enabled = false;
 type Layout = "both" | "3d" | "top";
 interface View { camera: PerspectiveCamera | OrthographicCamera; controls: OrbitControls; element: HTMLElement; top: boolean }
 
-const layers: readonly (readonly [keyof SceneOptions, string])[] = [["map", "map"], ["memory", "memory"], ["ellipses", "covariances"], ["primitives", "primitives"],
-  ["attention", "attention"], ["races", "races"], ["trails", "trajectories"], ["frustum", "camera"]];
-
 export class WorldPane extends Pane {
   private readonly content = new SceneContent();
   private readonly canvas = h("canvas", {class: "world-canvas", attrs: {"aria-hidden": "true"}});
   private readonly stage = h("div", {class: "stage"});
   private readonly status = h("div", {class: "stamp", attrs: {role: "status"}});
   private readonly empty = h("div", {class: "empty"});
+  private readonly legend = new Legend();
   private readonly scaleBar = h("div", {class: "scale-bar"});
   private readonly form = h("form", {class: "pose-form hidden"});
   private readonly renderer: WebGLRenderer | null;
@@ -52,7 +51,7 @@ export class WorldPane extends Pane {
     this.renderer?.setPixelRatio(this.software ? 1 : Math.min(devicePixelRatio, 2));
     this.views.push(this.makeView(false), this.makeView(true));
     // The form lies over the views: one that takes room would move the floor under the pointer in the middle of a drag.
-    this.stage.append(this.status, this.empty, this.scaleBar, this.form);
+    this.stage.append(this.status, this.empty, this.scaleBar, this.legend.element, this.form);
     this.makeForm();
     const observer = new ResizeObserver(() => this.arrange());
     observer.observe(this.stage);
@@ -80,26 +79,31 @@ export class WorldPane extends Pane {
       this.arrange();
     }));
     if (!this.store.config.viewer) bar.append(this.makeTools());
-    bar.append(select("colour of segments", [["kind", "colour: confirmed"], ["label", "colour: label"], ["life", "colour: life"], ["age", "colour: age"],
-      ["uncertainty", "colour: uncertainty"]], this.options.colourBy, value => { this.options.colourBy = value as ColourBy; this.ask(); }));
-    const menu = h("details", {class: "menu"}, h("summary", {text: "layers", class: "button"}));
-    const list = h("div", {class: "menu-list"});
-    for (const [name, text] of layers) {
-      const box = h("input", {attrs: {type: "checkbox"}});
-      box.checked = this.options[name] as boolean;
-      box.addEventListener("change", () => { this.options = {...this.options, [name]: box.checked}; this.ask(); });
-      list.append(h("label", {class: "check"}, box, text));
-    }
-    menu.append(list);
-    bar.append(menu, select("which view keeps the robot in its middle", [["3d", "follow: 3-D"], ["both", "follow: both"], ["none", "follow: none"]], this.followed,
+    bar.append(select("colour of segments", [["kind", "colour: state"], ["label", "colour: label"], ["life", "colour: life"], ["age", "colour: age"],
+      ["uncertainty", "colour: sigma"]], this.options.colourBy, value => { this.options.colourBy = value as ColourBy; this.ask(); }));
+    bar.append(this.makeLayers(), select("which view keeps the robot in its middle", [["3d", "follow: 3-D"], ["both", "follow: both"], ["none", "follow: none"]], this.followed,
       value => { this.followed = value as typeof this.followed; this.ask(); }),
       button("fit", "show the whole map", () => { this.fitted = ""; this.ask(); }), button("picture", "save this view as a PNG file", () => this.save()));
     return bar;
   }
 
+  /** Which layers are drawn, with what their forms and colours mean. */
+  private makeLayers(): HTMLElement {
+    const menu = h("details", {class: "menu"}, h("summary", {text: "layers", class: "button", title: "what is drawn, and what its colours mean"})), list = h("div", {class: "menu-list layers"});
+    for (const {option, text} of layers) {
+      const box = h("input", {attrs: {type: "checkbox"}}), signs = h("span", {class: "signs"});
+      box.checked = this.options[option] as boolean;
+      box.addEventListener("change", () => { this.options = {...this.options, [option]: box.checked}; this.ask(); });
+      list.append(h("label", {class: "check"}, box, text), signs);
+      this.follow(() => signs.replaceChildren(...signsOf(option, this.store.theme.value)));
+    }
+    menu.append(list);
+    return menu;
+  }
+
   private makeTools(): HTMLElement {
     const tools: [string, string][] = [["select", "tool: select"], ["gaze", "tool: look at"], ["pose", "tool: set pose"]];
-    if (this.store.config.proxies.Simulation) tools.push(["kidnap", "tool: kidnap"], ["occluder", "tool: put occluder"]);
+    if (this.store.config.proxies.Simulation) tools.push(["kidnap", "tool: kidnap"], ["occluder", "tool: occluder"]);
     const box = select("what a click does", tools, "select", value => { this.store.tool.value = value as Tool; });
     this.follow(() => { box.value = this.store.tool.value; });
     return box;
@@ -303,6 +307,7 @@ export class WorldPane extends Pane {
       this.content.drawSymbols(input, this.metresPerPixel(view, w, hh));
       this.renderer.render(this.content.scene, view.camera as Camera);
     }
+    this.legend.draw(this.options.colourBy, input.grid, input.moment, input.theme);
     this.canvas.dataset.renders = String(++this.renders);
     this.describe(input);
   }

@@ -155,6 +155,8 @@ export interface VideoInfo {
   ageMs: number;
   roundTripMs: number;
   stampUs: number; width: number; height: number;
+  /** Mean of the picture's colours [0..255]; null: none was drawn. */
+  brightness: number | null;
   state: "Running" | "Waiting" | "Finished";
   message: string;
   /** When the last frame came [ms of the page's clock]; 0: never. */

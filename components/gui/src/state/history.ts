@@ -12,7 +12,12 @@ export const spanMs = 300_000;
 export const budgetBytes = 96 * 1024 * 1024;
 const imageBudget = 64 * 1024 * 1024;
 /** Of the smaller streams, which are counted by their number: about what an object with these fields takes. */
-const entryBytes = {estimate: 400, gaze: 1500, truth: 150, odometry: 150};
+const entryBytes = {estimate: 1500, gaze: 4000, truth: 250, odometry: 250};
+
+/** Analyses that wait for their image, which comes on a connection of its own. */
+const waitingAnalyses = 8;
+/** So much older than its image an analysis may be shown with it [ms]. */
+const analysisReachMs = 500;
 
 export class History {
   readonly images = new ImageRing(imageBudget, spanMs);
@@ -25,14 +30,20 @@ export class History {
   private lastSnapshot = -Infinity;
   private lastEpoch = -1;
   private lastKidnaps = -1;
+  private early: AnalysisState[] = [];
 
   addImage(image: Omit<StoredImage, "hash" | "analysis">): StoredImage {
-    const stored = {...image, hash: hashOf(image.jpeg), analysis: null};
+    const analysis = this.early.find(a => a.frameSeq === image.seq) ?? null;
+    if (analysis) this.early = this.early.filter(a => a.frameSeq > image.seq);
+    const stored = {...image, hash: hashOf(image.jpeg), analysis};
     this.images.push(stored);
     return stored;
   }
 
-  addAnalysis(analysis: AnalysisState): void { this.images.attach(analysis); }
+  /** Comes before or after its image. */
+  addAnalysis(analysis: AnalysisState): void {
+    if (!this.images.attach(analysis)) this.early = [...this.early, analysis].slice(-waitingAnalyses);
+  }
 
   /** At most 10 a second. */
   addMemory(memory: MemoryState): void {
@@ -83,7 +94,7 @@ export class History {
     return {
       image,
       moment: {
-        ...emptyMoment, t, live: false, frame, analysis: image?.analysis ?? null, memory: this.snapshots.before(t), estimate: this.estimates.before(t) ?? null,
+        ...emptyMoment, t, live: false, frame, analysis: this.images.analysisBefore(t, analysisReachMs), memory: this.snapshots.before(t), estimate: this.estimates.before(t) ?? null,
         gaze: this.gazes.before(t) ?? null, truth: this.truths.before(t) ?? null, odometry: this.odometries.before(t) ?? null,
       },
     };

@@ -13,9 +13,13 @@ export interface StoredImage {
   analysis: AnalysisState | null;
 }
 
+/** Objects and typed arrays themselves, beside what is in the arrays. */
+const imageObjects = 400;
+const analysisObjects = 1500;
+
 function sizeOf(image: StoredImage): number {
   const a = image.analysis;
-  return image.jpeg.byteLength + 200 + (a ? a.observed.byteLength + a.predicted.byteLength + a.predictedIds.byteLength + a.matches.byteLength + 400 : 0);
+  return image.jpeg.byteLength + imageObjects + (a ? a.observed.byteLength + a.predicted.byteLength + a.predictedIds.byteLength + a.matches.byteLength + analysisObjects : 0);
 }
 
 export class ImageRing {
@@ -42,20 +46,32 @@ export class ImageRing {
     }
   }
 
-  /** The analysis of an image comes after the image. */
-  attach(analysis: AnalysisState): void {
+  /** Gives an image its analysis. @return false when that image is not among the last ones. */
+  attach(analysis: AnalysisState): boolean {
     for (let i = this.recent.length - 1; i >= 0 && i >= this.recent.length - 30; --i) {
       const image = this.recent.at(i)!;
       if (image.seq !== analysis.frameSeq) continue;
       this.bytes -= sizeOf(image);
       image.analysis = analysis;
       this.bytes += sizeOf(image);
-      return;
+      return true;
     }
+    return false;
   }
 
   before(t: number): StoredImage | undefined {
     return this.recent.before(t) ?? this.old.before(t);
+  }
+
+  /** The analysis of the last image at or before t that has one, at most `reachMs` older: the memory passes images over. */
+  analysisBefore(t: number, reachMs: number): AnalysisState | null {
+    for (const list of [this.recent, this.old]) {
+      for (let i = list.indexAt(t); i >= 0 && list.at(i)!.t >= t - reachMs; --i) {
+        const {analysis} = list.at(i)!;
+        if (analysis) return analysis;
+      }
+    }
+    return null;
   }
 
   get length(): number { return this.recent.length + this.old.length; }

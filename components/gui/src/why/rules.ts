@@ -28,12 +28,14 @@ export interface Cause {
 }
 
 const nothingSeen = 3;
+/** Of 255: a covered lens, or night. */
+const black = 25;
 const unknownShare = 0.6;
 const fitsNowhere = 0.35;
 
 function seconds(ms: number): string { return `${Math.max(0, ms / 1000).toFixed(0)} s`; }
 
-/** All causes that hold at this moment. */
+/** All causes that hold at this moment. What is lost weighs more than what is concluded from what is left. */
 export function causesOf(s: Signals): Cause[] {
   return [...componentCauses(s), ...cameraCauses(s), ...viewCauses(s), ...mapCauses(s), ...poseCauses(s)];
 }
@@ -44,9 +46,9 @@ function componentCauses(s: Signals): Cause[] {
     if (!c.alive && c.version !== "")
       causes.push({id: `dead ${c.name}`, weight: 1, text: `${c.name} is gone since ${seconds(s.now - c.since)} (${c.message}).`, advice: `Start it again: scripts/start SETUP ${c.name}`});
     else if (!c.alive && s.now - c.since > 2000)
-      causes.push({id: `absent ${c.name}`, weight: 0.96, text: `${c.name} does not answer (${c.message}).`, advice: `Is it started? scripts/status shows what runs.`});
+      causes.push({id: `absent ${c.name}`, weight: 0.996, text: `${c.name} does not answer (${c.message}).`, advice: `Is it started? scripts/status shows what runs.`});
     for (const p of c.alive ? c.peers : []) {
-      if (!p.connected) causes.push({id: `peer ${c.name} ${p.name}`, weight: 0.93, text: `${c.name} has lost ${p.name} (${p.message}).`, advice: "It is asked again by itself; see the pane components."});
+      if (!p.connected) causes.push({id: `peer ${c.name} ${p.name}`, weight: 0.994, text: `${c.name} has lost ${p.name} (${p.message}).`, advice: "It is asked again by itself; see the pane components."});
     }
     if (c.alive && c.state === "Degraded" && c.peers.every(p => p.connected))
       causes.push({id: `degraded ${c.name}`, weight: 0.9, text: `${c.name}: ${c.reason}.`, advice: "See the log of that component."});
@@ -59,7 +61,7 @@ function cameraCauses(s: Signals): Cause[] {
   const v = s.video, age = v && v.last > 0 ? s.now - v.last : Infinity;
   if (age < 1000) return [];
   const link = s.links.find(l => l.name === "Camera"), why = link && !link.connected ? `the camera does not answer (${link.message})` : v?.message || "the camera gives none";
-  return [{id: "no images", weight: 0.97, text: age === Infinity ? `No image yet: ${why}.` : `No images for ${seconds(age)}: ${why}.`, advice: "Check the camera's server and cable."}];
+  return [{id: "no images", weight: 0.992, text: age === Infinity ? `No image yet: ${why}.` : `No images for ${seconds(age)}: ${why}.`, advice: "Check the camera's server and cable."}];
 }
 
 function viewCauses(s: Signals): Cause[] {
@@ -67,8 +69,11 @@ function viewCauses(s: Signals): Cause[] {
   const causes: Cause[] = [];
   if (!a || s.moment.t - a.t > 2000) return causes;
   const n = a.observedLabels.length;
-  if (n < nothingSeen) {
-    causes.push({id: "nothing seen", weight: 0.88, text: `Almost no lines in view (${n}): a plain wall, darkness or a covered lens?`, advice: "Turn the robot or free the lens."});
+  const light = s.video?.brightness ?? null;
+  if (n < nothingSeen && light !== null && light < black) {
+    causes.push({id: "dark", weight: 0.9915, text: `The picture is black (brightness ${light.toFixed(0)} of 255): is the lens covered, or the light off?`, advice: "Free the lens, or switch the light on."});
+  } else if (n < nothingSeen) {
+    causes.push({id: "nothing seen", weight: 0.991, text: `Almost no lines in view (${n}): a plain wall, or something right before the lens?`, advice: "Turn the robot, or free the view."});
   } else {
     const unknown = a.labelNames.indexOf("unknown");
     let count = 0;
@@ -183,7 +188,7 @@ export class CauseWatch {
 
   /** @return causes that have held for `holdMs` (0 for losses of components), sorted, with their start. */
   update(causes: readonly Cause[], now: number): {cause: Cause; since: number}[] {
-    const slow = new Set(["nothing seen", "labels unknown", "memory wrong", "one direction", "ambiguous", "fits badly"]);
+    const slow = new Set(["nothing seen", "dark", "labels unknown", "memory wrong", "one direction", "ambiguous", "fits badly"]);
     for (const cause of causes) {
       if (now - (this.lastSeen.get(cause.id) ?? -Infinity) > 1500) this.since.set(cause.id, now);
       this.lastSeen.set(cause.id, now);
