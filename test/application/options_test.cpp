@@ -6,6 +6,7 @@
 #include <fstream>
 #include <vector>
 
+#include "application/app/out_folder.h"
 #include "support/build_paths.h"
 
 namespace vismem {
@@ -50,7 +51,7 @@ TEST_F(Options, DefaultToTheCorridor) {
   EXPECT_EQ(options->route.filename(), "corridor.route");
   EXPECT_EQ(options->map.filename(), "corridor.csv");
   EXPECT_EQ(options->palette.filename(), "corridor.palette");
-  EXPECT_TRUE(std::filesystem::is_directory(options->out)) << "it is made";
+  EXPECT_FALSE(std::filesystem::exists(options->out)) << "nothing is made yet";
 }
 
 TEST_F(Options, ReadNumbers) {
@@ -63,7 +64,8 @@ TEST_F(Options, ReadNumbers) {
 }
 
 TEST_F(Options, NameWhatIsWrong) {
-  EXPECT_THAT(failure({"--setup", "car"}), HasSubstr("--setup car (must be sim, humanoid or replay)"));
+  EXPECT_THAT(failure({"--setup", "car"}),
+              HasSubstr("with a simulator or a replay server: humanoid, nao, replay, sim)"));
   EXPECT_THAT(failure({"--seconds", "0"}), HasSubstr("--seconds 0 (must be a number above 0)"));
   EXPECT_THAT(failure({"--seconds", "3s"}), HasSubstr("--seconds 3s"));
   EXPECT_THAT(failure({"--seed", "-1"}), HasSubstr("--seed -1 (must be a whole number 0.."));
@@ -74,7 +76,7 @@ TEST_F(Options, NameWhatIsWrong) {
 }
 
 TEST_F(Options, OfOneSetupAreErrorsInAnother) {
-  EXPECT_THAT(failure({"--bag", "a.bag"}), HasSubstr("--bag is for --setup replay"));
+  EXPECT_THAT(failure({"--bag", "a.bag"}), HasSubstr("--bag is for a setup with a replay server"));
   EXPECT_THAT(failure({"--setup", "replay"}), HasSubstr("--setup replay needs --bag FILE"));
   const std::string any_file = std::string(VISMEM_SOURCE_DIR) + "/cfg/sim/simulator.cfg";
   EXPECT_THAT(failure({"--setup", "replay", "--bag", any_file}),
@@ -83,9 +85,41 @@ TEST_F(Options, OfOneSetupAreErrorsInAnother) {
               HasSubstr("--world is for simulated setups"));
 }
 
+std::string failureOfFolder(const std::filesystem::path& folder) {
+  try {
+    const OutFolder made(folder);
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "no failure";
+}
+
 TEST_F(Options, AFileIsNoFolderForResults) {
   std::ofstream(out_ / "run") << "a file";
-  EXPECT_THAT(failure({}), HasSubstr("--out " + (out_ / "run").string()));
+  EXPECT_THAT(failureOfFolder(out_ / "run"), HasSubstr("--out " + (out_ / "run").string()));
+  EXPECT_THAT(failureOfFolder("/proc/run"), HasSubstr("--out /proc/run: cannot make this folder"));
+}
+
+TEST_F(Options, AnEmptyFolderOfResultsIsRemovedAndAFullOneStays) {
+  const auto folder = out_ / "runs/monday";
+  { const OutFolder empty(folder); }
+  EXPECT_FALSE(std::filesystem::exists(out_ / "runs"));
+  {
+    const OutFolder full(folder);
+    std::ofstream(folder / "trajectory.tum") << "1\n";
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "trajectory.tum"));
+  {
+    OutFolder again(folder);
+    again.discard();
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "trajectory.tum")) << "of another run";
+  {
+    OutFolder own(out_ / "own");
+    std::ofstream(out_ / "own/part") << "1\n";
+    own.discard();
+  }
+  EXPECT_FALSE(std::filesystem::exists(out_ / "own"));
 }
 
 }  // namespace

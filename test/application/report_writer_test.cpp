@@ -1,6 +1,6 @@
 #include "application/app/report_writer.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -60,7 +60,8 @@ TEST_F(Report, HasTheFilesThatARunHasDataFor) {
   append(record.odometry, {kSecondUs, {1, 0, 0}});
   RunMap map;
   map.map.segments.push_back({{{0, 1, 0}, {5, 1, 0}}, "skirting", 0.0});
-  writeReport(options_, record, summary_, map);
+  RunFiles files(options_.out);
+  EXPECT_THAT(writeReport(options_, files, record, summary_, map), testing::IsEmpty());
   for (const char* file :
        {"trajectory.tum", "odometry.tum", "memory.csv", "primitives.csv", "races.csv", "result.json"}) {
     EXPECT_TRUE(std::filesystem::exists(options_.out / file)) << file;
@@ -72,7 +73,10 @@ TEST_F(Report, HasTheFilesThatARunHasDataFor) {
   std::ifstream in(options_.out / "result.json");
   EXPECT_EQ(nlohmann::json::parse(in), resultJson(options_, summary_));
   options_.out /= "nowhere";
-  EXPECT_THROW(writeReport(options_, record, summary_, map), std::runtime_error);
+  EXPECT_THAT(writeReport(options_, files, record, summary_, map),
+              testing::ElementsAre(testing::HasSubstr("nowhere/top_view.png"),
+                                   testing::HasSubstr("nowhere/result.json")))
+      << "one failing file does not stop the others";
 }
 
 }  // namespace

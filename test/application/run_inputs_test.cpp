@@ -22,11 +22,15 @@ TEST(RunInputs, TheShippedRouteMapAndRecordingsLoad) {
   EXPECT_GE(map.edges.segments.size(), map.map.segments.size());
   RunOptions replay = simulation();
   replay.setup = Setup::kReplay;
+  replay.folder = "nao";
   replay.bag = "anywhere/nao_field_2009.bag";
   EXPECT_EQ(judgedImages(replay).first, 40);
   EXPECT_EQ(judgedImages(replay).last, 138);
   replay.bag = "other.bag";
   EXPECT_EQ(judgedImages(replay).first, 1);
+  replay.bag = "anywhere/nao_field_2009.bag";
+  replay.folder = "replay";
+  EXPECT_EQ(judgedImages(replay).first, 1) << "a setup without a list";
 }
 
 }  // namespace

@@ -226,7 +226,8 @@ std::vector<BrokenConfig> filesAndLines() {
         "broken.cfg:2: \"junk\" (must be KEY = VALUE)",
         "broken.cfg:3: Localization.Races.Maximum = 0 (must be 1..64)",
         "broken.cfg:4: Localization.Health.Source = eyes (must be one of: memory, image, both)",
-        "broken.cfg:5: Localization.Palette = none.palette (no such file or folder in HERE)",
+        "broken.cfg:5: Localization.Palette = none.palette (no such file or folder in HERE or the folders "
+        "above)",
         "broken.cfg:6: unknown key \"Localization.Zebra\"",
         "broken.cfg:7: Localization.LogLevel = loud (must be one of: debug, info, warning, error)"},
        2,

@@ -49,7 +49,8 @@ std::vector<BrokenConfig> servers() {
       {"CameraCalibrationMissing",
        c,
        {a + "Calibration = lens.yaml"},
-       {"broken.cfg:1: " + a + "Calibration = lens.yaml (no such file or folder in HERE)"}},
+       {"broken.cfg:1: " + a +
+        "Calibration = lens.yaml (no such file or folder in HERE or the folders above)"}},
       {"CameraCalibrationIsNoYaml",
        c,
        {a + "Calibration = lens.yaml"},

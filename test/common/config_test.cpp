@@ -309,14 +309,35 @@ class ConfigPaths : public testing::Test {
   const std::filesystem::path folder_;
 };
 
-TEST_F(ConfigPaths, RelativePathsCountFromTheWorkingDirectoryThenFromTheFile) {
-  const auto properties =
-      Properties::parse("P.Map=beside.csv\nP.Out=out/new\nP.Absolute=/usr\n", folder_ / "a.cfg");
+TEST_F(ConfigPaths, RelativePathsCountFromTheFileAndTheFoldersAboveIt) {
+  std::filesystem::create_directories(folder_ / "cfg/mine");
+  std::ofstream(folder_ / "cfg/mine/own.csv") << "x\n";
+  const auto properties = Properties::parse(
+      "P.Map=beside.csv\nP.Own=own.csv\nP.Out=out/new\nP.Absolute=/usr\n", folder_ / "cfg/mine/a.cfg");
   ConfigReader config(properties, "P");
   EXPECT_EQ(config.requireFile("Map", "a map"), folder_ / "beside.csv");
-  EXPECT_EQ(config.path("Out"), "out/new") << "what does not exist yet belongs to the working directory";
+  EXPECT_EQ(config.requireFile("Own", "a map"), folder_ / "cfg/mine/own.csv");
+  EXPECT_EQ(config.outputPath("Out"), "out/new") << "an output belongs to the working directory";
   EXPECT_EQ(config.existingPath("Absolute"), "/usr");
   EXPECT_EQ(config.existingPath("Unset"), "");
+  EXPECT_THAT(problemsOf(config), IsEmpty());
+}
+
+TEST_F(ConfigPaths, TheWorkingDirectoryIsFirstOnTheCommandLineAndLaterInAFile) {
+  const auto before = std::filesystem::current_path();
+  std::filesystem::create_directories(folder_ / "cfg");
+  std::filesystem::create_directories(folder_ / "work");
+  std::ofstream(folder_ / "cfg/same.csv") << "x\n";
+  std::ofstream(folder_ / "work/same.csv") << "x\n";
+  std::ofstream(folder_ / "work/other.csv") << "x\n";
+  std::filesystem::current_path(folder_ / "work");
+  auto properties = Properties::parse("P.File=same.csv\nP.Other=other.csv\n", folder_ / "cfg/a.cfg");
+  properties.addArgument("--P.Typed=same.csv");
+  ConfigReader config(properties, "P");
+  EXPECT_EQ(config.existingPath("File"), folder_ / "cfg/same.csv");
+  EXPECT_EQ(config.existingPath("Other"), "other.csv");
+  EXPECT_EQ(config.existingPath("Typed"), "same.csv");
+  std::filesystem::current_path(before);
   EXPECT_THAT(problemsOf(config), IsEmpty());
 }
 
@@ -330,8 +351,8 @@ TEST_F(ConfigPaths, AbsentFilesAreNamedWithThePlacesSearched) {
   config.requireFile("Robot", "a robot file");
   EXPECT_THAT(problemsOf(config),
               ElementsAre(file + ": missing key \"P.Robot\" (must be a robot file)",
-                          file + ":1: P.Map = other.csv (no such file or folder in " +
-                              std::filesystem::current_path().string() + " or " + folder_.string() + ")",
+                          file + ":1: P.Map = other.csv (no such file or folder in " + folder_.string() +
+                              ", " + std::filesystem::current_path().string() + " or the folders above)",
                           file + ":2: P.World = /no/world (no such file or folder)",
                           file + ":3: P.Palette = (empty) (must be a palette file)"));
 }

@@ -24,13 +24,32 @@ TEST(ErrorFigure, DrawsCurvesLimitsAndTheSettlingTime) {
   figure.score.heading_error_rad = degToRad(2.03);
   const cv::Mat picture = drawErrors(figure);
   keep(picture, "error.png");
-  EXPECT_LT(distanceTo(picture, positionErrorPx(8.0, 60.0, 4.0 + std::sin(8.0)), colors::kEstimate), 40);
-  EXPECT_LT(distanceTo(picture, headingErrorPx(8.0, 60.0, degToRad(120.0)), colors::kEstimate), 40);
-  EXPECT_LT(distanceTo(picture, positionErrorPx(12.0, 60.0, 1.5), colors::kTruth), 40) << "the settling time";
-  EXPECT_GT(distanceTo(picture, positionErrorPx(14.0, 60.0, 8.0), colors::kEstimate), 100);
+  EXPECT_LT(distanceTo(picture, positionErrorPx(figure, 8.0, 4.0 + std::sin(8.0)), colors::kEstimate), 40);
+  EXPECT_LT(distanceTo(picture, headingErrorPx(figure, 8.0, degToRad(120.0)), colors::kEstimate), 40);
+  EXPECT_LT(distanceTo(picture, positionErrorPx(figure, 12.0, 1.5), colors::kTruth), 40)
+      << "the settling time";
+  EXPECT_GT(distanceTo(picture, positionErrorPx(figure, 14.0, 8.0), colors::kEstimate), 100);
   // Images without a pose: red at the top border, no curve.
-  EXPECT_LT(distanceTo(picture, positionErrorPx(4.4, 60.0, 30.0) + Eigen::Vector2d(0, 4), colors::kLost, 2),
+  EXPECT_LT(distanceTo(picture, positionErrorPx(figure, 4.4, 30.0) + Eigen::Vector2d(0, 4), colors::kLost, 2),
             60);
+}
+
+TEST(ErrorFigure, AxesFitTheErrors) {
+  EXPECT_THAT(logarithmicTicks({0.004, 0.5}),
+              testing::Pointwise(testing::DoubleNear(1e-9), {0.003, 0.01, 0.03, 0.1, 0.3, 1.0}));
+  EXPECT_THAT(logarithmicTicks({0.5}), testing::Pointwise(testing::DoubleNear(1e-9), {0.3, 1.0, 3.0}))
+      << "a whole decade at least";
+  // Of any size: the curve stays inside and uses the height.
+  for (const double scale : {0.002, 1.0, 400.0}) {
+    ErrorFigure figure;
+    for (int i = 0; i <= 10; ++i)
+      figure.score.errors.push_back({toStampUs(i), scale * (1.0 + i), degToRad(1.0 + i), 0.5});
+    const double low = positionErrorPx(figure, 0.0, scale).y();
+    const double high = positionErrorPx(figure, 0.0, 11.0 * scale).y();
+    EXPECT_GT(low - high, 50.0) << scale;
+    EXPECT_GT(high, positionErrorPx(figure, 0.0, 1e9).y()) << "not on the border";
+    EXPECT_LT(low, positionErrorPx(figure, 0.0, 1e-9).y());
+  }
 }
 
 TEST(ErrorFigure, SaysWhenThereIsNothingToShow) {

@@ -10,6 +10,8 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
 #include "common/config/config_error.h"
 #include "common/recording/bag_file.h"
@@ -106,6 +108,83 @@ TEST_F(EvaluateTest, ReadsTheKeysOfBothComponentsFromOneFile) {
                                               "both.cfg:2: unknown key \"Localization.Races.Maximun")));
 }
 
+TEST_F(EvaluateTest, WritesFiguresSnapshotsAndTheEstimatedCalibration) {
+  EvaluationOptions options = corridor("figures", 3);
+  options.seconds = 4.0;
+  options.snapshots = true;
+  const auto json = evaluate(options);
+  EXPECT_FALSE(json.contains("problems")) << json;
+  for (const char* name : {"top_view.png", "error.png", "last_image.png"}) {
+    std::error_code absent;
+    EXPECT_GT(fs::file_size(options.out / name, absent), 10'000u) << name;
+  }
+  std::set<std::string> stamps;
+  std::istringstream rows(contents(options.out / "memory.csv"));
+  std::string line;
+  for (std::getline(rows, line); std::getline(rows, line);) stamps.insert(line.substr(0, line.find(',')));
+  EXPECT_GE(stamps.size(), 4u) << "one a second and the last";
+  const auto& tilt = json.at("calibration").at("camera_tilt");
+  for (const char* name : {"mount_roll", "mount_pitch", "camera_pitch", "camera_roll"}) {
+    EXPECT_GT(tilt.at(std::string(name) + "_sigma_deg").get<double>(), 0.0) << name;
+    EXPECT_LT(tilt.at(std::string(name) + "_sigma_deg").get<double>(), 1.0) << name;
+    EXPECT_TRUE(tilt.at(std::string(name) + "_deg").is_number()) << name;
+  }
+  EXPECT_GT(json.at("images_with_truth").get<int>(), 30);
+  EXPECT_GE(json.at("right_share").get<double>(), 0.0);
+}
+
+TEST_F(EvaluateTest, IsAFailureWithoutLabels) {
+  fs::create_directories(out_);
+  EvaluationOptions options = corridor("no_labels", 3);
+  options.seconds = 1.0;
+  options.palette = out_ / "odd.palette";
+  std::ofstream(options.palette) << "class.a = hue 300..301 saturation 99..100\n"
+                                 << "class.b = hue 303..304 saturation 99..100\npair.skirting = a b\n";
+  const auto json = evaluate(options);
+  ASSERT_TRUE(json.contains("problems")) << json;
+  EXPECT_THAT(json["problems"][0].get<std::string>(),
+              ::testing::AllOf(HasSubstr("no label was found"), HasSubstr("odd.palette")));
+}
+
+TEST_F(EvaluateTest, IsAFailureWhenNoRaceEverLived) {
+  fs::create_directories(out_);
+  EvaluationOptions options = corridor("no_race", 3);
+  options.seconds = 1.0;
+  options.palette = kSource / "cfg/maps/corridor.palette";
+  options.map = out_ / "upright.csv";
+  // An upright edge has no place on the floor to find the robot by.
+  std::ofstream(options.map) << "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label\n0,0,0,0,0,1,skirting\n";
+  const auto json = evaluate(options);
+  ASSERT_TRUE(json.contains("problems")) << json;
+  EXPECT_THAT(json["problems"][0].get<std::string>(),
+              ::testing::AllOf(HasSubstr("no race ever lived"), HasSubstr("upright.csv")));
+}
+
+TEST_F(EvaluateTest, ChecksMapAndPaletteAgainstEachOther) {
+  fs::create_directories(out_);
+  EvaluationOptions options = corridor("check", 3);
+  options.palette = kSource / "cfg/maps/field.palette";
+  EXPECT_THAT([&] { evaluate(options); }, ::testing::Throws<ConfigError>())
+      << "nothing is left to localize by";
+}
+
+TEST_F(EvaluateTest, ChecksItsFolderBeforeTheRun) {
+  EvaluationOptions options = corridor("folder", 3);
+  options.out = "/proc/results";
+  EXPECT_THAT([&] { evaluate(options); }, ::testing::ThrowsMessage<std::runtime_error>(
+                                              HasSubstr("/proc/results: cannot make this folder")));
+}
+
+TEST_F(EvaluateTest, FindsItsConfigurationFromAnyFolder) {
+  const fs::path before = fs::current_path();
+  fs::create_directories(out_);
+  EvaluationOptions options = corridor("elsewhere", 3);
+  options.seconds = 1.0;
+  fs::current_path(out_);
+  EXPECT_NO_THROW(evaluate(options));
+  fs::current_path(before);
+}
+
 TEST_F(EvaluateTest, NamesInputThatIsWrong) {
   EvaluationOptions options = corridor("wrong", 1);
   options.map = out_ / "absent.csv";
@@ -128,7 +207,7 @@ TEST_F(EvaluateTest, RecordingOfANaoGivesTheSameBytesTwice) {
   EvaluationOptions options;
   options.bag = folder / "nao_field_2009.bag";
   options.map = folder / "map.csv";
-  options.palette = kSource / "cfg/maps/field.palette";
+  options.setup = "nao";
   options.judge_first = 40;
   options.judge_last = 138;
   options.out = out_ / "a";

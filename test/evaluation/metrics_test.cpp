@@ -44,6 +44,10 @@ TEST(Metrics, SettlesAtTheFirstOfTwoSecondsOfRightPoses) {
   EXPECT_NEAR(*score.heading_error_rad, degToRad(2.0), 1e-9);
   EXPECT_TRUE(score.recovered);
   EXPECT_EQ(score.errors.size(), 51u);
+  // Wrong at 0 to 0.8 s and at 2.2 to 3.8 s: 5 and 9 poses.
+  EXPECT_NEAR(score.right_share.value(), 37.0 / 51.0, 1e-9);
+  EXPECT_NEAR(score.median_position_error_m.value(), 0.1, 1e-9);
+  EXPECT_NEAR(score.median_heading_error_rad.value(), degToRad(2.0), 1e-9);
 }
 
 TEST(Metrics, CountsLossesAfterSettling) {

@@ -12,9 +12,8 @@ namespace {
 TEST(Tum, WritesAHandWorkedLine) {
   // Half a turn: qz = sin(90 deg) = 1, qw = 0.
   std::ostringstream out;
-  writeTum({{1'500'000, {1.0, -2.0, std::numbers::pi}}}, out);
-  EXPECT_EQ(out.str(),
-            "# t x y z qx qy qz qw\n1.500000 1.000000000 -2.000000000 0 0 0 1.000000000 0.000000000\n");
+  writeTumRow({1'500'000, {1.0, -2.0, std::numbers::pi}}, out);
+  EXPECT_EQ(out.str(), "1.500000 1.000000000 -2.000000000 0 0 0 1.000000000 0.000000000\n");
 }
 
 TEST(Tum, ReadsBackWhatItWrote) {
@@ -25,7 +24,8 @@ TEST(Tum, ReadsBackWhatItWrote) {
            {1'700'000'000'000'001 + i * 33'333, {0.1 * i, std::sin(i), std::remainder(0.3 * i, 6.28)}});
   }
   std::ostringstream out;
-  writeTum(trajectory, out);
+  out << kTumHeader;
+  for (const StampedPose& pose : trajectory) writeTumRow(pose, out);
   const Trajectory back = parseTum(out.str(), "a.tum");
   ASSERT_EQ(back.size(), trajectory.size());
   for (std::size_t i = 0; i < back.size(); ++i) {
@@ -61,13 +61,18 @@ TEST(MemoryCsv, HasTheColumnsThatOthersRead) {
   // Mean variances in the plane: (0.01 + 0.03) / 2 = 0.02 and 0.0004: root of the larger = 0.1414.
   s.P_a.diagonal() << 0.01, 0.03, 1.0;
   s.P_b.diagonal() << 0.0004, 0.0004, 1.0;
+  s.P_b(0, 1) = s.P_b(1, 0) = -0.0001;
   s.last_seen_us = 12'000'000;
+  s.confirmed = true;
   memory.segments.push_back(s);
   std::ostringstream out;
-  writeMemoryCsv(memory, out);
+  writeMemoryRows(memory, out);
+  EXPECT_EQ(kMemoryHeader,
+            "t_s,id,x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label,life,position_std_m,last_seen_s,confirmed,"
+            "p1_xx_m2,p1_xy_m2,p1_yy_m2,p2_xx_m2,p2_xy_m2,p2_yy_m2\n");
   EXPECT_EQ(out.str(),
-            "t_s,id,x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label,life,position_std_m,last_seen_s\n"
-            "12.345678,7,1.0000,2.0000,0.0000,3.0000,4.0000,0.5000,skirting,80.0000,0.1414,12.000000\n");
+            "12.345678,7,1.0000,2.0000,0.0000,3.0000,4.0000,0.5000,skirting,80.0000,0.1414,12.000000,1,"
+            "0.01000000,0.00000000,0.03000000,0.00040000,-0.00010000,0.00040000\n");
 }
 
 TEST(PrimitivesCsv, HasARowPerShape) {
@@ -82,9 +87,9 @@ TEST(PrimitivesCsv, HasARowPerShape) {
   shape.life = 50.0;
   memory.primitives.push_back(shape);
   std::ostringstream out;
-  writePrimitivesCsv(memory, out);
+  writePrimitivesRows(memory, out);
   EXPECT_EQ(
-      out.str(),
+      std::string(kPrimitivesHeader) + out.str(),
       "t_s,id,kind,x_m,y_m,heading_rad,length_m,width_m,radius_m,hidden_vertex,quality,life,vertices_m\n"
       "1.000000,4,triangle,0.3000,0.3000,0.0000,0.0000,0.0000,0.0000,-1,0.7500,50.0000,"
       "0.0000 0.0000; 0.6000 0.0000; 0.3000 0.9000\n");
@@ -96,8 +101,8 @@ TEST(RacesCsv, HasARowPerRaceAndEstimate) {
   estimate.races.push_back({3, {1.0, 2.0, 0.5}, 0.9, 0.75, 4, 12, true});
   estimate.races.push_back({5, {-1.0, 0.0, 0.0}, 0.4, 0.25, 0, 2, false});
   std::ostringstream out;
-  writeRacesCsv({estimate}, out);
-  EXPECT_EQ(out.str(),
+  writeRacesRows(estimate, out);
+  EXPECT_EQ(std::string(kRacesHeader) + out.str(),
             "t_s,race,x_m,y_m,theta_rad,health,weight,victories,age\n"
             "0.200000,3,1.000000,2.000000,0.500000,0.900000,0.750000,4,12\n"
             "0.200000,5,-1.000000,0.000000,0.000000,0.400000,0.250000,0,2\n");

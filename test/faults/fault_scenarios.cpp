@@ -96,7 +96,10 @@ PreparedSetup prepareSetup(const std::string& setup) {
     // Ten times as fast, so that images come often enough to measure with; over and over: time goes back.
     prepared.extra["replay_server"] = {"--ReplayServer.File=" + (folder / "nao_field_2009.bag").string(),
                                        "--ReplayServer.Rate=10", "--ReplayServer.Loop=yes"};
-    prepared.extra["localization"] = {"--Localization.Map=" + (folder / "map.csv").string()};
+    const std::string palette = std::string(VISMEM_SOURCE_DIR) + "/cfg/maps/field.palette";
+    prepared.extra["active_visual_memory"] = {"--ActiveVisualMemory.Palette=" + palette};
+    prepared.extra["localization"] = {"--Localization.Map=" + (folder / "map.csv").string(),
+                                      "--Localization.Palette=" + palette};
   }
   return prepared;
 }

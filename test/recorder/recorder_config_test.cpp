@@ -49,7 +49,7 @@ TEST(RecorderConfig, EveryShippedFileIsRead) {
     EXPECT_LE(config.core.bag.max_chunk_us, kSecondUs) << file;
     ++files;
   }
-  EXPECT_EQ(files, 5) << "files, humanoid, replay, robot, sim";
+  EXPECT_EQ(files, 6) << "files, humanoid, nao, replay, robot, sim";
 }
 
 TEST(RecorderConfig, SeveralCamerasHaveTheirOwnTopics) {

@@ -102,6 +102,88 @@ TEST_F(BagAdviceTest, PlaysACameraWithoutCalibrationOnTransformsAlone) {
   EXPECT_NEAR(log.odometry()[1].T_odom_robot.theta, 0.5, 1e-12);
 }
 
+TEST_F(BagAdviceTest, PicksTheOdometryThatAloneIsInItsFrame) {
+  const auto write = [&](const std::string& other_frame) {
+    BagWriter bag(file_);
+    images(bag, "/camera/image_raw", 2);
+    bag.cameraInfo("/camera/camera_info", 1'000'000, 16, 16, 20.0);
+    bag.transform("/tf_static", 1'000'000, "base_link", "eye", 0.0, 0.0, 0.4, 0.0);
+    for (const std::int64_t stamp_us : {900'000, 2'000'000}) {
+      bag.odometry("/ekf", stamp_us, 7.0, 0.0, 0.0, other_frame);
+      bag.odometry("/ekf", stamp_us + 50'000, 7.0, 0.0, 0.0, other_frame);
+      bag.odometry("/wheels", stamp_us, 3.0, 0.0, 0.0, "/odom");
+    }
+    bag.close();
+  };
+  write("map");
+  const BagAdvice advice = advise();
+  EXPECT_TRUE(advice.playable) << advice.problem;
+  EXPECT_THAT(advice.arguments, ElementsAre("--ReplayServer.Topics.Odometry=/wheels"));
+  EXPECT_EQ(advice.roles[2].note, "/ekf (map -> ), /wheels (odom -> )");
+  const RobotLog log = RobotLog::open(file_);
+  EXPECT_EQ(log.topics().odometry, "/wheels") << "also without advice";
+  EXPECT_THAT(log.notes(), Contains(HasSubstr("the odometry is topic /wheels, of /ekf (map -> )")));
+  write("odom");
+  EXPECT_THAT(advise().problem, HasSubstr("which of /ekf (odom -> ), /wheels (odom -> ) is meant"));
+  EXPECT_THAT([&] { RobotLog::open(file_); },
+              testing::ThrowsMessage<RecordingError>(
+                  HasSubstr("several topics could be the odometry: /ekf (odom -> ), /wheels (odom -> )")));
+  RobotLogOptions wanted;
+  EXPECT_EQ(applyTopics("odometry=/ekf", wanted), "");
+  EXPECT_TRUE(advise(wanted).playable);
+}
+
+TEST_F(BagAdviceTest, NamesAllLacksAtOnce) {
+  {
+    BagWriter bag(file_);
+    images(bag, "/camera/image_raw", 2);
+    bag.close();
+  }
+  EXPECT_THAT(advise().problem,
+              testing::AllOf(HasSubstr("calibration: needed"), HasSubstr("\nodometry: needed"),
+                             HasSubstr("\ncamera pose: needed")));
+  EXPECT_THAT([&] { RobotLog::open(file_); },
+              testing::ThrowsMessage<RecordingError>(
+                  testing::AllOf(HasSubstr("no calibration of the camera"), HasSubstr("no odometry"),
+                                 HasSubstr("the camera's pose is unknown"))));
+}
+
+TEST_F(BagAdviceTest, FindsTheTruthUnderUsualAndGivenNames) {
+  const auto write = [&](const std::string& topic, bool as_odometry) {
+    BagWriter bag(file_);
+    images(bag, "/camera/image_raw", 2);
+    bag.cameraInfo("/camera/camera_info", 1'000'000, 16, 16, 20.0);
+    bag.transform("/tf_static", 1'000'000, "base_link", "eye", 0.0, 0.0, 0.4, 0.0);
+    odometry(bag);
+    for (const std::int64_t stamp_us : {1'000'000, 1'500'000}) {
+      if (as_odometry) {
+        bag.odometry(topic, stamp_us, 2.0, 1.0, 0.5, "odom");
+      } else {
+        bag.pose(topic, stamp_us, 2.0, 1.0, 0.5);
+      }
+    }
+    bag.close();
+  };
+  for (const bool as_odometry : {false, true}) {
+    write("/ground_truth", as_odometry);
+    const RobotLog log = RobotLog::open(file_);
+    EXPECT_EQ(log.topics().odometry, "/odom") << "the truth is no odometry";
+    ASSERT_EQ(log.truth().size(), 2u);
+    EXPECT_EQ(log.truth()[1].stamp_us, 1'500'000);
+    EXPECT_NEAR(log.truth()[1].T_world_robot.theta, 0.5, 1e-12);
+    EXPECT_EQ(advise().truth, "/ground_truth");
+  }
+  write("/mocap/robot", false);
+  EXPECT_TRUE(RobotLog::open(file_).truth().empty());
+  RobotLogOptions wanted;
+  EXPECT_EQ(applyTopics("truth=/mocap/robot,images=/camera/image_raw", wanted), "");
+  EXPECT_EQ(RobotLog::open(file_, wanted).truth().size(), 2u);
+  EXPECT_THAT(replayArguments(wanted), ElementsAre("--ReplayServer.Topics.Image=/camera/image_raw"));
+  wanted.truth_topic = "/mocap";
+  EXPECT_THAT([&] { RobotLog::open(file_, wanted); },
+              testing::ThrowsMessage<RecordingError>(HasSubstr("whose poses are /mocap/robot, /odom")));
+}
+
 TEST_F(BagAdviceTest, ReadsTopicsFromTheCommandLine) {
   RobotLogOptions options;
   EXPECT_EQ(applyTopics("", options), "");

@@ -1,5 +1,6 @@
 #include "recording/bag_writer.h"
 
+#include <geometry_msgs/PoseStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -75,13 +76,25 @@ void BagWriter::cameraInfo(const std::string& topic, std::int64_t stamp_us, int 
   impl_->bag.write(topic, recordedAt(stamp_us), message);
 }
 
-void BagWriter::odometry(const std::string& topic, std::int64_t stamp_us, double x, double y, double theta) {
+void BagWriter::odometry(const std::string& topic, std::int64_t stamp_us, double x, double y, double theta,
+                         const std::string& frame_id) {
   nav_msgs::Odometry message;
   message.header.stamp = toTime(stamp_us);
+  message.header.frame_id = frame_id;
   message.pose.pose.position.x = x;
   message.pose.pose.position.y = y;
   message.pose.pose.orientation.z = std::sin(0.5 * theta);
   message.pose.pose.orientation.w = std::cos(0.5 * theta);
+  impl_->bag.write(topic, recordedAt(stamp_us), message);
+}
+
+void BagWriter::pose(const std::string& topic, std::int64_t stamp_us, double x, double y, double theta) {
+  geometry_msgs::PoseStamped message;
+  message.header.stamp = toTime(stamp_us);
+  message.pose.position.x = x;
+  message.pose.position.y = y;
+  message.pose.orientation.z = std::sin(0.5 * theta);
+  message.pose.orientation.w = std::cos(0.5 * theta);
   impl_->bag.write(topic, recordedAt(stamp_us), message);
 }
 

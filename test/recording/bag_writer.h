@@ -23,7 +23,10 @@ class BagWriter {
   /// @param d distortion parameters of `model`.
   void cameraInfo(const std::string& topic, std::int64_t stamp_us, int width, int height, double f,
                   const std::string& model = "plumb_bob", const std::vector<double>& d = {});
-  void odometry(const std::string& topic, std::int64_t stamp_us, double x, double y, double theta);
+  void odometry(const std::string& topic, std::int64_t stamp_us, double x, double y, double theta,
+                const std::string& frame_id = "");
+  /// geometry_msgs/PoseStamped
+  void pose(const std::string& topic, std::int64_t stamp_us, double x, double y, double theta);
   void joints(const std::string& topic, std::int64_t stamp_us, const std::vector<std::string>& names,
               const std::vector<double>& positions);
   /// Rotation about z by `yaw`.

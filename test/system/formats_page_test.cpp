@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
 
@@ -13,8 +15,11 @@
 #include "common/segment_map/segment_map.h"
 #include "common/vision/palette.h"
 #include "evaluation/core/trajectory_io.h"
+#include "evaluation/core/truth_file.h"
+#include "recorder/app/session_folder.h"
 #include "simulator/core/scenario.h"
 #include "support/build_paths.h"
+#include "support/temporary_folder.h"
 
 namespace vismem {
 namespace {
@@ -89,11 +94,14 @@ TEST(FormatsPage, ExamplesAreReadAndMistakesGiveTheirMessages) {
       {"route", [](const Example& e) { parseRoute(e.text, e.file); }},
       {"scenario", [](const Example& e) { parseScenario(e.text, e.file); }},
       {"tum", [](const Example& e) { parseTum(e.text, e.file); }},
+      {"truth", [](const Example& e) { parseTruth(e.text, e.file); }},
   };
   std::map<std::string, int> seen;
   for (const Example& example : examples) {
     SCOPED_TRACE(example.kind + ": " + example.file);
     ++seen[example.kind];
+    // Written by programs, read by people: below.
+    if (example.kind == "memory" || example.kind == "session") continue;
     if (example.kind == "check warning") {
       const auto map = parseSegmentMap(example.text, example.file);
       EXPECT_EQ(checkMap(map, example.file, labels, "kitchen.palette"), example.messages);
@@ -119,6 +127,75 @@ TEST(FormatsPage, MapAndPaletteOfThePageBelongTogether) {
                          "kitchen.palette"),
                 testing::IsEmpty());
   }
+}
+
+const Example& exampleOf(const std::vector<Example>& examples, const std::string& kind) {
+  return *std::find_if(examples.begin(), examples.end(), [&](const Example& e) { return e.kind == kind; });
+}
+
+MemorySegment segmentOf(std::istream& row) {
+  MemorySegment s;
+  std::string cell;
+  const auto next = [&] {
+    std::getline(row, cell, ',');
+    return std::stod(cell);
+  };
+  s.id = static_cast<std::uint64_t>(next());
+  for (Eigen::Vector3d* end : {&s.odom.a, &s.odom.b}) {
+    for (int i = 0; i < 3; ++i) (*end)[i] = next();
+  }
+  std::getline(row, s.label, ',');
+  s.life = next();
+  next();  // follows from the covariances
+  s.last_seen_us = toStampUs(next());
+  s.confirmed = next() != 0.0;
+  for (Eigen::Matrix3d* P : {&s.P_a, &s.P_b}) {
+    (*P)(0, 0) = next();
+    (*P)(0, 1) = (*P)(1, 0) = next();
+    (*P)(1, 1) = next();
+  }
+  return s;
+}
+
+TEST(FormatsPage, TheMemoryIsWhatTheProgramsWrite) {
+  const auto examples = examplesOfPage();
+  const Example& example = exampleOf(examples, "memory");
+  std::istringstream lines(example.text);
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line + "\n", kMemoryHeader);
+  MemorySnapshot memory;
+  while (std::getline(lines, line)) {
+    std::istringstream row(line);
+    std::string seconds;
+    std::getline(row, seconds, ',');
+    memory.stamp_us = toStampUs(std::stod(seconds));
+    memory.segments.push_back(segmentOf(row));
+  }
+  std::ostringstream written;
+  written << kMemoryHeader;
+  writeMemoryRows(memory, written);
+  EXPECT_EQ(written.str(), example.text);
+}
+
+TEST(FormatsPage, TheSessionIsWhatTheRecorderWrites) {
+  const TemporaryFolder folder;
+  const auto examples = examplesOfPage();
+  std::ofstream(folder.path() / "kitchen.csv") << exampleOf(examples, "map").text;
+  std::ofstream(folder.path() / "kitchen.palette") << exampleOf(examples, "palette").text;
+  const auto session = folder.path() / "monday";
+  std::filesystem::create_directory(session);
+  SessionFolder recorder(folder.path() / "kitchen.csv", "0.2.0");
+  recorder.open(session);
+  recorder.add("localization", "0.2.0", {{"Localization.Mode", "default"}});
+  auto example = nlohmann::json::parse(exampleOf(examples, "session").text);
+  auto written = nlohmann::json::parse(std::ifstream(session / "session.json"));
+  EXPECT_EQ(written["started"].get<std::string>().size(), example["started"].get<std::string>().size());
+  // Of this run.
+  for (const char* key : {"started", "map_was"}) example[key] = written[key];
+  EXPECT_EQ(written, example);
+  for (const char* file : {"cfg/localization.cfg", "map.csv", "map.palette"})
+    EXPECT_TRUE(std::filesystem::exists(session / file)) << file;
 }
 
 }  // namespace

@@ -157,6 +157,18 @@ TEST_F(RunApplication, APortInUseIsOneClearMessage) {
   ASSERT_EQ(run->waitForExit(20s), 1) << run->error();
   EXPECT_THAT(run->error(), testing::AllOf(testing::HasSubstr("simulator ended"),
                                            testing::HasSubstr("Address already in use")));
+  EXPECT_FALSE(fs::exists(out_)) << "an empty folder of results is removed";
+}
+
+TEST_F(RunApplication, CtrlCBeforeTheComponentsAreReadyLeavesNothing) {
+  const auto run = startSimulation();
+  ASSERT_TRUE(run->waitForLine("results in", 20s)) << run->error();
+  run->signal(SIGINT);
+  EXPECT_EQ(run->waitForExit(20s), 0) << run->error();
+  EXPECT_THAT(run->error(), testing::HasSubstr("stopped before the components were ready"));
+  EXPECT_EQ(run->out(), "") << "no JSON of a run that was none";
+  EXPECT_FALSE(fs::exists(out_));
+  EXPECT_TRUE(noneLeftWithin(5s));
 }
 
 TEST_F(RunApplication, BadInputIsOneClearMessage) {
@@ -165,7 +177,7 @@ TEST_F(RunApplication, BadInputIsOneClearMessage) {
   std::ofstream(broken_map) << "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label\n1,2,three,4,5,6,line\n";
   const std::string map = VISMEM_SOURCE_DIR "/cfg/maps/corridor.csv";
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
-      {{"--setup", "mars"}, "--setup mars (must be sim, humanoid or replay)"},
+      {{"--setup", "mars"}, "with a simulator or a replay server: humanoid, nao, replay, sim)"},
       {{"--seconds", "soon"}, "--seconds soon (must be a number above 0)"},
       {{"--seconds", "-3"}, "--seconds -3 (must be a number above 0)"},
       {{"--seed", "x"}, "--seed x (must be a whole number"},
@@ -175,6 +187,10 @@ TEST_F(RunApplication, BadInputIsOneClearMessage) {
       {{"--map", broken_map}, "broken.csv:2:"},
       {{"--setup", "replay", "--map", map}, "--setup replay needs --bag FILE"},
       {{"--setup", "replay", "--bag", "absent.bag", "--map", map}, "--bag absent.bag: no such file"},
+      {{"--setup", "replay", "--bag", map, "--map", map, "--topics", "picture=/a"},
+       "--topics \"picture=/a\""},
+      {{"--setup", "replay", "--bag", map, "--map", map, "--palette", "absent"},
+       "--palette absent: no such file"},
       {{"--bogus"}, "--bogus"},
       {{"--out", "/proc/nowhere"}, "--out /proc/nowhere: cannot make this folder"},
   };

@@ -12,6 +12,7 @@
 #include "common/geometry/angles.h"
 #include "common/process/ready_line.h"
 #include "common/process/setup.h"
+#include "common/recording/bag_advice.h"
 #include "common/routes/route.h"
 #include "gui/server/http_endpoint.h"
 
@@ -111,6 +112,9 @@ std::vector<ComponentCommand> commandsOf(const RunOptions& options) {
     auto& arguments = add("replay_server");
     arguments.push_back("--ReplayServer.File=" + options.bag.string());
     arguments.push_back("--ReplayServer.Start=paused");
+    RobotLogOptions topics;
+    applyTopics(options.topics, topics);
+    for (const std::string& argument : replayArguments(topics)) arguments.push_back(argument);
   }
   auto& memory = add("active_visual_memory");
   if (!options.palette.empty()) memory.push_back("--ActiveVisualMemory.Palette=" + options.palette.string());

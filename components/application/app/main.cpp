@@ -9,6 +9,7 @@
 
 #include "application/app/launcher.h"
 #include "application/app/options.h"
+#include "application/app/out_folder.h"
 #include "application/app/report_writer.h"
 #include "application/app/robot_link.h"
 #include "application/app/run_inputs.h"
@@ -83,54 +84,91 @@ void watch(const RunOptions& options, const Launcher& launcher, RobotLink& link,
   }
 }
 
-int run(const RunOptions& options, StopSignals& signals) {
-  const RunMap map = loadRunMap(options.map, paletteOf(options));
+/// Everything but the running itself: what is read beforehand, and where the results go.
+struct RunInputs {
+  RunMap map;
   std::optional<SimulatedOperator> driver;
   std::optional<ImageRange> judged;
+  Trajectory truth;  ///< of a recording
+};
+
+RunInputs loadInputs(const RunOptions& options) {
+  const std::filesystem::path palette = paletteOf(options);
+  if (palette.empty() && options.session.empty()) {
+    throw UsageError("no palette for " + options.map.string() +
+                     " (must be --palette FILE, a file beside the map with the ending .palette, or the key "
+                     "ActiveVisualMemory.Palette of the setup)");
+  }
+  RunInputs inputs{loadRunMap(options.map, palette), {}, {}, {}};
   if (options.setup == Setup::kSimulation) {
     const Route route = loadRoute(options.route);
-    driver.emplace(startOnRoute(route, options.seed).backwards ? reversed(route) : route,
-                   RouteFollowerParams{});
+    inputs.driver.emplace(startOnRoute(route, options.seed).backwards ? reversed(route) : route,
+                          RouteFollowerParams{});
   } else {
-    judged = judgedImages(options);
+    inputs.judged = judgedImages(options);
+    inputs.truth = recordedTruth(options);
   }
-  std::cerr << "run_application: setup " << options.folder << ", seed " << options.seed << ", results in "
-            << options.out.string() << std::endl;
+  return inputs;
+}
 
+/// Runs the components until the end.
+/// @param files made once the robot's time begins.
+/// @return empty: stopped before that.
+std::optional<RunRecord> record(const RunOptions& options, StopSignals& signals, const RunInputs& inputs,
+                                std::optional<RunFiles>& files) {
   StatusLine status(std::cerr, isatty(STDERR_FILENO) == 1);
   const auto interrupted = [&] { return signals.wait(std::chrono::milliseconds(0)); };
-  RunRecord record;
-  {
-    Launcher launcher(options, commandsOf(options));
-    if (!launcher.waitUntilReady(kReadyWithin, interrupted)) {
-      std::cerr << "run_application: stopped before the components were ready" << std::endl;
-      return 1;
-    }
-    if (const auto page = pageAddressOf(options); !page.empty())
-      std::cerr << "run_application: page " << page << std::endl;
-    RobotLink link(options, launcher);
-    SessionRecorder recorder(
-        {&link.camera(), &link.base(), &link.memory(), &link.localization(), link.simulation()},
-        std::move(driver), judged);
-    const std::string missing = link.waitForPeers(kPeersWithin, interrupted);
-    if (!missing.empty()) throw ComponentFailure("not all components found each other: " + missing);
-    recorder.start();
-    const PortReply reply = link.replay() != nullptr ? link.replay()->play() : link.simulation()->resume();
-    if (!reply.ok()) throw ComponentFailure("time does not begin: " + reply.message);
-    try {
-      watch(options, launcher, link, recorder, signals, status);
-    } catch (...) {
-      status.end();
-      throw;
-    }
+  Launcher launcher(options, commandsOf(options));
+  if (!launcher.waitUntilReady(kReadyWithin, interrupted)) return std::nullopt;
+  if (const auto page = pageAddressOf(options); !page.empty())
+    std::cerr << "run_application: page " << page << std::endl;
+  RobotLink link(options, launcher);
+  const std::string missing = link.waitForPeers(kPeersWithin, interrupted);
+  if (interrupted()) return std::nullopt;
+  if (!missing.empty()) throw ComponentFailure("not all components found each other: " + missing);
+  files.emplace(options.out);
+  SessionRecorder recorder(
+      {&link.camera(), &link.base(), &link.memory(), &link.localization(), link.simulation()}, *files,
+      inputs.driver, inputs.judged);
+  recorder.start();
+  const PortReply reply = link.replay() != nullptr ? link.replay()->play() : link.simulation()->resume();
+  if (!reply.ok()) throw ComponentFailure("time does not begin: " + reply.message);
+  try {
+    watch(options, launcher, link, recorder, signals, status);
+  } catch (...) {
     status.end();
-    recorder.stop();
-    record = recorder.takeRecord();
+    throw;
   }
-  const RunSummary summary = summarize(record, map.edges, judged.has_value());
-  writeReport(options, record, summary, map);
+  status.end();
+  recorder.stop();
+  return recorder.takeRecord();
+}
+
+int run(const RunOptions& options, StopSignals& signals) {
+  OutFolder folder(options.out);
+  const RunInputs inputs = loadInputs(options);
+  std::cerr << "run_application: setup " << options.folder << ", seed " << options.seed << ", results in "
+            << options.out.string() << std::endl;
+  std::optional<RunFiles> files;
+  std::optional<RunRecord> recorded = record(options, signals, inputs, files);
+  if (!recorded) {
+    std::cerr << "run_application: stopped before the components were ready" << std::endl;
+    folder.discard();
+    return 0;
+  }
+  if (!inputs.truth.empty() && !recorded->odometry.empty()) {
+    const Trajectory& played = recorded->odometry;
+    for (const StampedPose& pose : inputs.truth) {
+      if (pose.stamp_us < played.front().stamp_us || pose.stamp_us > played.back().stamp_us) continue;
+      recorded->truth.push_back(pose);
+      files->addTruth(pose);
+    }
+  }
+  const RunSummary summary = summarize(*recorded, inputs.map.edges, inputs.judged.has_value());
+  const auto problems = writeReport(options, *files, *recorded, summary, inputs.map);
   std::cout << resultJson(options, summary).dump() << std::endl;
-  return 0;
+  for (const std::string& problem : problems) std::cerr << "run_application: " << problem << std::endl;
+  return problems.empty() ? 0 : 1;
 }
 
 }  // namespace

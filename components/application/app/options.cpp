@@ -1,10 +1,14 @@
 #include "application/app/options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
 #include <iostream>
+#include <vector>
+
+#include "common/recording/bag_advice.h"
 
 namespace vismem {
 namespace {
@@ -43,13 +47,30 @@ fs::path findBin() {
   return self.parent_path();
 }
 
-/// The working directory if it is the project's, else the folder that build/PRESET/bin lies in.
-fs::path findRoot(const fs::path& bin) {
-  for (const fs::path& root : {fs::current_path(), bin / ".." / ".." / ".."}) {
-    if (fs::is_directory(root / "cfg")) return fs::canonical(root);
+/// The working directory if it has the setup, else the folder that build/PRESET/bin lies in.
+fs::path findRoot(const fs::path& bin, const std::string& setup) {
+  const fs::path project = bin / ".." / ".." / "..";
+  for (const fs::path& root : {fs::current_path(), project}) {
+    if (fs::is_directory(root / "cfg" / setup)) return fs::canonical(root);
   }
+  if (fs::is_directory(project / "cfg")) return fs::canonical(project);
   throw UsageError("no folder cfg here or three folders above " + bin.string() +
                    ": run it from the project's root");
+}
+
+/// A folder of cfg/ with a simulator or a replay server.
+Setup kindOf(const fs::path& cfg, const std::string& setup) {
+  std::string names;
+  std::vector<fs::path> folders{fs::directory_iterator(cfg), {}};
+  std::sort(folders.begin(), folders.end());
+  for (const fs::path& folder : folders) {
+    const bool simulated = fs::exists(folder / "simulator.cfg");
+    if (!simulated && !fs::exists(folder / "replay_server.cfg")) continue;
+    if (folder.filename() == setup) return simulated ? Setup::kSimulation : Setup::kReplay;
+    names += (names.empty() ? "" : ", ") + folder.filename().string();
+  }
+  throw UsageError("--setup " + setup + " (must be a folder of " + cfg.string() +
+                   " with a simulator or a replay server: " + names + ")");
 }
 
 std::string timeName() {
@@ -92,15 +113,6 @@ Integer parseInteger(const std::string& option, const std::string& text, Integer
   return static_cast<Integer>(value);
 }
 
-/// A folder that can be written to; made if it is not there.
-fs::path makeOutFolder(const fs::path& out) {
-  std::error_code error;
-  fs::create_directories(out, error);
-  if (error) throw UsageError("--out " + out.string() + ": cannot make this folder: " + error.message());
-  if (!fs::is_directory(out)) throw UsageError("--out " + out.string() + ": not a folder");
-  return fs::canonical(out);
-}
-
 }  // namespace
 
 std::optional<RunOptions> parseOptions(int argc, char** argv) {
@@ -109,12 +121,14 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
       "with\n"
       "trajectories, figures and one line of JSON. Ctrl-C ends it in the same way.",
       "run_application"};
-  std::string setup = "sim", seconds, seed, bag, map, world, scenario, out, port_offset, session;
+  std::string setup = "sim", seconds, seed, bag, map, world, scenario, out, port_offset, session, palette,
+              topics;
   bool record = false;
   app.add_option(
       "--setup", setup,
-      "sim (a simulated robot on wheels, the default), humanoid (a simulated one that walks) or replay "
-      "(a recording)");
+      "sim (a simulated robot on wheels, the default), humanoid (a simulated one that walks), replay "
+      "(a recording), nao (a recording of a walking Nao), or another folder of cfg/ with a simulator or a "
+      "replay server");
   app.add_option("--seconds", seconds,
                  "length in the robot's time; without it until Ctrl-C or the recording's end");
   app.add_option("--seed", seed, "of the start and of all chance (default 1)");
@@ -124,6 +138,11 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
       "replay: a folder that the recorder made; bags, map and configurations are taken from there");
   app.add_flag("--record", record, "record everything into the folder of the results, as recording/");
   app.add_option("--map", map, "map of the world (default when simulated: cfg/maps/WORLD.csv)");
+  app.add_option("--palette", palette,
+                 "colours of the map (default: MAP.palette beside MAP.csv, else the setup's)");
+  app.add_option(
+      "--topics", topics,
+      "replay: topics of the roles, ROLE=/topic,..., as bag_info advises (default: found by type)");
   app.add_option("--world", world, "simulated: the world, an SDF file (default cfg/worlds/corridor.world)");
   app.add_option("--scenario", scenario, "simulated: what happens in the world (docs/scenarios.md)");
   app.add_option("--out", out, "folder of the results (default out/DATE-TIME)");
@@ -140,12 +159,6 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
   }
 
   RunOptions options;
-  if (setup == "replay") {
-    options.setup = Setup::kReplay;
-  } else if (setup != "sim" && setup != "humanoid") {
-    throw UsageError("--setup " + setup + " (must be sim, humanoid or replay)");
-  }
-  options.folder = setup;
   options.record = record;
   options.gui = !no_gui;
   if (!seconds.empty()) options.seconds = parseSeconds(seconds);
@@ -153,11 +166,14 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
   if (!port_offset.empty())
     options.port_offset = parseInteger("--port-offset", port_offset, 0, kMaximumPortOffset);
   options.bin = findBin();
-  options.root = findRoot(options.bin);
+  options.root = findRoot(options.bin, setup);
+  options.folder = setup;
+  options.setup = kindOf(options.root / "cfg", setup);
 
   if (options.setup == Setup::kSimulation) {
-    if (!bag.empty()) throw UsageError("--bag is for --setup replay");
-    if (!session.empty()) throw UsageError("--session is for --setup replay");
+    if (!bag.empty()) throw UsageError("--bag is for a setup with a replay server, such as replay");
+    if (!topics.empty()) throw UsageError("--topics is for a setup with a replay server, such as replay");
+    if (!session.empty()) throw UsageError("--session is for a setup with a replay server, such as replay");
     options.world = requireFile(world.empty() ? options.root / "cfg/worlds/corridor.world" : fs::path(world),
                                 "--world", "must be an SDF world");
     options.route = fs::path(options.world).replace_extension(".route");
@@ -176,16 +192,25 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
       if (map.empty() && fs::exists(options.session / "map.csv"))
         map = (options.session / "map.csv").string();
     } else if (bag.empty()) {
-      throw UsageError("--setup replay needs --bag FILE");
+      throw UsageError("--setup " + setup + " needs --bag FILE");
     } else {
       options.bag = requireFile(bag, "--bag", "must be a ROS 1 bag");
     }
-    if (map.empty()) throw UsageError("--setup replay needs --map FILE");
+    if (map.empty()) throw UsageError("--setup " + setup + " needs --map FILE");
+    RobotLogOptions roles;
+    if (const std::string wrong = applyTopics(topics, roles); !wrong.empty())
+      throw UsageError("--topics " + wrong);
+    options.topics = topics;
   }
   options.map = requireFile(map, "--map", "must be a map: CSV of labelled segments");
-  const fs::path palette = fs::path(options.map).replace_extension(".palette");
-  if (fs::exists(palette)) options.palette = palette;
-  options.out = makeOutFolder(out.empty() ? options.root / "out" / timeName() : fs::path(out));
+  const fs::path beside = fs::path(options.map).replace_extension(".palette");
+  if (!palette.empty()) {
+    options.palette = requireFile(palette, "--palette", "must be a palette");
+  } else if (fs::exists(beside)) {
+    options.palette = beside;
+  }
+  options.out =
+      fs::absolute(out.empty() ? options.root / "out" / timeName() : fs::path(out)).lexically_normal();
   return options;
 }
 

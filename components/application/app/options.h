@@ -26,10 +26,11 @@ struct RunOptions {
   std::filesystem::path scenario;  ///< simulation only; empty: none
   std::filesystem::path bag;       ///< replay only
   std::filesystem::path session;   ///< replay only: a recorded folder with its configurations; empty: none
+  std::string topics;              ///< replay only: ROLE=/topic,...; empty: found by type
   bool record = false;             ///< with the recorder, into out/recording
   std::filesystem::path map;
-  std::filesystem::path palette;  ///< beside the map; empty: the configuration's
-  std::filesystem::path out;
+  std::filesystem::path palette;  ///< named, or beside the map; empty: the configuration's
+  std::filesystem::path out;      ///< OutFolder makes it
 };
 
 /// A wrong command line. what() is one message.

@@ -1,17 +1,11 @@
 #include "application/app/report_writer.h"
 
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-#include <sstream>
+#include <stdexcept>
 
-#include "application/core/image_figure.h"
-#include "application/core/top_view.h"
 #include "common/geometry/angles.h"
 #include "evaluation/core/trajectory_io.h"
-#include "evaluation/figures/error_figure.h"
 
 namespace vismem {
 namespace {
@@ -20,19 +14,6 @@ namespace {
 nlohmann::json rounded(std::optional<double> value, double parts = 1e4) {
   if (!value || !std::isfinite(*value)) return nullptr;
   return std::round(*value * parts) / parts;
-}
-
-template <typename Write>
-void writeStream(const std::filesystem::path& file, Write write) {
-  std::ostringstream text;
-  write(text);
-  writeTextFile(file, text.str());
-}
-
-void writePng(const std::filesystem::path& file, const cv::Mat& rgb) {
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  if (!cv::imwrite(file.string(), bgr)) throw std::runtime_error("cannot write " + file.string());
 }
 
 std::string titleOf(const RunOptions& options) {
@@ -77,35 +58,18 @@ nlohmann::json resultJson(const RunOptions& options, const RunSummary& summary) 
   return result;
 }
 
-void writeReport(const RunOptions& options, const RunRecord& record, const RunSummary& summary,
-                 const RunMap& map) {
-  const auto& out = options.out;
-  writeStream(out / "trajectory.tum", [&](std::ostream& s) { writeTum(publishedTrajectory(record), s); });
-  writeStream(out / "odometry.tum", [&](std::ostream& s) { writeTum(record.odometry, s); });
-  if (!record.truth.empty()) {
-    writeStream(out / "truth.tum", [&](std::ostream& s) { writeTum(record.truth, s); });
+std::vector<std::string> writeReport(const RunOptions& options, RunFiles& files, const RunRecord& record,
+                                     const RunSummary& summary, const RunMap& map) {
+  files.finish(record.memory.get());
+  std::vector<std::string> problems = files.problems();
+  const auto unwritten = writePictures(options.out, record, summary, map, titleOf(options));
+  problems.insert(problems.end(), unwritten.begin(), unwritten.end());
+  try {
+    writeTextFile(options.out / "result.json", resultJson(options, summary).dump(2) + "\n");
+  } catch (const std::runtime_error& error) {
+    problems.emplace_back(error.what());
   }
-  writeStream(out / "memory.csv",
-              [&](std::ostream& s) { writeMemoryCsv(record.memory ? *record.memory : MemorySnapshot{}, s); });
-  writeStream(out / "primitives.csv", [&](std::ostream& s) {
-    writePrimitivesCsv(record.memory ? *record.memory : MemorySnapshot{}, s);
-  });
-  writeStream(out / "races.csv", [&](std::ostream& s) { writeRacesCsv(record.estimates, s); });
-
-  const std::string title =
-      titleOf(options) + (summary.score.is_twin ? " (the map looks the same from the twin place)" : "");
-  writePng(out / "top_view.png", drawTopView(topViewOf(record, summary, map.map, title)));
-  if (!record.truth.empty()) {
-    writePng(out / "error.png", drawErrors({title + ": error over time", summary.score, {}}));
-  }
-  if (record.last_analysis) {
-    char when[40];
-    std::snprintf(when, sizeof when, ": image at %.2f s", toSeconds(record.last_analysis->stamp_us));
-    if (const auto figure = imageFigureOf(record, map.edges, title + when)) {
-      writePng(out / "last_image.png", drawLastImage(*figure));
-    }
-  }
-  writeTextFile(out / "result.json", resultJson(options, summary).dump(2) + "\n");
+  return problems;
 }
 
 }  // namespace vismem

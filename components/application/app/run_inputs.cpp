@@ -3,11 +3,14 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iostream>
 #include <sstream>
+#include <utility>
 
 #include "common/config/config_error.h"
 #include "common/config/config_reader.h"
-#include "common/vision/palette.h"
+#include "common/recording/bag_advice.h"
+#include "localization/app/config.h"
 
 namespace vismem {
 
@@ -20,14 +23,14 @@ Route loadRoute(const std::filesystem::path& file) {
 }
 
 RunMap loadRunMap(const std::filesystem::path& map, const std::filesystem::path& palette) {
-  RunMap loaded{loadSegmentMap(map), {}};
-  const auto stripes = palette.empty() ? std::map<Label, Label>{} : loadPalette(palette).stripes();
-  loaded.edges = expandStripes(loaded.map, stripes);
-  return loaded;
+  LoadedMap loaded = loadMapEdges(map, palette);
+  for (const std::string& warning : loaded.warnings) std::cerr << "warning: " << warning << std::endl;
+  return {std::move(loaded.rows), std::move(loaded.edges)};
 }
 
 ImageRange judgedImages(const RunOptions& options) {
-  const std::filesystem::path file = options.root / "cfg/replay/recordings.cfg";
+  const std::filesystem::path file = options.root / "cfg" / options.folder / "recordings.cfg";
+  if (!std::filesystem::exists(file)) return {};
   const Properties properties = Properties::load(file);
   ConfigReader config(properties);
   constexpr long kEnd = 1'000'000'000;
@@ -40,6 +43,20 @@ ImageRange judgedImages(const RunOptions& options) {
   }
   config.finish();
   return range;
+}
+
+Trajectory recordedTruth(const RunOptions& options) {
+  RobotLogOptions log;
+  applyTopics(options.topics, log);
+  Trajectory truth;
+  try {
+    BagFile bag(bagsOf(options.bag.string()));
+    for (const TruePose& pose : readTruth(bag, log.truth_topic))
+      append(truth, {pose.stamp_us, pose.T_world_robot});
+  } catch (const RecordingError&) {
+    if (!log.truth_topic.empty()) throw;
+  }
+  return truth;
 }
 
 }  // namespace vismem

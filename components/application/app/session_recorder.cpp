@@ -24,9 +24,9 @@ void pauseIfEmpty(const Batch& batch, const std::stop_token& stop) {
 
 }  // namespace
 
-SessionRecorder::SessionRecorder(const SessionPorts& ports, std::optional<SimulatedOperator> driver,
-                                 std::optional<ImageRange> judged)
-    : ports_(ports), driver_(std::move(driver)), judged_(judged) {
+SessionRecorder::SessionRecorder(const SessionPorts& ports, RunFiles& files,
+                                 std::optional<SimulatedOperator> driver, std::optional<ImageRange> judged)
+    : ports_(ports), driver_(std::move(driver)), judged_(judged), files_(files) {
   live_.last_advance = std::chrono::steady_clock::now();
 }
 
@@ -88,7 +88,8 @@ void SessionRecorder::followTruth(const std::stop_token& stop) {
     const auto batch = ports_.simulation->truthSince(last_us, kPatience);
     for (const TruthSample& sample : batch.samples) {
       const std::lock_guard lock(mutex_);
-      append(record_.truth, {sample.stamp_us, sample.T_world_robot});
+      recorder_.addTruth({sample.stamp_us, sample.T_world_robot});
+      files_.addTruth({sample.stamp_us, sample.T_world_robot});
       noteTimeLocked(sample.stamp_us);
       if (!first && sample.kidnaps != kidnaps) {
         record_.kidnapped_us.push_back(sample.stamp_us);
@@ -119,7 +120,8 @@ void SessionRecorder::followOdometry(const std::stop_token& stop) {
     last_us = batch.samples.back().stamp_us;
     const std::lock_guard lock(mutex_);
     for (const OdometrySample& sample : batch.samples) {
-      append(record_.odometry, {sample.stamp_us, sample.T_odom_robot});
+      recorder_.addOdometry({sample.stamp_us, sample.T_odom_robot});
+      files_.addOdometry({sample.stamp_us, sample.T_odom_robot});
     }
   }
 }
@@ -155,7 +157,7 @@ void SessionRecorder::followMemory(const std::stop_token& stop) {
     record_.memory = result.update.snapshot;
     record_.iterations.add(snapshot.revision, snapshot.stamp_us);
     const std::uint64_t frame_seq = result.update.analysis->frame_seq;
-    if (judged_ && judged_->contains(frame_seq)) record_.analyses.push_back(result.update.analysis);
+    if (judged_ && judged_->contains(frame_seq)) recorder_.addJudged(result.update.analysis);
     if (judged_ && judged_->isPast(frame_seq)) continue;
     record_.shown_memory = result.update.snapshot;
     waiting_analyses_.push_back(result.update.analysis);
@@ -187,9 +189,11 @@ void SessionRecorder::followLocalization(const std::stop_token& stop) {
     }
     revision = estimate->revision;
     const std::lock_guard lock(mutex_);
-    if (record_.estimates.empty() || estimate->stamp_us > record_.estimates.back().stamp_us) {
-      record_.estimates.push_back(*estimate);
-    }
+    if (!record_.estimates.empty() && estimate->stamp_us <= record_.estimates.back().stamp_us) continue;
+    recorder_.addEstimate(*estimate);
+    recorder_.addPublished({estimate->stamp_us, estimate->T_world_robot, estimate->reliability});
+    files_.addEstimate(*estimate);
+    if (estimate->T_world_robot) files_.addPose({estimate->stamp_us, *estimate->T_world_robot});
   }
 }
 

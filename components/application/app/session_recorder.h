@@ -8,11 +8,12 @@
 #include <thread>
 #include <vector>
 
-#include "application/core/run_record.h"
 #include "common/robot/control_ports.h"
 #include "common/robot/ports.h"
 #include "common/routes/route_follower.h"
 #include "common/visual_memory/memory_snapshot.h"
+#include "evaluation/report/run_files.h"
+#include "evaluation/report/run_record.h"
 #include "localization/core/pose_estimate.h"
 
 namespace vismem {
@@ -47,9 +48,10 @@ struct LiveState {
 class SessionRecorder {
  public:
   /// @param driver drives the robot; empty: none.
+  /// @param files what is recorded is written there as it comes; must outlive the recorder.
   /// @param judged images of a recording whose analyses are kept; pictures show none after them. Empty: keeps
   /// none.
-  SessionRecorder(const SessionPorts& ports, std::optional<SimulatedOperator> driver,
+  SessionRecorder(const SessionPorts& ports, RunFiles& files, std::optional<SimulatedOperator> driver,
                   std::optional<ImageRange> judged);
   ~SessionRecorder() { stop(); }
 
@@ -74,7 +76,9 @@ class SessionRecorder {
   const std::optional<ImageRange> judged_;
 
   mutable std::mutex mutex_;
-  RunRecord record_;
+  RunFiles& files_;
+  RunRecorder recorder_;
+  RunRecord& record_ = recorder_.record();
   LiveState live_;
   /// The newest unmatched images and analyses: an analysis arrives some images after its image.
   std::deque<Frame> images_;

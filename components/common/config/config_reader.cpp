@@ -12,6 +12,7 @@
 
 #include "common/config/config_error.h"
 #include "common/config/nearest_name.h"
+#include "common/config/project_file.h"
 #include "common/geometry/angles.h"
 
 namespace vismem {
@@ -278,16 +279,36 @@ std::optional<std::size_t> ConfigReader::choiceIndex(std::string_view name, cons
   return std::nullopt;
 }
 
-std::filesystem::path ConfigReader::resolve(const std::string& value) const {
-  const std::filesystem::path path = value;
+namespace {
+
+bool isFromFile(const Properties& properties) {
+  return properties.source() != "command line";
+}
+
+}  // namespace
+
+std::filesystem::path ConfigReader::locate(std::string_view name, const std::filesystem::path& value) const {
+  namespace fs = std::filesystem;
   std::error_code ignored;
-  if (path.empty() || path.is_absolute() || std::filesystem::exists(path, ignored)) return path;
-  const auto beside = state_->properties.folder() / path;
-  return std::filesystem::exists(beside, ignored) ? beside : path;
+  if (value.empty() || value.is_absolute()) return value;
+  const auto* set = find(key(name));
+  const bool typed = set != nullptr && set->origin.line == 0;
+  if (typed && fs::exists(value, ignored)) return value;
+  const fs::path folder = state_->properties.folder();
+  const fs::path here = fs::current_path(ignored);
+  fs::path found;
+  if (isFromFile(state_->properties)) found = findUpwards((here / folder).lexically_normal(), value);
+  // The short name where both are the same.
+  if (found.empty() || found == here / value) return projectFile(value);
+  return found;
 }
 
 std::filesystem::path ConfigReader::path(std::string_view name, const std::filesystem::path& fallback) {
-  return resolve(text(name, fallback.string()));
+  return locate(name, text(name, fallback.string()));
+}
+
+std::filesystem::path ConfigReader::outputPath(std::string_view name, const std::filesystem::path& fallback) {
+  return text(name, fallback.string());
 }
 
 std::filesystem::path ConfigReader::existingPath(std::string_view name,
@@ -295,12 +316,13 @@ std::filesystem::path ConfigReader::existingPath(std::string_view name,
   const auto found = path(name, fallback);
   std::error_code ignored;
   if (found.empty() || std::filesystem::exists(found, ignored)) return found;
-  std::string places = std::filesystem::current_path(ignored).string();
-  if (found.is_relative() && !state_->properties.folder().empty()) {
-    places += " or " + state_->properties.folder().string();
+  std::string rule = "no such file or folder";
+  if (found.is_relative()) {
+    const std::string folder = state_->properties.folder().string();
+    const std::string here = std::filesystem::current_path(ignored).string();
+    rule += " in " + (folder.empty() ? here : folder + ", " + here);
+    if (isFromFile(state_->properties)) rule += " or the folders above";
   }
-  const std::string rule =
-      found.is_relative() ? "no such file or folder in " + places : "no such file or folder";
   problem(name, rule);
   return found;
 }

@@ -80,10 +80,15 @@ class ConfigReader {
     return index ? choices[*index].second : fallback;
   }
 
-  /// A path, which need not exist (an output). A relative path counts from the working directory, because
-  /// configurations name files from the project's root. If it does not exist there but in the configuration's
-  /// own folder, it is taken from that folder. Empty if not set and without a fallback.
+  /// A path of an input, which need not exist. A relative one is looked for in the configuration's own
+  /// folder, in the folders above it (configurations name files from the project's root), in the working
+  /// directory, and above this program; on the command line first in the working directory. What is nowhere
+  /// is returned as it is. Empty if not set and without a fallback.
   std::filesystem::path path(std::string_view name, const std::filesystem::path& fallback = {});
+  /// The same for one of several paths in a key's value.
+  std::filesystem::path locate(std::string_view name, const std::filesystem::path& value) const;
+  /// A path of an output: a relative one counts from the working directory.
+  std::filesystem::path outputPath(std::string_view name, const std::filesystem::path& fallback = {});
   /// A path that must exist. Empty if not set and without a fallback.
   std::filesystem::path existingPath(std::string_view name, const std::filesystem::path& fallback = {});
   /// A file that can be opened for reading. Empty if not set and without a fallback.
@@ -133,8 +138,6 @@ class ConfigReader {
                                          const std::vector<std::string>& words);
   std::optional<double> number(std::string_view name, const std::string& fallback, double minimum,
                                double maximum);
-  std::filesystem::path resolve(const std::string& value) const;
-
   std::shared_ptr<State> state_;
   std::string prefix_;
 };

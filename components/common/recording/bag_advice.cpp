@@ -12,13 +12,18 @@ namespace {
 struct RoleName {
   const char* name;
   std::string RobotLogOptions::*option;
+  const char* key;  ///< of replay_server; empty: it does not play this
 };
-constexpr RoleName kRoles[] = {
-    {"image", &RobotLogOptions::image_topic},       {"camera_info", &RobotLogOptions::camera_info_topic},
-    {"odometry", &RobotLogOptions::odometry_topic}, {"joints", &RobotLogOptions::joint_topic},
-    {"robot", &RobotLogOptions::robot_frame},       {"camera", &RobotLogOptions::camera_frame},
-    {"odom", &RobotLogOptions::odom_frame},         {"pan", &RobotLogOptions::pan_joint},
-    {"tilt", &RobotLogOptions::tilt_joint}};
+constexpr RoleName kRoles[] = {{"image", &RobotLogOptions::image_topic, "Topics.Image"},
+                               {"camera_info", &RobotLogOptions::camera_info_topic, "Topics.CameraInfo"},
+                               {"odometry", &RobotLogOptions::odometry_topic, "Topics.Odometry"},
+                               {"joints", &RobotLogOptions::joint_topic, "Topics.Joints"},
+                               {"truth", &RobotLogOptions::truth_topic, ""},
+                               {"robot", &RobotLogOptions::robot_frame, "Frames.Robot"},
+                               {"camera", &RobotLogOptions::camera_frame, "Frames.Camera"},
+                               {"odom", &RobotLogOptions::odom_frame, "Frames.Odom"},
+                               {"pan", &RobotLogOptions::pan_joint, "Joints.Pan"},
+                               {"tilt", &RobotLogOptions::tilt_joint, "Joints.Tilt"}};
 
 std::string join(const std::vector<std::string>& items) {
   std::string text;
@@ -95,6 +100,35 @@ void chooseCalibration(BagAdvice& advice, const BagFile& bag) {
   choose(advice, std::move(role), &RobotLogOptions::camera_info_topic);
 }
 
+void chooseOdometryRole(BagAdvice& advice, BagFile& bag, const std::vector<std::string>& transforms) {
+  const std::string& named = advice.options.odometry_topic;
+  const auto found = odometryTopics(bag, advice.truth);
+  if (found.empty() && !transforms.empty() && named.empty()) {
+    advice.roles.push_back({"odometry", transforms.front(), transforms, "ReplayServer.Frames.Odom", "", ""});
+    return;
+  }
+  BagRole role{"odometry",
+               "",
+               {},
+               "ReplayServer.Topics.Odometry",
+               "a topic of type nav_msgs/Odometry, or transforms from odom to the robot (key "
+               "ReplayServer.Frames.Odom)",
+               ""};
+  for (const OdometryTopic& topic : found) role.candidates.push_back(topic.name);
+  if (found.size() > 1) role.note = textOf(found);
+  if (found.size() > 1 && named.empty()) {
+    const std::string chosen = chooseOdometry(found, advice.options.odom_frame);
+    if (chosen.empty()) {
+      role.needed = "which of " + role.note + " is meant: name it with the key " + role.key +
+                    " or with --topics odometry=/NAME";
+      advice.roles.push_back(std::move(role));
+      return;
+    }
+    advice.options.odometry_topic = chosen;
+  }
+  choose(advice, std::move(role), &RobotLogOptions::odometry_topic);
+}
+
 }  // namespace
 
 BagAdvice adviseOn(const std::vector<std::string>& files, const RobotLogOptions& wanted) {
@@ -108,17 +142,13 @@ BagAdvice adviseOn(const std::vector<std::string>& files, const RobotLogOptions&
   BagFile bag(bags);
   chooseImages(advice, bag);
   chooseCalibration(advice, bag);
-  auto odometry = topicsOf(bag, {kOdometryType});
-  const auto transforms = topicsOf(bag, {kTransformType, kOldTransformType});
-  if (odometry.empty() && !transforms.empty() && wanted.odometry_topic.empty()) {
-    advice.roles.push_back({"odometry", transforms.front(), transforms, "ReplayServer.Frames.Odom", ""});
-  } else {
-    choose(advice,
-           {"odometry", "", std::move(odometry), "ReplayServer.Topics.Odometry",
-            "a topic of type nav_msgs/Odometry, or transforms from odom to the robot (key "
-            "ReplayServer.Frames.Odom)"},
-           &RobotLogOptions::odometry_topic);
+  try {
+    advice.truth = truthTopic(bag, wanted.truth_topic);
+  } catch (const RecordingError& error) {
+    advice.problem = error.what();
   }
+  const auto transforms = topicsOf(bag, {kTransformType, kOldTransformType});
+  chooseOdometryRole(advice, bag, transforms);
   std::string pose_needed =
       "transforms that join the robot's frame and the images' (keys ReplayServer.Frames.Robot and .Camera), "
       "or joints "
@@ -142,11 +172,10 @@ BagAdvice adviseOn(const std::vector<std::string>& files, const RobotLogOptions&
   }
   advice.roles.push_back(std::move(pose));
   for (const BagRole& role : advice.roles) {
-    if (!role.needed.empty()) {
-      advice.problem = role.name + ": needed: " + role.needed;
-      return advice;
-    }
+    if (role.needed.empty()) continue;
+    advice.problem += (advice.problem.empty() ? "" : "\n") + role.name + ": needed: " + role.needed;
   }
+  if (!advice.problem.empty()) return advice;
   try {
     const RobotLog log = RobotLog::open(files, advice.options);
     advice.playable = true;
@@ -167,8 +196,9 @@ std::string applyTopics(const std::string& text, RobotLogOptions& options) {
   for (std::string item; std::getline(items, item, ',');) {
     const auto equals = item.find('=');
     const std::string role = item.substr(0, equals);
-    const auto known =
-        std::find_if(std::begin(kRoles), std::end(kRoles), [&](const RoleName& r) { return role == r.name; });
+    const auto known = std::find_if(std::begin(kRoles), std::end(kRoles), [&](const RoleName& r) {
+      return role == r.name || (role == "images" && r.option == &RobotLogOptions::image_topic);
+    });
     if (equals == std::string::npos || equals + 1 == item.size() || known == std::end(kRoles)) {
       std::vector<std::string> names;
       for (const RoleName& r : kRoles) names.emplace_back(r.name);
@@ -177,6 +207,16 @@ std::string applyTopics(const std::string& text, RobotLogOptions& options) {
     options.*(known->option) = item.substr(equals + 1);
   }
   return {};
+}
+
+std::vector<std::string> replayArguments(const RobotLogOptions& options) {
+  std::vector<std::string> arguments;
+  for (const RoleName& role : kRoles) {
+    const std::string& value = options.*role.option;
+    if (!value.empty() && *role.key != '\0')
+      arguments.push_back("--ReplayServer." + std::string(role.key) + "=" + value);
+  }
+  return arguments;
 }
 
 }  // namespace vismem

@@ -15,23 +15,29 @@ struct BagRole {
   std::vector<std::string> candidates;  ///< topics of fitting types
   std::string key;                      ///< of replay_server: "ReplayServer.Topics.Image"
   std::string needed;                   ///< what would be needed; empty while it is played
+  std::string note = {};                ///< more about the candidates; may be empty
 };
 
 struct BagAdvice {
   std::vector<BagRole> roles;
   bool playable = false;
-  std::string problem;                 ///< why it is not; of the first role that is missing
+  std::string problem;                 ///< why it is not: all roles that are missing, a line each
+  std::string truth;                   ///< topic of the true poses; empty: none
   std::vector<std::string> arguments;  ///< for replay_server: "--ReplayServer.Topics.Image=/front/image_raw"
   RobotLogOptions options;             ///< the same
 };
 
-/// Tries to open the bag as replay_server would; where several topics fit, takes the one with most messages.
+/// Tries to open the bag as replay_server would. Where several topics fit, takes the one with most messages;
+/// of odometries the one that alone is in its frame, else none.
 /// @param wanted what the user has said already. @throws RecordingError when the bag itself cannot be opened.
 BagAdvice adviseOn(const std::vector<std::string>& files, const RobotLogOptions& wanted);
 
-/// Reads "image=/front/image_raw,odometry=/odom": roles image, camera_info, odometry, joints, and robot,
-/// camera, odom (frames), pan, tilt (names of joints). @return empty, or what is wrong: role and those that
-/// exist.
+/// Reads "image=/front/image_raw,odometry=/odom": roles image (or images), camera_info, odometry, joints,
+/// truth, and robot, camera, odom (frames), pan, tilt (names of joints). @return empty, or what is wrong:
+/// role and those that exist.
 std::string applyTopics(const std::string& text, RobotLogOptions& options);
+
+/// The names as keys of replay_server: "--ReplayServer.Topics.Image=/front/image_raw". The truth has none.
+std::vector<std::string> replayArguments(const RobotLogOptions& options);
 
 }  // namespace vismem

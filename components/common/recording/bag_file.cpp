@@ -21,6 +21,13 @@ std::string frameName(const std::string& name) {
   return !name.empty() && name.front() == '/' ? name.substr(1) : name;
 }
 
+RosPoseWithCovariance parseAnyPose(const std::string& type, ByteView bytes) {
+  if (type == kPlainPoseType) return parsePose(bytes);
+  if (type != kOdometryType) return parsePoseWithCovariance(bytes);
+  const RosOdometry odometry = parseOdometry(bytes);
+  return {odometry.header, odometry.pose, odometry.pose_covariance};
+}
+
 std::int64_t stampOr(std::int64_t header_us, std::int64_t recorded_ns) {
   return header_us == 0 ? toStampOfTime(recorded_ns) : header_us;
 }
@@ -283,7 +290,8 @@ std::vector<BagOdometry> BagFile::odometry(const std::string& topic) {
     const RosOdometry message = parseOdometry(impl_->read(place));
     const RosQuaternion& q = message.pose.orientation;
     samples.push_back({stampOr(message.header.stamp_us, place.entry.time_ns), message.pose.position.x,
-                       message.pose.position.y, q.x, q.y, q.z, q.w, message.v_mps, message.w_radps});
+                       message.pose.position.y, q.x, q.y, q.z, q.w, message.v_mps, message.w_radps,
+                       frameName(message.header.frame_id), frameName(message.child_frame_id)});
   });
   return samples;
 }
@@ -300,8 +308,12 @@ std::vector<BagJoints> BagFile::joints(const std::string& topic) {
 
 std::vector<RosPoseWithCovariance> BagFile::poses(const std::string& topic) {
   std::vector<RosPoseWithCovariance> poses;
-  impl_->forEach(topic, kPoseType, [&](const Place& place) {
-    poses.push_back(parsePoseWithCovariance(impl_->read(place)));
+  std::string type = kPoseType;
+  for (const BagTopic& known : impl_->topics) {
+    if (known.name == topic && isPoseType(known.type)) type = known.type;
+  }
+  impl_->forEach(topic, type, [&](const Place& place) {
+    poses.push_back(parseAnyPose(type, impl_->read(place)));
     poses.back().header.stamp_us = stampOr(poses.back().header.stamp_us, place.entry.time_ns);
   });
   return poses;

@@ -49,6 +49,8 @@ struct BagOdometry {
   double x = 0.0, y = 0.0;  ///< [m]
   double qx = 0.0, qy = 0.0, qz = 0.0, qw = 0.0;
   double v_mps = 0.0, w_radps = 0.0;
+  std::string parent;  ///< frames, without a leading slash
+  std::string child;
 };
 
 struct BagJoints {
@@ -103,6 +105,8 @@ class BagFile {
   std::vector<BagCameraInfo> cameraInfos(const std::string& topic);
   std::vector<BagOdometry> odometry(const std::string& topic);
   std::vector<BagJoints> joints(const std::string& topic);
+  /// Of a topic of type geometry_msgs/PoseWithCovarianceStamped, geometry_msgs/PoseStamped (its covariance is
+  /// 0) or nav_msgs/Odometry.
   std::vector<RosPoseWithCovariance> poses(const std::string& topic);
   /// Of a topic of type std_msgs/String.
   std::vector<std::string> strings(const std::string& topic);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/recording/picture_decoder.h"
+#include "common/recording/recorded_rows.h"
 #include "common/recording/transform_tree.h"
 
 namespace vismem {
@@ -16,8 +17,6 @@ namespace {
 const std::array<std::string, 2> kRobotFrames{"base_footprint", "base_link"};
 const std::array<std::string, 2> kPanJoints{"head_yaw", "pan"};
 const std::array<std::string, 2> kTiltJoints{"head_pitch", "tilt"};
-/// A stamp that goes back by more begins a new epoch: a restarted clock, not messages out of order.
-constexpr StampUs kClockBackUs = 1'000'000;
 
 std::string join(const std::vector<std::string>& items) {
   std::string text;
@@ -53,28 +52,6 @@ Pose3 toPose(const BagTransform& t) {
 bool isRotation(double qx, double qy, double qz, double qw) {
   const double norm = qx * qx + qy * qy + qz * qz + qw * qw;
   return std::isfinite(norm) && norm > 1e-6;
-}
-
-/// Number of messages, in the order of recording, before the clock jumps back; all where it does not.
-template <typename Item>
-std::size_t countBeforeJump(const std::vector<Item>& items) {
-  StampUs newest_us = std::numeric_limits<StampUs>::min();
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (i > 0 && items[i].stamp_us < newest_us - kClockBackUs) return i;
-    newest_us = std::max(newest_us, items[i].stamp_us);
-  }
-  return items.size();
-}
-
-/// Sorts by stamp and drops what is not newer than the one before.
-template <typename Sample>
-void makeIncreasing(std::vector<Sample>& samples) {
-  std::stable_sort(samples.begin(), samples.end(),
-                   [](const Sample& a, const Sample& b) { return a.stamp_us < b.stamp_us; });
-  samples.erase(std::unique(samples.begin(), samples.end(),
-                            [](const Sample& a, const Sample& b) { return a.stamp_us == b.stamp_us; }),
-                samples.end());
-  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].seq = i;
 }
 
 }  // namespace
@@ -136,9 +113,12 @@ struct RobotLog::Impl {
     return fitting.empty() ? "" : fitting.front().name;
   }
 
+  /// @throws RecordingError with the problems of all parts.
+  void readAll(const RobotLogOptions& options);
   void openImages(const RobotLogOptions& options);
   void readIntrinsics(const RobotLogOptions& options);
   void useFieldOfView(double fov_rad);
+  void findOdometry(const RobotLogOptions& options);
   void readOdometry(const RobotLogOptions& options);
   std::vector<BagOdometry> recordedOdometry(const RobotLogOptions& options);
   void readJoints(const RobotLogOptions& options);
@@ -198,29 +178,8 @@ void RobotLog::Impl::readIntrinsics(const RobotLogOptions& options) {
   }
   std::map<StampUs, CameraIntrinsics> by_stamp;
   for (const BagCameraInfo& info : bag.cameraInfos(topics.camera_info)) {
-    const bool all_zero = std::all_of(info.d.begin(), info.d.end(), [](double d) { return d == 0.0; });
-    if (!all_zero && info.model != "plumb_bob") {
-      fail(topics.camera_info, "distortion model \"" + info.model + "\" (expected plumb_bob)");
-    }
-    if (!all_zero && info.d.size() != 4 && info.d.size() != 5) {
-      fail(topics.camera_info,
-           std::to_string(info.d.size()) + " distortion parameters (expected 4 or 5 for plumb_bob)");
-    }
     CameraIntrinsics intrinsics;
-    intrinsics.width = info.width;
-    intrinsics.height = info.height;
-    intrinsics.fx = info.k[0];
-    intrinsics.fy = info.k[4];
-    intrinsics.cx = info.k[2];
-    intrinsics.cy = info.k[5];
-    if (!all_zero) {
-      intrinsics.k1 = info.d[0];
-      intrinsics.k2 = info.d[1];
-      intrinsics.p1 = info.d[2];
-      intrinsics.p2 = info.d[3];
-      if (info.d.size() == 5) intrinsics.k3 = info.d[4];
-    }
-    const std::string wrong = checkIntrinsics(intrinsics);
+    const std::string wrong = readCalibration(info, intrinsics);
     if (!wrong.empty()) fail(topics.camera_info, wrong);
     by_stamp.insert_or_assign(info.stamp_us, intrinsics);
   }
@@ -240,6 +199,21 @@ void RobotLog::Impl::useFieldOfView(double fov_rad) {
   for (Shot& shot : shots) shot.intrinsics = intrinsicsFromFieldOfView(size->width, size->height, fov_rad);
 }
 
+void RobotLog::Impl::findOdometry(const RobotLogOptions& options) {
+  const auto isOdometry = [](const BagTopic& topic) { return topic.type == kOdometryType; };
+  if (!options.odometry_topic.empty()) {
+    topics.odometry = choose(options.odometry_topic, "odometry", kOdometryType, isOdometry);
+    return;
+  }
+  const auto found = odometryTopics(bag, topics.truth);
+  topics.odometry = chooseOdometry(found, options.odom_frame);
+  if (found.size() < 2) return;
+  if (topics.odometry.empty()) {
+    fail("", "several topics could be the odometry: " + textOf(found) + " (name the one that is meant)");
+  }
+  notes.push_back(bag.file() + ": the odometry is topic " + topics.odometry + ", of " + textOf(found));
+}
+
 /// Of its own topic, else from the transforms odom -> robot.
 std::vector<BagOdometry> RobotLog::Impl::recordedOdometry(const RobotLogOptions& options) {
   if (!topics.odometry.empty()) return bag.odometry(topics.odometry);
@@ -250,7 +224,7 @@ std::vector<BagOdometry> RobotLog::Impl::recordedOdometry(const RobotLogOptions&
                                                                t.child) != kRobotFrames.end()
                                                    : t.child == options.robot_frame;
     if (t.is_static || t.parent != odom || !robot) continue;
-    samples.push_back({t.stamp_us, t.x, t.y, t.qx, t.qy, t.qz, t.qw, 0.0, 0.0});
+    samples.push_back({t.stamp_us, t.x, t.y, t.qx, t.qy, t.qz, t.qw, 0.0, 0.0, t.parent, t.child});
   }
   if (samples.empty()) {
     fail("", "no odometry: found " + listOf(bag.topics()) + " (expected a topic of type " + kOdometryType +
@@ -261,8 +235,7 @@ std::vector<BagOdometry> RobotLog::Impl::recordedOdometry(const RobotLogOptions&
 }
 
 void RobotLog::Impl::readOdometry(const RobotLogOptions& options) {
-  topics.odometry = choose(options.odometry_topic, "odometry", kOdometryType,
-                           [](const BagTopic& topic) { return topic.type == kOdometryType; });
+  findOdometry(options);
   for (const BagOdometry& raw : recordedOdometry(options)) {
     OdometrySample sample;
     sample.stamp_us = raw.stamp_us;
@@ -403,6 +376,27 @@ void RobotLog::Impl::readTransforms(const RobotLogOptions& options, const std::s
   }
 }
 
+void RobotLog::Impl::readAll(const RobotLogOptions& options) {
+  std::string problems;
+  const auto succeeds = [&problems](auto&& read) {
+    try {
+      read();
+      return true;
+    } catch (const RecordingError& error) {
+      problems += (problems.empty() ? "" : "\n") + std::string(error.what());
+      return false;
+    }
+  };
+  const bool images = succeeds([&] { openImages(options); });
+  if (images) succeeds([&] { readIntrinsics(options); });
+  succeeds([&] { topics.truth = truthTopic(bag, options.truth_topic); });
+  succeeds([&] { readOdometry(options); });
+  if (!options.fixed_camera && succeeds([&] { readJoints(options); }) && images) {
+    succeeds([&] { readTransforms(options, images_frame); });
+  }
+  if (!problems.empty()) throw RecordingError(problems);
+}
+
 RobotLog::RobotLog(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 RobotLog::~RobotLog() = default;
 RobotLog::RobotLog(RobotLog&&) noexcept = default;
@@ -419,13 +413,7 @@ RobotLog RobotLog::open(const std::vector<std::string>& paths, const RobotLogOpt
     files.insert(files.end(), some.begin(), some.end());
   }
   auto impl = std::make_unique<Impl>(BagFile(files));
-  impl->openImages(options);
-  impl->readIntrinsics(options);
-  impl->readOdometry(options);
-  if (!options.fixed_camera) {
-    impl->readJoints(options);
-    impl->readTransforms(options, impl->images_frame);
-  }
+  impl->readAll(options);
   for (const Impl::Shot& shot : impl->shots) impl->stamps.push_back(shot.stamp_us);
   RobotLog log(std::move(impl));
   // Reports a problem of all images at the opening.
@@ -463,19 +451,7 @@ const std::vector<PanTiltSample>& RobotLog::joints() const {
   return impl_->joints;
 }
 std::vector<TruePose> RobotLog::truth() const {
-  static const std::string kTopic = "/ground_truth/pose";
-  std::vector<TruePose> truth;
-  for (const BagTopic& topic : contents()) {
-    if (topic.name != kTopic || topic.type != kPoseType || topic.messages == 0) continue;
-    for (const RosPoseWithCovariance& recorded : impl_->bag.poses(kTopic)) {
-      const RosPoint& p = recorded.pose.position;
-      const RosQuaternion& q = recorded.pose.orientation;
-      if (!isRotation(q.x, q.y, q.z, q.w)) continue;
-      const Pose3 pose = toPose({0, "", "", p.x, p.y, p.z, q.x, q.y, q.z, q.w, false});
-      if (pose.matrix().allFinite()) truth.push_back({recorded.header.stamp_us, toPose2(pose)});
-    }
-  }
-  return truth;
+  return readTruth(impl_->bag, impl_->topics.truth);
 }
 
 CameraIntrinsics RobotLog::intrinsics(std::size_t index) const {

@@ -8,20 +8,22 @@
 #include <vector>
 
 #include "common/recording/bag_file.h"
+#include "common/recording/log_topics.h"
 #include "common/robot/samples.h"
 
 namespace vismem {
 
 /// Topics, frames and joints to read from a bag. Empty names are found by type; with several topics of a
-/// type, the name is required.
+/// type, the name is required, but for odometry that alone is in its frame.
 struct RobotLogOptions {
   std::string image_topic;        ///< sensor_msgs/Image or sensor_msgs/CompressedImage
   std::string camera_info_topic;  ///< empty: the one beside the images, or the only one
   std::string odometry_topic;
   std::string joint_topic;
+  std::string truth_topic;   ///< true poses; empty: /ground_truth/pose or /ground_truth, where there is one
   std::string robot_frame;   ///< empty: base_footprint, else base_link
   std::string camera_frame;  ///< optical frame; empty: the images' frame_id
-  std::string odom_frame;    ///< for a bag whose odometry is in its transforms only; empty: odom
+  std::string odom_frame;    ///< of the odometry in transforms, and among several topics; empty: odom
   std::string pan_joint;     ///< empty: head_yaw or pan
   std::string tilt_joint;    ///< empty: head_pitch or tilt
   /// +1: the recorded tilt is positive looking up; -1: looking down, as a Nao's head_pitch. 0: -1 for a joint
@@ -34,18 +36,13 @@ struct RobotLogOptions {
   bool fixed_camera = false;
 };
 
-/// Where the robot truly was.
-struct TruePose {
-  StampUs stamp_us = 0;
-  Pose2 T_world_robot;
-};
-
 /// The topics in use; empty where there is none.
 struct RobotLogTopics {
   std::string image;
   std::string camera_info;
   std::string odometry;
   std::string joints;
+  std::string truth;
   std::string pan_joint;
   std::string tilt_joint;
   std::string robot_frame;  ///< empty: camera poses are not in the log
@@ -56,7 +53,7 @@ struct RobotLogTopics {
 /// frame i has seq i, images are decoded on reading. *Single-threaded* (reading moves in the file).
 class RobotLog {
  public:
-  /// @throws RecordingError with the first thing wrong: file, topic, found, expected.
+  /// @throws RecordingError with everything that is missing, a line each: file, topic, found, expected.
   /// @param path a bag, or a folder with the parts of one.
   static RobotLog open(const std::string& path, const RobotLogOptions& options = {});
   /// Several bags as one recording.
@@ -88,8 +85,7 @@ class RobotLog {
   std::size_t framesWithoutPose() const;  ///< number of frames left out
 
   const std::vector<OdometrySample>& odometry() const;
-  /// Of the topic /ground_truth/pose (geometry_msgs/PoseWithCovarianceStamped), as a recorded simulation has
-  /// it; else empty.
+  /// Of RobotLogTopics::truth; else empty.
   std::vector<TruePose> truth() const;
   /// Empty when the log has no joints of those names. pan > 0 left, tilt > 0 up.
   const std::vector<PanTiltSample>& joints() const;

@@ -255,6 +255,14 @@ RosPoseWithCovariance parsePoseWithCovariance(ByteView bytes) {
   return pose;
 }
 
+RosPoseWithCovariance parsePose(ByteView bytes) {
+  RosReader r(bytes);
+  RosPoseWithCovariance pose;
+  pose.header = readHeader(r);
+  pose.pose = readPose(r);
+  return pose;
+}
+
 std::vector<RosTransform> parseTransforms(ByteView bytes) {
   RosReader r(bytes);
   // A header, an empty name and seven numbers.

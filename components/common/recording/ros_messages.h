@@ -137,6 +137,8 @@ RosCameraInfo parseCameraInfo(ByteView bytes);
 RosJointState parseJointState(ByteView bytes);
 RosOdometry parseOdometry(ByteView bytes);
 RosPoseWithCovariance parsePoseWithCovariance(ByteView bytes);
+/// geometry_msgs/PoseStamped: no covariance.
+RosPoseWithCovariance parsePose(ByteView bytes);
 std::vector<RosTransform> parseTransforms(ByteView bytes);
 std::string parseString(ByteView bytes);
 
@@ -149,6 +151,13 @@ inline constexpr const char* kTransformType = "tf2_msgs/TFMessage";
 /// As tf2_msgs/TFMessage, of the first tf; read only.
 inline constexpr const char* kOldTransformType = "tf/tfMessage";
 inline constexpr const char* kPoseType = "geometry_msgs/PoseWithCovarianceStamped";
+/// Read only.
+inline constexpr const char* kPlainPoseType = "geometry_msgs/PoseStamped";
+
+/// Whether BagFile::poses reads messages of this type.
+inline bool isPoseType(const std::string& type) {
+  return type == kPoseType || type == kPlainPoseType || type == kOdometryType;
+}
 inline constexpr const char* kMarkersType = "visualization_msgs/MarkerArray";
 inline constexpr const char* kStringType = "std_msgs/String";
 

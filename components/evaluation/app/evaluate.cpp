@@ -25,9 +25,10 @@ void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& argum
   app.add_option("--map", options.map, "map of the world: CSV")->required();
   app.add_option("--out", options.out, "folder for all that is written")->required();
   app.add_option("--palette", options.palette, "colours (default: beside the map, else the configuration's)");
-  app.add_option("--config", options.config,
-                 "keys ActiveVisualMemory.* and Localization.* (default: the components' files in cfg/replay "
-                 "or cfg/sim)");
+  app.add_option(
+      "--config", options.config,
+      "keys ActiveVisualMemory.* and Localization.* in one file, as cfg/replay/evaluate.cfg (default: the "
+      "components' files in cfg/SETUP)");
   app.add_option("--mode", options.mode, "default or chapter, for both components (default: as configured)")
       ->check(CLI::IsMember({"default", "chapter"}));
   app.add_option("--seed", options.seed, "of all that is random");
@@ -51,14 +52,18 @@ void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& argum
                  "of a world: record the robot into this folder, for --bag FOLDER")
       ->needs(world);
   app.add_option("--route", options.route, "way-points (default: beside the world, .route)")->needs(world);
-  app.add_option("--setup", options.setup, "robot and configuration of a world: cfg/SETUP (sim, humanoid)")
-      ->needs(world);
+  app.add_option(
+      "--setup", options.setup,
+      "configuration, and robot of a world: cfg/SETUP (default of a world sim, of a recording replay; "
+      "humanoid, nao: walking robots)");
   app.add_option("--scenario", options.scenario, "what happens in a world: docs/scenarios.md")->needs(world);
   app.add_option(
          "--perturb", arguments.perturb,
          "the camera: KEY=NUMBER,... of height [m], tilt [degrees], focal and brightness (factors), jpeg "
          "(quality), blur [px], late [s], every (one image of so many)")
       ->check([](const std::string& text) { return vismem::parsePerturbation(text).error; });
+  app.add_flag("--snapshots", options.snapshots,
+               "the memory of each second in memory.csv and primitives.csv, not the last one alone");
   app.add_flag("--profile", options.profile, "add the real-time factor and CPU time by stage to the JSON");
   app.add_option("--camera-rate", options.camera_rate_hz, "of a simulated camera [Hz]")
       ->check(CLI::Range(0.5, 100.0))
@@ -69,9 +74,10 @@ void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& argum
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Runs a recording or a simulation through visual memory and localization, as fast as possible, and "
-      "writes "
-      "trajectory.tum, odometry.tum, races.csv, memory.csv; the last line is JSON.");
+      "Runs a recording or a simulation through visual memory and localization, as fast as possible. Writes "
+      "trajectory.tum, odometry.tum, races.csv, memory.csv, primitives.csv, top_view.png, last_image.png, "
+      "and "
+      "with a known truth truth.tum and error.png; the last line is JSON (docs/formats.md).");
   vismem::EvaluationOptions options;
   Arguments arguments;
   declare(app, options, arguments);
@@ -94,10 +100,14 @@ int main(int argc, char** argv) {
     options.seconds = 60.0;
   }
   try {
-    std::cout << vismem::evaluate(options).dump() << "\n";
+    const nlohmann::json summary = vismem::evaluate(options);
+    std::cout << summary.dump() << std::endl;
+    if (!summary.contains("problems")) return 0;
+    for (const auto& problem : summary["problems"])
+      std::cerr << "evaluate: " << problem.get<std::string>() << "\n";
+    return 1;
   } catch (const std::exception& error) {
     std::cerr << error.what() << "\n";
     return 1;
   }
-  return 0;
 }

@@ -19,16 +19,17 @@ struct EvaluationOptions {
   std::filesystem::path map;
   std::filesystem::path out;
   std::filesystem::path palette;  ///< empty: beside the map, else the configuration's
-  std::filesystem::path config;   ///< of both components; empty: their files in cfg/replay or cfg/sim
+  std::filesystem::path config;   ///< of both components; empty: their files in cfg/SETUP
   std::filesystem::path truth;    ///< of a bag: t_s,x_m,y_m,theta_rad; empty: the bag's own where it has one
   std::string topics;             ///< of a bag: ROLE=/topic,...; empty: found by type
   std::filesystem::path record;   ///< of a world: a folder for a recording; empty: none
-  std::string setup = "sim";      ///< of a world: cfg/SETUP holds the robot and the components: sim, humanoid
+  std::string setup;  ///< cfg/SETUP holds the components and a world's robot; empty: sim, of a bag replay
   std::filesystem::path scenario;  ///< of a world: its events; empty: only the drive along the route
   Perturbation perturbation;       ///< of the camera
   bool profile = false;            ///< real-time factor and CPU time by stage in the summary
   std::filesystem::path route;     ///< of a world: empty: beside it, with the ending .route, if there is one
-  std::string mode;  ///< "default" or "chapter", for both components; empty: as each is configured
+  std::string mode;        ///< "default" or "chapter", for both components; empty: as each is configured
+  bool snapshots = false;  ///< memory.csv and primitives.csv with the memory of each second
   std::uint64_t seed = 1;
   std::optional<Pose2> start;  ///< known start in world; empty: unknown to localization
   std::optional<double> seconds;
@@ -38,8 +39,9 @@ struct EvaluationOptions {
   std::uint64_t judge_last = UINT64_MAX;
 };
 
-/// Runs the evaluation and writes all files into options.out.
-/// @return the summary.
+/// Runs the evaluation and writes all files into options.out, which is checked for writing at the start.
+/// @return the summary. A list `problems` in it says why the run is a failure in spite of it: files that
+/// could not be written, no label in any image, races that never lived.
 /// @throws ConfigError, RecordingError, std::runtime_error naming the wrong input.
 nlohmann::json evaluate(const EvaluationOptions& options);
 

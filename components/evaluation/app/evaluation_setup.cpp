@@ -1,8 +1,6 @@
 #include "evaluation/app/evaluation_setup.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <fstream>
 #include <initializer_list>
 #include <iostream>
@@ -14,6 +12,7 @@
 #include "active_visual_memory/app/config.h"
 #include "common/config/config_error.h"
 #include "common/config/config_reader.h"
+#include "common/config/project_file.h"
 #include "common/config/properties.h"
 #include "common/routes/route_follower.h"
 #include "localization/app/config.h"
@@ -32,13 +31,25 @@ std::string readText(const fs::path& file) {
   return text.str();
 }
 
+/// A component's file in the setup. @throws ConfigError for a setup without it.
+fs::path setupFile(const EvaluationOptions& options, const std::string& component) {
+  const std::string usual = options.bag.empty() ? "sim" : "replay";
+  const std::string& setup = options.setup.empty() ? usual : options.setup;
+  const fs::path file = projectFile("cfg/" + setup + "/" + component + ".cfg");
+  if (!fs::exists(file)) {
+    throw ConfigError({"--setup " + setup + ": no file cfg/" + setup + "/" + component +
+                       ".cfg (must be a folder of cfg/, such as " + usual + ")"});
+  }
+  return file;
+}
+
 /// The configuration of a component: options.config, else its file in the setup.
 fs::path configFile(const EvaluationOptions& options, const std::string& component) {
   if (!options.config.empty()) return options.config;
   // A session has its own.
   const fs::path own = options.bag / "cfg" / (component + ".cfg");
   if (!options.bag.empty() && fs::exists(own)) return own;
-  return projectFile("cfg/" + (options.bag.empty() ? options.setup : "replay") + "/" + component + ".cfg");
+  return setupFile(options, component);
 }
 
 /// Prints the warnings about renamed keys.
@@ -99,17 +110,6 @@ fs::path paletteFile(const EvaluationOptions& options, const fs::path& configure
 
 }  // namespace
 
-fs::path projectFile(const fs::path& relative) {
-  if (fs::exists(relative)) return relative;
-  std::error_code failed;
-  const fs::path program = fs::read_symlink("/proc/self/exe", failed);
-  for (fs::path folder = program.parent_path(); !failed && folder.has_relative_path();
-       folder = folder.parent_path()) {
-    if (fs::exists(folder / relative)) return folder / relative;
-  }
-  return relative;
-}
-
 EvaluationOptions inProjectWorld(const std::string& world, const std::string& setup, std::uint64_t seed,
                                  double camera_rate_hz) {
   EvaluationOptions evaluation;
@@ -150,45 +150,11 @@ EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt)
          configFile(options, "active_visual_memory").string()});
   }
   params.palette = std::make_shared<const Palette>(loadPalette(params.palette_file));
-  params.map = loadSegmentMap(options.map);
-  params.map_edges = expandStripes(params.map, params.palette->stripes());
+  LoadedMap map = loadMapEdges(options.map, params.palette_file);
+  for (const std::string& warning : map.warnings) std::cerr << "warning: " << warning << "\n";
+  params.map = std::move(map.rows);
+  params.map_edges = std::move(map.edges);
   return params;
-}
-
-Trajectory loadTruth(const fs::path& file) {
-  std::istringstream lines(readText(file));
-  std::vector<std::string> problems;
-  Trajectory truth;
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.empty() || line.front() == '#' || line == "t_s,x_m,y_m,theta_rad") continue;
-    std::array<double, 4> values{};
-    std::istringstream fields(line);
-    std::string field;
-    std::size_t count = 0;
-    bool good = true;
-    while (std::getline(fields, field, ',')) {
-      char* end = nullptr;
-      const double value = std::strtod(field.c_str(), &end);
-      good = good && end != field.c_str() && *end == '\0' && std::isfinite(value) && count < values.size();
-      if (count < values.size()) values[count] = value;
-      ++count;
-    }
-    const bool later = truth.empty() || toStampUs(values[0]) > truth.back().stamp_us;
-    if (!good || count != values.size() || !later) {
-      problems.push_back(file.string() + ":" + std::to_string(number) + ": \"" + line +
-                         "\" (expected t_s,x_m,y_m,theta_rad: four numbers, later than the line before)");
-      continue;
-    }
-    truth.push_back({toStampUs(values[0]), {values[1], values[2], values[3]}});
-  }
-  if (problems.empty() && truth.size() < 2) {
-    problems.push_back(file.string() + ": " + std::to_string(truth.size()) +
-                       " poses (expected at least two)");
-  }
-  if (!problems.empty()) throw ConfigError(std::move(problems));
-  return truth;
 }
 
 Route routeFromFile(const fs::path& file) {
@@ -196,7 +162,7 @@ Route routeFromFile(const fs::path& file) {
 }
 
 SimulationConfig simulationConfig(const EvaluationOptions& options) {
-  Properties properties = Properties::load(projectFile("cfg/" + options.setup + "/simulator.cfg"));
+  Properties properties = Properties::load(setupFile(options, "simulator"));
   properties.set("Simulator.World", options.world.string());
   ConfigReader config(properties);
   knowKeys(config, {"Robot.*", "Simulator.Endpoints", "Simulator.WebEndpoints", "Simulator.LogLevel",

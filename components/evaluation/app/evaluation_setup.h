@@ -13,17 +13,11 @@
 #include "common/segment_map/segment_map.h"
 #include "common/vision/palette.h"
 #include "evaluation/app/evaluation.h"
-#include "evaluation/core/trajectory.h"
 #include "localization/core/gaze/gaze_planner.h"
 #include "localization/core/localizer.h"
 #include "simulator/core/simulation.h"
 
 namespace vismem {
-
-/// Finds a file named from the project's root: below the working directory, else below a folder above this
-/// program.
-/// @return `relative` itself if it is in neither, so that the error of opening it names it.
-std::filesystem::path projectFile(const std::filesystem::path& relative);
 
 /// A run in a world of the project: cfg/worlds/NAME.world with its map, by cfg/SETUP.
 EvaluationOptions inProjectWorld(const std::string& world, const std::string& setup, std::uint64_t seed,
@@ -49,9 +43,6 @@ EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt)
 /// takes them.
 /// @throws ConfigError.
 void copyConfiguration(const EvaluationOptions& options);
-
-/// Reads `t_s,x_m,y_m,theta_rad`. @throws ConfigError with every problem: FILE:LINE, found, expected.
-Trajectory loadTruth(const std::filesystem::path& file);
 
 /// Reads a route. @throws ConfigError as parseRoute, also when the file cannot be read.
 Route routeFromFile(const std::filesystem::path& file);

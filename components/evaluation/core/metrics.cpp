@@ -5,6 +5,7 @@
 #include <limits>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include "common/geometry/angles.h"
 
@@ -122,6 +123,23 @@ bool moveToNearestTwin(std::vector<PublishedPose>& published, const Trajectory& 
   return moved;
 }
 
+/// Shares and medians over all errors.
+void addWholeRun(LocalizationScore& score, const ScoreParams& params) {
+  if (score.errors.empty()) return;
+  std::vector<double> position_m;
+  std::vector<double> heading_rad;
+  std::ptrdiff_t right = 0;
+  for (const PoseError& error : score.errors) {
+    if (isRight(error, params)) ++right;
+    if (!error.position_m) continue;
+    position_m.push_back(*error.position_m);
+    heading_rad.push_back(*error.heading_rad);
+  }
+  score.right_share = static_cast<double>(right) / static_cast<double>(score.errors.size());
+  score.median_position_error_m = median(std::move(position_m));
+  score.median_heading_error_rad = median(std::move(heading_rad));
+}
+
 }  // namespace
 
 LocalizationScore scoreLocalization(const std::vector<PublishedPose>& poses, const Trajectory& truth,
@@ -148,6 +166,7 @@ LocalizationScore scoreLocalization(const std::vector<PublishedPose>& poses, con
     }
     score.errors.push_back(error);
   }
+  addWholeRun(score, params);
 
   const auto settled = findSettled(score.errors, score.start_us, params);
   if (!settled) return score;

@@ -26,7 +26,8 @@ struct ScoreParams {
   double right_within_m = 0.5;
   double right_within_rad = degToRad(15.0);
   StampUs settle_us = 2 * kSecondUs;
-  /// A longer time without a pose ends a row of right poses. The last pose is then sampled at this step.
+  /// A longer time without a pose ends a row of right poses (sparse images need a longer one). The last pose
+  /// is then sampled at this step.
   StampUs max_silence_us = kSecondUs;
   /// Motions under which the map looks the same (symmetriesOf): no observation decides between a pose and its
   /// twin, so that errors count against the nearer one. One motion holds from one kidnapping to the next.
@@ -48,6 +49,10 @@ struct LocalizationScore {
   std::optional<double> position_error_m;  ///< means from settling to the end; empty unless settled
   std::optional<double> heading_error_rad;
   bool recovered = false;
+  /// Over all poses whose true place is known, before settling too; a missing pose is not right.
+  std::optional<double> right_share;
+  std::optional<double> median_position_error_m;  ///< of the published ones
+  std::optional<double> median_heading_error_rad;
   int without_pose = 0;   ///< images without a pose after settling
   int without_truth = 0;  ///< published poses at stamps without a known truth
   bool is_twin = false;   ///< the last poses are right for a symmetric twin of the true place

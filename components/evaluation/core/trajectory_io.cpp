@@ -43,13 +43,10 @@ std::optional<double> number(std::string_view word) {
 
 }  // namespace
 
-void writeTum(const Trajectory& trajectory, std::ostream& out) {
-  out << "# t x y z qx qy qz qw\n" << std::fixed << std::setprecision(9);
-  for (const StampedPose& p : trajectory) {
-    putSeconds(out, p.stamp_us);
-    out << ' ' << p.pose.x << ' ' << p.pose.y << " 0 0 0 " << std::sin(0.5 * p.pose.theta) << ' '
-        << std::cos(0.5 * p.pose.theta) << '\n';
-  }
+void writeTumRow(const StampedPose& pose, std::ostream& out) {
+  putSeconds(out, pose.stamp_us);
+  out << std::fixed << std::setprecision(9) << ' ' << pose.pose.x << ' ' << pose.pose.y << " 0 0 0 "
+      << std::sin(0.5 * pose.pose.theta) << ' ' << std::cos(0.5 * pose.pose.theta) << '\n';
 }
 
 Trajectory parseTum(std::string_view text, const std::string& file_name) {
@@ -97,8 +94,7 @@ Trajectory parseTum(std::string_view text, const std::string& file_name) {
   return trajectory;
 }
 
-void writeMemoryCsv(const MemorySnapshot& memory, std::ostream& out) {
-  out << "t_s,id,x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label,life,position_std_m,last_seen_s\n";
+void writeMemoryRows(const MemorySnapshot& memory, std::ostream& out) {
   for (const MemorySegment& s : memory.segments) {
     const double variance =
         0.5 * std::max(s.P_a.topLeftCorner<2, 2>().trace(), s.P_b.topLeftCorner<2, 2>().trace());
@@ -110,12 +106,15 @@ void writeMemoryCsv(const MemorySnapshot& memory, std::ostream& out) {
     }
     out << ',' << s.label << ',' << s.life << ',' << std::sqrt(variance) << ',';
     putSeconds(out, s.last_seen_us);
+    out << ',' << (s.confirmed ? 1 : 0) << std::setprecision(8);
+    for (const Eigen::Matrix3d* P : {&s.P_a, &s.P_b}) {
+      out << ',' << (*P)(0, 0) << ',' << (*P)(0, 1) << ',' << (*P)(1, 1);
+    }
     out << '\n';
   }
 }
 
-void writePrimitivesCsv(const MemorySnapshot& memory, std::ostream& out) {
-  out << "t_s,id,kind,x_m,y_m,heading_rad,length_m,width_m,radius_m,hidden_vertex,quality,life,vertices_m\n";
+void writePrimitivesRows(const MemorySnapshot& memory, std::ostream& out) {
   for (const Primitive& p : memory.primitives) {
     putSeconds(out, memory.stamp_us);
     out << std::fixed << std::setprecision(4) << ',' << p.id << ',' << nameOf(p.kind) << ',' << p.centre.x()
@@ -130,15 +129,12 @@ void writePrimitivesCsv(const MemorySnapshot& memory, std::ostream& out) {
   }
 }
 
-void writeRacesCsv(const std::vector<PoseEstimate>& estimates, std::ostream& out) {
-  out << "t_s,race,x_m,y_m,theta_rad,health,weight,victories,age\n";
-  for (const PoseEstimate& estimate : estimates) {
-    for (const RaceReport& race : estimate.races) {
-      putSeconds(out, estimate.stamp_us);
-      out << std::fixed << std::setprecision(6) << ',' << race.id << ',' << race.T_world_robot.x << ','
-          << race.T_world_robot.y << ',' << race.T_world_robot.theta << ',' << race.health << ','
-          << race.weight << ',' << race.victories << ',' << race.age << '\n';
-    }
+void writeRacesRows(const PoseEstimate& estimate, std::ostream& out) {
+  for (const RaceReport& race : estimate.races) {
+    putSeconds(out, estimate.stamp_us);
+    out << std::fixed << std::setprecision(6) << ',' << race.id << ',' << race.T_world_robot.x << ','
+        << race.T_world_robot.y << ',' << race.T_world_robot.theta << ',' << race.health << ',' << race.weight
+        << ',' << race.victories << ',' << race.age << '\n';
   }
 }
 

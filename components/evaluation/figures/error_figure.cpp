@@ -13,24 +13,49 @@ namespace {
 constexpr int kWidth = 1120;
 constexpr int kHeight = 700;
 
+/// Errors that are drawn at least [m, deg]: a logarithm has no zero.
+constexpr double kLeastPosition_m = 0.001;
+constexpr double kLeastHeading_deg = 0.01;
+
 /// A plot of one error on a logarithmic scale.
 struct Panel {
   double top_px;
   double bottom_px;
-  double low;   ///< value at the bottom
-  double high;  ///< value at the top
+  double end_s;               ///< of the time axis
+  std::vector<double> ticks;  ///< the first at the bottom, the last at the top
   static constexpr double kLeft_px = 92.0;
   static constexpr double kRight_px = 1080.0;
 
-  double u(double seconds, double end_s) const { return kLeft_px + (kRight_px - kLeft_px) * seconds / end_s; }
+  double u(double seconds) const { return kLeft_px + (kRight_px - kLeft_px) * seconds / end_s; }
   double v(double value) const {
+    const double low = ticks.front();
+    const double high = ticks.back();
     const double fraction = std::log(std::clamp(value, low, high) / low) / std::log(high / low);
     return bottom_px + (top_px - bottom_px) * fraction;
   }
 };
 
-constexpr Panel kPosition{96.0, 356.0, 0.01, 30.0};
-constexpr Panel kHeading{404.0, 640.0, 0.1, 180.0};
+double endOf(const ErrorFigure& figure) {
+  const auto& errors = figure.score.errors;
+  if (errors.empty()) return 1.0;
+  return std::max(0.1, toSeconds(errors.back().stamp_us - figure.score.start_us));
+}
+
+Panel positionPanel(const ErrorFigure& figure) {
+  std::vector<double> values{figure.limits.right_within_m};
+  for (const PoseError& e : figure.score.errors) {
+    if (e.position_m) values.push_back(std::max(*e.position_m, kLeastPosition_m));
+  }
+  return {96.0, 356.0, endOf(figure), logarithmicTicks(values)};
+}
+
+Panel headingPanel(const ErrorFigure& figure) {
+  std::vector<double> values{radToDeg(figure.limits.right_within_rad)};
+  for (const PoseError& e : figure.score.errors) {
+    if (e.heading_rad) values.push_back(std::max(radToDeg(*e.heading_rad), kLeastHeading_deg));
+  }
+  return {404.0, 640.0, endOf(figure), logarithmicTicks(values)};
+}
 
 std::string formatted(const char* format, double value) {
   char text[64];
@@ -38,23 +63,32 @@ std::string formatted(const char* format, double value) {
   return text;
 }
 
-double timeStep(double end_s) {
-  for (const double step : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, 300.0, 600.0}) {
-    if (end_s / step <= 14.0) return step;
-  }
-  return std::ceil(end_s / 14.0);
+/// The time axis: its unit and the distance of its marks.
+struct TimeScale {
+  const char* unit;
+  double unit_s;
+  double step;  ///< in units
+};
+
+TimeScale timeScale(double end_s) {
+  constexpr double kMostMarks = 14.0;
+  TimeScale scale{"s", 1.0, 0.1};
+  if (end_s > 600.0) scale = {"min", 60.0, 1.0};
+  if (end_s > 36'000.0) scale = {"h", 3600.0, 1.0};
+  const double end = end_s / scale.unit_s;
+  for (int i = 0; end / scale.step > kMostMarks; ++i) scale.step *= i % 3 == 1 ? 2.5 : 2.0;
+  return scale;
 }
 
-void drawAxes(Canvas& canvas, const Panel& panel, double end_s, const std::vector<double>& ticks,
-              const std::string& title, double limit) {
-  const double step = timeStep(end_s);
-  for (int i = 0; i * step <= end_s * (1.0 + 1e-9); ++i) {
-    const double u = panel.u(i * step, end_s);
+void drawAxes(Canvas& canvas, const Panel& panel, const std::string& title, double limit) {
+  const TimeScale time = timeScale(panel.end_s);
+  for (int i = 0; i * time.step * time.unit_s <= panel.end_s * (1.0 + 1e-9); ++i) {
+    const double u = panel.u(i * time.step * time.unit_s);
     canvas.line({u, panel.top_px}, {u, panel.bottom_px}, colors::kGrid);
-    canvas.text(formatted("%g", i * step), {u, panel.bottom_px + 17.0}, 8.5, colors::kFaintInk,
+    canvas.text(formatted("%g", i * time.step), {u, panel.bottom_px + 17.0}, 8.5, colors::kFaintInk,
                 Align::kCentre);
   }
-  for (const double tick : ticks) {
+  for (const double tick : panel.ticks) {
     const double v = panel.v(tick);
     canvas.line({Panel::kLeft_px, v}, {Panel::kRight_px, v}, colors::kGrid);
     canvas.text(formatted("%g", tick), {Panel::kLeft_px - 8.0, v + 4.0}, 8.5, colors::kFaintInk,
@@ -71,16 +105,16 @@ struct Point {
   std::optional<double> value;
 };
 
-void drawCurve(Canvas& canvas, const Panel& panel, double end_s, const std::vector<Point>& points) {
-  constexpr double kLongestGap_s = 1.0;
+/// @param longest_gap_s a longer time without a pose parts the curve.
+void drawCurve(Canvas& canvas, const Panel& panel, const std::vector<Point>& points, double longest_gap_s) {
   std::vector<Eigen::Vector2d> piece;
   double last_s = 0.0;
   for (const Point& p : points) {
-    if (!p.value || (!piece.empty() && p.seconds - last_s > kLongestGap_s)) {
+    if (!p.value || (!piece.empty() && p.seconds - last_s > longest_gap_s)) {
       canvas.polyline(piece, colors::kEstimate, 1.6);
       piece.clear();
     }
-    const double u = panel.u(p.seconds, end_s);
+    const double u = panel.u(p.seconds);
     if (!p.value) {
       canvas.line({u, panel.top_px}, {u, panel.top_px + 9.0}, colors::kLost, 1.5);
       continue;
@@ -92,28 +126,39 @@ void drawCurve(Canvas& canvas, const Panel& panel, double end_s, const std::vect
   canvas.polyline(piece, colors::kEstimate, 1.6);
 }
 
-void drawSettled(Canvas& canvas, const Panel& panel, double end_s, double settled_s, double mean,
+void drawSettled(Canvas& canvas, const Panel& panel, double settled_s, double mean,
                  const std::string& mean_text) {
-  const double u = panel.u(settled_s, end_s);
+  const double u = panel.u(settled_s);
   canvas.line({u, panel.top_px}, {u, panel.bottom_px}, colors::kTruth, 1.8);
   const double v = panel.v(mean);
   canvas.line({u, v}, {Panel::kRight_px, v}, colors::kTruth, 1.8);
-  const double width = canvas.textWidth(mean_text, 9.5, true);
-  const Eigen::Vector2d at(Panel::kRight_px - 8.0, panel.bottom_px - 10.0);
-  canvas.fill({at + Eigen::Vector2d(-width - 5, -15), at + Eigen::Vector2d(5, -15),
-               at + Eigen::Vector2d(5, 6), at + Eigen::Vector2d(-width - 5, 6)},
-              colors::kPaper, 0.9);
-  canvas.text(mean_text, at, 9.5, colors::kTruth, Align::kRight, true);
+  // Beside the title, where no curve is.
+  canvas.text(mean_text, {Panel::kRight_px, panel.top_px - 9.0}, 9.5, colors::kTruth, Align::kRight, true);
 }
 
 }  // namespace
 
-Eigen::Vector2d positionErrorPx(double seconds, double end_s, double error_m) {
-  return {kPosition.u(seconds, end_s), kPosition.v(error_m)};
+std::vector<double> logarithmicTicks(const std::vector<double>& values) {
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  // Half a step of a decade is a factor of about 3.
+  const int low = static_cast<int>(std::floor(2.0 * std::log10(*least) + 1e-6));
+  const int high = std::max(low + 2, static_cast<int>(std::ceil(2.0 * std::log10(*most) + 0.05)));
+  std::vector<double> ticks;
+  for (int half = low; half <= high; ++half) {
+    const int decade = half >= 0 ? half / 2 : -((1 - half) / 2);
+    ticks.push_back((half - 2 * decade == 0 ? 1.0 : 3.0) * std::pow(10.0, decade));
+  }
+  return ticks;
 }
 
-Eigen::Vector2d headingErrorPx(double seconds, double end_s, double error_rad) {
-  return {kHeading.u(seconds, end_s), kHeading.v(radToDeg(error_rad))};
+Eigen::Vector2d positionErrorPx(const ErrorFigure& figure, double seconds, double error_m) {
+  const Panel panel = positionPanel(figure);
+  return {panel.u(seconds), panel.v(error_m)};
+}
+
+Eigen::Vector2d headingErrorPx(const ErrorFigure& figure, double seconds, double error_rad) {
+  const Panel panel = headingPanel(figure);
+  return {panel.u(seconds), panel.v(radToDeg(error_rad))};
 }
 
 cv::Mat drawErrors(const ErrorFigure& figure) {
@@ -127,7 +172,8 @@ cv::Mat drawErrors(const ErrorFigure& figure) {
     position.push_back({t, e.position_m});
     heading.push_back({t, e.heading_rad ? std::optional(radToDeg(*e.heading_rad)) : std::nullopt});
   }
-  const double end_s = position.empty() ? 1.0 : std::max(0.1, position.back().seconds);
+  const Panel position_panel = positionPanel(figure);
+  const Panel heading_panel = headingPanel(figure);
   std::string subtitle = "no pose could be compared with the truth";
   if (score.settled_after_s) {
     subtitle = formatted("settled after %.1f s (green)", *score.settled_after_s);
@@ -136,19 +182,20 @@ cv::Mat drawErrors(const ErrorFigure& figure) {
   }
   canvas.text(subtitle + ", dashed: what counts as right", {Panel::kLeft_px, 58.0}, 10.0, colors::kFaintInk);
 
-  drawAxes(canvas, kPosition, end_s, {0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0}, "position error [m]",
-           figure.limits.right_within_m);
-  drawAxes(canvas, kHeading, end_s, {0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 90.0, 180.0}, "heading error [deg]",
-           radToDeg(figure.limits.right_within_rad));
-  canvas.text("time since the start [s]",
-              {0.5 * (Panel::kLeft_px + Panel::kRight_px), kHeading.bottom_px + 40.0}, 10.0, colors::kInk,
-              Align::kCentre);
-  drawCurve(canvas, kPosition, end_s, position);
-  drawCurve(canvas, kHeading, end_s, heading);
+  drawAxes(canvas, position_panel, "position error [m]", figure.limits.right_within_m);
+  drawAxes(canvas, heading_panel, "heading error [deg]", radToDeg(figure.limits.right_within_rad));
+  canvas.text(std::string("time since the start [") + timeScale(position_panel.end_s).unit + "]",
+              {0.5 * (Panel::kLeft_px + Panel::kRight_px), heading_panel.bottom_px + 40.0}, 10.0,
+              colors::kInk, Align::kCentre);
+  const double mean_step_s =
+      position.empty() ? 0.0 : position_panel.end_s / static_cast<double>(position.size());
+  const double longest_gap_s = std::max(1.0, 3.0 * mean_step_s);
+  drawCurve(canvas, position_panel, position, longest_gap_s);
+  drawCurve(canvas, heading_panel, heading, longest_gap_s);
   if (score.settled_after_s && score.position_error_m) {
-    drawSettled(canvas, kPosition, end_s, *score.settled_after_s, *score.position_error_m,
+    drawSettled(canvas, position_panel, *score.settled_after_s, *score.position_error_m,
                 formatted("mean from there on %.3f m", *score.position_error_m));
-    drawSettled(canvas, kHeading, end_s, *score.settled_after_s, radToDeg(*score.heading_error_rad),
+    drawSettled(canvas, heading_panel, *score.settled_after_s, radToDeg(*score.heading_error_rad),
                 formatted("mean from there on %.2f deg", radToDeg(*score.heading_error_rad)));
   }
   return canvas.finish();

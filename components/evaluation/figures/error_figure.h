@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 #include <string>
+#include <vector>
 
 #include "evaluation/core/metrics.h"
 
@@ -15,14 +16,19 @@ struct ErrorFigure {
   ScoreParams limits;  ///< drawn as dashed lines
 };
 
-/// Two plots over the seconds since the start, on logarithmic scales: position 1 cm to 30 m and heading
-/// 0.1 to 180 degrees. Values outside are drawn on the border, images without a pose at the top.
+/// Two plots over the time since the start, on logarithmic scales. Each shows the range of its errors and the
+/// limit of what is right, in whole steps of 1 and 3; errors below 1 mm or 0.01 degrees count as these. Time
+/// is in seconds, minutes or hours. Images without a pose are drawn at the top.
 cv::Mat drawErrors(const ErrorFigure& figure);
 
 /// Position of a value in the picture of drawErrors, for tests.
 /// @param seconds since the start.
-/// @param end_s the last stamp's.
-Eigen::Vector2d positionErrorPx(double seconds, double end_s, double error_m);
-Eigen::Vector2d headingErrorPx(double seconds, double end_s, double error_rad);
+Eigen::Vector2d positionErrorPx(const ErrorFigure& figure, double seconds, double error_m);
+Eigen::Vector2d headingErrorPx(const ErrorFigure& figure, double seconds, double error_rad);
+
+/// The marks of a logarithmic axis, for tests: 1 and 3 times powers of ten, from the last below all values to
+/// the first above them.
+/// @param values above 0.
+std::vector<double> logarithmicTicks(const std::vector<double>& values);
 
 }  // namespace vismem

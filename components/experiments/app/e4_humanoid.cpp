@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "active_visual_memory/core/overlay.h"
+#include "common/config/project_file.h"
 #include "common/geometry/angles.h"
 #include "common/recording/robot_log.h"
 #include "common/vision/app/image_file.h"
@@ -135,6 +136,7 @@ nlohmann::json toJson(const RecordedMemoryScore& score) {
 nlohmann::json recorded(const fs::path& folder, const ExperimentOptions& options, JudgementFiles& files) {
   EvaluationOptions evaluation;
   evaluation.bag = folder / "nao_field_2009.bag";
+  evaluation.setup = "nao";
   evaluation.map = folder / "map.csv";
   evaluation.mode = options.mode;
   evaluation.seed = options.seed;

@@ -8,6 +8,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "common/config/project_file.h"
 #include "common/recording/robot_log.h"
 #include "common/segment_map/segment_map.h"
 #include "common/vision/app/image_file.h"

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/config/project_file.h"
 #include "common/tool/command_line_tool.h"
 #include "evaluation/app/commit_id.h"
 #include "evaluation/app/evaluation_setup.h"

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "active_visual_memory/core/overlay.h"
+#include "common/config/project_file.h"
 #include "common/vision/app/image_file.h"
 #include "evaluation/core/shape_score.h"
 #include "experiments/app/look_around_run.h"

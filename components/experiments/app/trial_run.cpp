@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/config/project_file.h"
 #include "common/geometry/angles.h"
 #include "common/kinematics/random_stream.h"
 #include "common/routes/route_follower.h"

@@ -303,7 +303,7 @@ LoadedMap loadMapEdges(const std::filesystem::path& map, const std::filesystem::
     labels = {{edges.begin(), edges.end()}, colours.stripes()};
   });
   if (!problems.empty()) throw ConfigError(problems);
-  LoadedMap loaded{expandStripes(rows, labels.stripes), {}};
+  LoadedMap loaded{rows, expandStripes(rows, labels.stripes), {}};
   if (!palette.empty()) loaded.warnings = checkMap(rows, map.string(), labels, palette.string());
   return loaded;
 }

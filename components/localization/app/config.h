@@ -40,6 +40,7 @@ LocalizerParams readLocalizerParams(ConfigReader& reader);
 GazePlannerParams readGazePlannerParams(ConfigReader& reader);
 
 struct LoadedMap {
+  SegmentMap rows;                    ///< as in its file
   SegmentMap edges;                   ///< with stripes expanded, as the Localizer takes it
   std::vector<std::string> warnings;  ///< where map and palette do not fit each other (checkMap)
 };

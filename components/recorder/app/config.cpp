@@ -70,7 +70,7 @@ void readRing(ConfigReader& reader, RecorderConfig& config) {
 
 RecorderConfig readRecorderConfig(ConfigReader& reader) {
   RecorderConfig config;
-  config.folder = reader.path("Folder", "out/recordings");
+  config.folder = reader.outputPath("Folder", "out/recordings");
   config.start_now = reader.boolean("StartNow", true);
   config.name = reader.text("Name", "");
   if (!config.name.empty()) {

@@ -19,7 +19,7 @@ void readFiles(ConfigReader& reader, ReplayServerConfig& config) {
       const auto begin = name.find_first_not_of(' ');
       const auto end = name.find_last_not_of(' ');
       if (begin == std::string::npos) continue;
-      config.files.push_back(name.substr(begin, end - begin + 1));
+      config.files.push_back(reader.locate("File", name.substr(begin, end - begin + 1)).string());
       std::error_code error;
       if (!fs::exists(config.files.back(), error)) {
         reader.problem("File", "no such file or folder: " + config.files.back());
@@ -28,7 +28,7 @@ void readFiles(ConfigReader& reader, ReplayServerConfig& config) {
     return;
   }
   std::error_code error;
-  if (!named.empty() && fs::is_directory(named, error)) {
+  if (!named.empty() && fs::is_directory(reader.locate("File", named), error)) {
     config.files = {reader.existingPath("File").string()};
     try {
       bagsOf(config.files.front());

@@ -85,9 +85,10 @@ SimulatorConfig readSimulatorConfig(ConfigReader& config) {
   std::istringstream folders(r.text("ModelPath", ""));
   for (std::string folder; std::getline(folders, folder, ':');) {
     if (folder.empty()) continue;
-    c.model_paths.emplace_back(folder);
+    c.model_paths.push_back(r.locate("ModelPath", folder));
     std::error_code ignored;
-    if (!std::filesystem::is_directory(folder, ignored)) r.problem("ModelPath", "no such folder: " + folder);
+    if (!std::filesystem::is_directory(c.model_paths.back(), ignored))
+      r.problem("ModelPath", "no such folder: " + folder);
   }
   c.simulation = r.choice("Robot", false, {{"wheels", false}, {"humanoid", true}}) ? humanoidSimulation()
                                                                                    : SimulationConfig();

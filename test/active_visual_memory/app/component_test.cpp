@@ -197,7 +197,7 @@ TEST(ActiveVisualMemoryProcess, ReportsAllProblemsOfAConfigurationAtOnce) {
 }
 
 TEST(ActiveVisualMemoryProcess, ShippedConfigurationsAreAccepted) {
-  for (const std::string setup : {"sim", "replay", "files"}) {
+  for (const std::string setup : {"sim", "replay", "nao", "files"}) {
     ChildProcess::Options options;
     options.working_directory = VISMEM_SOURCE_DIR;
     ComponentProcess component("active_visual_memory",

@@ -133,7 +133,7 @@ export async function replay() {
   const data = process.env.AVM_DATA ?? join(root, "../shared/data");
   const bag = process.env.AVM_BAG ?? join(data, "nao_field_2009/nao_field_2009.bag");
   if (!existsSync(bag)) return console.log(`  skipped: no recording at ${bag}`);
-  const robot = await Robot.start({setup: "replay", arguments: {replay_server: [`--ReplayServer.File=${bag}`], localization: ["--Localization.Map=cfg/maps/field_6x4.csv", "--Localization.Palette=cfg/maps/field.palette"]}});
+  const robot = await Robot.start({setup: "replay", arguments: {replay_server: [`--ReplayServer.File=${bag}`], active_visual_memory: ["--ActiveVisualMemory.Palette=cfg/maps/field.palette"], localization: ["--Localization.Map=cfg/maps/field_6x4.csv", "--Localization.Palette=cfg/maps/field.palette"]}});
   try {
     const page = await openPage(robot, {preset: "replay"});
     await waitForVideo(page);

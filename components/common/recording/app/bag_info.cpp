@@ -52,21 +52,26 @@ void printAdvice(const BagAdvice& advice, const std::vector<std::string>& files)
   for (const BagRole& role : advice.roles) {
     std::printf("%-12s %s\n", role.name.c_str(), role.topic.empty() ? "-" : role.topic.c_str());
     if (!role.needed.empty()) std::printf("             needed: %s\n", role.needed.c_str());
+    if (!role.note.empty()) std::printf("             found: %s\n", role.note.c_str());
     if (role.candidates.size() > 1) {
       std::string others;
       for (const std::string& name : role.candidates) others += (others.empty() ? "" : ", ") + name;
       std::printf("             one of: %s (key %s)\n", others.c_str(), role.key.c_str());
     }
   }
+  if (!advice.truth.empty()) std::printf("%-12s %s\n", "truth", advice.truth.c_str());
   if (!advice.playable) {
-    std::printf("It cannot be replayed yet. %s\n", advice.problem.c_str());
+    std::printf("It cannot be replayed yet:\n%s\n", advice.problem.c_str());
     return;
   }
   std::string file;
   for (const std::string& name : files) file += (file.empty() ? "" : ",") + name;
   std::printf("It can be replayed:\n  scripts/start replay '--ReplayServer.File=%s'", file.c_str());
   for (const std::string& argument : advice.arguments) std::printf(" %s", argument.c_str());
-  std::printf(" --Localization.Map=MAP.csv\n");
+  std::printf(
+      " --ActiveVisualMemory.Palette=MAP.palette --Localization.Map=MAP.csv "
+      "--Localization.Palette=MAP.palette\n");
+  std::printf("It can be evaluated:\n  evaluate --bag %s --map MAP.csv --out DIR\n", files.front().c_str());
 }
 
 }  // namespace
@@ -81,9 +86,10 @@ int main(int argc, char** argv) {
   double fov_deg = 0.0;
   RobotLogOptions options;
   app.add_option("FILE", files, "bags, or folders of them: together one recording")->required();
-  app.add_option("--topics", topics,
-                 "ROLE=/topic,...: image, camera_info, odometry, joints; robot, camera, odom (frames); pan, "
-                 "tilt (joints)");
+  app.add_option(
+      "--topics", topics,
+      "ROLE=/topic,...: image, camera_info, odometry, joints, truth; robot, camera, odom (frames); pan, "
+      "tilt (joints)");
   app.add_option("--fov", fov_deg, "horizontal field of view of a camera without calibration [deg]")
       ->check(CLI::Range(1.0, 179.0));
   app.add_flag("--fixed", options.fixed_camera, "the camera does not turn, and its place is configured");

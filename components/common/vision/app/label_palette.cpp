@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/config/project_file.h"
 #include "common/tool/command_line_tool.h"
 #include "common/vision/app/drawing.h"
 #include "common/vision/app/image_file.h"
@@ -89,7 +90,7 @@ void drawEntries(cv::Mat& canvas, const std::vector<Entry>& entries, int left, i
 
 struct Options {
   std::string image;
-  std::string palette = "cfg/maps/corridor.palette";
+  std::string palette = vismem::projectFile("cfg/maps/corridor.palette");
   std::string detector = "solis";
   std::filesystem::path out;
 };

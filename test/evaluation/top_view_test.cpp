@@ -1,4 +1,4 @@
-#include "application/core/top_view.h"
+#include "evaluation/figures/top_view.h"
 
 #include <gmock/gmock.h>
 

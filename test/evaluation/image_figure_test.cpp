@@ -1,4 +1,4 @@
-#include "application/core/image_figure.h"
+#include "evaluation/figures/image_figure.h"
 
 #include <gmock/gmock.h>
 

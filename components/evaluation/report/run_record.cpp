@@ -1,9 +1,10 @@
-#include "application/core/run_record.h"
+#include "evaluation/report/run_record.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "common/geometry/angles.h"
 #include "common/segment_map/symmetry.h"
@@ -36,6 +37,26 @@ ViewCone viewOf(const Pose2& T_world_robot, const ImageAnalysis& analysis) {
   const Eigen::Vector3d axis = (toPose3(T_world_robot) * analysis.T_robot_camera).linear().col(2);
   const double opening = 2.0 * std::atan2(0.5 * analysis.intrinsics.width, analysis.intrinsics.fx);
   return {std::atan2(axis.y(), axis.x()), opening, 2.0};
+}
+
+template <typename Row>
+bool isNewer(StampUs stamp_us, const Row& row) {
+  return row.empty() || stamp_us > row.back().stamp_us;
+}
+
+/// Mean time between poses: of sparse recordings and very long runs it is more than a second.
+StampUs meanStep(const std::vector<PublishedPose>& poses) {
+  if (poses.size() < 2) return 0;
+  return (poses.back().stamp_us - poses.front().stamp_us) / static_cast<StampUs>(poses.size() - 1);
+}
+
+/// The published poses: world -> robot.
+Trajectory publishedTrajectory(const RunRecord& record) {
+  Trajectory trajectory;
+  for (const PublishedPose& p : record.published) {
+    if (p.T_world_robot) append(trajectory, {p.stamp_us, *p.T_world_robot});
+  }
+  return trajectory;
 }
 
 Trajectory upTo(const Trajectory& trajectory, StampUs until_us) {
@@ -71,12 +92,24 @@ double SourceRate::recentHz() const {
          toSeconds(recent_.back().stamp_us - recent_.front().stamp_us);
 }
 
-Trajectory publishedTrajectory(const RunRecord& record) {
-  Trajectory trajectory;
-  for (const PoseEstimate& e : record.estimates) {
-    if (e.T_world_robot) append(trajectory, {e.stamp_us, *e.T_world_robot});
-  }
-  return trajectory;
+void RunRecorder::addTruth(const StampedPose& T_world_robot) {
+  if (isNewer(T_world_robot.stamp_us, record_.truth)) truth_.add(record_.truth, T_world_robot);
+}
+
+void RunRecorder::addOdometry(const StampedPose& T_odom_robot) {
+  if (isNewer(T_odom_robot.stamp_us, record_.odometry)) odometry_.add(record_.odometry, T_odom_robot);
+}
+
+void RunRecorder::addPublished(const PublishedPose& pose) {
+  if (isNewer(pose.stamp_us, record_.published)) published_.add(record_.published, pose);
+}
+
+void RunRecorder::addEstimate(const PoseEstimate& estimate) {
+  if (isNewer(estimate.stamp_us, record_.estimates)) estimates_.add(record_.estimates, estimate);
+}
+
+void RunRecorder::addJudged(std::shared_ptr<const ImageAnalysis> analysis) {
+  judged_.add(record_.analyses, std::move(analysis));
 }
 
 std::optional<Pose2> odomInWorld(const RunRecord& record, StampUs until_us) {
@@ -89,13 +122,11 @@ std::optional<Pose2> odomInWorld(const RunRecord& record, StampUs until_us) {
 
 RunSummary summarize(const RunRecord& record, const SegmentMap& map_edges, bool judge_projection) {
   RunSummary summary;
-  std::vector<PublishedPose> published;
-  for (const PoseEstimate& e : record.estimates)
-    published.push_back({e.stamp_us, e.T_world_robot, e.reliability});
   ScoreParams judge;
   judge.symmetries = symmetriesOf(map_edges);
+  judge.max_silence_us = std::max(judge.max_silence_us, 3 * meanStep(record.published));
   summary.map_symmetries = static_cast<int>(judge.symmetries.size());
-  summary.score = scoreLocalization(published, record.truth, record.kidnapped_us, judge);
+  summary.score = scoreLocalization(record.published, record.truth, record.kidnapped_us, judge);
   if (judge_projection) {
     std::vector<JudgedImage> images;
     for (const auto& analysis : record.analyses) {

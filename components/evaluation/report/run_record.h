@@ -6,13 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "application/core/image_figure.h"
-#include "application/core/top_view.h"
 #include "common/segment_map/segment_map.h"
 #include "common/visual_memory/memory_snapshot.h"
 #include "evaluation/core/map_projection.h"
 #include "evaluation/core/metrics.h"
+#include "evaluation/core/thinning.h"
 #include "evaluation/core/trajectory.h"
+#include "evaluation/figures/image_figure.h"
+#include "evaluation/figures/top_view.h"
 #include "localization/core/pose_estimate.h"
 
 namespace vismem {
@@ -50,11 +51,12 @@ struct ImageRange {
 };
 
 struct RunRecord {
-  Trajectory truth;                     ///< world -> robot; empty for recordings
-  std::vector<StampUs> kidnapped_us;    ///< of the truth
-  Trajectory odometry;                  ///< odom -> robot
-  std::vector<PoseEstimate> estimates;  ///< stamps strictly increase
-  /// One per judged image that the memory used, in order; empty when the map's projection is not measured.
+  Trajectory truth;                      ///< world -> robot; empty: not known
+  std::vector<StampUs> kidnapped_us;     ///< of the truth
+  Trajectory odometry;                   ///< odom -> robot
+  std::vector<PublishedPose> published;  ///< the pose that a user had, by stamp
+  std::vector<PoseEstimate> estimates;   ///< stamps strictly increase
+  /// Of judged images that the memory used, in order; empty when the map's projection is not measured.
   std::vector<std::shared_ptr<const ImageAnalysis>> analyses;
   std::shared_ptr<const MemorySnapshot> memory;  ///< the last; null: none received
   /// The memory that the pictures show: the last one, but none after the last judged image of a recording.
@@ -63,6 +65,35 @@ struct RunRecord {
   std::optional<Frame> last_image;
   SourceRate camera;
   SourceRate iterations;  ///< of the memory
+};
+
+/// Fills the long rows of a record in bounded memory: at most about 200 MB, however long the run. All samples
+/// of an hour at 20 Hz are kept; of a longer run they lie further apart. *Value.*
+class RunRecorder {
+ public:
+  // A sample that is not newer than the last one is left out.
+  void addTruth(const StampedPose& T_world_robot);
+  void addOdometry(const StampedPose& T_odom_robot);
+  void addPublished(const PublishedPose& pose);
+  void addEstimate(const PoseEstimate& estimate);
+  /// @param analysis of a judged image.
+  void addJudged(std::shared_ptr<const ImageAnalysis> analysis);
+
+  RunRecord& record() { return record_; }
+  const RunRecord& record() const { return record_; }
+
+ private:
+  // Of six days at 100 Hz true poses lie within the second that poseAt interpolates over.
+  static constexpr std::size_t kTruth = 1 << 20;      // 40 bytes each
+  static constexpr std::size_t kPoses = 1 << 18;      // 40 to 60 bytes each
+  static constexpr std::size_t kEstimates = 1 << 16;  // about 1 kB each, with ten races
+  static constexpr std::size_t kJudged = 1 << 11;     // about 20 kB each
+  RunRecord record_;
+  Thinning truth_{kTruth};
+  Thinning odometry_{kPoses};
+  Thinning published_{kPoses};
+  Thinning estimates_{kEstimates};
+  Thinning judged_{kJudged};
 };
 
 struct RunSummary {
@@ -79,8 +110,6 @@ struct RunSummary {
 /// @param judge_projection measures the map's projection into record.analyses.
 RunSummary summarize(const RunRecord& record, const SegmentMap& map_edges, bool judge_projection = false);
 
-/// The trajectory of the published poses: world -> robot.
-Trajectory publishedTrajectory(const RunRecord& record);
 /// T_world_odom of the newest estimate with a pose at or before a stamp; empty: there is none.
 std::optional<Pose2> odomInWorld(const RunRecord& record, StampUs until_us);
 

@@ -1,4 +1,4 @@
-#include "application/core/run_record.h"
+#include "evaluation/report/run_record.h"
 
 #include <gmock/gmock.h>
 
@@ -64,6 +64,7 @@ RunRecord straightRun() {
     estimate.T_world_robot = pose;
     estimate.T_odom_robot = inverse(T_world_odom) * pose;
     record.estimates.push_back(estimate);
+    record.published.push_back({t, pose, 0.0});
     record.camera.add(3 * i, t);
     record.iterations.add(i, t);
   }
@@ -74,6 +75,41 @@ RunRecord straightRun() {
   record.memory = std::make_shared<MemorySnapshot>(memory);
   record.shown_memory = record.memory;
   return record;
+}
+
+TEST(RunRecorder, KeepsADayInBoundedMemory) {
+  RunRecorder recorder;
+  const int kCount = 24 * 3600 * 20;
+  for (int i = 0; i < kCount; ++i) {
+    const StampUs t = i * 50'000LL;
+    const Pose2 pose{0.001 * i, 0.0, 0.0};
+    recorder.addTruth({t, pose});
+    recorder.addOdometry({t, pose});
+    // One metre off for the last hour.
+    const double off_m = i < kCount - 72'000 ? 0.0 : 1.0;
+    recorder.addPublished({t, Pose2{pose.x, off_m, 0.0}, 1.0});
+    PoseEstimate estimate;
+    estimate.stamp_us = t;
+    recorder.addEstimate(estimate);
+  }
+  const RunRecord& record = recorder.record();
+  EXPECT_LE(record.truth.size(), 1u << 20);
+  EXPECT_LE(record.odometry.size() + record.published.size(), 2u << 18);
+  EXPECT_LE(record.estimates.size(), 1u << 16);
+  EXPECT_EQ(record.estimates.back().stamp_us, (kCount - 1) * 50'000LL) << "the newest is kept";
+  const RunSummary summary = summarize(record, {});
+  EXPECT_NEAR(summary.seconds, (kCount - 1) * 0.05, 1e-6);
+  EXPECT_NEAR(summary.distance_m, (kCount - 1) * 0.001, 1e-3);
+  EXPECT_NEAR(summary.score.settled_after_s.value(), 0.0, 1e-9);
+  EXPECT_NEAR(summary.score.right_share.value(), 23.0 / 24.0, 1e-3);
+  EXPECT_NEAR(summary.score.position_error_m.value(), 1.0 / 24.0, 1e-3);
+  EXPECT_FALSE(summary.score.recovered) << "wrong at the end";
+}
+
+TEST(RunRecorder, LeavesOutWhatIsNotNewer) {
+  RunRecorder recorder;
+  for (const StampUs t : {0, 2, 1, 2, 3}) recorder.addOdometry({t, {}});
+  EXPECT_EQ(recorder.record().odometry.size(), 3u);
 }
 
 TEST(RunRecord, IsSummarized) {

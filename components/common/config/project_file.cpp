@@ -1,0 +1,24 @@
+#include "common/config/project_file.h"
+
+namespace vismem {
+
+namespace fs = std::filesystem;
+
+fs::path projectFile(const fs::path& relative) {
+  std::error_code failed;
+  if (fs::exists(relative, failed)) return relative;
+  const fs::path program = fs::read_symlink("/proc/self/exe", failed);
+  const fs::path found = failed ? fs::path() : findUpwards(program.parent_path(), relative);
+  return found.empty() ? relative : found;
+}
+
+fs::path findUpwards(fs::path folder, const fs::path& relative) {
+  std::error_code ignored;
+  for (; !folder.empty(); folder = folder.parent_path()) {
+    if (fs::exists(folder / relative, ignored)) return folder / relative;
+    if (!folder.has_relative_path()) break;
+  }
+  return {};
+}
+
+}  // namespace vismem

@@ -1,0 +1,75 @@
+#include "common/recording/log_topics.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace vismem {
+
+std::string truthTopic(const BagFile& bag, const std::string& named) {
+  for (const BagTopic& topic : bag.topics()) {
+    if (named.empty() || topic.name != named) continue;
+    if (isPoseType(topic.type)) return named;
+    throw RecordingError(bag.file() + ": topic " + named + ": has type " + topic.type + " (expected " +
+                         kPoseType + ", " + kPlainPoseType + " or " + kOdometryType + ")");
+  }
+  if (!named.empty()) {
+    std::string known;
+    for (const BagTopic& topic : bag.topics()) {
+      if (isPoseType(topic.type)) known += (known.empty() ? "" : ", ") + topic.name;
+    }
+    throw RecordingError(bag.file() + ": topic " + named + ": is not in the bag, whose poses are " +
+                         (known.empty() ? "none" : known));
+  }
+  for (const char* usual : {"/ground_truth/pose", "/ground_truth"}) {
+    for (const BagTopic& topic : bag.topics()) {
+      if (topic.name == usual && isPoseType(topic.type) && topic.messages > 0) return usual;
+    }
+  }
+  return {};
+}
+
+std::vector<TruePose> readTruth(BagFile& bag, const std::string& named) {
+  std::vector<TruePose> truth;
+  const std::string topic = truthTopic(bag, named);
+  if (topic.empty()) return truth;
+  for (const RosPoseWithCovariance& recorded : bag.poses(topic)) {
+    const RosPoint& p = recorded.pose.position;
+    const RosQuaternion& q = recorded.pose.orientation;
+    const Eigen::Quaterniond rotation(q.w, q.x, q.y, q.z);
+    if (!std::isfinite(rotation.squaredNorm()) || rotation.squaredNorm() < 1e-6) continue;
+    Pose3 pose = Pose3::Identity();
+    pose.translation() << p.x, p.y, p.z;
+    pose.linear() = rotation.normalized().toRotationMatrix();
+    if (pose.matrix().allFinite()) truth.push_back({recorded.header.stamp_us, toPose2(pose)});
+  }
+  std::stable_sort(truth.begin(), truth.end(),
+                   [](const TruePose& a, const TruePose& b) { return a.stamp_us < b.stamp_us; });
+  return truth;
+}
+
+std::vector<OdometryTopic> odometryTopics(BagFile& bag, const std::string& truth_topic) {
+  std::vector<OdometryTopic> topics;
+  for (const BagTopic& topic : bag.topics()) {
+    if (topic.type != kOdometryType || topic.messages == 0 || topic.name == truth_topic) continue;
+    const auto samples = bag.odometry(topic.name);
+    if (!samples.empty()) topics.push_back({topic.name, samples.front().parent, samples.front().child});
+  }
+  return topics;
+}
+
+std::string chooseOdometry(const std::vector<OdometryTopic>& topics, const std::string& odom_frame) {
+  if (topics.size() == 1) return topics.front().name;
+  const std::string wanted = odom_frame.empty() ? "odom" : odom_frame;
+  const auto fits = [&](const OdometryTopic& topic) { return topic.parent == wanted; };
+  if (std::count_if(topics.begin(), topics.end(), fits) != 1) return {};
+  return std::find_if(topics.begin(), topics.end(), fits)->name;
+}
+
+std::string textOf(const std::vector<OdometryTopic>& topics) {
+  std::string text;
+  for (const OdometryTopic& topic : topics) text += (text.empty() ? "" : ", ") + topic.text();
+  return text;
+}
+
+}  // namespace vismem
