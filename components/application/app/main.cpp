@@ -12,7 +12,7 @@
 #include "application/app/report_writer.h"
 #include "application/app/robot_link.h"
 #include "application/app/run_inputs.h"
-#include "application/app/session_recorder.h"
+#include "application/app/run_observer.h"
 #include "application/app/status_line.h"
 #include "common/config/config_error.h"
 
@@ -64,12 +64,12 @@ class ReplayEnd {
 };
 
 /// Shows the live status until the run ends: by time, by the recording's end, or by a signal.
-void watch(const RunOptions& options, const Launcher& launcher, RobotLink& link,
-           const SessionRecorder& recorder, StopSignals& signals, StatusLine& status) {
+void watch(const RunOptions& options, const Launcher& launcher, RobotLink& link, const RunObserver& observer,
+           StopSignals& signals, StatusLine& status) {
   ReplayEnd replay_end;
   while (!signals.wait(std::chrono::milliseconds(50))) {
     launcher.checkAlive();
-    const LiveState live = recorder.live();
+    const LiveState live = observer.live();
     const auto now = std::chrono::steady_clock::now();
     if (options.seconds && live.elapsed_s() >= *options.seconds) return;
     if (status.due(now)) {
@@ -109,23 +109,23 @@ int run(const RunOptions& options, StopSignals& signals) {
     if (const auto page = pageAddressOf(options); !page.empty())
       std::cerr << "run_application: page " << page << std::endl;
     RobotLink link(options, launcher);
-    SessionRecorder recorder(
+    RunObserver observer(
         {&link.camera(), &link.base(), &link.memory(), &link.localization(), link.simulation()},
         std::move(driver), judged);
     const std::string missing = link.waitForPeers(kPeersWithin, interrupted);
     if (!missing.empty()) throw ComponentFailure("not all components found each other: " + missing);
-    recorder.start();
+    observer.start();
     const PortReply reply = link.replay() != nullptr ? link.replay()->play() : link.simulation()->resume();
     if (!reply.ok()) throw ComponentFailure("time does not begin: " + reply.message);
     try {
-      watch(options, launcher, link, recorder, signals, status);
+      watch(options, launcher, link, observer, signals, status);
     } catch (...) {
       status.end();
       throw;
     }
     status.end();
-    recorder.stop();
-    record = recorder.takeRecord();
+    observer.stop();
+    record = observer.takeRecord();
   }
   const RunSummary summary = summarize(record, map.edges, judged.has_value());
   writeReport(options, record, summary, map);
