@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 
 #include "common/recording/picture_decoder.h"
+#include "common/recording/stamp_order.h"
 #include "common/recording/transform_tree.h"
 
 namespace vismem {
@@ -16,8 +16,6 @@ namespace {
 const std::array<std::string, 2> kRobotFrames{"base_footprint", "base_link"};
 const std::array<std::string, 2> kPanJoints{"head_yaw", "pan"};
 const std::array<std::string, 2> kTiltJoints{"head_pitch", "tilt"};
-/// A stamp that goes back by more begins a new epoch: a restarted clock, not messages out of order.
-constexpr StampUs kClockBackUs = 1'000'000;
 
 std::string join(const std::vector<std::string>& items) {
   std::string text;
@@ -53,28 +51,6 @@ Pose3 toPose(const BagTransform& t) {
 bool isRotation(double qx, double qy, double qz, double qw) {
   const double norm = qx * qx + qy * qy + qz * qz + qw * qw;
   return std::isfinite(norm) && norm > 1e-6;
-}
-
-/// Number of messages, in the order of recording, before the clock jumps back; all where it does not.
-template <typename Item>
-std::size_t countBeforeJump(const std::vector<Item>& items) {
-  StampUs newest_us = std::numeric_limits<StampUs>::min();
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (i > 0 && items[i].stamp_us < newest_us - kClockBackUs) return i;
-    newest_us = std::max(newest_us, items[i].stamp_us);
-  }
-  return items.size();
-}
-
-/// Sorts by stamp and drops what is not newer than the one before.
-template <typename Sample>
-void makeIncreasing(std::vector<Sample>& samples) {
-  std::stable_sort(samples.begin(), samples.end(),
-                   [](const Sample& a, const Sample& b) { return a.stamp_us < b.stamp_us; });
-  samples.erase(std::unique(samples.begin(), samples.end(),
-                            [](const Sample& a, const Sample& b) { return a.stamp_us == b.stamp_us; }),
-                samples.end());
-  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].seq = i;
 }
 
 }  // namespace
