@@ -1,49 +1,15 @@
 // Bags as nobody writes them: whatever the bytes, they open with notes or fail with a RecordingError, and
 // what opens plays. Tests C1, C2.
-#include <sys/mman.h>
-#include <unistd.h>
-
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 
 #include "common/recording/bag_advice.h"
-#include "replay_server/app/log_player.h"
+#include "fuzz/replay_parts.h"
 
 namespace {
 
 using namespace vismem;
-
-/// A file in memory with a name in /proc.
-class MemoryFile {
- public:
-  MemoryFile(const std::uint8_t* data, std::size_t size) : fd_(::memfd_create("fuzz", 0)) {
-    std::size_t done = 0;
-    while (done < size) {
-      const ::ssize_t n = ::write(fd_, data + done, size - done);
-      if (n <= 0) break;
-      done += static_cast<std::size_t>(n);
-    }
-  }
-  ~MemoryFile() { ::close(fd_); }
-  std::string name() const { return "/proc/self/fd/" + std::to_string(fd_); }
-
- private:
-  int fd_;
-};
-
-/// Time goes on when somebody waits.
-class JumpingClock : public PacingClock {
- public:
-  StampUs now() const override { return now_us_; }
-  void waitUntil(std::unique_lock<std::mutex>&, std::condition_variable&, StampUs until_us) override {
-    now_us_ = until_us > now_us_ ? until_us : now_us_ + 1;
-  }
-
- private:
-  StampUs now_us_ = 0;
-};
 
 /// Every topic as what it says it is.
 void readAll(const std::string& file) {

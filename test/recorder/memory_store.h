@@ -31,8 +31,6 @@ class MemoryStore : public RecordingStore {
   };
   std::map<std::string, std::vector<std::shared_ptr<Part>>> recordings;
   BeforeWrite before_write;
-  bool keep_parts = true;  ///< false: a finished part is emptied, as a test that records much does
-  std::uint64_t written = 0;
 
  private:
   class Sink : public ByteSink {
@@ -41,7 +39,6 @@ class MemoryStore : public RecordingStore {
     void write(ByteView bytes) override {
       if (store_.before_write) store_.before_write(bytes.size());
       part_->bytes.insert(part_->bytes.end(), bytes.begin(), bytes.end());
-      store_.written += bytes.size();
     }
     void overwrite(std::uint64_t offset, ByteView bytes) override {
       if (store_.before_write) store_.before_write(0);
@@ -64,9 +61,7 @@ class MemoryStore : public RecordingStore {
       return std::make_unique<Sink>(store_, parts.back());
     }
     void closed(int number, bool finished) override {
-      Part& part = *store_.recordings[name_].at(static_cast<std::size_t>(number));
-      part.finished = finished;
-      if (!store_.keep_parts) Bytes().swap(part.bytes);
+      store_.recordings[name_].at(static_cast<std::size_t>(number))->finished = finished;
     }
 
    private:

@@ -268,6 +268,21 @@ TEST_F(RecorderCoreTest, TheQueueIsBoundedAndKeepsRoomForSmallMessages) {
   EXPECT_FALSE(queue.push(image(1, 2'000'000))) << "larger than the queue";
 }
 
+TEST_F(RecorderCoreTest, SmallMessagesTakeThePlaceOfImages) {
+  MessageQueue queue(1 << 20);
+  for (int i = 0; i < 18; ++i) ASSERT_TRUE(queue.push(image(i, 50'000)));
+  for (int i = 0; i < 60; ++i) ASSERT_TRUE(queue.push(note(100 + i, std::string(10'000, 'n')))) << i;
+  EXPECT_LE(queue.peakBytes(), 1u << 20);
+  const TopicCount images = queue.counts().at("/camera/image_raw");
+  EXPECT_EQ(images.messages + images.dropped, 18u);
+  // 60 notes of 10 kB and their bookkeeping leave room for eight images of 50 kB.
+  EXPECT_EQ(images.messages, 8u);
+  EXPECT_EQ(images.bytes, 8u * 50'000u);
+  EXPECT_EQ(queue.dropped(), 10u);
+  for (StampUs oldest = 0; oldest < 8; ++oldest) EXPECT_EQ(queue.pop()->stamp_us, oldest);
+  EXPECT_EQ(queue.pop()->stamp_us, 100) << "in the order in which they came";
+}
+
 TEST(LossDetector, FiresOnceWhenASureRobotIsLost) {
   LossDetector detector(0.3, 0.6);
   EXPECT_FALSE(detector.update(0.0)) << "it never knew where it was";

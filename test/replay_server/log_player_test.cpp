@@ -131,6 +131,18 @@ TEST_F(LogPlayerTest, SeeksBackAndForth) {
   EXPECT_GT(again.frame->seq, shown.frame->seq) << "sequence numbers go on";
 }
 
+TEST_F(LogPlayerTest, AShortJumpBackGivesItsSamplesAgain) {
+  LogPlayer player(log(), {1.0, false, ReplayState::kPaused}, clock_);
+  player.seek(1'350'000);
+  EXPECT_THAT(stamps(player.base().samplesSince(0, kNoWait)), ElementsAre(1'050'000, 1'300'000));
+  player.seek(1'100'000);
+  // The reader asks from the newest that it has, which lies ahead now.
+  EXPECT_THAT(stamps(player.base().samplesSince(1'300'000, kNoWait)), ElementsAre(1'050'000));
+  EXPECT_TRUE(player.base().samplesSince(1'050'000, kNoWait).samples.empty()) << "once";
+  player.seek(1'350'000);
+  EXPECT_THAT(stamps(player.base().samplesSince(1'050'000, kNoWait)), ElementsAre(1'050'000, 1'300'000));
+}
+
 TEST_F(LogPlayerTest, PausesAndRejectsWhatARecordingCannotDo) {
   LogPlayer player(log(), {1.0, false, ReplayState::kPlaying}, clock_);
   player.pause();

@@ -13,7 +13,7 @@
 #include "application/app/report_writer.h"
 #include "application/app/robot_link.h"
 #include "application/app/run_inputs.h"
-#include "application/app/session_recorder.h"
+#include "application/app/run_observer.h"
 #include "application/app/status_line.h"
 #include "common/config/config_error.h"
 
@@ -65,12 +65,12 @@ class ReplayEnd {
 };
 
 /// Shows the live status until the run ends: by time, by the recording's end, or by a signal.
-void watch(const RunOptions& options, const Launcher& launcher, RobotLink& link,
-           const SessionRecorder& recorder, StopSignals& signals, StatusLine& status) {
+void watch(const RunOptions& options, const Launcher& launcher, RobotLink& link, const RunObserver& observer,
+           StopSignals& signals, StatusLine& status) {
   ReplayEnd replay_end;
   while (!signals.wait(std::chrono::milliseconds(50))) {
     launcher.checkAlive();
-    const LiveState live = recorder.live();
+    const LiveState live = observer.live();
     const auto now = std::chrono::steady_clock::now();
     if (options.seconds && live.elapsed_s() >= *options.seconds) return;
     if (status.due(now)) {
@@ -127,21 +127,21 @@ std::optional<RunRecord> record(const RunOptions& options, StopSignals& signals,
   if (interrupted()) return std::nullopt;
   if (!missing.empty()) throw ComponentFailure("not all components found each other: " + missing);
   files.emplace(options.out);
-  SessionRecorder recorder(
+  RunObserver observer(
       {&link.camera(), &link.base(), &link.memory(), &link.localization(), link.simulation()}, *files,
       inputs.driver, inputs.judged);
-  recorder.start();
+  observer.start();
   const PortReply reply = link.replay() != nullptr ? link.replay()->play() : link.simulation()->resume();
   if (!reply.ok()) throw ComponentFailure("time does not begin: " + reply.message);
   try {
-    watch(options, launcher, link, recorder, signals, status);
+    watch(options, launcher, link, observer, signals, status);
   } catch (...) {
     status.end();
     throw;
   }
   status.end();
-  recorder.stop();
-  return recorder.takeRecord();
+  observer.stop();
+  return observer.takeRecord();
 }
 
 int run(const RunOptions& options, StopSignals& signals) {

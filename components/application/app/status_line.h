@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "application/app/session_recorder.h"
+#include "application/app/run_observer.h"
 #include "common/visual_memory/gaze.h"
 
 namespace vismem {

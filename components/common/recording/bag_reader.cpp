@@ -1,23 +1,17 @@
 #include "common/recording/bag_reader.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "common/recording/file_bytes.h"
+
 namespace vismem {
 namespace {
 
-/// Headers of a bag's records are some 100 bytes; a connection's definition stands in its data.
-constexpr std::size_t kMaxHeader = 1u << 16;
 /// Unpacked chunks that are kept: neighbouring messages of several topics come from the same ones.
 constexpr std::size_t kKeptChunks = 3;
 /// The beginning of each message of a packed chunk is kept: topics are read one after another, and unpacking
@@ -36,77 +30,6 @@ std::string printable(ByteView bytes) {
     if (c != '\n') text += std::isprint(c) ? static_cast<char>(c) : '.';
   }
   return text;
-}
-
-/// Bytes of a file by their position.
-class FileBytes {
- public:
-  explicit FileBytes(const std::string& name) : fd_(::open(name.c_str(), O_RDONLY | O_CLOEXEC)) {
-    struct stat info {};
-    if (fd_ < 0 || ::fstat(fd_, &info) != 0 || !S_ISREG(info.st_mode)) {
-      const std::string why = fd_ < 0 ? std::string(" (") + std::strerror(errno) + ")" : " (no regular file)";
-      if (fd_ >= 0) ::close(fd_);
-      fd_ = -1;
-      throw RecordingError(name + ": cannot be opened" + why + " (expected a ROS 1 bag, version 2.0)");
-    }
-    size_ = static_cast<std::uint64_t>(info.st_size);
-  }
-  ~FileBytes() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  FileBytes(const FileBytes&) = delete;
-  FileBytes& operator=(const FileBytes&) = delete;
-
-  std::uint64_t size() const { return size_; }
-
-  /// As many as there are, at most `count`.
-  Bytes read(std::uint64_t offset, std::size_t count) const {
-    if (offset >= size_) return {};
-    Bytes bytes(static_cast<std::size_t>(std::min<std::uint64_t>(count, size_ - offset)));
-    std::size_t got = 0;
-    while (got < bytes.size()) {
-      const ::ssize_t n =
-          ::pread(fd_, bytes.data() + got, bytes.size() - got, static_cast<::off_t>(offset + got));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) break;
-      got += static_cast<std::size_t>(n);
-    }
-    bytes.resize(got);
-    return bytes;
-  }
-
- private:
-  int fd_ = -1;
-  std::uint64_t size_ = 0;
-};
-
-/// A record of the file whose data were not read yet.
-struct FileRecord {
-  Bytes header;  ///< what the fields view
-  RecordFields fields;
-  std::uint64_t data_pos = 0;
-  std::uint32_t data_size = 0;
-
-  std::uint64_t end() const { return data_pos + data_size; }
-};
-
-/// @return empty when no header is there; the data may reach past the end of the file.
-std::optional<FileRecord> headerAt(const FileBytes& file, std::uint64_t offset) {
-  // Most headers fit into the first piece.
-  Bytes begin = file.read(offset, 256);
-  if (begin.size() < 8) return std::nullopt;
-  const std::size_t header_size = readU32(begin.data());
-  if (header_size == 0 || header_size > kMaxHeader) return std::nullopt;
-  if (begin.size() < header_size + 8) begin = file.read(offset, header_size + 8);
-  if (begin.size() < header_size + 8) return std::nullopt;
-  FileRecord record;
-  record.data_size = readU32(begin.data() + 4 + header_size);
-  record.data_pos = offset + 8 + header_size;
-  record.header.assign(begin.begin() + 4, begin.begin() + 4 + static_cast<std::ptrdiff_t>(header_size));
-  auto fields = RecordFields::parse(record.header);
-  if (!fields || !fields->op()) return std::nullopt;
-  record.fields = std::move(*fields);
-  return record;
 }
 
 struct Chunk {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 
 #include "common/recording/picture_decoder.h"
 #include "common/recording/recorded_rows.h"
+#include "common/recording/stamp_order.h"
 #include "common/recording/transform_tree.h"
 
 namespace vismem {

@@ -142,6 +142,8 @@ class SampleBroadcaster {
     if (restarted) samples_.clear();
     for (const Sample& sample : batch.samples) {
       if (!samples_.empty() && wentBack(sample.stamp_us, samples_.back().stamp_us)) samples_.clear();
+      // After a short jump back: what lies ahead has not happened yet.
+      while (!samples_.empty() && samples_.back().stamp_us >= sample.stamp_us) samples_.pop_back();
       samples_.push_back(sample);
     }
     while (samples_.size() > kMaxHeld ||

@@ -30,7 +30,7 @@ struct RecordedMessage {
 /// Of a topic, since the recorder's start.
 struct TopicCount {
   std::string type;
-  std::uint64_t messages = 0;  ///< accepted
+  std::uint64_t messages = 0;  ///< accepted and not dropped since
   std::uint64_t bytes = 0;     ///< of these
   std::uint64_t dropped = 0;   ///< because the queue was full
   std::uint64_t missed = 0;    ///< captured, but passed over before they reached the recorder

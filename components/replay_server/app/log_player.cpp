@@ -73,18 +73,18 @@ class LogPlayer::PanTiltPort : public PanTiltUnit {
   explicit PanTiltPort(LogPlayer& player) : player_(player) {}
   PanTiltLimits limits() const override { return limitsOf(player_.log_); }
   PortReply start() override {
-    player_.setStopped(stopped_, false);
+    player_.setStopped(reader_.stopped, false);
     return PortReply::accepted();
   }
   PortReply command(const PanTiltCommand& command) override { return ignored(command); }
   SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
-    return player_.samplesSince(player_.log_.joints(), stopped_, after_us, timeout);
+    return player_.samplesSince(player_.log_.joints(), reader_, after_us, timeout);
   }
-  void stop() override { player_.setStopped(stopped_, true); }
+  void stop() override { player_.setStopped(reader_.stopped, true); }
 
  private:
   LogPlayer& player_;
-  bool stopped_ = false;  ///< guarded by the player's mutex
+  SampleReader reader_;  ///< guarded by the player's mutex
 };
 
 class LogPlayer::BasePort : public MobileBase {
@@ -92,18 +92,18 @@ class LogPlayer::BasePort : public MobileBase {
   explicit BasePort(LogPlayer& player) : player_(player) {}
   BaseLimits limits() const override { return {}; }
   PortReply start() override {
-    player_.setStopped(stopped_, false);
+    player_.setStopped(reader_.stopped, false);
     return PortReply::accepted();
   }
   PortReply setVelocity(double v_mps, double w_radps) override { return ignoredVelocity(v_mps, w_radps); }
   SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
-    return player_.samplesSince(player_.log_.odometry(), stopped_, after_us, timeout);
+    return player_.samplesSince(player_.log_.odometry(), reader_, after_us, timeout);
   }
-  void stop() override { player_.setStopped(stopped_, true); }
+  void stop() override { player_.setStopped(reader_.stopped, true); }
 
  private:
   LogPlayer& player_;
-  bool stopped_ = false;  ///< guarded by the player's mutex
+  SampleReader reader_;  ///< guarded by the player's mutex
 };
 
 LogPlayer::LogPlayer(RobotLog log, const Params& params, PacingClock& clock)
@@ -212,7 +212,7 @@ FrameResult LogPlayer::nextFrame(const bool& stopped, std::chrono::milliseconds 
 }
 
 template <typename Sample>
-SampleBatch<Sample> LogPlayer::samplesSince(const std::vector<Sample>& samples, const bool& stopped,
+SampleBatch<Sample> LogPlayer::samplesSince(const std::vector<Sample>& samples, SampleReader& reader,
                                             StampUs after_us, std::chrono::milliseconds timeout) {
   if (samples.empty()) return {SourceState::kWaiting, {}, log_.file() + " has none of these samples"};
   std::unique_lock lock(mutex_);
@@ -222,9 +222,13 @@ SampleBatch<Sample> LogPlayer::samplesSince(const std::vector<Sample>& samples, 
     // From the last sample before the frame at which this part of the replay began: that frame needs it.
     const StampUs frame_us = log_.frameStamps()[frameAt(log_.frameStamps(), timeline_.segmentBegin())];
     const std::size_t before = firstAfter(samples, frame_us);
-    const std::size_t begin = std::max(firstAfter(samples, after_us), before == 0 ? 0 : before - 1);
+    std::size_t begin = before == 0 ? 0 : before - 1;
+    // After a jump what the reader has already may lie ahead.
+    const bool jumped = reader.jumps != timeline_.jumps();
+    if (!jumped) begin = std::max(begin, firstAfter(samples, after_us));
     const std::size_t end = firstAfter(samples, timeline_.position());
     if (begin < end && timeline_.state() != ReplayState::kWaiting && !shut_down_) {
+      reader.jumps = timeline_.jumps();
       return {SourceState::kRunning,
               {samples.begin() + static_cast<std::ptrdiff_t>(begin),
                samples.begin() + static_cast<std::ptrdiff_t>(end)},
@@ -233,7 +237,7 @@ SampleBatch<Sample> LogPlayer::samplesSince(const std::vector<Sample>& samples, 
     if (timeline_.state() == ReplayState::kFinished) return {SourceState::kFinished, {}, whyNothing()};
     std::optional<StampUs> due_us;
     if (end < samples.size()) due_us = samples[end].stamp_us;
-    if (stopped) return {SourceState::kWaiting, {}, "this port of the recording is stopped"};
+    if (reader.stopped) return {SourceState::kWaiting, {}, "this port of the recording is stopped"};
     if (!waitLocked(lock, due_us, deadline_us)) return {SourceState::kWaiting, {}, whyNothing()};
   }
 }

@@ -33,7 +33,7 @@ class SteadyPacingClock : public PacingClock {
                  StampUs until_us) override;
 };
 
-/// *Thread-safe*, except that the camera has one consumer. Its time runs from the first image to the last,
+/// *Thread-safe*, except that each port has one consumer. Its time runs from the first image to the last,
 /// and on until odometry and joints cover that. Nothing is resampled; commands are taken and ignored.
 class LogPlayer : public ReplayControl {
  public:
@@ -53,7 +53,8 @@ class LogPlayer : public ReplayControl {
   void shutDown();
 
   /// The newest due frame, never the same one twice. After a seek, the frame at or before the stamp. Sequence
-  /// numbers continue over loops and seeks.
+  /// numbers continue over loops and seeks. After a jump the other ports begin anew with what that frame
+  /// needs, whatever stamp their reader asks from.
   FrameSource& camera();
   PanTiltUnit& panTilt();
   MobileBase& base();
@@ -76,9 +77,13 @@ class LogPlayer : public ReplayControl {
   class BasePort;
 
   FrameResult nextFrame(const bool& stopped, std::chrono::milliseconds timeout);
-  /// @param stopped stop flag of the reading port; guarded by the mutex.
+  /// The consumer of joints or odometry.
+  struct SampleReader {
+    bool stopped = false;
+    std::uint32_t jumps = 0;  ///< of the timeline, that it knows of
+  };
   template <typename Sample>
-  SampleBatch<Sample> samplesSince(const std::vector<Sample>& samples, const bool& stopped, StampUs after_us,
+  SampleBatch<Sample> samplesSince(const std::vector<Sample>& samples, SampleReader& reader, StampUs after_us,
                                    std::chrono::milliseconds timeout);
   void setStopped(bool& stopped, bool value);
   void updateLocked() const;

@@ -1,4 +1,5 @@
-/// @file Records all sources of a running robot; in a simulation it also drives the robot.
+/// @file Watches a running robot for the figures of its report; in a simulation it also drives the robot.
+/// Nothing of it is a recording: bags are written by the process `recorder`.
 #pragma once
 
 #include <chrono>
@@ -18,8 +19,8 @@
 
 namespace vismem {
 
-/// The ports of the robot. All must outlive the recorder; each is used by one of its threads only.
-struct SessionPorts {
+/// The ports of the robot. All must outlive the observer; each is used by one of its threads only.
+struct RunPorts {
   FrameSource* camera = nullptr;
   MobileBase* base = nullptr;
   VisualMemorySource* memory = nullptr;
@@ -44,16 +45,16 @@ struct LiveState {
   double elapsed_s() const { return first_us ? toSeconds(now_us - *first_us) : 0.0; }
 };
 
-/// *Thread-safe* between start and stop.
-class SessionRecorder {
+/// Keeps poses, and of memory and images the last. *Thread-safe* between start and stop.
+class RunObserver {
  public:
   /// @param driver drives the robot; empty: none.
-  /// @param files what is recorded is written there as it comes; must outlive the recorder.
+  /// @param files trajectories are written there as they come; must outlive the observer.
   /// @param judged images of a recording whose analyses are kept; pictures show none after them. Empty: keeps
   /// none.
-  SessionRecorder(const SessionPorts& ports, RunFiles& files, std::optional<SimulatedOperator> driver,
-                  std::optional<ImageRange> judged);
-  ~SessionRecorder() { stop(); }
+  RunObserver(const RunPorts& ports, RunFiles& files, std::optional<SimulatedOperator> driver,
+              std::optional<ImageRange> judged);
+  ~RunObserver() { stop(); }
 
   void start();
   /// Stops the base and joins the threads.
@@ -71,7 +72,7 @@ class SessionRecorder {
   void noteTimeLocked(StampUs stamp_us);
   void pairImageLocked();
 
-  const SessionPorts ports_;
+  const RunPorts ports_;
   std::optional<SimulatedOperator> driver_;  ///< of the truth's thread
   const std::optional<ImageRange> judged_;
 

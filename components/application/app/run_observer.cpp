@@ -1,4 +1,4 @@
-#include "application/app/session_recorder.h"
+#include "application/app/run_observer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,31 +24,31 @@ void pauseIfEmpty(const Batch& batch, const std::stop_token& stop) {
 
 }  // namespace
 
-SessionRecorder::SessionRecorder(const SessionPorts& ports, RunFiles& files,
-                                 std::optional<SimulatedOperator> driver, std::optional<ImageRange> judged)
+RunObserver::RunObserver(const RunPorts& ports, RunFiles& files, std::optional<SimulatedOperator> driver,
+                         std::optional<ImageRange> judged)
     : ports_(ports), driver_(std::move(driver)), judged_(judged), files_(files) {
   live_.last_advance = std::chrono::steady_clock::now();
 }
 
-void SessionRecorder::start() {
-  const auto run = [this](void (SessionRecorder::*follow)(const std::stop_token&)) {
+void RunObserver::start() {
+  const auto run = [this](void (RunObserver::*follow)(const std::stop_token&)) {
     threads_.emplace_back([this, follow](const std::stop_token& stop) { (this->*follow)(stop); });
   };
-  run(&SessionRecorder::followOdometry);
-  run(&SessionRecorder::followCamera);
-  run(&SessionRecorder::followMemory);
-  run(&SessionRecorder::followLocalization);
-  if (ports_.simulation != nullptr) run(&SessionRecorder::followTruth);
+  run(&RunObserver::followOdometry);
+  run(&RunObserver::followCamera);
+  run(&RunObserver::followMemory);
+  run(&RunObserver::followLocalization);
+  if (ports_.simulation != nullptr) run(&RunObserver::followTruth);
 }
 
-void SessionRecorder::stop() {
+void RunObserver::stop() {
   if (threads_.empty()) return;
   for (std::jthread& thread : threads_) thread.request_stop();
   threads_.clear();
   if (driver_) ports_.base->setVelocity(0.0, 0.0);
 }
 
-LiveState SessionRecorder::live() const {
+LiveState RunObserver::live() const {
   const std::lock_guard lock(mutex_);
   LiveState state = live_;
   state.camera_hz = record_.camera.recentHz();
@@ -68,18 +68,18 @@ LiveState SessionRecorder::live() const {
   return state;
 }
 
-RunRecord SessionRecorder::takeRecord() {
+RunRecord RunObserver::takeRecord() {
   const std::lock_guard lock(mutex_);
   return std::move(record_);
 }
 
-void SessionRecorder::noteTimeLocked(StampUs stamp_us) {
+void RunObserver::noteTimeLocked(StampUs stamp_us) {
   if (!live_.first_us) live_.first_us = stamp_us;
   if (stamp_us > live_.now_us || live_.now_us == 0) live_.last_advance = std::chrono::steady_clock::now();
   live_.now_us = std::max(live_.now_us, stamp_us);
 }
 
-void SessionRecorder::followTruth(const std::stop_token& stop) {
+void RunObserver::followTruth(const std::stop_token& stop) {
   StampUs last_us = -1;
   StampUs driven_us = -kSecondUs;
   std::uint32_t kidnaps = 0;
@@ -111,7 +111,7 @@ void SessionRecorder::followTruth(const std::stop_token& stop) {
   }
 }
 
-void SessionRecorder::followOdometry(const std::stop_token& stop) {
+void RunObserver::followOdometry(const std::stop_token& stop) {
   StampUs last_us = -1;
   while (!stop.stop_requested()) {
     const auto batch = ports_.base->samplesSince(last_us, kPatience);
@@ -126,7 +126,7 @@ void SessionRecorder::followOdometry(const std::stop_token& stop) {
   }
 }
 
-void SessionRecorder::followCamera(const std::stop_token& stop) {
+void RunObserver::followCamera(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const FrameResult result = ports_.camera->next(kPatience);
     if (!result.frame) {
@@ -143,7 +143,7 @@ void SessionRecorder::followCamera(const std::stop_token& stop) {
   }
 }
 
-void SessionRecorder::followMemory(const std::stop_token& stop) {
+void RunObserver::followMemory(const std::stop_token& stop) {
   std::uint64_t revision = 0;
   while (!stop.stop_requested()) {
     const MemoryResult result = ports_.memory->next(revision, kPatience);
@@ -166,7 +166,7 @@ void SessionRecorder::followMemory(const std::stop_token& stop) {
   }
 }
 
-void SessionRecorder::pairImageLocked() {
+void RunObserver::pairImageLocked() {
   for (auto analysis = waiting_analyses_.rbegin(); analysis != waiting_analyses_.rend(); ++analysis) {
     const auto image = std::find_if(images_.rbegin(), images_.rend(),
                                     [&](const Frame& f) { return f.stamp_us == (*analysis)->stamp_us; });
@@ -179,7 +179,7 @@ void SessionRecorder::pairImageLocked() {
   }
 }
 
-void SessionRecorder::followLocalization(const std::stop_token& stop) {
+void RunObserver::followLocalization(const std::stop_token& stop) {
   std::uint64_t revision = 0;
   while (!stop.stop_requested()) {
     const std::optional<PoseEstimate> estimate = ports_.localization->next(revision, kPatience);
