@@ -99,17 +99,6 @@ fs::path paletteFile(const EvaluationOptions& options, const fs::path& configure
 
 }  // namespace
 
-fs::path projectFile(const fs::path& relative) {
-  if (fs::exists(relative)) return relative;
-  std::error_code failed;
-  const fs::path program = fs::read_symlink("/proc/self/exe", failed);
-  for (fs::path folder = program.parent_path(); !failed && folder.has_relative_path();
-       folder = folder.parent_path()) {
-    if (fs::exists(folder / relative)) return folder / relative;
-  }
-  return relative;
-}
-
 EvaluationOptions inProjectWorld(const std::string& world, const std::string& setup, std::uint64_t seed,
                                  double camera_rate_hz) {
   EvaluationOptions evaluation;
@@ -151,7 +140,9 @@ EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt)
   }
   params.palette = std::make_shared<const Palette>(loadPalette(params.palette_file));
   params.map = loadSegmentMap(options.map);
-  params.map_edges = expandStripes(params.map, params.palette->stripes());
+  LoadedMap loaded = loadMapEdges(options.map, params.palette_file);
+  params.map_edges = std::move(loaded.edges);
+  for (const auto& warning : loaded.warnings) std::cerr << "warning: " << warning << "\n";
   return params;
 }
 

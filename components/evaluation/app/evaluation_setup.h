@@ -11,6 +11,7 @@
 #include "common/robot/ports.h"
 #include "common/routes/route.h"
 #include "common/segment_map/segment_map.h"
+#include "common/tool/project_file.h"
 #include "common/vision/palette.h"
 #include "evaluation/app/evaluation.h"
 #include "evaluation/core/trajectory.h"
@@ -19,11 +20,6 @@
 #include "simulator/core/simulation.h"
 
 namespace vismem {
-
-/// Finds a file named from the project's root: below the working directory, else below a folder above this
-/// program.
-/// @return `relative` itself if it is in neither, so that the error of opening it names it.
-std::filesystem::path projectFile(const std::filesystem::path& relative);
 
 /// A run in a world of the project: cfg/worlds/NAME.world with its map, by cfg/SETUP.
 EvaluationOptions inProjectWorld(const std::string& world, const std::string& setup, std::uint64_t seed,
