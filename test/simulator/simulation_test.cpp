@@ -211,5 +211,48 @@ TEST(Simulation, RefusesWhatIsNotFiniteAndWhatCannotBe) {
   EXPECT_THROW(Simulation{config}, std::invalid_argument);
 }
 
+TEST(Simulation, RefusesAStartThatRaysDoNotReach) {
+  // Rays from such places end the renderer.
+  for (const Pose2& start : {Pose2{1e300, 5.0, 0.0}, Pose2{0.0, -1e6, 0.0}, Pose2{0.0, std::nan(""), 0.0}}) {
+    SimulationConfig config = inCorridor();
+    config.start = start;
+    EXPECT_THAT([&] { Simulation simulation(config); },
+                testing::ThrowsMessage<std::invalid_argument>(
+                    "the start pose is not finite, or lies more than 100 km from the origin"));
+  }
+}
+
+TEST(Simulation, RemovedModelsMakeRoomForOthers) {
+  const Pose3 ahead = poseFromXyzRpy(-2.0, 2.25, 0, 0, 0, 0);
+  const Pose3 far_away = poseFromXyzRpy(50, 50, 0, 0, 0, 0);
+  const PropShape crate{PropShape::Kind::kBox, {0.3, 0.3, 0.3}, {0.8, 0.1, 0.1}};
+  const PropShape robot{PropShape::Kind::kRobot, {0.4, 0.4, 0.5}, {0.1, 0.1, 0.8}};
+  const auto nextImage = [](Simulation& simulation) {
+    simulation.advanceToNextFrame();
+    return hashOf(simulation.takeFrame()->image);
+  };
+  Simulation busy(inCorridor());
+  ASSERT_TRUE(busy.scene().add("stays", crate, ahead).ok());
+  ASSERT_TRUE(busy.scene().add("walks", robot, far_away).ok());
+  ASSERT_TRUE(busy.scene().walk("walks", {{{50, 50}, {60, 50}}, false, WayEnd::kBack, 0.5}).ok());
+  for (int i = 0; i < 2500; ++i) {
+    const std::string name = "visitor " + std::to_string(i);
+    ASSERT_TRUE(busy.scene().add(name, i % 2 == 0 ? robot : crate, far_away).ok()) << i;
+    ASSERT_TRUE(busy.scene().remove(name).ok());
+  }
+  EXPECT_LE(busy.scene().status().size(), corridor().models.size() + 1000);
+  EXPECT_FALSE(busy.scene().find("visitor 0")) << "forgotten";
+  EXPECT_TRUE(busy.scene().find("visitor 2499"));
+  Simulation quiet(inCorridor());
+  ASSERT_TRUE(quiet.scene().add("stays", crate, ahead).ok());
+  // The first frame was exposed at time 0, before any model was added.
+  nextImage(busy);
+  nextImage(quiet);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(nextImage(busy), nextImage(quiet)) << i;
+  const auto walker = busy.scene().find("walks");
+  ASSERT_TRUE(walker);
+  EXPECT_GT(busy.scene().state()->models[*walker].pose.translation().x(), 50.05);
+}
+
 }  // namespace
 }  // namespace vismem

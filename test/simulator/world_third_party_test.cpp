@@ -2,18 +2,11 @@
 // missing part.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <set>
 
-#include "common/config/config_error.h"
 #include "simulator/core/renderer.h"
-#include "simulator/core/world.h"
+#include "simulator/third_party_worlds.h"
 
 namespace vismem {
 namespace {
@@ -24,55 +17,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::IsSupersetOf;
-
-const std::string kVisual = "<visual name='v'><geometry><box><size>1 1 1</size></box></geometry></visual>";
-const std::string kBox = "<link name='l'>" + kVisual + "</link>";
-
-class ThirdPartyWorlds : public testing::Test {
- protected:
-  ThirdPartyWorlds() : folder_(fs::path(testing::TempDir()) / ("third_party_" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~ThirdPartyWorlds() override { fs::remove_all(folder_); }
-
-  static std::string sdf(const std::string& content, const std::string& version = "version='1.6'") {
-    return "<sdf " + version + ">\n<world name='w'>\n" + content + "</world></sdf>";
-  }
-  LoadedWorld load(const std::string& text) { return parseWorld(text, "w.world", {folder_}); }
-  void put(const std::string& name, const std::string& bytes) {
-    fs::create_directories((folder_ / name).parent_path());
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-  }
-  /// A model in a folder of its own; `sdf` is its file.
-  void putModel(const std::string& name, const std::string& sdf) {
-    put(name + "/model.config", "<model><name>" + name + "</name><sdf version='1.6'>model.sdf</sdf></model>");
-    put(name + "/model.sdf", sdf);
-  }
-  static std::vector<std::string> names(const World& world) {
-    std::vector<std::string> result;
-    for (const auto& model : world.models) {
-      for (const auto& body : model.bodies) result.push_back(model.name + "/" + body.name);
-    }
-    return result;
-  }
-  static Eigen::AlignedBox3f bounds(const World& world, const std::string& name) {
-    Eigen::AlignedBox3f box;
-    const auto index = world.modelNamed(name);
-    if (!index) throw std::runtime_error("no model " + name);
-    const WorldModel& model = world.models[*index];
-    for (const auto& body : model.bodies) {
-      for (const auto& v : body.vertices) box.extend(model.pose.cast<float>() * v);
-    }
-    return box;
-  }
-  static void expectBounds(const Eigen::AlignedBox3f& box, const Eigen::Vector3f& low,
-                           const Eigen::Vector3f& high) {
-    EXPECT_LT((box.min() - low).norm(), 1e-3F) << box.min().transpose();
-    EXPECT_LT((box.max() - high).norm(), 1e-3F) << box.max().transpose();
-  }
-
-  fs::path folder_;
-};
 
 TEST_F(ThirdPartyWorlds, NumbersThatAreNotFiniteCostOnlyWhatNeedsThem) {
   // As saved after a simulation that went wrong: in inertias, velocities and poses.
@@ -96,9 +40,10 @@ TEST_F(ThirdPartyWorlds, NumbersThatAreNotFiniteCostOnlyWhatNeedsThem) {
   EXPECT_THAT(
       loaded.warnings,
       IsSupersetOf(
-          {"w.world: line 3: a number of <ixx> is not finite",
-           "w.world: line 4: a number of <pose> is not finite (2 times)",
+          {"w.world: line 4: a number of <pose> is not finite (2 times)",
            "w.world: model \"gone\" has a pose that is not finite or farther than 1000 km: left out"}));
+  EXPECT_THAT(loaded.warnings, testing::Not(Contains(HasSubstr("<ixx>")))) << "no look needs an inertia";
+  EXPECT_EQ(loaded.summary(), "1 of 3 visuals");
 }
 
 TEST_F(ThirdPartyWorlds, WhatLibsdformatRefusesWholeWorldsForIsRepaired) {
@@ -130,12 +75,77 @@ TEST_F(ThirdPartyWorlds, OneRefusedPartOfAModelCostsThatPart) {
       "<physics type='ode'><max_step_size>soon</max_step_size></physics>\n<model name='after'>" +
       kBox + "</model>"));
   const auto shown = names(loaded.world);
-  EXPECT_THAT(shown, IsSupersetOf({"before/l/v", "partly/good/v", "partly/bad/v", "after/l/v"}))
+  EXPECT_THAT(shown,
+              testing::UnorderedElementsAre("before/l/v", "partly/good/v", "partly/bad/v", "after/l/v"))
       << testing::PrintToString(loaded.warnings);
+  EXPECT_THAT(loaded.warnings,
+              Contains(testing::StartsWith(
+                  "w.world: line 7: <visual name=\"broken\"> of <model name=\"partly\"> is left out: ")));
+  EXPECT_THAT(loaded.warnings, testing::Not(Contains(HasSubstr("physics")))) << "no look needs it";
+  EXPECT_EQ(loaded.summary(), "4 of 6 visuals");
+}
+
+TEST_F(ThirdPartyWorlds, WrongValuesOfWhatIsNotSimulatedCostNothing) {
+  const std::string friction =
+      "<collision name='c'><geometry><box><size>1 1 1</size></box></geometry><surface><friction><ode>"
+      "<mu>high</mu></ode></friction></surface></collision>";
+  putModel("slippery", "<sdf version='1.6'><model name='slippery'><link name='l'>" + kVisual + friction +
+                           "</link></model></sdf>");
+  const auto loaded = load(sdf(
+      "<physics type='ode'><max_step_size>soon</max_step_size></physics><gui><camera name='c'><pose>x</pose>"
+      "</camera></gui><include><uri>model://slippery</uri><pose>5 0 0 0 0 0</pose></include>"
+      "<model name='m'><plugin name='p' filename='f'><pose>none</pose></plugin><link name='l'>"
+      "<inertial><mass>heavy</mass></inertial>" +
+      kVisual + friction +
+      "<sensor name='s' type='ray'><update_rate>fast</update_rate></sensor></link><link name='k'/>"
+      "<joint name='j' type='revolute'><parent>l</parent><child>k</child><axis><xyz>0 0 0</xyz></axis>"
+      "</joint></model>"));
+  EXPECT_THAT(names(loaded.world), ElementsAre("m/l/v", "slippery/l/v"));
+  EXPECT_THAT(loaded.warnings, IsEmpty());
+  EXPECT_EQ(loaded.summary(), "2 of 2 visuals");
+  expectBounds(bounds(loaded.world, "slippery"), {4.5F, -0.5F, -0.5F}, {5.5F, 0.5F, 0.5F});
+}
+
+TEST_F(ThirdPartyWorlds, APoseThatCannotBeReadLeavesItsElementOut) {
+  const auto loaded = load(sdf(
+      "<model name='here'><pose>1 0 0 0 0 0</pose>" + kBox +
+      "</model>\n<model name='nowhere'><pose>3 x 0 0 0 0</pose>" + kBox +
+      "</model>\n<model name='short'><pose>3 0 0</pose>" + kBox +
+      "</model>\n<model name='m'><link name='l'>" + kVisual +
+      "\n<visual name='w'><pose>1,0,0,0,0,0</pose><geometry><sphere><radius>1</radius></sphere></geometry>"
+      "</visual></link></model>"));
+  EXPECT_THAT(names(loaded.world), ElementsAre("here/l/v", "m/l/v"));
   EXPECT_THAT(
       loaded.warnings,
-      Contains(testing::StartsWith("w.world: line 7: <size> of <model name=\"partly\"> is left out: ")));
-  EXPECT_THAT(loaded.warnings, Contains(testing::StartsWith("w.world: line 9: <max_step_size> of <physics")));
+      ElementsAre("w.world: line 4: <model name=\"nowhere\"> is left out: its <pose> \"3 x 0 0 0 0\" "
+                  "cannot be read (must be 6 numbers: x y z roll pitch yaw)",
+                  "w.world: line 5: <model name=\"short\"> is left out: its <pose> \"3 0 0\" cannot be "
+                  "read (must be 6 numbers: x y z roll pitch yaw)",
+                  "w.world: line 7: <visual name=\"w\"> is left out: its <pose> \"1,0,0,0,0,0\" cannot "
+                  "be read (must be 6 numbers: x y z roll pitch yaw)"));
+  EXPECT_EQ(loaded.summary(), "2 of 5 visuals");
+  EXPECT_FALSE(loaded.isWhole());
+}
+
+TEST_F(ThirdPartyWorlds, TheOlderRoot) {
+  const auto loaded = parseWorld(
+      "<gazebo version='1.5'><world name='w'><model name='m'>" + kBox + "</model></world></gazebo>", "w.world",
+      {});
+  EXPECT_THAT(names(loaded.world), ElementsAre("m/l/v"));
+}
+
+TEST_F(ThirdPartyWorlds, AWorldThatLoadsIsNotSaidToFail) {
+  // Two models of one name: libsdformat drops the second and says that it failed to load the world.
+  const auto loaded =
+      load(sdf("<model name='m'>" + kBox + "</model>\n<model name='m'><pose>3 0 0 0 0 0</pose>" + kBox +
+               "</model>\n<model name='n'><link name='l'>" + kVisual + kVisual +
+               "</link><joint name='j' type='fixed'><parent>l</parent><child>none</child></joint>"
+               "</model>"));
+  EXPECT_THAT(names(loaded.world), ElementsAre("m/l/v", "m_2/l/v", "n/l/v", "n/l/v_2"));
+  EXPECT_THAT(loaded.warnings, testing::Not(Contains(HasSubstr("Failed to load"))));
+  EXPECT_THAT(loaded.warnings,
+              Contains("w.world: line 4: <model> has the name \"m\" of another: it is called \"m_2\""));
+  EXPECT_EQ(loaded.summary(), "4 of 4 visuals");
 }
 
 TEST_F(ThirdPartyWorlds, OneBrokenModelFileCostsThatModel) {
@@ -283,136 +293,6 @@ TEST_F(ThirdPartyWorlds, AScaleThatOnlyTheStateHasIsNamed) {
                                "</model><state world_name='w'><model name='m'><scale>2 1 1"
                                "</scale></model></state>"));
   EXPECT_THAT(loaded.warnings, Contains("w.world: the scale of model \"m\" in <state> is not applied"));
-}
-
-// --- meshes ---
-
-std::string binaryStl(const std::string& header) {
-  std::string bytes = header;
-  bytes.resize(80, ' ');
-  const std::uint32_t count = 1;
-  bytes.append(reinterpret_cast<const char*>(&count), 4);
-  const float numbers[12] = {0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3, 0};
-  bytes.append(reinterpret_cast<const char*>(numbers), sizeof numbers);
-  bytes.append(2, '\0');
-  return bytes;
-}
-
-/// A triangle over (0,0,0) (2,0,0) (0,3,0) in nodes below each other.
-std::string collada(const std::string& asset, const std::string& nodes) {
-  return "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' "
-         "version='1.4.1'><asset>" +
-         asset +
-         "</asset><library_geometries><geometry id='g' name='tri'><mesh><source id='p'><float_array id='pa' "
-         "count='9'>0 0 0 "
-         "2 0 0 0 3 0</float_array><technique_common><accessor source='#pa' count='3' stride='3'><param "
-         "name='X' "
-         "type='float'/><param name='Y' type='float'/><param name='Z' "
-         "type='float'/></accessor></technique_common></source>"
-         "<vertices id='v'><input semantic='POSITION' source='#p'/></vertices><triangles count='1'><input "
-         "semantic='VERTEX' source='#v' offset='0'/><p>0 1 "
-         "2</p></triangles></mesh></geometry></library_geometries>"
-         "<library_visual_scenes><visual_scene id='s'>" +
-         nodes +
-         "</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#s'/></scene></COLLADA>";
-}
-
-TEST_F(ThirdPartyWorlds, MeshesInEveryFormatTheyCome) {
-  put("binary.stl", binaryStl("made by a program"));
-  put("solid.STL", binaryStl("solid but binary"));
-  put("text.stl",
-      "solid part\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 3 "
-      "0\nendloop\nendfacet\n"
-      "endsolid part\n");
-  put("negative.obj",
-      "# no normals, no mtl, indices from the end, a polygon of five\nmtllib lost.mtl\nusemtl paint\n"
-      "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 3 0\nv 0 3 0\nf -5 -4 -3 -2 -1\n");
-  const std::string instance = "<instance_geometry url='#g'/>";
-  put("y_up.dae", collada("<unit meter='1'/><up_axis>Y_UP</up_axis>", "<node>" + instance + "</node>"));
-  put("centimetres.DAE", collada("<unit meter='0.01' name='centimeter'/><up_axis>Z_UP</up_axis>",
-                                 "<node><scale>100 100 100</scale>" + instance + "</node>"));
-  put("nested.dae", collada("<up_axis>Z_UP</up_axis>",
-                            "<node><translate>0 0 1</translate><node><scale>0.5 1 1</scale>" + instance +
-                                "<node><translate>2 0 0</translate>" + instance + "</node></node></node>"));
-  const auto shapeOf = [&](const std::string& file, const std::string& scale = "1 1 1") {
-    const auto loaded =
-        load(sdf("<model name='m'><link name='l'><visual name='v'><geometry><mesh><uri>" + file +
-                 "</uri><scale>" + scale + "</scale></mesh></geometry></visual></link></model>"));
-    return bounds(loaded.world, "m");
-  };
-  const Eigen::Vector3f zero(0, 0, 0);
-  for (const char* file :
-       {"binary.stl", "solid.STL", "text.stl", "negative.obj", "y_up.dae", "centimetres.DAE"}) {
-    SCOPED_TRACE(file);
-    expectBounds(shapeOf(file), zero, {2, 3, 0});
-    expectBounds(shapeOf(file, "-1 2 1"), {-2, 0, 0}, {0, 6, 0});
-  }
-  expectBounds(shapeOf("nested.dae"), {0, 0, 1}, {2, 3, 1});
-}
-
-TEST_F(ThirdPartyWorlds, PicturesThatAreNoneCostTheirTexture) {
-  put("zero.png", "");
-  put("cut.png", std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\0\0\0\0\0\x08\x02\0\0\0", 29));
-  std::string content;
-  for (const char* name : {"zero", "cut"}) {
-    put(std::string(name) + ".obj", "mtllib " + std::string(name) +
-                                        ".mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
-                                        "usemtl m\nf 1/1 2/2 3/3\n");
-    put(std::string(name) + ".mtl", "newmtl m\nKd 0.2 0.4 0.6\nmap_Kd " + std::string(name) + ".png\n");
-    content += "<model name='" + std::string(name) +
-               "'><link name='l'><visual name='v'><geometry><mesh><uri>" + name +
-               ".obj</uri></mesh></geometry></visual></link></model>";
-  }
-  const auto loaded = load(sdf(content));
-  ASSERT_EQ(loaded.world.bodyCount(), 2) << testing::PrintToString(loaded.warnings);
-  for (const auto& model : loaded.world.models) {
-    EXPECT_FALSE(model.bodies[0].texture);
-    EXPECT_TRUE(model.bodies[0].color.isApprox(Eigen::Vector3f(0.2F, 0.4F, 0.6F)));
-  }
-  EXPECT_THAT(loaded.warnings, Contains(HasSubstr("zero.png: is empty")));
-  EXPECT_THAT(loaded.warnings, Contains(HasSubstr("cut.png: not a picture in a known format")));
-}
-
-TEST_F(ThirdPartyWorlds, MirroredMeshesKeepTheirOutside) {
-  // A tetrahedron with outward faces, mirrored in one and in three axes.
-  put("tetra.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
-  for (const Eigen::Vector3d& scale :
-       {Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(-1, 1, 1), Eigen::Vector3d(-1, -1, -1)}) {
-    std::ostringstream text;
-    text << scale.transpose();
-    const auto loaded = load(
-        sdf("<model name='m'><link name='l'><visual name='v'><geometry><mesh><uri>tetra.obj</uri><scale>" +
-            text.str() + "</scale></mesh></geometry></visual></link></model>"));
-    const Renderer renderer(loaded.world);
-    const Eigen::Vector3d inside = 0.2 * scale;
-    for (const Eigen::Vector3d& from :
-         {Eigen::Vector3d(3, 0, 0), Eigen::Vector3d(-3, 0, 0), Eigen::Vector3d(0, 0, 3)}) {
-      const auto hit = renderer.cast(inside + from, -from);
-      ASSERT_TRUE(hit);
-      EXPECT_FALSE(hit->from_inside) << text.str() << " from " << from.transpose();
-    }
-  }
-}
-
-TEST_F(ThirdPartyWorlds, FilesAreFoundWhereverWorldsSayTheyAre) {
-  const std::string wedge = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-  put("thing/meshes/part.obj", wedge);
-  put("some_package/models/thing/meshes/part.obj", wedge);
-  put("with space/part.obj", wedge);
-  for (const std::string& uri :
-       {std::string("model://thing/meshes/part.obj"), std::string("file://thing/meshes/part.obj"),
-        std::string("thing/meshes/part.obj"), std::string("./thing/meshes/../meshes/part.obj"),
-        "file://" + (folder_ / "thing/meshes/part.obj").string(),
-        (folder_ / "thing/meshes/part.obj").string(),
-        std::string("package://some_package/models/thing/meshes/part.obj"),
-        std::string("https://fuel.gazebosim.org/1.0/Somebody/models/thing/2/files/meshes/part.obj"),
-        std::string("model://with space/part.obj")}) {
-    const auto loaded =
-        load(sdf("<include><uri>model://ground_plane</uri></include><model name='m'><link name='l'><visual "
-                 "name='v'><geometry><mesh><uri>" +
-                 uri + "</uri></mesh></geometry></visual></link></model>"));
-    EXPECT_TRUE(loaded.world.modelNamed("m")) << uri << testing::PrintToString(loaded.warnings);
-  }
 }
 
 }  // namespace

@@ -228,5 +228,32 @@ TEST_F(Tools, LabelPaletteShowsClassesAndLabels) {
   EXPECT_THAT(content("err"), HasSubstr("/nowhere.palette"));
 }
 
+TEST_F(Tools, LabelPaletteSaysWhichRuleTookAPixel) {
+  cv::Mat image(120, 160, CV_8UC3, cv::Scalar(60, 60, 60));
+  image.colRange(80, 160).setTo(cv::Scalar(20, 100, 200));  // B, G, R
+  cv::imwrite(file("two.png"), image);
+  std::ofstream(folder_ / "t.palette") << "# comment\nclass.dark = value 0..30\nclass.wood = hue 15..40\n"
+                                          "class.all = value 0..100\nclass.late = value 40..60\n"
+                                          "pair.foot = dark wood\n";
+  const std::string palette = file("t.palette");
+  // From another folder, with a palette outside the checkout.
+  ASSERT_EQ(run("label_palette " + file("two.png") + " --palette " + palette +
+                " --at 10 20 --at 100 20 --out " + file("l.png")),
+            0)
+      << content("err");
+  EXPECT_THAT(content("out"), HasSubstr("{\"at\":[10,20],\"class\":\"dark\",\"hue\":null,\"rgb\":[60,60,60],"
+                                        "\"rules\":[\"" +
+                                        palette + ":2: class.dark\",\"" + palette +
+                                        ":4: class.all\"],\"saturation\":0.0,\"value\":23.5}"));
+  EXPECT_THAT(content("out"),
+              HasSubstr("{\"at\":[100,20],\"class\":\"wood\",\"hue\":26.7,\"rgb\":[200,100,20],"));
+  EXPECT_THAT(content("out"), HasSubstr("\"" + palette + ":2: class.dark\":0.5"));
+  EXPECT_THAT(content("err"), HasSubstr(palette + ":5: class late gets no colour: before it come "));
+  EXPECT_EQ(run("label_palette " + file("two.png") + " --palette " + palette + " --at 160 20 --out " +
+                file("m.png")),
+            1);
+  EXPECT_THAT(content("err"), HasSubstr("--at 160 20 (must be within 0..159 and 0..119)"));
+}
+
 }  // namespace
 }  // namespace vismem

@@ -330,6 +330,16 @@ std::string readyLineOf(const ComponentSpec& spec, Host& host) {
                    webAdapterName(spec), web ? publishedEndpoints(*web) : std::string());
 }
 
+/// Says loudly when other machines reach this process.
+void reportOpenEndpoints(Host& host) {
+  const auto report = [&](Ice::ObjectAdapter& adapter, const std::string& who) {
+    const std::string open = openEndpoints(adapter);
+    if (!open.empty()) host.status().error("open to other machines: " + open + " (" + who + ")");
+  };
+  report(*host.adapter(), "whoever reaches it commands this component; 127.0.0.1 keeps it to this machine");
+  if (host.webAdapter()) report(*host.webAdapter(), "to pages with the token");
+}
+
 void serveUntilStopped(const ComponentSpec& spec, const ProcessKeys& keys, Component& component, Host& host,
                        StopRequest& stop) {
   const Ending ending(component, host);
@@ -346,6 +356,7 @@ void serveUntilStopped(const ComponentSpec& spec, const ProcessKeys& keys, Compo
   host.adapter()->activate();
   if (host.webAdapter()) host.webAdapter()->activate();
   host.status().serving();
+  reportOpenEndpoints(host);
   std::cout << readyLineOf(spec, host) << std::endl;
   host.log().info("stopping: " + stop.wait([&] {
     host.status().checkProgress();
@@ -394,6 +405,8 @@ int runComponent(int argc, char** argv, const ComponentSpec& spec) {
     if (!stop.request("signal " + std::to_string(number))) _exit(128 + number);
   });
   Logger log(spec.name);
+  // A file that reaches `ulimit -f` is a failed write, not the end of the process.
+  std::signal(SIGXFSZ, SIG_IGN);
   limitAllocations(kLargestAllocation);
   mallopt(M_ARENA_MAX, kMemoryArenas);
   try {

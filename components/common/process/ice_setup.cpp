@@ -214,12 +214,41 @@ std::shared_ptr<Ice::ObjectAdapter> makeAdapter(Ice::Communicator& communicator,
   }
 }
 
-std::string publishedEndpoints(Ice::ObjectAdapter& adapter) {
+namespace {
+
+std::string joined(const Ice::EndpointSeq& endpoints) {
   std::string text;
-  for (const auto& endpoint : adapter.getPublishedEndpoints()) {
+  for (const auto& endpoint : endpoints) {
     text += (text.empty() ? "" : ":") + withoutUsualOptions(endpoint->toString());
   }
   return text;
+}
+
+/// The address of an endpoint of any transport over IP; null for others.
+std::shared_ptr<Ice::IPEndpointInfo> addressOf(const Ice::EndpointPtr& endpoint) {
+  std::shared_ptr<Ice::EndpointInfo> info = endpoint->getInfo();
+  while (info != nullptr && std::dynamic_pointer_cast<Ice::IPEndpointInfo>(info) == nullptr)
+    info = info->underlying;
+  return std::dynamic_pointer_cast<Ice::IPEndpointInfo>(info);
+}
+
+}  // namespace
+
+std::string publishedEndpoints(Ice::ObjectAdapter& adapter) {
+  return joined(adapter.getPublishedEndpoints());
+}
+
+bool isLoopback(const std::string& host) {
+  return host.starts_with("127.") || host == "::1" || host == "localhost";
+}
+
+std::string openEndpoints(Ice::ObjectAdapter& adapter) {
+  Ice::EndpointSeq open;
+  for (const auto& endpoint : adapter.getEndpoints()) {
+    const auto address = addressOf(endpoint);
+    if (address != nullptr && !isLoopback(address->host)) open.push_back(endpoint);
+  }
+  return joined(open);
 }
 
 }  // namespace vismem

@@ -40,4 +40,10 @@ std::shared_ptr<Ice::ObjectAdapter> makeAdapter(Ice::Communicator& communicator,
 /// "tcp -h 127.0.0.1 -p 41233:ws -h 127.0.0.1 -p 40021": what clients write into their proxies.
 std::string publishedEndpoints(Ice::ObjectAdapter& adapter);
 
+/// Whether only this machine reaches an address: 127.*, ::1, localhost. Empty and "*" are all addresses.
+bool isLoopback(const std::string& host);
+
+/// The endpoints at which other machines reach an adapter, as publishedEndpoints; empty if none do.
+std::string openEndpoints(Ice::ObjectAdapter& adapter);
+
 }  // namespace vismem

@@ -57,37 +57,11 @@ std::optional<ColorRange> range(std::string_view text) {
   return ColorRange{*low, *high};
 }
 
-struct Hsv {
-  double hue_deg = 0.0;
-  double saturation_percent = 0.0;
-  double value_percent = 0.0;
-  bool has_hue = false;
-};
-
-Hsv toHsv(double r, double g, double b) {
-  const double high = std::max({r, g, b});
-  const double chroma = high - std::min({r, g, b});
-  Hsv hsv;
-  hsv.value_percent = 100.0 * high / 255.0;
-  if (chroma <= 0.0) return hsv;
-  hsv.has_hue = true;
-  hsv.saturation_percent = 100.0 * chroma / high;
-  if (high == r) {
-    hsv.hue_deg = 60.0 * (g - b) / chroma;
-  } else if (high == g) {
-    hsv.hue_deg = 60.0 * (b - r) / chroma + 120.0;
-  } else {
-    hsv.hue_deg = 60.0 * (r - g) / chroma + 240.0;
-  }
-  if (hsv.hue_deg < 0.0) hsv.hue_deg += 360.0;
-  return hsv;
-}
-
 bool inside(double value, const ColorRange& range) {
   return value >= range.low && value <= range.high;
 }
 
-bool matches(const ColorClassDefinition& definition, const Hsv& hsv) {
+bool matches(const ColorClassDefinition& definition, const ColorValues& hsv) {
   if (!inside(hsv.saturation_percent, definition.saturation_percent)) return false;
   if (!inside(hsv.value_percent, definition.value_percent)) return false;
   const ColorRange& hue = definition.hue_deg;
@@ -177,6 +151,7 @@ class Reader {
   void readClass(int line, std::string_view key, std::string_view name, std::string_view value) {
     ColorClassDefinition definition;
     definition.name = name;
+    definition.line = line;
     const auto parts = words(value);
     if (parts.empty() || parts.size() % 2 != 0) {
       problem(line, key, value, "must be: hue LO..HI saturation LO..HI value LO..HI");
@@ -232,7 +207,33 @@ class Reader {
   std::map<std::string, int> seen_;
 };
 
+/// Each cell of the table stands for its middle; the first and last cells for pure black and full brightness,
+/// so that grey stays grey and 100 per cent is reached.
+ColorValues valuesOfCell(int red, int green, int blue) {
+  const auto level = [](int cell) { return cell * 255.0 / (kLevels - 1); };
+  return colorValues(level(red), level(green), level(blue));
+}
+
 }  // namespace
+
+ColorValues colorValues(double r, double g, double b) {
+  const double high = std::max({r, g, b});
+  const double chroma = high - std::min({r, g, b});
+  ColorValues hsv;
+  hsv.value_percent = 100.0 * high / 255.0;
+  if (chroma <= 0.0) return hsv;
+  hsv.has_hue = true;
+  hsv.saturation_percent = 100.0 * chroma / high;
+  if (high == r) {
+    hsv.hue_deg = 60.0 * (g - b) / chroma;
+  } else if (high == g) {
+    hsv.hue_deg = 60.0 * (b - r) / chroma + 120.0;
+  } else {
+    hsv.hue_deg = 60.0 * (r - g) / chroma + 240.0;
+  }
+  if (hsv.hue_deg < 0.0) hsv.hue_deg += 360.0;
+  return hsv;
+}
 
 Palette Palette::parse(std::string_view text, const std::string& file_name) {
   Reader reader(file_name);
@@ -267,24 +268,50 @@ Palette Palette::parse(std::string_view text, const std::string& file_name) {
   }
   if (!reader.problems.empty()) throw ConfigError(reader.problems);
   palette.buildTable();
+  palette.findUnusedClasses(file_name);
   return palette;
 }
 
 void Palette::buildTable() {
   table_.assign(static_cast<std::size_t>(kLevels) * kLevels * kLevels, kNoColorClass);
-  // Each cell stands for its middle; the first and last cells for pure black and full brightness, so that
-  // grey stays grey and 100 per cent is reached.
-  const auto level = [](int cell) { return cell * 255.0 / (kLevels - 1); };
   std::size_t index = 0;
   for (int r = 0; r < kLevels; ++r) {
     for (int g = 0; g < kLevels; ++g) {
       for (int b = 0; b < kLevels; ++b, ++index) {
-        const Hsv hsv = toHsv(level(r), level(g), level(b));
+        const ColorValues hsv = valuesOfCell(r, g, b);
         const auto found = std::find_if(classes_.begin(), classes_.end(),
                                         [&](const auto& definition) { return matches(definition, hsv); });
         if (found != classes_.end()) table_[index] = static_cast<ColorClass>(found - classes_.begin() + 1);
       }
     }
+  }
+}
+
+std::vector<ColorClass> Palette::allClassesOf(std::uint8_t red, std::uint8_t green, std::uint8_t blue) const {
+  const ColorValues values = valuesOfCell(red >> 2, green >> 2, blue >> 2);
+  std::vector<ColorClass> found;
+  for (std::size_t i = 0; i < classes_.size(); ++i) {
+    if (matches(classes_[i], values)) found.push_back(static_cast<ColorClass>(i + 1));
+  }
+  return found;
+}
+
+void Palette::findUnusedClasses(const std::string& file_name) {
+  std::vector<bool> used(classes_.size() + 1, false);
+  for (const ColorClass taken : table_) used[taken] = true;
+  for (std::size_t i = 0; i < classes_.size(); ++i) {
+    if (used[i + 1]) continue;
+    const ColorClassDefinition& unused = classes_[i];
+    std::set<ColorClass> before;  // that have its colours
+    for (std::size_t cell = 0; cell < table_.size(); ++cell) {
+      const auto part = [cell](int shift) { return static_cast<int>(cell >> shift) % kLevels; };
+      if (table_[cell] != kNoColorClass && matches(unused, valuesOfCell(part(12), part(6), part(0))))
+        before.insert(table_[cell]);
+    }
+    std::string names;
+    for (const ColorClass taken : before) names += (names.empty() ? "" : ", ") + className(taken);
+    warnings_.push_back(file_name + ":" + std::to_string(unused.line) + ": class " + unused.name +
+                        (names.empty() ? " holds no colour" : " gets no colour: before it come " + names));
   }
 }
 

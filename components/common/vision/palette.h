@@ -40,7 +40,18 @@ struct ColorClassDefinition {
   ColorRange hue_deg{0.0, 360.0};
   ColorRange saturation_percent{0.0, 100.0};
   ColorRange value_percent{0.0, 100.0};
+  int line = 0;  ///< of the file
 };
+
+/// A colour as palettes describe it.
+struct ColorValues {
+  double hue_deg = 0.0;  ///< 0 without a hue
+  double saturation_percent = 0.0;
+  double value_percent = 0.0;
+  bool has_hue = false;  ///< false for pure greys
+};
+/// @param red, green, blue 0..255
+ColorValues colorValues(double red, double green, double blue);
 
 /// Immutable after construction: *thread-safe*. Holds a table of 256 kB.
 class Palette {
@@ -54,6 +65,11 @@ class Palette {
   ColorClass classOf(std::uint8_t red, std::uint8_t green, std::uint8_t blue) const {
     return table_[(red >> 2) << 12 | (green >> 2) << 6 | blue >> 2];
   }
+  /// Every class that contains a colour, in the order of the file: classOf gives the first one. Exact as
+  /// classOf.
+  std::vector<ColorClass> allClassesOf(std::uint8_t red, std::uint8_t green, std::uint8_t blue) const;
+  /// Classes that no colour gets, one line each with file, line and reason.
+  const std::vector<std::string>& warnings() const { return warnings_; }
   /// Classes are numbered 1..classCount().
   int classCount() const { return static_cast<int>(classes_.size()); }
   const ColorClassDefinition& definition(ColorClass color_class) const {
@@ -74,11 +90,13 @@ class Palette {
  private:
   Palette() = default;
   void buildTable();
+  void findUnusedClasses(const std::string& file_name);
 
   std::vector<ColorClassDefinition> classes_;
   std::vector<Label> labels_;  // square, (classes + 1)^2
   std::map<Label, Label> stripes_;
   std::vector<ColorClass> table_;
+  std::vector<std::string> warnings_;
 };
 
 /// Reads a palette.

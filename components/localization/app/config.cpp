@@ -287,6 +287,7 @@ LocalizationConfig readLocalizationConfig(ConfigReader& reader) {
 LoadedMap loadMapEdges(const std::filesystem::path& map, const std::filesystem::path& palette) {
   SegmentMap rows;
   PaletteLabels labels;
+  std::vector<std::string> warnings;
   std::vector<std::string> problems;
   const auto collect = [&problems](auto&& step) {
     try {
@@ -301,10 +302,13 @@ LoadedMap loadMapEdges(const std::filesystem::path& map, const std::filesystem::
     const Palette colours = loadPalette(palette);
     const std::vector<Label> edges = colours.labels();
     labels = {{edges.begin(), edges.end()}, colours.stripes()};
+    warnings = colours.warnings();
   });
   if (!problems.empty()) throw ConfigError(problems);
-  LoadedMap loaded{rows, expandStripes(rows, labels.stripes), {}};
-  if (!palette.empty()) loaded.warnings = checkMap(rows, map.string(), labels, palette.string());
+  LoadedMap loaded{rows, expandStripes(rows, labels.stripes), std::move(warnings)};
+  if (palette.empty()) return loaded;
+  for (auto& warning : checkMap(rows, map.string(), labels, palette.string()))
+    loaded.warnings.push_back(std::move(warning));
   return loaded;
 }
 

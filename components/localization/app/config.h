@@ -42,7 +42,7 @@ GazePlannerParams readGazePlannerParams(ConfigReader& reader);
 struct LoadedMap {
   SegmentMap rows;                    ///< as in its file
   SegmentMap edges;                   ///< with stripes expanded, as the Localizer takes it
-  std::vector<std::string> warnings;  ///< where map and palette do not fit each other (checkMap)
+  std::vector<std::string> warnings;  ///< of the palette, and where map and palette do not fit each other
 };
 
 /// @param palette may be empty.

@@ -12,6 +12,7 @@
 #include "common/robot_ice/camera_ice.h"
 #include "common/robot_ice/pantilt_ice.h"
 #include "common/robot_ice/simulation_ice.h"
+#include "common/tool/progress_line.h"
 #include "simulator/app/model_paths.h"
 #include "simulator/app/real_time_simulation.h"
 #include "simulator/app/render_pool.h"
@@ -30,8 +31,10 @@ std::string readScenario(const std::filesystem::path& file) {
 
 class SimulatorComponent : public Component {
  public:
-  SimulatorComponent(SimulatorConfig config, std::vector<std::string> warnings)
-      : warnings_(std::move(warnings)),
+  /// @param summary of the world's loading, for the log.
+  SimulatorComponent(SimulatorConfig config, std::string summary, std::vector<std::string> warnings)
+      : summary_(std::move(summary)),
+        warnings_(std::move(warnings)),
         paused_(config.paused),
         lock_step_(config.lock_step),
         pool_(config.render_threads),
@@ -50,6 +53,7 @@ class SimulatorComponent : public Component {
   void start(ComponentHost& host) override {
     host_ = &host;
     for (const auto& warning : warnings_) host.log().warning(warning);
+    host.log().info(summary_);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       const std::string name = simulation_.outputName(i);
       host.serve(name, std::make_shared<CameraServant>(*frames_[i], name));
@@ -99,6 +103,7 @@ class SimulatorComponent : public Component {
     return hooks;
   }
 
+  std::string summary_;
   std::vector<std::string> warnings_;
   bool paused_;
   int lock_step_;
@@ -117,14 +122,18 @@ std::unique_ptr<Component> configure(ConfigReader& reader) {
   if (!reader.good()) return nullptr;
   std::vector<std::string> folders;
   for (const auto& folder : config.model_paths) folders.push_back(folder.string());
-  LoadedWorld loaded = loadWorld(config.world_file, modelPaths(folders));
+  ProgressLine progress("models of " + config.world_file.string());
+  LoadedWorld loaded = loadWorld(config.world_file, modelPaths(folders),
+                                 [&](std::size_t done, std::size_t all) { progress.show(done, all); });
+  const std::string summary = config.world_file.string() + ": " + loaded.summary();
   config.simulation.world = std::move(loaded.world);
   std::optional<Scenario> scenario;
   if (!config.scenario.empty()) {
     scenario = parseScenario(readScenario(config.scenario), config.scenario.string());
   }
   try {
-    auto component = std::make_unique<SimulatorComponent>(std::move(config), std::move(loaded.warnings));
+    auto component =
+        std::make_unique<SimulatorComponent>(std::move(config), summary, std::move(loaded.warnings));
     if (scenario) component->prepareScenario(std::move(*scenario));
     return component;
   } catch (const std::invalid_argument& error) {

@@ -137,11 +137,9 @@ void render(const RenderRequest& request) {
     if (!request.ids.empty()) writePicture(request.ids, pictureOfModels(truth));
     for (const auto& model : loaded.world.models) models.push_back(model.name);
   }
-  nlohmann::json summary{{"file", request.out},
-                         {"width", rgb.cols},
-                         {"height", rgb.rows},
-                         {"bodies", loaded.world.bodyCount()},
-                         {"warnings", loaded.warnings.size()},
+  nlohmann::json summary{{"file", request.out},         {"width", rgb.cols},
+                         {"height", rgb.rows},          {"bodies", loaded.world.bodyCount()},
+                         {"visuals", loaded.summary()}, {"warnings", loaded.warnings.size()},
                          {"first_frame_cpu_ms", cpu_ms}};
   if (!request.ids.empty()) summary["models"] = models;
   std::cout << summary.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << std::endl;

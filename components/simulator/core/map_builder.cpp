@@ -16,6 +16,8 @@ namespace vismem {
 namespace {
 
 constexpr double kOnFloor_m = 0.005;
+/// Growth of a segment by the rounding of its ends to millimetres [m].
+constexpr double kRounding_m = 0.002;
 /// Maximum depth difference between the edge and the visible surface at it [m].
 constexpr double kDepthTolerance_m = 0.015;
 constexpr int kEyeAzimuths = 12;
@@ -113,6 +115,7 @@ class EdgeLooker {
 void addRuns(const EdgeLooker& looker, const Crease& crease, const MapBuilderParams& params,
              std::vector<MapSegment>& out) {
   const double length = crease.line.length();
+  if (length < params.min_length_m - kRounding_m) return;
   const int steps = std::max(1, static_cast<int>(std::ceil(length / params.step_m - 1e-6)));
   const auto fractionOf = [&](int i) { return (i + 0.5) / steps; };
   std::vector<std::optional<Label>> labels;
@@ -147,10 +150,15 @@ void addRuns(const EdgeLooker& looker, const Crease& crease, const MapBuilderPar
 
 }  // namespace
 
-SegmentMap buildSegmentMap(const World& world, const Palette& palette, const MapBuilderParams& params) {
+SegmentMap buildSegmentMap(const World& world, const Palette& palette, const MapBuilderParams& params,
+                           const std::function<void(std::size_t done, std::size_t all)>& progress) {
   const EdgeLooker looker(world, palette, params);
   std::vector<MapSegment> runs;
-  for (const Crease& crease : findCreases(world, params.crease_rad)) addRuns(looker, crease, params, runs);
+  const std::vector<Crease> creases = findCreases(world, params.crease_rad);
+  for (std::size_t i = 0; i < creases.size(); ++i) {
+    addRuns(looker, creases[i], params, runs);
+    if (progress) progress(i + 1, creases.size());
+  }
 
   SegmentMap map{joinPieces(runs, params.same_place_m)};
   const bool join = params.join_stripes && !palette.stripes().empty();

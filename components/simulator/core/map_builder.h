@@ -1,6 +1,9 @@
 /// @file The segment map of a world: its edges between colour pairs of a palette. Pure.
 #pragma once
 
+#include <cstddef>
+#include <functional>
+
 #include "common/segment_map/segment_map.h"
 #include "common/vision/palette.h"
 #include "simulator/core/world.h"
@@ -26,7 +29,9 @@ struct MapBuilderParams {
 /// sun and in the shade may be two classes. Vertical pieces keep their height; edges within 5 mm of the floor
 /// are moved onto it. Only floor segments have z = 0 at both ends. With `join_stripes`, edges of the
 /// palette's stripes become stripes (joinStripes). Order: by body, then along the edge.
+/// @param progress called after each edge of all; may be empty.
 /// @return possibly without segments: then no pair of the palette occurs in the world.
-SegmentMap buildSegmentMap(const World& world, const Palette& palette, const MapBuilderParams& params = {});
+SegmentMap buildSegmentMap(const World& world, const Palette& palette, const MapBuilderParams& params = {},
+                           const std::function<void(std::size_t done, std::size_t all)>& progress = {});
 
 }  // namespace vismem

@@ -89,15 +89,33 @@ PortReply MovingWorld::add(const std::string& name, const PropShape& shape, cons
     return PortReply::rejected("there is a model \"" + name + "\"" +
                                (now_.models[*known].visible ? "" : " (removed: placing it brings it back)"));
   }
-  if (models_.size() - of_world_ >= kMaxAdded) {
-    return PortReply::rejected("more than " + std::to_string(kMaxAdded) + " models were added");
-  }
   if (const auto problem = checkProp(shape); !problem.empty()) return PortReply::rejected(problem);
   if (!isFinitePose(T_world_model)) return PortReply::rejected("a pose must be finite");
+  if (models_.size() - of_world_ >= kMaxAdded && !forgetRemoved()) {
+    return PortReply::rejected("there are " + std::to_string(kMaxAdded) + " added models (remove one)");
+  }
   models_.push_back(makeProp(name, shape, T_world_model));
   now_.models.push_back({T_world_model, true});
   changed();
   return PortReply::accepted();
+}
+
+bool MovingWorld::forgetRemoved() {
+  std::vector<int> index(models_.size());  // of each model from now on
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < models_.size(); ++i) {
+    index[i] = static_cast<int>(kept);
+    if (i >= of_world_ && !now_.models[i].visible) continue;
+    if (kept != i) models_[kept] = std::move(models_[i]);
+    now_.models[kept++] = now_.models[i];
+  }
+  if (kept == models_.size()) return false;
+  models_.resize(kept);
+  now_.models.resize(kept);
+  // Walking models are present.
+  for (Walker& walker : walkers_) walker.model = index[walker.model];
+  ++now_.layout;
+  return true;
 }
 
 PortReply MovingWorld::remove(const std::string& name) {
@@ -201,7 +219,8 @@ std::shared_ptr<const SceneState> MovingWorld::state() const {
   return shared_;
 }
 
-void MovingWorld::show(const SceneState& state, Renderer& renderer, SceneState& shown) const {
+void MovingWorld::show(const SceneState& wanted_state, Renderer& renderer, SceneState& shown) const {
+  const SceneState& state = wanted_state.layout == now_.layout ? wanted_state : now_;
   for (std::size_t i = static_cast<std::size_t>(renderer.modelCount()); i < models_.size(); ++i) {
     renderer.addModel(models_[i]);
   }

@@ -21,20 +21,22 @@ struct SceneState {
     bool visible = true;
   };
   std::vector<Model> models;  ///< by index
+  std::uint64_t layout = 0;   ///< MovingWorld::layout() of these indices
 };
 
 /// @return the problem of a path; empty if it is valid.
 std::string checkWay(const Way& way);
 
 /// The models of a world, added models, and walking models. Names are unique; an index belongs to one model
-/// for ever. *Single-threaded*.
+/// while layout() stays. *Single-threaded*.
 class MovingWorld {
  public:
   explicit MovingWorld(const World& world);
 
   std::optional<int> find(const std::string& name) const;
   std::vector<ModelStatus> status() const;
-  /// Rejected for a name in use, an invalid shape or pose, and beyond 1000 added models.
+  /// Rejected for a name in use, an invalid shape or pose, and beyond 1000 added models. Where there are so
+  /// many, removed ones are forgotten to make room: the indices change, and they cannot be placed again.
   PortReply add(const std::string& name, const PropShape& shape, const Pose3& T_world_model);
   PortReply remove(const std::string& name);
   /// Moves a model, also a removed one, which is then present again. A walking model stops.
@@ -51,7 +53,11 @@ class MovingWorld {
   /// Grows with every motion, addition or removal of a model.
   std::uint64_t revision() const { return revision_; }
   std::shared_ptr<const SceneState> state() const;
-  /// Sets a renderer of the same world to a state of this scene.
+  /// Grows when indices change.
+  std::uint64_t layout() const { return now_.layout; }
+  /// Sets a renderer of the same world to a state of this scene; to the present one for a state of an earlier
+  /// layout.
+  /// @param renderer new since the last change of the layout.
   /// @param shown its previous state.
   void show(const SceneState& state, Renderer& renderer, SceneState& shown) const;
 
@@ -67,6 +73,8 @@ class MovingWorld {
 
   std::optional<int> findOrSay(const std::string& name, PortReply& reply) const;
   void changed();
+  /// @return whether a removed model made room.
+  bool forgetRemoved();
   void stopWalking(int model);
   Pose3 poseOf(const Walker& walker) const;
 

@@ -18,6 +18,8 @@ constexpr StampUs kKept_us = 5 * kSecondUs;
 constexpr double kMaxSlip_m = 1.0;
 /// Largest distance of a robot from the origin [m].
 constexpr double kFarthest_m = 1000.0;
+/// The same at the start, where routes lead [m].
+constexpr double kFarthestStart_m = 1.5e5;
 
 template <typename Sample>
 SampleBatch<Sample> since(const std::deque<Sample>& kept, StampUs after_us) {
@@ -189,7 +191,10 @@ void Simulation::begin() {
   scene_ = MovingWorld(config_.world);
   scene_revision_ = scene_.revision();
   base_ = SimulatedBase(config_.base, config_.start, scene_.obstacles());
-  if (!isFinite(config_.start) || base_.collidesAt(config_.start)) {
+  if (!isFinite(config_.start) || config_.start.position().norm() > kFarthestStart_m) {
+    throw std::invalid_argument("the start pose is not finite, or lies more than 100 km from the origin");
+  }
+  if (base_.collidesAt(config_.start)) {
     throw std::invalid_argument("the start pose lies inside an obstacle of world \"" + config_.world.name +
                                 "\"");
   }
@@ -379,6 +384,10 @@ bool Simulation::frameDue(std::size_t camera) const {
 }
 
 void Simulation::showScene(const ExposedFrame& frame) {
+  if (shown_.layout != scene_.layout()) {
+    renderer_ = std::make_unique<Renderer>(config_.world, config_.rendering);
+    shown_ = {{}, scene_.layout()};
+  }
   scene_.show(*frame.scene, *renderer_, shown_);
 }
 

@@ -52,7 +52,7 @@ class Simulation : public SteppedRobot {
  public:
   static constexpr StampUs kStep_us = 10'000;
 
-  /// @throws std::invalid_argument for unusable cameras, or a start inside an obstacle.
+  /// @throws std::invalid_argument for unusable cameras, or a start inside an obstacle or beyond 100 km.
   explicit Simulation(SimulationConfig config);
   ~Simulation() override;
 

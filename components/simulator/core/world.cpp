@@ -35,4 +35,8 @@ std::vector<WorldObstacle> obstaclesOf(const World& world) {
   return result;
 }
 
+std::string LoadedWorld::summary() const {
+  return std::to_string(visuals_shown) + " of " + std::to_string(visuals) + " visuals";
+}
+
 }  // namespace vismem

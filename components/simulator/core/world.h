@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -105,7 +106,16 @@ std::vector<WorldObstacle> obstaclesOf(const World& world);
 struct LoadedWorld {
   World world;
   std::vector<std::string> warnings;  ///< unusable parts, one line each
+  int visuals = 0;  ///< of the file and its models that are to be seen; 1 for an include without a model
+  int visuals_shown = 0;  ///< of these, those that have a body
+
+  bool isWhole() const { return visuals_shown == visuals; }
+  /// "116 of 116 visuals".
+  std::string summary() const;
 };
+
+/// Called while a world is loaded, after each model of all.
+using LoadingProgress = std::function<void(std::size_t done, std::size_t all)>;
 
 /// Reads an SDF file (1.2 to 1.9). Errors of libsdformat become warnings as long as there is a world.
 /// `model://` names are searched in `model_paths`, then in the world's own folder; ground_plane and sun are
@@ -113,7 +123,8 @@ struct LoadedWorld {
 /// @throws ConfigError: unreadable, not SDF, a model that includes itself, or nothing to show; names the file
 /// and the reason.
 LoadedWorld loadWorld(const std::filesystem::path& file,
-                      const std::vector<std::filesystem::path>& model_paths = {});
+                      const std::vector<std::filesystem::path>& model_paths = {},
+                      const LoadingProgress& progress = {});
 /// Maximum number of trials with parts of a world that libsdformat rejects as a whole; 10 to 30 ms each, and
 /// more for large worlds.
 constexpr int kRescueTries = 120;

@@ -13,6 +13,8 @@
 #include <string_view>
 
 #include "common/config/config_error.h"
+#include "simulator/core/world_text.h"
+#include "simulator/core/world_unsimulated.h"
 #include "simulator/core/xml_error.h"
 
 namespace vismem {
@@ -26,6 +28,12 @@ constexpr int kMaxDepth = 6;
 constexpr const char* kNoNumber = "1e300";
 constexpr const char* kAssumedVersion = "1.6";
 constexpr std::size_t kMaxNotes = 20;
+/// Elements that stand at a pose.
+const std::set<std::string_view> kPlaced{"model",   "link",  "visual",    "collision",
+                                         "light",   "frame", "joint",     "sensor",
+                                         "include", "actor", "projector", "population"};
+/// Parts without which the element around them would be shown wrongly.
+const std::set<std::string_view> kEssential{"pose", "geometry"};
 
 std::vector<std::string> wordsOf(const std::string& text) {
   std::istringstream stream(text);
@@ -61,6 +69,43 @@ std::vector<XMLElement*> childrenOf(XMLElement& e) {
   return result;
 }
 
+int visualsOf(const XMLElement& e) {
+  int count = std::string_view(e.Name()) == "visual" ? 1 : 0;
+  for (const auto* child = e.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    count += visualsOf(*child);
+  }
+  return count;
+}
+
+/// The text of a pose that cannot be read; empty if the element has none or a readable one.
+std::string unreadablePose(const XMLElement& e) {
+  const XMLElement* pose = e.FirstChildElement("pose");
+  const char* text = pose != nullptr ? pose->GetText() : nullptr;
+  if (text == nullptr) return "";
+  const auto words = wordsOf(text);
+  const bool quaternion = pose->Attribute("rotation_format", "quat_xyzw") != nullptr;
+  const bool numbers = std::all_of(words.begin(), words.end(),
+                                   [](const std::string& word) { return numberOf(word).has_value(); });
+  if (words.empty() || (numbers && words.size() == (quaternion ? 7u : 6u))) return "";
+  return text;
+}
+
+LostInclude lostInclude(const XMLElement& e) {
+  const std::string uri = childText(e, "uri");
+  return {uri, childText(e, "name"), childText(e, "pose"),
+          "line " + std::to_string(e.GetLineNum()) + ": <include> of " + uri};
+}
+
+/// An include that needs nothing but its model's file, its name and its place.
+bool isPlainInclude(const XMLElement& e) {
+  static const std::set<std::string_view> kPlain{"uri", "name", "pose", "static", "plugin"};
+  if (std::string_view(e.Name()) != "include") return false;
+  for (const auto* child = e.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    if (!kPlain.contains(child->Name()) || child->FirstAttribute() != nullptr) return false;
+  }
+  return e.FirstChildElement("uri") != nullptr;
+}
+
 /// Equal repairs become one note, at their first line.
 class Notes {
  public:
@@ -91,6 +136,7 @@ struct WorldDocument::Impl {
   tinyxml2::XMLDocument document;
   XMLElement* trash = nullptr;  ///< of the same document, but no part of its text
   int tries_left = 0;
+  int visuals_lost = 0;
 
   XMLElement* root() { return document.RootElement(); }
   XMLElement* world() { return root()->FirstChildElement("world"); }
@@ -141,26 +187,50 @@ struct WorldDocument::Impl {
     notes.add(e, std::string("<") + e.Name() + "> is outside 0..1: the nearest colour is taken");
   }
 
-  void repairName(XMLElement& e, Notes& notes) {
+  /// Every element among its siblings of one kind gets a name of its own.
+  void repairNamesBelow(XMLElement& parent, Notes& notes) {
     static const std::set<std::string_view> kNamed{"world",     "model", "link",   "visual",
                                                    "collision", "joint", "sensor", "light",
                                                    "frame",     "actor", "road",   "population"};
-    const char* name = e.Attribute("name");
-    if (!kNamed.contains(e.Name()) || (name != nullptr && *name != '\0')) return;
-    const std::string given = std::string("unnamed_") + e.Name() + "_" + std::to_string(e.GetLineNum());
-    // On one line there may be several.
-    std::string free = given;
-    const auto taken = [&](const std::string& wanted) {
-      for (const XMLNode* other = e.Parent()->FirstChild(); other != nullptr; other = other->NextSibling()) {
-        const XMLElement* element = other->ToElement();
-        if (element != nullptr && element != &e && element->Attribute("name", wanted.c_str()) != nullptr)
-          return true;
-      }
-      return false;
+    const auto nameOf = [](const XMLElement& e) {
+      const char* name = e.Attribute("name");
+      return std::string(name == nullptr ? "" : name);
     };
-    for (int i = 2; taken(free); ++i) free = given + "_" + std::to_string(i);
-    e.SetAttribute("name", free.c_str());
-    notes.add(e, std::string("<") + e.Name() + "> has no name");
+    std::set<std::pair<std::string, std::string>> given;
+    std::set<std::pair<std::string, std::string>> seen;
+    std::map<std::string, int> last_number;
+    const auto children = childrenOf(parent);
+    for (const XMLElement* child : children) given.emplace(child->Name(), nameOf(*child));
+    for (XMLElement* child : children) {
+      const std::string kind = child->Name();
+      const std::string name = nameOf(*child);
+      if (!kNamed.contains(kind) || (!name.empty() && seen.emplace(kind, name).second)) continue;
+      const std::string base =
+          name.empty() ? "unnamed_" + kind + "_" + std::to_string(child->GetLineNum()) : name;
+      std::string free = base;
+      for (int& i = last_number.emplace(base, 1).first->second; !given.emplace(kind, free).second;) {
+        free = base + "_" + std::to_string(++i);
+      }
+      child->SetAttribute("name", free.c_str());
+      notes.add(*child,
+                "<" + kind + "> has " +
+                    (name.empty() ? "no name"
+                                  : "the name \"" + name + "\" of another: it is called \"" + free + "\""));
+    }
+  }
+
+  /// Elements that stand at an unknown place are removed.
+  void leaveOutUnplaced(XMLElement& e, std::vector<std::string>& notes) {
+    for (XMLElement* child : childrenOf(e)) {
+      const std::string text = kPlaced.contains(child->Name()) ? unreadablePose(*child) : "";
+      if (text.empty()) {
+        leaveOutUnplaced(*child, notes);
+        continue;
+      }
+      note(*child, "", "its <pose> \"" + text + "\" cannot be read (must be 6 numbers: x y z roll pitch yaw)",
+           notes);
+      e.DeleteChild(child);
+    }
   }
 
   void repairBelow(XMLElement& e, Notes& notes) {
@@ -170,7 +240,7 @@ struct WorldDocument::Impl {
     }
     repairNumbers(e, notes);
     repairColor(e, notes);
-    repairName(e, notes);
+    repairNamesBelow(e, notes);
   }
 
   // --- taking out ---
@@ -210,10 +280,17 @@ struct WorldDocument::Impl {
             std::vector<std::string>& notes) {
     const auto parts = childrenOf(e);
     if (parts.empty() || depth > kMaxDepth) return false;
+    const auto putBack = [&] {
+      for (XMLElement* part : parts) e.InsertEndChild(part);
+      return false;
+    };
     putAway(parts);
-    if (!ask(refusal).empty()) return false;
+    if (!ask(refusal).empty()) return putBack();
     Refused refused;
     findRefused(e, parts, refusal, refused);
+    for (const auto& [part, reason] : refused) {
+      if (kEssential.contains(part->Name())) return putBack();
+    }
     for (auto& [part, reason] : refused) {
       e.InsertEndChild(part);
       // The contents of includes are not in this file.
@@ -231,8 +308,10 @@ struct WorldDocument::Impl {
     }
     return true;
   }
-  static void note(const XMLElement& e, const std::string& of, const std::string& reason,
-                   std::vector<std::string>& notes) {
+  void note(const XMLElement& e, const std::string& of, const std::string& reason,
+            std::vector<std::string>& notes) {
+    // The visuals of an included model are not in this file.
+    visuals_lost += std::string_view(e.Name()) == "include" ? 1 : visualsOf(e);
     if (notes.size() < kMaxNotes) {
       notes.push_back("line " + std::to_string(e.GetLineNum()) + ": " + describe(e) + of +
                       " is left out: " + reason);
@@ -250,12 +329,12 @@ WorldDocument::WorldDocument(const std::string& xml, const std::string& file)
   if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS) {
     throw failure(document.ErrorLineNum(), "not XML: " + xmlErrorInWords(document.ErrorName()));
   }
-  const auto* root = document.RootElement();
+  auto* root = document.RootElement();
   if (root == nullptr) throw failure(0, "no XML element");
   const std::string name = root->Name();
-  if (name != "sdf" && name != "gazebo") {  // the older name of the same
+  if (name != "sdf" && name != "gazebo")
     throw failure(root->GetLineNum(), "begins with the element <" + name + ">");
-  }
+  root->SetName("sdf");  // <gazebo> is the older name of the same
   impl_->trash = document.NewElement("trash");
 }
 
@@ -264,12 +343,17 @@ WorldDocument::~WorldDocument() = default;
 std::vector<std::string> WorldDocument::repair() {
   Notes notes;
   XMLElement& root = *impl_->root();
+  removeUnsimulated(root);
   if (root.Attribute("version") == nullptr) {
     root.SetAttribute("version", kAssumedVersion);
     notes.add(root, std::string("no version of SDF: ") + kAssumedVersion + " is assumed");
   }
+  std::vector<std::string> unplaced;
+  impl_->leaveOutUnplaced(root, unplaced);
   impl_->repairBelow(root, notes);
-  return notes.take();
+  auto result = notes.take();
+  result.insert(result.end(), unplaced.begin(), unplaced.end());
+  return result;
 }
 
 std::vector<std::string> WorldDocument::takeOutRefused(const Refusal& refusal, int tries,
@@ -278,6 +362,11 @@ std::vector<std::string> WorldDocument::takeOutRefused(const Refusal& refusal, i
   std::vector<std::string> notes;
   XMLElement* world = impl_->world();
   if (world == nullptr) return notes;
+  for (XMLElement* child : childrenOf(*world)) {
+    if (!isPlainInclude(*child) || isBuiltInModel(childText(*child, "uri"))) continue;
+    lost.push_back(lostInclude(*child));
+    world->DeleteChild(child);
+  }
   const auto children = childrenOf(*world);
   impl_->putAway(children);
   Impl::Refused refused;
@@ -290,9 +379,7 @@ std::vector<std::string> WorldDocument::takeOutRefused(const Refusal& refusal, i
     const auto known = refused.find(child);
     if (known == refused.end()) continue;
     if (std::string_view(child->Name()) == "include") {
-      const std::string uri = childText(*child, "uri");
-      lost.push_back({uri, childText(*child, "name"), childText(*child, "pose"),
-                      "line " + std::to_string(child->GetLineNum()) + ": <include> of " + uri});
+      lost.push_back(lostInclude(*child));
       continue;
     }
     world->InsertEndChild(child);
@@ -301,7 +388,7 @@ std::vector<std::string> WorldDocument::takeOutRefused(const Refusal& refusal, i
     if (kept) {
       known->second.clear();
     } else {
-      Impl::note(*child, "", known->second, notes);
+      impl_->note(*child, "", known->second, notes);
     }
   }
   for (XMLElement* child : children) {
@@ -315,11 +402,16 @@ std::vector<std::string> WorldDocument::takeOutRefused(const Refusal& refusal, i
 void WorldDocument::wrapModel() {
   XMLElement& root = *impl_->root();
   XMLElement* model = root.FirstChildElement("model");
+  if (model == nullptr) model = root.FirstChildElement("light");
   if (model == nullptr || impl_->world() != nullptr) return;
   XMLElement* world = impl_->document.NewElement("world");
   world->SetAttribute("name", "one");
   root.InsertFirstChild(world);
   world->InsertEndChild(model);
+}
+
+int WorldDocument::visualsLost() const {
+  return impl_->visuals_lost;
 }
 
 std::string WorldDocument::text() const {

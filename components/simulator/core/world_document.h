@@ -29,18 +29,24 @@ class WorldDocument {
   WorldDocument(const WorldDocument&) = delete;
   WorldDocument& operator=(const WorldDocument&) = delete;
 
-  /// Repairs frequent errors of third-party files for which libsdformat rejects whole worlds: colours outside
-  /// 0..1, missing names, a missing version, `nan` and `inf`. The last two become numbers out of any range,
-  /// so that only the elements that need them are left out.
-  /// @return the repairs, one line each.
+  /// Removes what is not simulated (removeUnsimulated) and repairs frequent errors of third-party files for
+  /// which libsdformat rejects whole worlds: colours outside 0..1, missing and repeated names, a missing
+  /// version, `nan` and `inf`. The last two become numbers out of any range, so that only the elements that
+  /// need them are left out. An element whose pose cannot be read is removed.
+  /// @return the repairs and what was removed with its pose, one line each.
   std::vector<std::string> repair();
 
-  /// Tests the elements of the world one by one: rejected elements lose their invalid parts or are removed.
-  /// @param lost receives the removed includes.
+  /// Tests the elements of the world one by one: rejected elements lose their invalid parts, or are removed
+  /// when they would stand elsewhere or have another shape without them.
+  /// @param lost receives the includes that were removed, tested or not, to be read each by itself.
   /// @return the removed parts with their reasons, one line each.
   std::vector<std::string> takeOutRefused(const Refusal& refusal, int tries, std::vector<LostInclude>& lost);
 
-  /// Puts the file's first model into a world of its own, for included models; no effect without a model.
+  /// The visuals of all that was removed; 1 for an include.
+  int visualsLost() const;
+
+  /// Puts the file's first model, else its light, into a world of its own, for included models; no effect
+  /// without either.
   void wrapModel();
 
   std::string text() const;

@@ -45,9 +45,16 @@ fs::path GeometryReader::resolve(const std::string& uri, const std::string& name
   return found.path;
 }
 
+bool GeometryReader::isToBeSeen(const sdf::Geometry* geometry) {
+  if (geometry == nullptr) return false;
+  if (geometry->Type() != sdf::GeometryType::EMPTY) return true;
+  const auto shape = geometry->Element() ? geometry->Element()->GetFirstElement() : nullptr;
+  return shape && shape->GetName() != "empty";
+}
+
 std::optional<GeometryReader::Shape> GeometryReader::read(const std::string& name,
                                                           const sdf::Geometry* geometry) {
-  if (geometry == nullptr) return std::nullopt;
+  if (!isToBeSeen(geometry)) return std::nullopt;
   const auto plain = [](TriangleMesh mesh, bool solid = true) {
     Shape shape;
     shape.parts.emplace_back().mesh = std::move(mesh);
@@ -121,11 +128,9 @@ std::optional<GeometryReader::Shape> GeometryReader::read(const std::string& nam
     return plain(coneMesh(radius, height));
   }
   const auto shape = geometry->Element() ? geometry->Element()->GetFirstElement() : nullptr;
-  if (shape && shape->GetName() != "empty") {
-    warn_("\"" + name + "\": <" + shape->GetName() +
-          "> is not simulated (box, plane, cylinder, capsule, cone, sphere, ellipsoid, polyline, heightmap, "
-          "mesh are)");
-  }
+  warn_("\"" + name + "\": <" + (shape ? shape->GetName() : "geometry") +
+        "> is not simulated (box, plane, cylinder, capsule, cone, sphere, ellipsoid, polyline, heightmap, "
+        "mesh are)");
   return std::nullopt;
 }
 

@@ -29,6 +29,8 @@ class GeometryReader {
   /// @param name of the visual or collision, for warnings.
   /// @return empty without a usable shape.
   std::optional<Shape> read(const std::string& name, const sdf::Geometry* geometry);
+  /// Whether a visual of it is to be seen: false for none and for <empty/>.
+  static bool isToBeSeen(const sdf::Geometry* geometry);
   /// File for the relative names of elements without a file of their own; empty: the world's folder.
   void readAs(std::filesystem::path file) { file_ = std::move(file); }
   /// Applies a material to the parts; properties that it does not define stay unchanged.

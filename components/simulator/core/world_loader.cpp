@@ -13,6 +13,7 @@
 #include "simulator/core/world.h"
 #include "simulator/core/world_document.h"
 #include "simulator/core/world_geometry.h"
+#include "simulator/core/world_optics.h"
 #include "simulator/core/world_outlines.h"
 #include "simulator/core/world_reading.h"
 #include "simulator/core/world_resolver.h"
@@ -24,21 +25,13 @@ namespace {
 namespace fs = std::filesystem;
 using ignition::math::Pose3d;
 
-constexpr std::size_t kMaxWorld_bytes = 64u << 20;
-/// Maximum depth of models that include models.
-constexpr std::size_t kMaxIncludes = 20;
 constexpr double kMaxPosition_m = 1e6;
 constexpr std::size_t kMaxLights = 16;
 /// Maximum number of libsdformat's errors in a message.
 constexpr std::size_t kMaxReasons = 5;
 constexpr std::size_t kShownReason = 200;
-/// Gazebo's default attenuation of lights.
-constexpr double kNoFactor = 0.0;
-
-Eigen::Vector3f toColor(const ignition::math::Color& c) {
-  const Eigen::Vector3f color(c.R(), c.G(), c.B());
-  return color.allFinite() ? color.cwiseMax(0.0f).cwiseMin(10.0f).eval() : Eigen::Vector3f::Zero().eval();
-}
+/// What libsdformat adds to any complaint, also when there is a world.
+constexpr std::string_view kNoWorld = "Failed to load a world.";
 
 class WorldBuilder {
  public:
@@ -68,33 +61,7 @@ class WorldBuilder {
     return found.path.string();
   }
 
-  /// libsdformat follows includes without end.
-  /// @throws ConfigError for a model that includes itself.
-  void checkIncludes(const std::string& xml, const fs::path& folder, std::vector<fs::path>& chain) {
-    for (const std::string& uri : includedUris(xml)) {
-      fs::path path = resolver_.find(uri).path;
-      std::error_code error;
-      path = fs::weakly_canonical(path, error);
-      if (path.empty() || error) continue;
-      const bool circle = std::find(chain.begin(), chain.end(), path) != chain.end() || path == folder;
-      if (circle || chain.size() >= kMaxIncludes) {
-        throw ConfigError({file_ + ": " + uri + (circle ? " includes itself" : " is included too deep")});
-      }
-      if (!checked_.insert(path.string()).second) continue;
-      chain.push_back(path);
-      std::vector<fs::path> files{path};
-      if (fs::is_directory(path, error)) {
-        files.clear();
-        for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error)) {
-          if (it->path().extension() == ".sdf") files.push_back(it->path());
-        }
-      }
-      for (const auto& file : files) {
-        if (const auto text = readFile(file, kMaxWorld_bytes)) checkIncludes(*text, path, chain);
-      }
-      chain.pop_back();
-    }
-  }
+  void checkIncludes(const std::string& xml) const { resolver_.checkIncludes(xml, file_); }
 
   /// The world of a document; after a rejection, the world without its invalid parts.
   std::unique_ptr<Reading> readWhatCanBe(WorldDocument& document, const std::string& xml,
@@ -110,36 +77,66 @@ class WorldBuilder {
     return rest;
   }
 
-  /// Adds a model whose file libsdformat rejects within the world, read by itself.
-  void addLost(const LostInclude& include) {
-    const auto leaveOut = [&](const std::string& why) { warn(include.description + " is left out: " + why); };
-    fs::path file = findInclude(include.uri);
+  /// A model's file, read and repaired by itself. Invariant: it holds a reading or a reason without one.
+  struct ModelFile {
+    fs::path path;
+    std::unique_ptr<Reading> reading;  ///< of a world with a model or a light
+    std::string reason;
+    int visuals_lost = 0;
+  };
+  const ModelFile& modelFile(const std::string& uri) {
+    fs::path path = findInclude(uri);
     std::error_code error;
-    if (fs::is_directory(file, error)) file = sdf::getModelFilePath(file.string());
-    const auto bytes = file.empty() ? std::nullopt : readFile(file, kMaxWorld_bytes);
-    if (!bytes) return leaveOut("no such model");
+    if (fs::is_directory(path, error)) path = sdf::getModelFilePath(path.string());
+    const auto [known, is_new] = model_files_.try_emplace(path.string());
+    if (is_new) readModelFile(path, known->second);
+    return known->second;
+  }
+  void readModelFile(const fs::path& path, ModelFile& file) {
+    file.path = path;
+    const auto bytes = path.empty() ? std::nullopt : readFile(path, kMaxWorld_bytes);
+    if (!bytes) {
+      file.reason = "no such model";
+      return;
+    }
     const WorldText text = repairWorldText(*bytes);
-    const std::string of = file.string() + ": ";
+    const std::string of = path.string() + ": ";
     std::optional<WorldDocument> document;
     try {
-      document.emplace(text.xml, file.string());
+      document.emplace(text.xml, path.string());
     } catch (const ConfigError& problem) {
-      return leaveOut(problem.what());
+      file.reason = problem.what();
+      return;
     }
     for (const auto& note : text.notes) warn(of + note);
     for (const auto& note : document->repair()) warn(of + note);
     document->wrapModel();
     std::vector<LostInclude> deeper;
-    const auto reading = readWhatCanBe(*document, document->text(), of, deeper);
-    if (!reading->hasWorld() || reading->root.WorldByIndex(0)->ModelCount() == 0) {
-      return leaveOut(reading->complaints.empty() ? "it holds no model" : reading->complaints.front());
+    file.reading = readWhatCanBe(*document, document->text(), of, deeper);
+    const sdf::World* world = file.reading->hasWorld() ? file.reading->root.WorldByIndex(0) : nullptr;
+    if (world == nullptr || world->ModelCount() + world->LightCount() == 0) {
+      file.reason = file.reading->complaints.empty() ? "it holds no model" : file.reading->complaints.front();
+      file.reading.reset();
     }
     for (const auto& inner : deeper) warn(of + inner.description + " is left out");
-    const sdf::Model& model = *reading->root.WorldByIndex(0)->ModelByIndex(0);
+    file.visuals_lost = document->visualsLost() + static_cast<int>(deeper.size());
+  }
+
+  /// Adds an included model of a world that libsdformat rejects.
+  void addLost(const LostInclude& include) {
+    const ModelFile& file = modelFile(include.uri);
+    loaded_.visuals += file.visuals_lost;
+    if (!file.reading) {
+      ++loaded_.visuals;
+      return warn(include.description + " is left out: " + file.reason);
+    }
+    const sdf::World& world = *file.reading->root.WorldByIndex(0);
+    if (world.ModelCount() == 0) return addLight(*world.LightByIndex(0));
+    const sdf::Model& model = *world.ModelByIndex(0);
     Pose3d pose;
     std::istringstream stream(include.pose);
     const bool placed = static_cast<bool>(stream >> pose);
-    geometry_.readAs(file);
+    geometry_.readAs(file.path);
     addModel(model, include.name.empty() ? model.Name() : include.name,
              placed ? std::optional(toPose3(pose)) : std::nullopt);
     geometry_.readAs({});
@@ -151,7 +148,7 @@ class WorldBuilder {
     WorldModel result;
     result.name = freeName(name);
     const auto pose = placed && isUsable(*placed) ? placed : poseOf(model, "model \"" + name + "\"");
-    if (!pose) return;
+    if (!pose) return countLost(model);
     result.pose = *pose;
     if (const auto moved = states_.find(name); moved != states_.end()) result.pose = moved->second;
     addParts(model, "", Pose3::Identity(), result);
@@ -166,46 +163,19 @@ class WorldBuilder {
       warn("light \"" + light.Name() + "\": only the first " + std::to_string(kMaxLights) + " are simulated");
       return;
     }
-    auto pose = poseOf(light, "light \"" + light.Name() + "\"");
+    const auto pose = poseOf(light, "light \"" + light.Name() + "\"");
     if (!pose) return;
-    *pose = T_world_parent * *pose;
-    Light result;
-    result.name = light.Name();
-    result.kind = light.Type() == sdf::LightType::SPOT    ? Light::Kind::kSpot
-                  : light.Type() == sdf::LightType::POINT ? Light::Kind::kPoint
-                                                          : Light::Kind::kDirectional;
-    const auto direction = light.Direction();
-    const Eigen::Vector3d d = pose->linear() * Eigen::Vector3d(direction.X(), direction.Y(), direction.Z());
-    if (result.kind != Light::Kind::kPoint && !(d.norm() > 1e-9)) {
-      warn("light \"" + light.Name() + "\" has a direction of no length: ignored");
-      return;
-    }
-    if (d.norm() > 1e-9) result.direction = d.normalized().cast<float>();
-    result.position = pose->translation().cast<float>();
-    const double intensity = light.Intensity() >= 0.0 && light.Intensity() < 100.0 ? light.Intensity() : 1.0;
-    result.color = toColor(light.Diffuse()) * static_cast<float>(intensity);
-    // Gazebo's default: directional lights cast shadows, point and spot lights do not.
-    const bool says = light.Element() && light.Element()->HasElement("cast_shadows");
-    result.shadows = says ? light.CastShadows() : result.kind == Light::Kind::kDirectional;
-    const auto factor = [](double value, double instead) {
-      return static_cast<float>(value >= 0.0 && value < 1e6 ? value : instead);
-    };
-    result.range_m = factor(light.AttenuationRange(), 10.0);
-    result.constant = factor(light.ConstantAttenuationFactor(), 1.0);
-    result.linear = factor(light.LinearAttenuationFactor(), kNoFactor);
-    result.quadratic = factor(light.QuadraticAttenuationFactor(), kNoFactor);
-    result.inner_angle_rad = factor(light.SpotInnerAngle().Radian(), 0.0);
-    result.outer_angle_rad = std::max(factor(light.SpotOuterAngle().Radian(), 0.0), result.inner_angle_rad);
-    result.falloff = factor(light.SpotFalloff(), 1.0);
-    loaded_.world.lights.push_back(result);
+    const auto result = readLight(light, T_world_parent * *pose);
+    if (!result) return warn("light \"" + light.Name() + "\" has a direction of no length: ignored");
+    loaded_.world.lights.push_back(*result);
   }
 
   void setScene(const sdf::Scene& scene) {
-    loaded_.world.ambient = toColor(scene.Ambient());
+    loaded_.world.ambient = lightColor(scene.Ambient());
     // libsdformat replaces a missing background by its own grey.
     const auto background = scene.Element() ? scene.Element()->FindElement("background") : nullptr;
     if (background && background->GetExplicitlySetInFile()) {
-      loaded_.world.sky = toColor(scene.Background()).cwiseMin(1.0f);
+      loaded_.world.sky = lightColor(scene.Background()).cwiseMin(1.0f);
     }
   }
 
@@ -236,8 +206,10 @@ class WorldBuilder {
     }
   }
 
-  LoadedWorld take(std::string name) {
+  /// @param visuals_lost of the parts that were removed before the reading.
+  LoadedWorld take(std::string name, int visuals_lost) {
     loaded_.world.name = std::move(name);
+    loaded_.visuals += visuals_lost;
     if (loaded_.world.bodyCount() == 0) {
       std::string why;
       for (const auto& warning : loaded_.warnings) why += "\n" + warning;
@@ -285,20 +257,42 @@ class WorldBuilder {
       const sdf::Link& link = *model.LinkByIndex(i);
       const std::string name = prefix + link.Name();
       const auto pose = poseOf(link, "\"" + out.name + "/" + name + "\"");
-      if (pose) addLink(name, link, T_model_parts * *pose, out);
+      if (pose) {
+        addLink(name, link, T_model_parts * *pose, out);
+      } else {
+        countLost(link);
+      }
     }
     for (std::uint64_t i = 0; i < model.ModelCount(); ++i) {
       const sdf::Model& nested = *model.ModelByIndex(i);
       const std::string name = prefix + nested.Name();
       const auto pose = poseOf(nested, "\"" + out.name + "/" + name + "\"");
-      if (pose) addParts(nested, name + "/", T_model_parts * *pose, out);
+      if (pose) {
+        addParts(nested, name + "/", T_model_parts * *pose, out);
+      } else {
+        countLost(nested);
+      }
     }
+  }
+
+  static bool isToBeSeen(const sdf::Visual& visual) {
+    return visual.Transparency() < 1.0f && GeometryReader::isToBeSeen(visual.Geom());
+  }
+  void countLost(const sdf::Link& link) {
+    for (std::uint64_t i = 0; i < link.VisualCount(); ++i) {
+      if (isToBeSeen(*link.VisualByIndex(i))) ++loaded_.visuals;
+    }
+  }
+  void countLost(const sdf::Model& model) {
+    for (std::uint64_t i = 0; i < model.LinkCount(); ++i) countLost(*model.LinkByIndex(i));
+    for (std::uint64_t i = 0; i < model.ModelCount(); ++i) countLost(*model.ModelByIndex(i));
   }
 
   void addLink(const std::string& name, const sdf::Link& link, const Pose3& T_model_link, WorldModel& out) {
     for (std::uint64_t i = 0; i < link.VisualCount(); ++i) {
       const sdf::Visual& visual = *link.VisualByIndex(i);
-      if (visual.Transparency() >= 1.0f) continue;
+      if (!isToBeSeen(visual)) continue;
+      ++loaded_.visuals;
       const std::string short_name = name + "/" + visual.Name();
       const std::string long_name = out.name + "/" + short_name;
       const auto pose = poseOf(visual, "\"" + long_name + "\"");
@@ -306,7 +300,9 @@ class WorldBuilder {
       if (!shape) continue;
       if (const sdf::Material* material = visual.Material())
         geometry_.apply(long_name, *material, shape->parts);
+      const std::size_t bodies = out.bodies.size();
       for (auto& part : shape->parts) addBody(short_name, long_name, part, T_model_link * *pose, out);
+      if (out.bodies.size() > bodies) ++loaded_.visuals_shown;
     }
     for (std::uint64_t i = 0; i < link.SensorCount(); ++i) {
       addCamera(name, *link.SensorByIndex(i), T_model_link, out);
@@ -326,35 +322,15 @@ class WorldBuilder {
 
   void addCamera(const std::string& link, const sdf::Sensor& sensor, const Pose3& T_model_link,
                  const WorldModel& model) {
-    const sdf::Camera* camera = sensor.CameraSensor();
-    if (camera == nullptr) return;
-    WorldCamera result;
-    result.name = model.name + "/" + link + "/" + sensor.Name();
-    const auto pose = poseOf(sensor, "camera \"" + result.name + "\"");
-    const double fov_rad = camera->HorizontalFov().Radian();
-    const auto width = static_cast<int>(std::min(camera->ImageWidth(), 1u << 20));
-    const auto height = static_cast<int>(std::min(camera->ImageHeight(), 1u << 20));
-    std::string problem = "its field of view or its image has no size";
-    if (pose && fov_rad > 0.0 && fov_rad < 3.1 && width > 0 && height > 0) {
-      result.intrinsics = intrinsicsFromFieldOfView(width, height, fov_rad);
-      result.intrinsics.k1 = camera->DistortionK1();
-      result.intrinsics.k2 = camera->DistortionK2();
-      result.intrinsics.k3 = camera->DistortionK3();
-      result.intrinsics.p1 = camera->DistortionP1();
-      result.intrinsics.p2 = camera->DistortionP2();
-      problem = checkIntrinsics(result.intrinsics);
-    }
-    if (!pose || !problem.empty()) {
-      if (pose) warn("camera \"" + result.name + "\": " + problem + ": left out");
-      return;
-    }
-    // An SDF camera looks along its x axis; cameraPose turns those axes to a camera's.
-    result.T_world_camera = model.pose * T_model_link * *pose * cameraPose({}, 0.0, 0.0);
-    if (camera->ImageNoise().Type() == sdf::NoiseType::GAUSSIAN && camera->ImageNoise().StdDev() >= 0.0) {
-      result.noise_sigma = camera->ImageNoise().StdDev();
-    }
-    if (sensor.UpdateRate() > 0.0) result.rate_hz = sensor.UpdateRate();
-    loaded_.world.cameras.push_back(std::move(result));
+    if (sensor.CameraSensor() == nullptr) return;
+    const std::string name = model.name + "/" + link + "/" + sensor.Name();
+    const auto pose = poseOf(sensor, "camera \"" + name + "\"");
+    if (!pose) return;
+    std::string problem;
+    auto camera = readCamera(sensor, model.pose * T_model_link * *pose, problem);
+    if (!camera) return warn("camera \"" + name + "\": " + problem + ": left out");
+    camera->name = name;
+    loaded_.world.cameras.push_back(std::move(*camera));
   }
 
   void addBody(const std::string& short_name, const std::string& long_name, MeshPart& part,
@@ -408,15 +384,15 @@ class WorldBuilder {
   GeometryReader geometry_;
   LoadedWorld loaded_;
   std::set<std::string> warned_;
-  std::set<std::string> checked_;
   std::map<std::string, Pose3> states_;
+  std::map<std::string, ModelFile> model_files_;
 };
 
 /// @param notes earlier repairs of the text.
 LoadedWorld build(WorldDocument& document, const std::string& xml, const std::string& file,
-                  const std::vector<std::string>& notes, WorldBuilder& builder) {
-  std::vector<fs::path> chain;
-  builder.checkIncludes(xml, {}, chain);
+                  const std::vector<std::string>& notes, WorldBuilder& builder,
+                  const LoadingProgress& progress) {
+  builder.checkIncludes(xml);
   std::vector<LostInclude> lost;
   const auto reading = builder.readWhatCanBe(document, xml, "", lost);
   for (const auto& note : notes) builder.warn(note);
@@ -432,41 +408,59 @@ LoadedWorld build(WorldDocument& document, const std::string& xml, const std::st
     reasons.push_back(file + ": not a world in SDF: " + why);
     throw ConfigError(std::move(reasons));
   }
-  for (const auto& complaint : reading->complaints) builder.warn(complaint);
+  for (const auto& complaint : reading->complaints) {
+    if (complaint != kNoWorld) builder.warn(complaint);
+  }
   const sdf::World& world = *reading->root.WorldByIndex(0);
   if (world.Scene() != nullptr) builder.setScene(*world.Scene());
   builder.readStates(world);
   builder.warnOfTheRest(world);
   for (std::uint64_t i = 0; i < world.LightCount(); ++i) builder.addLight(*world.LightByIndex(i));
-  for (std::uint64_t i = 0; i < world.ModelCount(); ++i) builder.addModel(*world.ModelByIndex(i));
-  for (const auto& include : lost) builder.addLost(include);
-  return builder.take(world.Name());
+  const std::size_t models = world.ModelCount() + lost.size();
+  std::size_t done = 0;
+  const auto next = [&] {
+    if (progress) progress(++done, models);
+  };
+  for (std::uint64_t i = 0; i < world.ModelCount(); ++i, next()) builder.addModel(*world.ModelByIndex(i));
+  for (const auto& include : lost) {
+    builder.addLost(include);
+    next();
+  }
+  return builder.take(world.Name(), document.visualsLost());
+}
+
+/// @throws ConfigError for bytes that are no text.
+WorldText repairedText(const std::string& bytes, const std::string& file) {
+  WorldText text = repairWorldText(bytes);
+  if (text.xml.empty() && !text.notes.empty()) throw ConfigError({file + ": " + text.notes.front()});
+  return text;
 }
 
 /// The world of a repaired text.
-LoadedWorld buildFrom(const WorldText& text, const std::string& file, WorldBuilder& builder) {
+LoadedWorld buildFrom(const WorldText& text, const std::string& file, WorldBuilder& builder,
+                      const LoadingProgress& progress = {}) {
   WorldDocument document(text.xml, file);
   std::vector<std::string> notes = text.notes;
   const auto repaired = document.repair();
   notes.insert(notes.end(), repaired.begin(), repaired.end());
-  return build(document, repaired.empty() ? text.xml : document.text(), file, notes, builder);
+  return build(document, document.text(), file, notes, builder, progress);
 }
 
 }  // namespace
 
-LoadedWorld loadWorld(const fs::path& file, const std::vector<fs::path>& model_paths) {
+LoadedWorld loadWorld(const fs::path& file, const std::vector<fs::path>& model_paths,
+                      const LoadingProgress& progress) {
   const std::string bytes = readTextFile(file, "a world in SDF");
   std::vector<fs::path> search = model_paths;
   search.push_back(file.parent_path());
-  return parseWorld(bytes, file.string(), search);
+  WorldBuilder builder(file.string(), search);
+  return buildFrom(repairedText(bytes, file.string()), file.string(), builder, progress);
 }
 
 LoadedWorld parseWorld(const std::string& bytes, const std::string& file, const std::vector<fs::path>& search,
                        int rescue_tries) {
   WorldBuilder builder(file, search, rescue_tries);
-  const WorldText text = repairWorldText(bytes);
-  if (text.xml.empty() && !text.notes.empty()) throw ConfigError({file + ": " + text.notes.front()});
-  return buildFrom(text, file, builder);
+  return buildFrom(repairedText(bytes, file), file, builder);
 }
 
 LoadedModel loadModel(const std::string& uri, const std::vector<fs::path>& model_paths) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "simulator/core/world_resolver.h"
+#include "simulator/core/world_tga.h"
 
 namespace vismem {
 namespace {
@@ -201,8 +202,10 @@ std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& file) {
 std::shared_ptr<const Texture> decodeTexture(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) throw std::runtime_error(name + ": is empty");
   try {
-    std::vector<unsigned char> buffer(bytes.begin(), bytes.end());
-    return fromPicture(cv::imdecode(buffer, cv::IMREAD_COLOR), name);
+    const std::vector<unsigned char> buffer(bytes.begin(), bytes.end());
+    cv::Mat picture = cv::imdecode(buffer, cv::IMREAD_COLOR);
+    if (picture.empty()) picture = decodeTga(bytes);
+    return fromPicture(picture, name);
   } catch (const cv::Exception& error) {
     throw std::runtime_error(name + ": not a picture in a known format (" + error.err + ")");
   }

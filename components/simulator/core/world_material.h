@@ -27,7 +27,8 @@ std::map<std::string, OgreMaterial> parseOgreScript(std::string_view text);
 /// Colour of a material that ships with Gazebo ("Gazebo/Grey"), textured ones by their mean. Pure.
 std::optional<OgreMaterial> gazeboMaterial(const std::string& name);
 
-/// Reads an image of any format of OpenCV. Images wider or higher than 4096 px are halved until they fit.
+/// Reads an image of any format of OpenCV, or TGA. Images wider or higher than 4096 px are halved until they
+/// fit.
 /// @throws std::runtime_error naming the file and the problem.
 std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& file);
 /// As loadTexture from an image in memory.

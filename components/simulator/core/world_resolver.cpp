@@ -5,11 +5,16 @@
 #include <iterator>
 #include <system_error>
 
+#include "common/config/config_error.h"
+#include "simulator/core/world_text.h"
+
 namespace vismem {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr int kFoldersUp = 3;
+/// Maximum depth of models that include models.
+constexpr std::size_t kMaxIncludes = 20;
 constexpr std::size_t kMaxModelConfig_bytes = 1 << 20;
 
 /// NAME/REST of an address such as https://fuel.../models/NAME/2/files/REST.
@@ -93,6 +98,38 @@ UriResolver::Found UriResolver::find(const std::string& uri, const fs::path& nam
     if (pathExists(path)) return {path, uri + " taken from " + path.string() + ", whose model has that name"};
   }
   return {};
+}
+
+void UriResolver::checkIncludes(const std::string& xml, const std::string& file) const {
+  IncludeChain chain;
+  checkIncludes(xml, {}, file, chain);
+}
+
+void UriResolver::checkIncludes(const std::string& xml, const fs::path& folder, const std::string& file,
+                                IncludeChain& chain) const {
+  for (const std::string& uri : includedUris(xml)) {
+    std::error_code error;
+    const fs::path path = fs::weakly_canonical(find(uri).path, error);
+    if (path.empty() || error) continue;
+    const auto& models = chain.models;
+    const bool circle = std::find(models.begin(), models.end(), path) != models.end() || path == folder;
+    if (circle || models.size() >= kMaxIncludes) {
+      throw ConfigError({file + ": " + uri + (circle ? " includes itself" : " is included too deep")});
+    }
+    if (!chain.checked.insert(path.string()).second) continue;
+    chain.models.push_back(path);
+    std::vector<fs::path> files{path};
+    if (fs::is_directory(path, error)) {
+      files.clear();
+      for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error)) {
+        if (it->path().extension() == ".sdf") files.push_back(it->path());
+      }
+    }
+    for (const auto& inner : files) {
+      if (const auto text = readFile(inner, kMaxWorld_bytes)) checkIncludes(*text, path, file, chain);
+    }
+    chain.models.pop_back();
+  }
 }
 
 }  // namespace vismem

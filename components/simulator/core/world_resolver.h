@@ -4,10 +4,13 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace vismem {
+
+constexpr std::size_t kMaxWorld_bytes = 64u << 20;
 
 /// *Single-threaded*: it caches the names of models that it read.
 class UriResolver {
@@ -24,8 +27,19 @@ class UriResolver {
   /// the folder of the model with NAME in its model.config.
   /// @param named_in the file with the uri; may be empty.
   Found find(const std::string& uri, const std::filesystem::path& named_in = {}) const;
+  /// libsdformat follows includes without end.
+  /// @param file of the text, for the message.
+  /// @throws ConfigError for a model that includes itself.
+  void checkIncludes(const std::string& xml, const std::string& file) const;
 
  private:
+  /// The models from the world to the text that is checked, and all that were checked.
+  struct IncludeChain {
+    std::vector<std::filesystem::path> models;
+    std::set<std::string> checked;
+  };
+  void checkIncludes(const std::string& xml, const std::filesystem::path& folder, const std::string& file,
+                     IncludeChain& chain) const;
   std::optional<std::filesystem::path> folderOfModelCalled(const std::string& name) const;
 
   std::vector<std::filesystem::path> search_;

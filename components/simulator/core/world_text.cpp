@@ -216,14 +216,18 @@ WorldText repairWorldText(const std::string& bytes) {
   return result;
 }
 
+bool isBuiltInModel(const std::string& uri) {
+  return namesGazeboModel(uri, "sun") || namesGazeboModel(uri, "ground_plane");
+}
+
 std::string withBuiltInModels(const std::string& xml) {
   std::string out;
   std::size_t copied = 0;
   forIncludes(xml, [&](std::size_t begin, std::size_t end) {
     const std::string_view include(xml.data() + begin, end - begin);
     const std::string uri = textOf(include, "uri").value_or("");
+    if (!isBuiltInModel(uri)) return;
     const bool sun = namesGazeboModel(uri, "sun");
-    if (!sun && !namesGazeboModel(uri, "ground_plane")) return;
     // A name or a pose between tags is XML already.
     const std::string name = textOf(include, "name").value_or(sun ? "sun" : "ground_plane");
     const std::string pose = textOf(include, "pose").value_or("0 0 0 0 0 0");

@@ -21,6 +21,9 @@ WorldText repairWorldText(const std::string& bytes);
 /// not with the worlds. The include's name and pose stay.
 std::string withBuiltInModels(const std::string& xml);
 
+/// Whether a uri means one of these two.
+bool isBuiltInModel(const std::string& uri);
+
 /// The uris of the `<include>` elements of a text, in their order.
 std::vector<std::string> includedUris(const std::string& xml);
 

@@ -1,4 +1,5 @@
 // label_palette: shows the colour classes of an image and its labelled segments (V3).
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -71,6 +72,46 @@ ClassPicture classPicture(const cv::Mat& image, const Palette& palette) {
   return result;
 }
 
+/// "FILE:LINE: class.NAME", the rule that gives a colour its class; "none" without one.
+std::string ruleOf(const Palette& palette, const std::string& file, ColorClass color_class) {
+  if (color_class == kNoColorClass) return palette.className(color_class);
+  return file + ":" + std::to_string(palette.definition(color_class).line) + ": class." +
+         palette.className(color_class);
+}
+
+/// The colour of a pixel in the palette's terms, and the rules that contain it, the one that took it first.
+nlohmann::json placeJson(const cv::Mat& image, const cv::Point& at, const Palette& palette,
+                         const std::string& file) {
+  const auto& c = image.at<cv::Vec3b>(at);
+  const ColorValues values = colorValues(c[0], c[1], c[2]);
+  const auto rounded = [](double value) { return std::round(10.0 * value) / 10.0; };
+  nlohmann::json rules = nlohmann::json::array();
+  for (const ColorClass found : palette.allClassesOf(c[0], c[1], c[2]))
+    rules.push_back(ruleOf(palette, file, found));
+  return {{"at", {at.x, at.y}},
+          {"rgb", {c[0], c[1], c[2]}},
+          {"hue", values.has_hue ? nlohmann::json(rounded(values.hue_deg)) : nlohmann::json()},
+          {"saturation", rounded(values.saturation_percent)},
+          {"value", rounded(values.value_percent)},
+          {"class", palette.className(palette.classOf(c[0], c[1], c[2]))},
+          {"rules", rules}};
+}
+
+/// @throws std::runtime_error for a place outside the image.
+nlohmann::json placesJson(const cv::Mat& image, const std::vector<std::pair<int, int>>& places,
+                          const Palette& palette, const std::string& file) {
+  nlohmann::json result = nlohmann::json::array();
+  for (const auto& [u, v] : places) {
+    if (u < 0 || v < 0 || u >= image.cols || v >= image.rows) {
+      throw std::runtime_error("--at " + std::to_string(u) + " " + std::to_string(v) +
+                               " (must be within 0.." + std::to_string(image.cols - 1) + " and 0.." +
+                               std::to_string(image.rows - 1) + ")");
+    }
+    result.push_back(placeJson(image, {u, v}, palette, file));
+  }
+  return result;
+}
+
 /// Text beside a swatch of its colour.
 struct Entry {
   std::string text;
@@ -88,11 +129,25 @@ void drawEntries(cv::Mat& canvas, const std::vector<Entry>& entries, int left, i
   }
 }
 
+/// Two pictures side by side, each above its entries.
+cv::Mat withLegend(const cv::Mat& left, const std::vector<Entry>& below_left, const cv::Mat& right,
+                   const std::vector<Entry>& below_right) {
+  cv::Mat figure;
+  cv::hconcat(left, right, figure);
+  const auto lines = static_cast<int>(std::max(below_left.size(), below_right.size()));
+  cv::copyMakeBorder(figure, figure, 0, kLine_px * lines + kText_px, 0, 0, cv::BORDER_CONSTANT,
+                     cv::Scalar::all(255));
+  drawEntries(figure, below_left, 0, left.rows + kText_px / 2);
+  drawEntries(figure, below_right, left.cols, left.rows + kText_px / 2);
+  return figure;
+}
+
 struct Options {
   std::string image;
   std::string palette = vismem::projectFile("cfg/maps/corridor.palette");
   std::string detector = "solis";
   std::filesystem::path out;
+  std::vector<std::pair<int, int>> places;  ///< pixels
 };
 
 int run(const Options& options) {
@@ -102,6 +157,8 @@ int run(const Options& options) {
     std::cerr << "label_palette: " << options.image << ": not an image that can be read\n";
     return 1;
   }
+  for (const std::string& warning : palette->warnings()) std::cerr << "warning: " << warning << '\n';
+  const nlohmann::json places = placesJson(image, options.places, *palette, options.palette);
   const auto intrinsics = intrinsicsFromFieldOfView(image.cols, image.rows, 1.0);  // no distortion: as seen
   ExtractorParams params;
   params.detector = options.detector;
@@ -126,30 +183,27 @@ int run(const Options& options) {
     labels.push_back({label + ": " + std::to_string(count), colors[label]});
   std::vector<Entry> shares;
   nlohmann::json class_json = nlohmann::json::object();
+  nlohmann::json rules = nlohmann::json::object();
   for (std::size_t i = 0; i < classes.shares.size(); ++i) {
     const std::string& name = palette->className(static_cast<ColorClass>(i));
     char percent[32];
     std::snprintf(percent, sizeof percent, ": %.1f %%", 100.0 * classes.shares[i]);
     shares.push_back({name + percent, classes.colors[i]});
     class_json[name] = classes.shares[i];
+    rules[ruleOf(*palette, options.palette, static_cast<ColorClass>(i))] = classes.shares[i];
   }
 
-  cv::Mat figure;
-  cv::hconcat(left, right, figure);
-  const int text_height = kLine_px * static_cast<int>(std::max(labels.size(), shares.size())) + kText_px;
-  cv::copyMakeBorder(figure, figure, 0, text_height, 0, 0, cv::BORDER_CONSTANT, cv::Scalar::all(255));
-  drawEntries(figure, labels, 0, left.rows + kText_px / 2);
-  drawEntries(figure, shares, left.cols, left.rows + kText_px / 2);
   std::filesystem::path out = options.out;
   const std::string name = std::filesystem::path(options.image).stem().string() + "_labels.png";
   if (out.empty()) out = std::filesystem::path("out/label_palette") / name;
   if (std::filesystem::is_directory(out)) out /= name;
-  writeImageFile(figure, out);
-  std::cout << nlohmann::json{{"image", options.image}, {"palette", options.palette},
-                              {"out", out.string()},    {"segments", segments.size()},
-                              {"labels", counts},       {"class_shares", class_json}}
-                   .dump()
-            << '\n';
+  writeImageFile(withLegend(left, labels, right, shares), out);
+  nlohmann::json summary{{"image", options.image}, {"palette", options.palette},
+                         {"out", out.string()},    {"segments", segments.size()},
+                         {"labels", counts},       {"class_shares", class_json},
+                         {"rules", rules}};
+  if (!places.empty()) summary["places"] = places;
+  std::cout << summary.dump() << '\n';
   return 0;
 }
 
@@ -165,6 +219,11 @@ int main(int argc, char** argv) {
       "brighter side. A palette is a text file; see cfg/maps/*.palette."};
   app.add_option("IMAGE", options.image, "image to read")->required();
   app.add_option("--palette", options.palette, "palette file")->capture_default_str();
+  app.add_option(
+         "--at", options.places,
+         "pixel U V, repeatable: its colour in the palette's terms, and the rules that contain it, the "
+         "one that took it first")
+      ->allow_extra_args(false);
   app.add_option("--detector", options.detector, "solis (ours), chapter (published Solis) or hough")
       ->check(CLI::IsMember(vismem::segmentDetectorNames()))
       ->capture_default_str();
