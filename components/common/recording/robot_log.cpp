@@ -8,7 +8,6 @@
 
 #include "common/recording/picture_decoder.h"
 #include "common/recording/recorded_rows.h"
-#include "common/recording/stamp_order.h"
 #include "common/recording/transform_tree.h"
 
 namespace vismem {
