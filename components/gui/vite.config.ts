@@ -1,6 +1,9 @@
+import {readFileSync, writeFileSync} from "node:fs";
 import {dirname, resolve} from "node:path";
 import {fileURLToPath} from "node:url";
 import {defineConfig} from "vite";
+import {gzipSync} from "node:zlib";
+import type {Plugin} from "vite";
 import {slice} from "./slice_plugin";
 
 const here = dirname(fileURLToPath(import.meta.url));
@@ -10,10 +13,18 @@ const slicePlugin = () => slice({
   iceRuntime: resolve(here, "node_modules/ice/lib/Ice.js"),
 });
 
+/** Writes FILE.gz beside each file: the server sends it as it is. */
+const packed: Plugin = {
+  name: "packed",
+  writeBundle({dir}, bundle) {
+    for (const name of Object.keys(bundle)) writeFileSync(resolve(dir!, `${name}.gz`), gzipSync(readFileSync(resolve(dir!, name)), {level: 9}));
+  },
+};
+
 export default defineConfig({
   root: here,
   base: "./",
-  plugins: [slicePlugin()],
+  plugins: [slicePlugin(), packed],
   // A worker is bundled by itself: the plug-in must be named there too.
   worker: {format: "es", plugins: () => [slicePlugin()]},
   build: {

@@ -93,6 +93,26 @@ TEST_F(Pages, ServesFilesAndItsConfigurationWithThePolicy) {
   EXPECT_EQ(client_->Get("/../gui_server.cfg")->status, 404);
 }
 
+TEST_F(Pages, SendsFilesAsTheyLieThereAndThePackedOneToWhomTakesIt) {
+  std::filesystem::create_directory(folder_ / "assets");
+  const std::string text(1'500'000, 'x');
+  std::ofstream(folder_ / "assets/page-1.js") << text;
+  client_->set_decompress(false);
+  const httplib::Headers browser{{"Host", host("127.0.0.1")}, {"Accept-Encoding", "gzip, deflate, br"}};
+  const auto plain = client_->Get("/assets/page-1.js", browser);
+  ASSERT_TRUE(plain);
+  EXPECT_EQ(plain->get_header_value("Content-Type"), "text/javascript; charset=utf-8");
+  EXPECT_EQ(plain->get_header_value("Content-Encoding"), "") << "packing it for each request takes seconds";
+  EXPECT_EQ(plain->body, text);
+  std::ofstream(folder_ / "assets/page-1.js.gz") << "packed";
+  const auto packed = client_->Get("/assets/page-1.js", browser);
+  EXPECT_EQ(packed->get_header_value("Content-Encoding"), "gzip");
+  EXPECT_EQ(packed->body, "packed");
+  EXPECT_EQ(client_->Get("/assets/page-1.js", {{"Host", host("127.0.0.1")}})->body, text);
+  EXPECT_EQ(client_->Get("/assets", browser)->status, 404);
+  EXPECT_EQ(client_->Get("/assets/..", browser)->status, 404);
+}
+
 TEST_F(Pages, AnswersOnlyItsOwnNames) {
   for (const auto* name : {"127.0.0.1", "localhost", "robot.local"})
     EXPECT_EQ(client_->Get("/config.json", {{"Host", host(name)}})->status, 200) << name;

@@ -3,7 +3,10 @@
 #include <httplib.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -13,6 +16,46 @@ namespace vismem {
 struct PageServer::Http {
   httplib::Server server;
 };
+
+namespace {
+
+/// Browsers refuse scripts and styles of another type.
+const char* mimeTypeOf(const std::filesystem::path& file) {
+  static constexpr std::array<std::pair<std::string_view, const char*>, 5> kTypes{
+      {{".html", "text/html; charset=utf-8"},
+       {".js", "text/javascript; charset=utf-8"},
+       {".css", "text/css; charset=utf-8"},
+       {".svg", "image/svg+xml"},
+       {".woff2", "font/woff2"}}};
+  for (const auto& [ending, type] : kTypes) {
+    if (file.extension() == ending) return type;
+  }
+  return "application/octet-stream";
+}
+
+/// Sends a file as it lies there, read anew for each request: a build shows at the next load. The packed one beside
+/// it serves browsers that take gzip.
+void sendFile(const std::filesystem::path& file, const httplib::Request& request, httplib::Response& response) {
+  if (!std::filesystem::is_regular_file(file)) {
+    response.status = 404;
+    return;
+  }
+  const std::string packed_file = file.string() + ".gz";
+  const bool packed = request.get_header_value("Accept-Encoding").find("gzip") != std::string::npos &&
+                      std::filesystem::exists(packed_file);
+  std::ifstream stream(packed ? packed_file : file.string(), std::ios::binary);
+  const auto content = std::make_shared<std::string>(std::istreambuf_iterator<char>(stream),
+                                                     std::istreambuf_iterator<char>());
+  if (packed) response.set_header("Content-Encoding", "gzip");
+  response.set_header("Vary", "Accept-Encoding");
+  // With a known length: a plain body would be compressed by the library for each request, which takes seconds.
+  response.set_content_provider(
+      content->size(), mimeTypeOf(file), [content](size_t offset, size_t length, httplib::DataSink& sink) {
+        return sink.write(content->data() + offset, length);
+      });
+}
+
+}  // namespace
 
 std::string contentSecurityPolicy(const std::vector<std::string>& sockets) {
   std::string connect = "connect-src 'self'";
@@ -65,9 +108,15 @@ void PageServer::addRoutes() {
   server.Get("/config.json", [this](const httplib::Request&, httplib::Response& response) {
     response.set_content(options_.config_json, "application/json");
   });
-  server.set_file_extension_and_mimetype_mapping("woff2", "font/woff2");
   if (std::filesystem::exists(options_.pages / "index.html")) {
-    server.set_mount_point("/", options_.pages.string());
+    server.Get("/", [this](const httplib::Request& request, httplib::Response& response) {
+      sendFile(options_.pages / "index.html", request, response);
+    });
+    // Names without a leading dot in two folders: nothing leads out of them.
+    server.Get(R"(/((?:assets/)?[\w-][\w.-]*))",
+               [this](const httplib::Request& request, httplib::Response& response) {
+                 sendFile(options_.pages / request.matches[1].str(), request, response);
+               });
   } else {
     server.Get("/", [this](const httplib::Request&, httplib::Response& response) {
       response.status = 503;

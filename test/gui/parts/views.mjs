@@ -72,6 +72,8 @@ function layoutProblems(page) {
     const overlap = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
     const sets = [[...document.querySelectorAll(".top-bar, .dock, .time-bar")], [...document.querySelectorAll(".dv-groupview")], [...document.querySelector(".top-bar").children],
       [...document.querySelector(".time-bar").children], ...[...document.querySelectorAll(".setting")].map(s => [...s.children]), ...[...document.querySelectorAll(".toolbar")].map(t => [...t.children])];
+    const canvas = document.querySelector(".world-canvas");
+    if (canvas.clientWidth > 0 && Math.abs(canvas.width / canvas.height - canvas.clientWidth / canvas.clientHeight) > 0.05) found.push(`the scene of ${canvas.width}x${canvas.height} is drawn into ${canvas.clientWidth}x${canvas.clientHeight}`);
     for (const set of sets) {
       const shown = set.filter(e => box(e).width > 0 && box(e).height > 0 && getComputedStyle(e).visibility !== "hidden");
       shown.forEach((a, i) => shown.slice(i + 1).forEach(b => { if (overlap(box(a), box(b))) found.push(`${name(a)} over ${name(b)}`); }));

@@ -40,6 +40,7 @@ export class WorldPane extends Pane {
   private scheduled = false;
   private lastDraw = 0;
   private renders = 0;
+  private sized = {width: 0, height: 0};
 
   constructor(store: Store) {
     super(store, "world");
@@ -259,7 +260,7 @@ export class WorldPane extends Pane {
   private arrange(): void {
     const {clientWidth: width, clientHeight: height} = this.stage;
     if (width === 0 || height === 0) return;
-    this.renderer?.setSize(width, height, false);
+    this.fitCanvas(width, height);
     const both = this.layout === "both", split = both && width > height * 1.1;
     this.views.forEach((view, i) => {
       const shown = both || (this.layout === "top") === view.top, s = view.element.style;
@@ -270,6 +271,13 @@ export class WorldPane extends Pane {
       s.height = both && !split ? "50%" : "100%";
     });
     this.ask();
+  }
+
+  /** Also before each drawing: while the dock rearranges, the stage has sizes that nobody hears of. */
+  private fitCanvas(width: number, height: number): void {
+    if (width === this.sized.width && height === this.sized.height) return;
+    this.sized = {width, height};
+    this.renderer?.setSize(width, height, false);
   }
 
   protected override onVisible(): void {
@@ -296,6 +304,7 @@ export class WorldPane extends Pane {
     this.content.update(input);
     this.placeCameras(input);
     const height = this.stage.clientHeight;
+    this.fitCanvas(this.stage.clientWidth, height);
     this.renderer.setScissorTest(false);
     this.renderer.clear();
     this.renderer.setScissorTest(true);
