@@ -28,7 +28,28 @@ TEST(StatusText, SaysWhatTheRobotKnows) {
   const std::string text = statusText(live, gaze);
   EXPECT_THAT(text, testing::HasSubstr("gaze tracks segment at 1.0 2.0"));
   EXPECT_THAT(text, testing::HasSubstr("pose 1.25 -0.50 m 90 deg, reliability 0.75"));
-  EXPECT_THAT(text, testing::HasSubstr("error 0.10 m 0.0 deg"));
+  EXPECT_THAT(text, testing::EndsWith("error 0.10 m 0.0 deg"));
+}
+
+TEST(StatusText, SaysThatThePoseIsATwinsOfTheTrueOne) {
+  // A map that looks the same after half a turn about the origin.
+  const std::vector<Pose2> half_turn{{0.0, 0.0, std::numbers::pi}};
+  PoseEstimate estimate;
+  estimate.T_world_robot = Pose2{-2.0, 1.1, 0.1 - std::numbers::pi};
+  const Pose2 truth{2.0, -1.0, 0.0};
+  const TwinError twin = errorToNearestTwin(estimate, truth, half_turn);
+  EXPECT_TRUE(twin.is_twin);
+  EXPECT_NEAR(*twin.error.position_m, 0.1, 1e-9);
+  EXPECT_NEAR(*twin.error.heading_rad, 0.1, 1e-9);
+  EXPECT_FALSE(errorToNearestTwin(estimate, truth, {}).is_twin);
+  LiveState live;
+  live.estimate = estimate;
+  live.error = twin.error;
+  live.is_twin = twin.is_twin;
+  EXPECT_THAT(statusText(live, std::nullopt),
+              testing::EndsWith("error 0.10 m 5.7 deg of the twin place, from which the map looks the same"));
+  estimate.T_world_robot = Pose2{2.0, -1.1, 0.0};
+  EXPECT_FALSE(errorToNearestTwin(estimate, truth, half_turn).is_twin);
 }
 
 TEST(StatusLine, RewritesATerminalsLineAndEndsIt) {

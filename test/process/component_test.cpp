@@ -69,6 +69,19 @@ TEST_F(ComponentTest, SaysReadyWithItsRealPortAndEndsCleanlyOnSignals) {
   }
 }
 
+TEST_F(ComponentTest, SaysLoudlyThatOtherMachinesReachIt) {
+  const auto open = probe({"--Probe.Endpoints=tcp -h 0.0.0.0 -p 0"});
+  ASSERT_GT(open->port(), 0) << open->error();
+  const auto status = statusAt(open->port());
+  ASSERT_EQ(status.errors.size(), 1U);
+  EXPECT_THAT(status.errors[0].text, testing::StartsWith("open to other machines: tcp -h 0.0.0.0 -p "));
+  EXPECT_THAT(open->error(), HasSubstr("ERROR open to other machines: tcp -h 0.0.0.0 -p "));
+  const auto closed = probe({});
+  ASSERT_GT(closed->port(), 0) << closed->error();
+  EXPECT_TRUE(statusAt(closed->port()).errors.empty());
+  EXPECT_THAT(closed->error(), Not(HasSubstr("other machines")));
+}
+
 TEST_F(ComponentTest, ReadyLineGivesThePortOfEachEndpoint) {
   const auto child = probe({"--Probe.Endpoints=tcp -h 127.0.0.1 -p 0:tcp -h 127.0.0.1 -p 0",
                             "--Probe.WebEndpoints=ws -h 127.0.0.1 -p 0", "--Robot.Token=0123456789abcdef"});

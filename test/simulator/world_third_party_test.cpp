@@ -127,11 +127,25 @@ TEST_F(ThirdPartyWorlds, APoseThatCannotBeReadLeavesItsElementOut) {
   EXPECT_FALSE(loaded.isWhole());
 }
 
-TEST_F(ThirdPartyWorlds, TheOlderRoot) {
+TEST_F(ThirdPartyWorlds, TheOldestRootAndItsAttributes) {
   const auto loaded = parseWorld(
-      "<gazebo version='1.5'><world name='w'><model name='m'>" + kBox + "</model></world></gazebo>", "w.world",
-      {});
-  EXPECT_THAT(names(loaded.world), ElementsAre("m/l/v"));
+      "<gazebo version='1.0'><world name='w'><model name='m' static='true'><origin pose='3 0 0 0 0 0'/>"
+      "<link name='l'><origin pose='0 0 2 0 0 0'/><visual name='v'><geometry><box size='1 2 3'/></geometry>"
+      "<material><diffuse rgba='0.2 0.4 0.6 1'/></material></visual><visual name='w'><geometry>"
+      "<cylinder radius='0.1' length='4'/></geometry><material script='Gazebo/Red'/></visual></link></model>"
+      "<model name='lost'><origin pose='a b c'/><link name='l'><visual name='v'><geometry>"
+      "<box size='1 1 1'/></geometry></visual></link></model></world></gazebo>",
+      "w.world", {});
+  ASSERT_THAT(names(loaded.world), ElementsAre("m/l/v", "m/l/w")) << testing::PrintToString(loaded.warnings);
+  expectBounds(bounds(loaded.world, "m"), {2.5F, -1.0F, 0.0F}, {3.5F, 1.0F, 4.0F});
+  EXPECT_TRUE(loaded.world.models[0].bodies[0].color.isApprox(Eigen::Vector3f(0.2F, 0.4F, 0.6F)));
+  EXPECT_TRUE(loaded.world.models[0].bodies[1].color.isApprox(Eigen::Vector3f(1, 0, 0)));
+  EXPECT_THAT(loaded.warnings, ElementsAre(HasSubstr("<model name=\"lost\"> is left out")));
+  // A newer one of the same root.
+  const auto newer = parseWorld(
+      "<gazebo version='1.5'><world name='w'><model name='m'>" + kBox + "</model></world></gazebo>",
+      "w.world", {});
+  EXPECT_THAT(names(newer.world), ElementsAre("m/l/v"));
 }
 
 TEST_F(ThirdPartyWorlds, AWorldThatLoadsIsNotSaidToFail) {

@@ -67,9 +67,9 @@ std::vector<GazeRequestQueue::Item> SharedGazeClient::take() {
   return gaze_requests_.take();
 }
 
-void SharedGazeClient::publish(const GazeStatus& status) {
+void SharedGazeClient::publish(const GazeStatus& status, const Eigen::Vector2d& p_odom_robot) {
   const std::scoped_lock lock(mutex_);
-  gaze_requests_.publish(status);
+  gaze_requests_.publish(status, p_odom_robot);
 }
 
 PerceptionLoop::PerceptionLoop(const Params& params, std::shared_ptr<const Palette> palette,
@@ -313,7 +313,7 @@ bool PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline&
     }
     status_.latency("iteration", spent.count());
     reportCameraTilt(pipeline.memory());
-    gaze_.publish(result.gaze);
+    gaze_.publish(result.gaze, observation->T_odom_robot.position());
     if (result.command && pan_tilt_) send(*result.command);
     consumer_(*observation, result);
   }

@@ -35,7 +35,7 @@ class SharedGazeClient final : public GazeClient {
   std::optional<GazeStatus> status() override;
 
   std::vector<GazeRequestQueue::Item> take();
-  void publish(const GazeStatus& status);
+  void publish(const GazeStatus& status, const Eigen::Vector2d& p_odom_robot);
 
  private:
   const bool has_pan_tilt_;

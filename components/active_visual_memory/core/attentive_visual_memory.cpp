@@ -166,7 +166,7 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::finish(const RobotObser
                gaze_.attended());
   result.command = gaze_.update(observation, segments, pool_);
   result.gaze = gaze_.status(observation.frame.stamp_us, pool_);
-  gaze_requests_.publish(result.gaze);
+  gaze_requests_.publish(result.gaze, observation.T_odom_robot.position());
   enterStage(probe, "memory");
   if (analysed) {
     for (MemorySegment& segment : segments) {

@@ -16,6 +16,7 @@
 #include "application/app/run_observer.h"
 #include "application/app/status_line.h"
 #include "common/config/config_error.h"
+#include "common/segment_map/symmetry.h"
 
 namespace {
 
@@ -129,7 +130,7 @@ std::optional<RunRecord> record(const RunOptions& options, StopSignals& signals,
   files.emplace(options.out);
   RunObserver observer(
       {&link.camera(), &link.base(), &link.memory(), &link.localization(), link.simulation()}, *files,
-      inputs.driver, inputs.judged);
+      inputs.driver, inputs.judged, symmetriesOf(inputs.map.edges));
   observer.start();
   const PortReply reply = link.replay() != nullptr ? link.replay()->play() : link.simulation()->resume();
   if (!reply.ok()) throw ComponentFailure("time does not begin: " + reply.message);

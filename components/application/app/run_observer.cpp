@@ -24,9 +24,28 @@ void pauseIfEmpty(const Batch& batch, const std::stop_token& stop) {
 
 }  // namespace
 
+TwinError errorToNearestTwin(const PoseEstimate& estimate, const Pose2& truth,
+                             const std::vector<Pose2>& symmetries) {
+  const auto errorOf = [&](const Pose2& pose) {
+    return PoseError{estimate.stamp_us, (pose.position() - truth.position()).norm(),
+                     std::abs(angleDifference(pose.theta, truth.theta)), estimate.reliability};
+  };
+  const auto size = [](const PoseError& error) { return *error.position_m + *error.heading_rad; };
+  TwinError nearest{errorOf(*estimate.T_world_robot), false};
+  for (const Pose2& motion : symmetries) {
+    const PoseError error = errorOf(motion * *estimate.T_world_robot);
+    if (size(error) < size(nearest.error)) nearest = {error, true};
+  }
+  return nearest;
+}
+
 RunObserver::RunObserver(const RunPorts& ports, RunFiles& files, std::optional<SimulatedOperator> driver,
-                         std::optional<ImageRange> judged)
-    : ports_(ports), driver_(std::move(driver)), judged_(judged), files_(files) {
+                         std::optional<ImageRange> judged, std::vector<Pose2> symmetries)
+    : ports_(ports),
+      driver_(std::move(driver)),
+      judged_(judged),
+      symmetries_(std::move(symmetries)),
+      files_(files) {
   live_.last_advance = std::chrono::steady_clock::now();
 }
 
@@ -59,10 +78,9 @@ LiveState RunObserver::live() const {
     state.last_estimate_us = state.estimate->stamp_us;
     const auto truth = poseAt(record_.truth, state.estimate->stamp_us);
     if (truth && state.estimate->T_world_robot) {
-      const Pose2& pose = *state.estimate->T_world_robot;
-      state.error =
-          PoseError{state.estimate->stamp_us, (pose.position() - truth->position()).norm(),
-                    std::abs(angleDifference(pose.theta, truth->theta)), state.estimate->reliability};
+      const TwinError nearest = errorToNearestTwin(*state.estimate, *truth, symmetries_);
+      state.error = nearest.error;
+      state.is_twin = nearest.is_twin;
     }
   }
   return state;

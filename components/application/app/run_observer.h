@@ -37,13 +37,23 @@ struct LiveState {
   std::size_t memory_segments = 0;
   std::optional<PoseEstimate> estimate;  ///< the newest
   std::optional<PoseError> error;        ///< of that estimate; empty without a known truth
-  std::string drive_failure;             ///< reason of the last rejected drive command; empty: accepted
+  bool is_twin = false;       ///< the error is that to a symmetric twin of the true place, which is nearer
+  std::string drive_failure;  ///< reason of the last rejected drive command; empty: accepted
   std::chrono::steady_clock::time_point last_advance;  ///< when the robot's time last advanced
   StampUs last_image_us = 0;                           ///< of the camera
   StampUs last_estimate_us = 0;
 
   double elapsed_s() const { return first_us ? toSeconds(now_us - *first_us) : 0.0; }
 };
+
+/// Error of an estimate to the true place or to that of its twins which is nearest; 1 rad counts as 1 m.
+struct TwinError {
+  PoseError error;
+  bool is_twin = false;
+};
+/// @param estimate with a pose.
+TwinError errorToNearestTwin(const PoseEstimate& estimate, const Pose2& truth,
+                             const std::vector<Pose2>& symmetries);
 
 /// Keeps poses, and of memory and images the last. *Thread-safe* between start and stop.
 class RunObserver {
@@ -52,8 +62,9 @@ class RunObserver {
   /// @param files trajectories are written there as they come; must outlive the observer.
   /// @param judged images of a recording whose analyses are kept; pictures show none after them. Empty: keeps
   /// none.
+  /// @param symmetries of the map (symmetriesOf): the live error counts against the nearest twin.
   RunObserver(const RunPorts& ports, RunFiles& files, std::optional<SimulatedOperator> driver,
-              std::optional<ImageRange> judged);
+              std::optional<ImageRange> judged, std::vector<Pose2> symmetries);
   ~RunObserver() { stop(); }
 
   void start();
@@ -75,6 +86,7 @@ class RunObserver {
   const RunPorts ports_;
   std::optional<SimulatedOperator> driver_;  ///< of the truth's thread
   const std::optional<ImageRange> judged_;
+  const std::vector<Pose2> symmetries_;
 
   mutable std::mutex mutex_;
   RunFiles& files_;

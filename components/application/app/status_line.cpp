@@ -74,6 +74,7 @@ std::string statusText(const LiveState& live, const std::optional<GazeStatus>& g
   if (live.error) {
     text +=
         formatted(" | error %.2f m %.1f deg", *live.error->position_m, radToDeg(*live.error->heading_rad));
+    if (live.is_twin) text += " of the twin place, from which the map looks the same";
   }
   if (!live.drive_failure.empty()) text += " | cannot drive: " + live.drive_failure;
   return text;

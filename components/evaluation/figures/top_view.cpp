@@ -158,6 +158,10 @@ void drawMemory(Canvas& canvas, const TopViewFrame& frame, std::vector<LabelledS
   for (const LabelledSegment& s : memory) {
     const Eigen::Vector2d a = frame.toPx(s.world.a.head<2>());
     const Eigen::Vector2d b = frame.toPx(s.world.b.head<2>());
+    if (!s.confirmed) {
+      canvas.dashedLine(a, b, memoryColor(s));
+      continue;
+    }
     canvas.line(a, b, memoryColor(s), 2.0);
     canvas.disc(a, 2.2, memoryColor(s));
     canvas.disc(b, 2.2, memoryColor(s));
@@ -175,6 +179,10 @@ class Legend {
   }
   void stroke(const std::string& text, Rgb color, double width) {
     canvas_.line(at_, at_ + Eigen::Vector2d(30, 0), color, width);
+    label(text);
+  }
+  void dashes(const std::string& text, Rgb color) {
+    canvas_.dashedLine(at_, at_ + Eigen::Vector2d(30, 0), color);
     label(text);
   }
   void mark(const std::string& text, Rgb color, double opacity) {
@@ -225,6 +233,10 @@ void drawLegend(Canvas& canvas, const TopViewFrame& frame, const TopView& view,
     const bool any_pale = std::any_of(view.memory.begin(), view.memory.end(), [](const LabelledSegment& s) {
       return s.unseen_us > kRecentlySeen_us;
     });
+    const auto unconfirmed = std::count_if(view.memory.begin(), view.memory.end(),
+                                           [](const LabelledSegment& s) { return !s.confirmed; });
+    if (unconfirmed > 0)
+      legend.dashes("not confirmed (" + std::to_string(unconfirmed) + ")", colors::kMemory);
     if (any_pale) legend.stroke("seen over 3 s ago", mixed(colors::kMemory, colors::kPaper, kPale), 2.5);
   }
   if (view.robot) legend.mark("robot, estimated", colors::kEstimate, 1.0);
@@ -307,7 +319,8 @@ cv::Mat drawTopView(const TopView& view) {
 std::vector<LabelledSegment> memoryInWorld(const MemorySnapshot& memory, const Pose2& T_world_odom) {
   std::vector<LabelledSegment> placed;
   for (const MemorySegment& s : memory.segments) {
-    placed.push_back({transform(T_world_odom, s.odom), s.label, memory.stamp_us - s.last_seen_us});
+    placed.push_back(
+        {transform(T_world_odom, s.odom), s.label, memory.stamp_us - s.last_seen_us, s.confirmed});
   }
   return placed;
 }

@@ -18,6 +18,7 @@ struct LabelledSegment {
   Segment3 world;  ///< [m]
   Label label;
   StampUs unseen_us = 0;  ///< time since it was last seen
+  bool confirmed = true;  ///< false: it may be off the floor, and be elsewhere
 };
 
 struct TopView {

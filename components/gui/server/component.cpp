@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/config/text_fields.h"
+#include "common/process/ice_setup.h"
 #include "common/process/log.h"
 #include "common/process/robot_identity.h"
 #include "common/process/status.h"
@@ -40,6 +41,10 @@ class GuiServer : public Component {
     server_ = std::make_unique<PageServer>(options_);
     server_->bind();
     host.log().info("pages at " + server_->address());
+    if (!isLoopback(options_.endpoint.host)) {
+      host.status().error("pages open to other machines: " + server_->address() +
+                          " (they hold the token; 127.0.0.1 keeps them to this machine)");
+    }
     thread_ = std::jthread(host.guarded([this](const std::stop_token&) { server_->serve(); }));
   }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/config/config_error.h"
 #include "common/geometry/angles.h"
 #include "common/memory_ice/visual_memory_ice.h"
 #include "common/process/parameter_table.h"
@@ -36,7 +37,10 @@ class LocalizationComponent final : public Component, public LocalizationControl
     if (!config_.gaze_proxy.empty()) {
       planner_.emplace(config_.gaze, config_.params.robust.likelihood, config_.params.map, map_edges_);
     }
-    if (config_.start) localizer_.setPose(*config_.start);
+    if (!config_.start) return;
+    if (const std::string problem = localizer_.problemOf(*config_.start); !problem.empty())
+      throw ConfigError({"Localization.Start.Position_m: " + problem});
+    localizer_.setPose(*config_.start);
   }
 
   void start(ComponentHost& host) override {

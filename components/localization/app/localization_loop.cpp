@@ -48,7 +48,9 @@ void LocalizationLoop::stop() {
 }
 
 PortReply LocalizationLoop::setPose(const Pose2& T_world_robot) {
-  if (!isFinite(T_world_robot)) return PortReply::rejected("the pose is not finite");
+  // Constant since its construction: no lock.
+  if (const std::string problem = localizer_.problemOf(T_world_robot); !problem.empty())
+    return PortReply::rejected(problem);
   return enqueue(T_world_robot);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "common/geometry/angles.h"
 #include "localization/core/hypotheses/chapter_races.h"
@@ -33,6 +34,17 @@ std::unique_ptr<RaceStrategy> makeStrategy(const LocalizerParams& params, const 
   return makeRobustRaces(map_edges, params.map, params.explorers, params.robust);
 }
 
+Eigen::AlignedBox2d placesOf(const SegmentMap& map_edges, double margin_m) {
+  Eigen::AlignedBox2d box;
+  for (const MapSegment& segment : map_edges.segments) {
+    box.extend(segment.world.a.head<2>().eval());
+    box.extend(segment.world.b.head<2>().eval());
+  }
+  if (box.isEmpty()) return box;
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(margin_m);
+  return {box.min() - margin, box.max() + margin};
+}
+
 }  // namespace
 
 LocalizerParams localizerPreset(LocalizationMode mode) {
@@ -54,7 +66,11 @@ HealthMapParams healthMapParams(const LocalizerParams& params) {
 }
 
 Localizer::Localizer(const LocalizerParams& params, const SegmentMap& map_edges, std::uint64_t seed)
-    : params_(params), strategy_(makeStrategy(params, map_edges)), table_(params.races), engine_(seed) {
+    : params_(params),
+      places_(placesOf(map_edges, std::max(kBesideMap_m, params.explorers.margin_m))),
+      strategy_(makeStrategy(params, map_edges)),
+      table_(params.races),
+      engine_(seed) {
   if (params.mode == LocalizationMode::kDefault && params.odometry.enabled) {
     odometry_.emplace(params.odometry);
   }
@@ -189,6 +205,18 @@ void Localizer::beginEpoch() {
   reliability_ = std::min(reliability_, kReliabilityAfterEpoch);
   strategy_->discountEvidence(table_);
   last_tick_us_.reset();
+}
+
+std::string Localizer::problemOf(const Pose2& T_world_robot) const {
+  if (!isFinite(T_world_robot)) return "the pose is not finite";
+  if (places_.isEmpty() || places_.contains(T_world_robot.position())) return {};
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "%.6g %.6g m lies outside the map (must be within %.6g..%.6g, %.6g..%.6g m: its box and what "
+                "lies beside it)",
+                T_world_robot.x, T_world_robot.y, places_.min().x(), places_.max().x(), places_.min().y(),
+                places_.max().y());
+  return text;
 }
 
 void Localizer::setPose(const Pose2& T_world_robot) {

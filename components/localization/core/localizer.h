@@ -2,9 +2,11 @@
 /// races. Pure. Implements L2. See L1-L9, L12.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "common/segment_map/segment_map.h"
 #include "common/visual_memory/memory_snapshot.h"
@@ -45,6 +47,9 @@ LocalizerParams localizerPreset(LocalizationMode mode);
 /// The part of the parameters that health maps depend on.
 HealthMapParams healthMapParams(const LocalizerParams& params);
 
+/// A robot may stand this far beside all that its map shows, as beside the lines of a field [m].
+constexpr double kBesideMap_m = 2.0;
+
 /// One robot's localization. The same updates with the same seed give the same estimates.
 /// *Single-threaded* (owner: the component's loop).
 class Localizer {
@@ -72,6 +77,10 @@ class Localizer {
   /// Deletes all races and searches the whole map.
   void relocalize();
 
+  /// @return why the robot cannot be at a pose: not finite, or more than kBesideMap_m (or the explorers'
+  /// margin, if larger) outside the map's bounding box; empty if it can.
+  std::string problemOf(const Pose2& T_world_robot) const;
+
   const PoseEstimate& latest() const { return estimate_; }
   const RaceTable& table() const { return table_; }
 
@@ -88,6 +97,7 @@ class Localizer {
   void report();
 
   LocalizerParams params_;
+  Eigen::AlignedBox2d places_;  ///< where the robot can be
   std::unique_ptr<RaceStrategy> strategy_;
   RaceTable table_;
   RandomEngine engine_;

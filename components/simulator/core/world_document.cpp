@@ -141,6 +141,30 @@ struct WorldDocument::Impl {
   XMLElement* root() { return document.RootElement(); }
   XMLElement* world() { return root()->FirstChildElement("world"); }
 
+  // --- SDF 1.0 ---
+  /// SDF 1.0 has values as attributes, later versions as elements; libsdformat begins with 1.2.
+  void modernize(XMLElement& e) {
+    for (XMLElement* child : childrenOf(e)) modernize(*child);
+    static const std::set<std::string_view> kKept{"name", "type", "version", "filename"};
+    std::vector<std::pair<std::string, std::string>> values;
+    for (const auto* a = e.FirstAttribute(); a != nullptr; a = a->Next())
+      values.emplace_back(a->Name(), a->Value());
+    const std::string kind = e.Name();
+    for (const auto& [name, value] : values) {
+      const bool is_mesh = kind == "mesh" && name == "filename";
+      if (kKept.contains(name) && !is_mesh) continue;
+      e.DeleteAttribute(name.c_str());
+      if (name == "rgba" || name == "xyz" || (kind == "origin" && name == "pose")) {
+        e.SetText(value.c_str());
+      } else if (kind == "material" && name == "script") {
+        e.InsertNewChildElement("script")->InsertNewChildElement("name")->SetText(value.c_str());
+      } else {
+        e.InsertNewChildElement(is_mesh ? "uri" : name.c_str())->SetText(value.c_str());
+      }
+    }
+    if (kind == "origin") e.SetName("pose");
+  }
+
   // --- repairs ---
   void repairNumbers(XMLElement& e, Notes& notes) {
     const char* text = e.FirstChildElement() == nullptr ? e.GetText() : nullptr;
@@ -343,6 +367,10 @@ WorldDocument::~WorldDocument() = default;
 std::vector<std::string> WorldDocument::repair() {
   Notes notes;
   XMLElement& root = *impl_->root();
+  if (root.Attribute("version", "1.0") != nullptr) {
+    impl_->modernize(root);
+    root.SetAttribute("version", "1.3");
+  }
   removeUnsimulated(root);
   if (root.Attribute("version") == nullptr) {
     root.SetAttribute("version", kAssumedVersion);

@@ -2,6 +2,7 @@
 
 #include <console_bridge/console.h>
 
+#include <iostream>
 #include <sdf/sdf.hh>
 
 namespace vismem {
@@ -19,10 +20,23 @@ sdf::SDFPtr emptyTree() {
   return tree;
 }
 
+/// libsdformat prints the errors of included files, which it also returns.
+class SilentErrorOutput {
+ public:
+  SilentErrorOutput() : buffer_(std::cerr.rdbuf(nullptr)) {}
+  ~SilentErrorOutput() { std::cerr.rdbuf(buffer_); }
+  SilentErrorOutput(const SilentErrorOutput&) = delete;
+  SilentErrorOutput& operator=(const SilentErrorOutput&) = delete;
+
+ private:
+  std::streambuf* buffer_;
+};
+
 void readInto(Reading& reading, const sdf::SDFPtr& tree, const std::string& xml,
               const std::function<std::string(const std::string&)>& find_include) {
   sdf::ParserConfig config;
   config.SetFindCallback(find_include);
+  const SilentErrorOutput silent;
   try {
     sdf::Errors errors;
     if (sdf::readString(xml, config, tree, errors)) {

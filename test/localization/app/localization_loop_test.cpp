@@ -134,6 +134,14 @@ TEST_F(LocalizationLoopTest, RejectsPosesThatAreNotFiniteAndAFullQueue) {
   EXPECT_EQ(loop_.relocalize().message, "16 commands are waiting already");
 }
 
+TEST_F(LocalizationLoopTest, RejectsPosesOutsideTheMap) {
+  // The map is a corner from (0, 0) to (4, 4).
+  EXPECT_EQ(loop_.setPose({7.0, 1.5, 0.0}).message,
+            "7 1.5 m lies outside the map (must be within -2..6, -2..6 m: its box and what lies beside it)");
+  EXPECT_FALSE(loop_.setPose({1.0, -1e6, 0.0}).ok());
+  EXPECT_TRUE(loop_.setPose({-1.9, 5.9, 0.0}).ok()) << "beside the map's edges";
+}
+
 TEST_F(LocalizationLoopTest, ReportsEachStateOfTheSourceOnce) {
   start();
   source_.provide(1);

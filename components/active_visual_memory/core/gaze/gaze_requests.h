@@ -11,6 +11,9 @@
 
 namespace vismem {
 
+/// Largest distance on the floor from the robot to a place that is looked at [m].
+constexpr double kFarthestPlace_m = 1000.0;
+
 /// Requests of gaze clients until the loop takes them. *Single-threaded*: a component guards it if clients
 /// live in other threads. Invalid requests are rejected here, so the loop need not check them.
 class GazeRequestQueue final : public GazeClient {
@@ -34,9 +37,17 @@ class GazeRequestQueue final : public GazeClient {
   void push(const Item& message) { items_.push_back(message); }
   /// For the owner: the items since the last call, oldest first.
   std::vector<Item> take();
-  void publish(GazeStatus status) { status_ = std::move(status); }
+  /// @param p_odom_robot places farther from it than kFarthestPlace_m are rejected from now on.
+  void publish(GazeStatus status, const Eigen::Vector2d& p_odom_robot) {
+    status_ = std::move(status);
+    p_odom_robot_ = p_odom_robot;
+  }
 
  private:
+  /// @return empty for a place that can be looked at.
+  std::string problemOf(const Eigen::Vector3d& p_odom) const;
+
+  Eigen::Vector2d p_odom_robot_ = Eigen::Vector2d::Zero();
   bool has_fixation_ = false;
   std::vector<Item> items_;
   std::optional<GazeStatus> status_;

@@ -25,5 +25,19 @@ TEST(GazeRequestQueue, RejectsInvalidRequestsWithTheReason) {
   EXPECT_TRUE(queue.take().empty());
 }
 
+TEST(GazeRequestQueue, RejectsPlacesThatAreFarFromTheRobot) {
+  GazeRequestQueue queue;
+  EXPECT_EQ(queue.fixate({1500, 0, 0}).message,
+            "place 1500 0 0 is 1500 m from the robot (must be within 1000 m)");
+  EXPECT_EQ(queue.fixate({0, 0, -2000}).message,
+            "place 0 0 -2000 is 2000 m from the robot (must be within 1000 m)");
+  queue.publish({}, {1200, 0});
+  EXPECT_TRUE(queue.fixate({1500, 0, 0}).ok()) << "the robot has come nearer";
+  GazeRequest request;
+  request.client = "test";
+  request.p_odom = Eigen::Vector3d(0, 0, 0);
+  EXPECT_EQ(queue.request(request).message, "place 0 0 0 is 1200 m from the robot (must be within 1000 m)");
+}
+
 }  // namespace
 }  // namespace vismem
