@@ -27,7 +27,7 @@ TEST_P(AMinuteInAWorld, IsDrivenWithoutAStopAndLocalized) {
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryWorld, AMinuteInAWorld, ::testing::ValuesIn(shippedWorlds()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& world) { return world.param; });
 
 }  // namespace
 }  // namespace vismem

@@ -35,8 +35,8 @@ TEST_P(OwnWorlds, AreDrivenAlongTheirRouteWithARightPose) {
 INSTANTIATE_TEST_SUITE_P(EveryWorld, OwnWorlds,
                          ::testing::Combine(::testing::ValuesIn(shippedWorlds()),
                                             ::testing::Values("sim", "humanoid")),
-                         [](const auto& info) {
-                           return std::get<0>(info.param) + "_" + std::get<1>(info.param);
+                         [](const auto& world) {
+                           return std::get<0>(world.param) + "_" + std::get<1>(world.param);
                          });
 
 }  // namespace

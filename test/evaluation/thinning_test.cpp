@@ -30,7 +30,9 @@ TEST(Thinning, StaysWithinItsCapacityEvenlySpaced) {
     ASSERT_EQ(kept.front(), 0);
     ASSERT_EQ(kept.back(), count - 1);
     for (std::size_t i = 2; i + 1 < kept.size(); ++i) ASSERT_EQ(kept[i] - kept[i - 1], kept[1]) << count;
-    if (count > 16) ASSERT_GE(kept.size(), 8u) << count;
+    if (count > 16) {
+      ASSERT_GE(kept.size(), 8u) << count;
+    }
   }
 }
 

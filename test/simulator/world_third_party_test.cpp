@@ -140,7 +140,9 @@ TEST_F(ThirdPartyWorlds, TheOldestRootAndItsAttributes) {
   expectBounds(bounds(loaded.world, "m"), {2.5F, -1.0F, 0.0F}, {3.5F, 1.0F, 4.0F});
   EXPECT_TRUE(loaded.world.models[0].bodies[0].color.isApprox(Eigen::Vector3f(0.2F, 0.4F, 0.6F)));
   EXPECT_TRUE(loaded.world.models[0].bodies[1].color.isApprox(Eigen::Vector3f(1, 0, 0)));
-  EXPECT_THAT(loaded.warnings, ElementsAre(HasSubstr("<model name=\"lost\"> is left out")));
+  // The oldest root names a script of a material without its place, which the library notes beside it.
+  EXPECT_THAT(loaded.warnings, ElementsAre(HasSubstr("<model name=\"lost\"> is left out"),
+                                           HasSubstr("A <script> element is missing a child <uri>")));
   // A newer one of the same root.
   const auto newer = parseWorld(
       "<gazebo version='1.5'><world name='w'><model name='m'>" + kBox + "</model></world></gazebo>",
