@@ -106,7 +106,7 @@ class SetupSearch : public testing::Test {
 };
 
 TEST_F(SetupSearch, ReadsTheConfigurationOfASetupThatWasNotStarted) {
-  const auto rows = rowsOfSetup(root_, "sim", 100);
+  const auto rows = rowsOfSetup(root_, root_ / "cfg", "sim", 100);
   ASSERT_EQ(rows.size(), 2u) << "recordings.cfg is no component's";
   EXPECT_EQ(rows[0].name, "localization");
   EXPECT_THAT(rows[0].failure, HasSubstr("names no endpoints"));
@@ -123,7 +123,7 @@ TEST_F(SetupSearch, ReadsWhereStartedComponentsReallyServe) {
   write("out/sim+5/localization.out", "");
   write("out/20260101-101010/trajectory.tum", "");
   EXPECT_THAT(startedSetups(root_), ElementsAre("sim+5"));
-  const auto rows = rowsOfSetup(root_, "sim+5", 0);
+  const auto rows = rowsOfSetup(root_, root_ / "cfg", "sim+5", 0);
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(statusProxyOf(rows[0]), "simulator/component:tcp -h 127.0.0.1 -p 2") << "the last start counts";
   EXPECT_EQ(rows[1].failure, "it has not become ready");
@@ -133,9 +133,10 @@ TEST_F(SetupSearch, NamesWhatIsNoSetup) {
   EXPECT_THROW(
       {
         try {
-          rowsOfSetup(root_, "mars", 0);
+          rowsOfSetup(root_, root_ / "cfg", "mars", 0);
         } catch (const ConfigError& error) {
-          EXPECT_THAT(error.what(), HasSubstr("setup mars (must be a folder of cfg/"));
+          EXPECT_THAT(error.what(),
+                      HasSubstr("setup mars (must be a folder of " + (root_ / "cfg").string() + "/"));
           throw;
         }
       },

@@ -8,7 +8,10 @@ fs::path projectFile(const fs::path& relative) {
   std::error_code failed;
   if (fs::exists(relative, failed)) return relative;
   const fs::path program = fs::read_symlink("/proc/self/exe", failed);
-  const fs::path found = failed ? fs::path() : findUpwards(program.parent_path(), relative);
+  if (failed) return relative;
+  fs::path found = findUpwards(program.parent_path(), relative);
+  // Installed programs have their data in share/vismem beside a folder above them.
+  if (found.empty()) found = findUpwards(program.parent_path(), fs::path("share/vismem") / relative);
   return found.empty() ? relative : found;
 }
 

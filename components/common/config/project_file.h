@@ -6,7 +6,8 @@
 namespace vismem {
 
 /// Finds a file named from the project's root, such as cfg/maps/corridor.palette: below the working
-/// directory, else below a folder above this program.
+/// directory, else below a folder above this program, else below share/vismem of a folder above it
+/// (installed).
 /// @return `relative` itself if it is in neither, so that the error of opening it names it.
 std::filesystem::path projectFile(const std::filesystem::path& relative);
 

@@ -24,6 +24,7 @@
 #include "common/process/parameter_table.h"
 #include "common/process/ready_line.h"
 #include "common/process/robot_identity.h"
+#include "common/process/service_manager.h"
 #include "common/process/status.h"
 
 namespace vismem {
@@ -284,8 +285,10 @@ void printHelp(const ComponentSpec& spec) {
 /// Stops all started parts, also after a failed start, in this order.
 class Ending {
  public:
-  Ending(Component& component, Host& host) : component_(component), host_(host) {}
+  Ending(Component& component, Host& host, ServiceManager& manager)
+      : component_(component), host_(host), manager_(manager) {}
   ~Ending() {
+    manager_.stopping();
     host_.status().stopping();
     host_.adapter()->deactivate();
     if (host_.webAdapter()) host_.webAdapter()->deactivate();
@@ -303,6 +306,7 @@ class Ending {
  private:
   Component& component_;
   Host& host_;
+  ServiceManager& manager_;
 };
 
 /// Raises the limit of descriptors: idle connections of untrusted clients must not use up all of them.
@@ -342,7 +346,8 @@ void reportOpenEndpoints(Host& host) {
 
 void serveUntilStopped(const ComponentSpec& spec, const ProcessKeys& keys, Component& component, Host& host,
                        StopRequest& stop) {
-  const Ending ending(component, host);
+  ServiceManager manager(ServiceManager::socketOfEnvironment());
+  const Ending ending(component, host, manager);
   CpuMeter cpu;
   const auto measure = [&] {
     cpu.add(std::chrono::steady_clock::now(), processorTime_s());
@@ -358,10 +363,18 @@ void serveUntilStopped(const ComponentSpec& spec, const ProcessKeys& keys, Compo
   host.status().serving();
   reportOpenEndpoints(host);
   std::cout << readyLineOf(spec, host) << std::endl;
+  manager.ready(host.status().stateLine());
   host.log().info("stopping: " + stop.wait([&] {
-    host.status().checkProgress();
+    const bool progress = host.status().checkProgress();
     measure();
+    manager.report(host.status().stateLine(), progress);
   }));
+}
+
+/// The value of a variable of the environment; empty without it.
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
 }
 
 void runConfigured(const ComponentSpec& spec, const Properties& properties, Logger& log, StopRequest& stop) {
@@ -392,6 +405,14 @@ void runConfigured(const ComponentSpec& spec, const Properties& properties, Logg
   stop.rethrowFailure();
 }
 
+/// On a terminal the problems alone, one a line; the journal needs the level, too.
+void reportWrongConfiguration(Logger& log, const ConfigError& error) {
+  if (log.format() == Logger::Format::kJournal)
+    log.error(error.what());
+  else
+    std::cerr << error.what() << std::endl;
+}
+
 }  // namespace
 
 void declareProcessKeys(ConfigReader& config, const ComponentSpec& spec) {
@@ -410,9 +431,7 @@ int runComponent(int argc, char** argv, const ComponentSpec& spec) {
   limitAllocations(kLargestAllocation);
   mallopt(M_ARENA_MAX, kMemoryArenas);
   try {
-    const char* environment_config = std::getenv("ICE_CONFIG");
-    const auto line = parseCommandLine({argv + std::min(argc, 1), argv + argc},
-                                       environment_config == nullptr ? "" : environment_config);
+    auto line = parseCommandLine({argv + std::min(argc, 1), argv + argc}, environment("ICE_CONFIG"));
     switch (line.action) {
       case CommandLine::Action::kHelp:
         printHelp(spec);
@@ -423,10 +442,11 @@ int runComponent(int argc, char** argv, const ComponentSpec& spec) {
       case CommandLine::Action::kRun:
         break;
     }
+    addCredentials(line.properties, environment("CREDENTIALS_DIRECTORY"));
     runConfigured(spec, line.properties, log, stop);
     return kExitClean;
   } catch (const ConfigError& error) {
-    std::cerr << error.what() << std::endl;
+    reportWrongConfiguration(log, error);
     return kExitConfiguration;
   } catch (const std::exception& failure) {
     log.error(describeFailure(failure));

@@ -1,14 +1,18 @@
 #include "common/process/log.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <iostream>
 #include <utility>
 
 #include "common/config/text_file.h"
+#include "common/process/service_manager.h"
 
 namespace vismem {
 namespace {
@@ -45,13 +49,38 @@ const char* nameOf(LogLevel level) {
   return "";
 }
 
+/// The level of syslog(3) in front of a line.
+const char* journalLevel(LogLevel level) {
+  switch (level) {
+    case LogLevel::kDebug:
+      return "<7>";
+    case LogLevel::kInfo:
+      return "<6>";
+    case LogLevel::kWarning:
+      return "<4>";
+    case LogLevel::kError:
+      return "<3>";
+  }
+  return "";
+}
+
+Logger::Format formatOfStderr() {
+  const char* stream = std::getenv("JOURNAL_STREAM");
+  return stream != nullptr && leadsToJournal(STDERR_FILENO, stream) ? Logger::Format::kJournal
+                                                                    : Logger::Format::kTerminal;
+}
+
 }  // namespace
 
 Logger::Logger(std::string component, LogLevel lowest)
-    : Logger(std::move(component), lowest, std::cerr, localTime) {}
+    : Logger(std::move(component), lowest, std::cerr, localTime, formatOfStderr()) {}
 
-Logger::Logger(std::string component, LogLevel lowest, std::ostream& out, Stamp stamp)
-    : component_(std::move(component)), stamp_(std::move(stamp)), lowest_(lowest), out_(out) {}
+Logger::Logger(std::string component, LogLevel lowest, std::ostream& out, Stamp stamp, Format format)
+    : component_(std::move(component)),
+      stamp_(std::move(stamp)),
+      format_(format),
+      lowest_(lowest),
+      out_(out) {}
 
 void Logger::setLowest(LogLevel lowest) {
   const std::scoped_lock lock(mutex_);
@@ -75,6 +104,18 @@ std::string Logger::withoutSecrets(std::string_view message) const {
   return text;
 }
 
+std::string Logger::written(LogLevel level, const std::string& text) const {
+  if (format_ == Format::kTerminal)
+    return stamp_() + " " + component_ + " " + nameOf(level) + " " + text + '\n';
+  const std::string prefix = journalLevel(level);
+  std::string lines = prefix;
+  for (const char c : text) {
+    lines += c;
+    if (c == '\n') lines += prefix;
+  }
+  return lines + '\n';
+}
+
 void Logger::write(LogLevel level, std::string_view message) {
   const std::string whole = withoutSecrets(message);
   std::string_view rest = whole;
@@ -87,7 +128,7 @@ void Logger::write(LogLevel level, std::string_view message) {
     text += "\n    ";
     rest.remove_prefix(end + 1);
   }
-  const std::string line = stamp_() + " " + component_ + " " + nameOf(level) + " " + text + '\n';
+  const std::string line = written(level, text);
   const std::scoped_lock lock(mutex_);
   if (level < lowest_) return;
   out_ << line << std::flush;

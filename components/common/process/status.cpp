@@ -120,14 +120,16 @@ void StatusBoard::ended(const std::string& thread) {
   watched_.erase(thread);
 }
 
-void StatusBoard::checkProgress() {
+bool StatusBoard::checkProgress() {
   const auto now = clock_();
   std::vector<std::string> hanging;
   std::vector<std::string> back;
+  bool progress = true;
   {
     const std::scoped_lock lock(mutex_);
     for (auto& [thread, watched] : watched_) {
       const bool hangs = now - watched.last > watched.limit;
+      progress = progress && !hangs;
       if (hangs == watched.reported) continue;
       watched.reported = hangs;
       if (hangs) {
@@ -140,6 +142,7 @@ void StatusBoard::checkProgress() {
   }
   for (const auto& text : hanging) log_.error(text);
   for (const auto& thread : back) log_.info(thread + " goes on");
+  return progress;
 }
 
 void StatusBoard::error(const std::string& text) {
@@ -218,6 +221,14 @@ StatusReport StatusBoard::report() const {
   report.errors.assign(errors_.begin(), errors_.end());
   decideState(report, now);
   return report;
+}
+
+std::string StatusBoard::stateLine() const {
+  const auto now = clock_();
+  const std::scoped_lock lock(mutex_);
+  StatusReport report;
+  decideState(report, now);
+  return nameOf(report.state) + (report.reason.empty() ? std::string() : ": " + report.reason);
 }
 
 std::vector<Setting> StatusBoard::configuration() const {

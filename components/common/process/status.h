@@ -104,7 +104,8 @@ class StatusBoard {
   /// Ends the watch of a thread that has ended regularly.
   void ended(const std::string& thread);
   /// Logs the begin and end of missing progress, once per change. The main thread calls it periodically.
-  void checkProgress();
+  /// @return whether all watched threads make progress.
+  bool checkProgress();
 
   /// Reports a failure without a lasting fault. A repetition of the same text is neither kept nor logged.
   void error(const std::string& text);
@@ -117,6 +118,8 @@ class StatusBoard {
   void setConfiguration(std::vector<Setting> settings);
 
   StatusReport report() const;
+  /// State and reason in one line: "degraded: Camera is lost (connection refused)".
+  std::string stateLine() const;
   std::vector<Setting> configuration() const;
 
  private:

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/config/project_file.h"
 #include "common/config/text_fields.h"
 #include "common/process/ice_setup.h"
 #include "common/process/log.h"
@@ -25,11 +26,14 @@ constexpr std::array<std::string_view, 10> kObjects{"Camera",       "PanTilt", "
                                                     "VisualMemory", "Gaze",    "Localization", "Simulation",
                                                     "Replay",       "Recorder"};
 
-/// pages/ beside the folder of the program: build/release/bin/gui_server, build/release/gui.
+/// gui/ beside the folder of the program (build/release/bin/gui_server, build/release/gui); of an installed
+/// one share/vismem/gui below a folder above it.
 std::filesystem::path defaultPages() {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-  return error ? std::filesystem::path("gui") : program.parent_path().parent_path() / "gui";
+  if (error) return "gui";
+  const auto installed = findUpwards(program.parent_path(), "share/vismem/gui");
+  return installed.empty() ? program.parent_path().parent_path() / "gui" : installed;
 }
 
 class GuiServer : public Component {

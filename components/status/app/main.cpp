@@ -28,6 +28,7 @@ struct Options {
   bool watch = false;
   bool json = false;
   std::string configuration;
+  std::string configurations = "cfg";
   int port_offset = 0;
   double timeout_s = 1.0;
   double interval_s = 1.0;
@@ -44,6 +45,9 @@ void declare(CLI::App& app, Options& options) {
                  "the effective configuration of this component instead: every key, defaults included");
   app.add_option("--port-offset", options.port_offset, "added to the ports of cfg/, as in scripts/run")
       ->check(CLI::Range(0, 50000));
+  app.add_option("--setups", options.configurations,
+                 "folder of the setups: /etc/vismem where it is installed")
+      ->capture_default_str();
   app.add_option("--timeout", options.timeout_s, "how long an answer may take [s]")
       ->check(CLI::Range(0.05, 60.0));
   app.add_option("--interval", options.interval_s, "between two looks of --watch [s]")
@@ -78,6 +82,7 @@ class Viewer {
   Viewer(const Options& options, fs::path root)
       : options_(options),
         root_(std::move(root)),
+        configurations_(options.configurations),
         log_("show_status", LogLevel::kError),
         ice_(communicator(log_)) {}
 
@@ -86,7 +91,7 @@ class Viewer {
     if (setups.empty() && options_.port_offset == 0) setups = startedSetups(root_);
     const bool only_who_answers = setups.empty();
     if (only_who_answers) {
-      for (const auto& entry : fs::directory_iterator(root_ / "cfg")) {
+      for (const auto& entry : fs::directory_iterator(configurations_)) {
         if (entry.is_directory() && !componentsOfSetup(entry.path()).empty())
           setups.push_back(entry.path().filename().string());
       }
@@ -94,7 +99,7 @@ class Viewer {
     }
     std::vector<ComponentRow> rows;
     for (const auto& setup : setups) {
-      for (auto& row : rowsOfSetup(root_, setup, options_.port_offset)) {
+      for (auto& row : rowsOfSetup(root_, configurations_, setup, options_.port_offset)) {
         const auto same = [&](const ComponentRow& other) {
           return other.name == row.name && other.endpoints == row.endpoints;
         };
@@ -167,13 +172,17 @@ class Viewer {
 
   const Options& options_;
   const fs::path root_;
+  const fs::path configurations_;
   Logger log_;
   Ice::CommunicatorHolder ice_;
 };
 
 int run(const Options& options) {
   EndSignals end;
-  if (!fs::is_directory("cfg")) throw ConfigError({"no folder cfg here: run it from the project's root"});
+  if (!fs::is_directory(options.configurations)) {
+    throw ConfigError({"no folder " + options.configurations +
+                       " here: run it from the project's root, or name the folder of setups (--setups)"});
+  }
   Viewer viewer(options, fs::current_path());
   if (!options.configuration.empty()) return viewer.showConfiguration();
   const bool terminal = isatty(STDOUT_FILENO) == 1;

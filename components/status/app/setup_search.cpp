@@ -64,13 +64,14 @@ std::vector<std::string> startedSetups(const fs::path& root) {
   return setups;
 }
 
-std::vector<ComponentRow> rowsOfSetup(const fs::path& root, const std::string& setup, int port_offset) {
+std::vector<ComponentRow> rowsOfSetup(const fs::path& root, const fs::path& configurations,
+                                      const std::string& setup, int port_offset) {
   const fs::path list = processListOf(root, setup);
   if (port_offset == 0 && hasProcesses(list)) return rowsOfStarted(list, setup);
-  const fs::path folder = root / "cfg" / setup;
+  const fs::path folder = configurations / setup;
   if (!fs::is_directory(folder)) {
-    throw ConfigError(
-        {"setup " + setup + " (must be a folder of cfg/, or one that scripts/start has started)"});
+    throw ConfigError({"setup " + setup + " (must be a folder of " + configurations.string() +
+                       "/, or one that scripts/start has started)"});
   }
   std::vector<ComponentRow> rows;
   for (const auto& component : componentsOfSetup(folder)) {

@@ -14,11 +14,13 @@ namespace vismem {
 std::vector<std::string> startedSetups(const std::filesystem::path& root);
 
 /// The rows of a setup, without reports yet. A running setup of scripts/start is read from out/SETUP/ (list
-/// of processes, ready lines with the actual endpoints), any other from cfg/SETUP/.
-/// @param setup        name of a folder of out/ or cfg/.
-/// @param port_offset  added to the ports of a setup read from cfg/.
+/// of processes, ready lines with the actual endpoints), any other from its folder of configurations.
+/// @param configurations  the folder of setups: cfg/, or /etc/vismem of an installation.
+/// @param setup           name of a folder of out/ or of `configurations`.
+/// @param port_offset     added to the ports of a setup read from `configurations`.
 /// @throw ConfigError if neither folder exists.
-std::vector<ComponentRow> rowsOfSetup(const std::filesystem::path& root, const std::string& setup,
+std::vector<ComponentRow> rowsOfSetup(const std::filesystem::path& root,
+                                      const std::filesystem::path& configurations, const std::string& setup,
                                       int port_offset);
 
 /// The proxy of a component's status, at its first endpoint only: an absent one needs a single request.
