@@ -155,8 +155,16 @@ void ConfigReader::alias(std::string_view old_name, std::string_view new_name) {
   }
 }
 
+void ConfigReader::retired(std::string_view name, std::string_view why) {
+  known(name);
+  if (const auto* entry = state_->properties.find(key(name))) {
+    state_->retired.push_back({entry->origin, "key \"" + key(name) + "\" has no effect any more: " + std::string(why) +
+                                                 " (it ends with release " + std::string(kAliasesEnd) + ")"});
+  }
+}
+
 std::vector<Problem> ConfigReader::renamedKeys() const {
-  std::vector<Problem> lines;
+  std::vector<Problem> lines = state_->retired;
   for (const auto& [new_key, old_key] : state_->old_names) {
     const auto* old = state_->properties.find(old_key);
     if (!old) continue;
