@@ -12,10 +12,9 @@ namespace vismem {
 namespace {
 
 /// 20 % of the segments false and 20 % lost: similar places need several views to be distinguished.
-const E6Place kIrregularHard{.name = "irregular_hard",
-                             .title = "irregular corridor, 20 % false segments, 20 % lost",
-                             .trials = 50,
-                             .disturbance = {0.2, 0.2, 3.0}};
+const E6Place kRenderedHard{.name = "rendered_hard",
+                            .title = "irregular corridor, 20 % false segments, 20 % lost",
+                            .disturbance = {0.2, 0.2, 3.0}};
 
 /// Half of the time of E6: gaze changes the recovery within seconds.
 constexpr double kEvent_s = 30.0;
@@ -53,7 +52,7 @@ nlohmann::json ratios(const Comparison& comparison, std::size_t policy, const Su
 nlohmann::json compareGaze(const ExperimentOptions& options) {
   if (!options.methods.empty()) throw std::invalid_argument("E6 --gaze compares gaze: it has no --methods");
   nlohmann::json json;
-  for (const E6Place& place : {kIrregular, kIrregularHard, kAliased, kRendered, kRenderedAliased}) {
+  for (const E6Place& place : {kRendered, kRenderedHard, kRenderedAliased}) {
     if (!isWanted(place, options)) continue;
     TrialSeries series = seriesAt(place, "E6 gaze", options);
     series.name = "gaze_" + series.name;
