@@ -1,20 +1,15 @@
-#include "simulator/core/world_document.h"
+#include "simulator/core/world_repair/world_document.h"
 
 #include <tinyxml2.h>
 
-#include <algorithm>
-#include <array>
-#include <charconv>
-#include <cmath>
 #include <map>
-#include <optional>
 #include <set>
-#include <sstream>
 #include <string_view>
 
 #include "common/config/config_error.h"
-#include "simulator/core/world_text.h"
-#include "simulator/core/world_unsimulated.h"
+#include "simulator/core/world_includes.h"
+#include "simulator/core/world_repair/element_repair.h"
+#include "simulator/core/world_repair/unsimulated.h"
 #include "simulator/core/xml_error.h"
 
 namespace vismem {
@@ -25,7 +20,6 @@ using tinyxml2::XMLNode;
 
 /// World, model, link, visual, geometry, shape: deeper parts go as one.
 constexpr int kMaxDepth = 6;
-constexpr const char* kNoNumber = "1e300";
 constexpr const char* kAssumedVersion = "1.6";
 constexpr std::size_t kMaxNotes = 20;
 /// Elements that stand at a pose.
@@ -34,21 +28,6 @@ const std::set<std::string_view> kPlaced{"model",   "link",  "visual",    "colli
                                          "include", "actor", "projector", "population"};
 /// Parts without which the element around them would be shown wrongly.
 const std::set<std::string_view> kEssential{"pose", "geometry"};
-
-std::vector<std::string> wordsOf(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
-}
-
-std::optional<double> numberOf(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error == std::errc::invalid_argument || end != word.data() + word.size()) return std::nullopt;
-  return error == std::errc() ? value : 0.0;
-}
 
 std::string describe(const XMLElement& e) {
   const char* name = e.Attribute("name");
@@ -61,33 +40,12 @@ std::string childText(const XMLElement& e, const char* name) {
   return text == nullptr ? "" : text;
 }
 
-std::vector<XMLElement*> childrenOf(XMLElement& e) {
-  std::vector<XMLElement*> result;
-  for (auto* child = e.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    result.push_back(child);
-  }
-  return result;
-}
-
 int visualsOf(const XMLElement& e) {
   int count = std::string_view(e.Name()) == "visual" ? 1 : 0;
   for (const auto* child = e.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     count += visualsOf(*child);
   }
   return count;
-}
-
-/// The text of a pose that cannot be read; empty if the element has none or a readable one.
-std::string unreadablePose(const XMLElement& e) {
-  const XMLElement* pose = e.FirstChildElement("pose");
-  const char* text = pose != nullptr ? pose->GetText() : nullptr;
-  if (text == nullptr) return "";
-  const auto words = wordsOf(text);
-  const bool quaternion = pose->Attribute("rotation_format", "quat_xyzw") != nullptr;
-  const bool numbers = std::all_of(words.begin(), words.end(),
-                                   [](const std::string& word) { return numberOf(word).has_value(); });
-  if (words.empty() || (numbers && words.size() == (quaternion ? 7u : 6u))) return "";
-  return text;
 }
 
 LostInclude lostInclude(const XMLElement& e) {
@@ -106,30 +64,6 @@ bool isPlainInclude(const XMLElement& e) {
   return e.FirstChildElement("uri") != nullptr;
 }
 
-/// Equal repairs become one note, at their first line.
-class Notes {
- public:
-  void add(const XMLElement& e, const std::string& what) {
-    auto& seen = seen_.try_emplace(what, e.GetLineNum(), 0).first->second;
-    ++seen.second;
-  }
-  std::vector<std::string> take() const {
-    std::vector<std::pair<int, std::string>> sorted;
-    for (const auto& [what, seen] : seen_) {
-      sorted.emplace_back(seen.first,
-                          "line " + std::to_string(seen.first) + ": " + what +
-                              (seen.second > 1 ? " (" + std::to_string(seen.second) + " times)" : ""));
-    }
-    std::sort(sorted.begin(), sorted.end());
-    std::vector<std::string> result;
-    for (const auto& [line, note] : sorted) result.push_back(note);
-    return result;
-  }
-
- private:
-  std::map<std::string, std::pair<int, int>> seen_;
-};
-
 }  // namespace
 
 struct WorldDocument::Impl {
@@ -140,108 +74,6 @@ struct WorldDocument::Impl {
 
   XMLElement* root() { return document.RootElement(); }
   XMLElement* world() { return root()->FirstChildElement("world"); }
-
-  // --- SDF 1.0 ---
-  /// SDF 1.0 has values as attributes, later versions as elements; libsdformat begins with 1.2.
-  void modernize(XMLElement& e) {
-    for (XMLElement* child : childrenOf(e)) modernize(*child);
-    static const std::set<std::string_view> kKept{"name", "type", "version", "filename"};
-    std::vector<std::pair<std::string, std::string>> values;
-    for (const auto* a = e.FirstAttribute(); a != nullptr; a = a->Next())
-      values.emplace_back(a->Name(), a->Value());
-    const std::string kind = e.Name();
-    for (const auto& [name, value] : values) {
-      const bool is_mesh = kind == "mesh" && name == "filename";
-      if (kKept.contains(name) && !is_mesh) continue;
-      e.DeleteAttribute(name.c_str());
-      if (name == "rgba" || name == "xyz" || (kind == "origin" && name == "pose")) {
-        e.SetText(value.c_str());
-      } else if (kind == "material" && name == "script") {
-        e.InsertNewChildElement("script")->InsertNewChildElement("name")->SetText(value.c_str());
-      } else {
-        e.InsertNewChildElement(is_mesh ? "uri" : name.c_str())->SetText(value.c_str());
-      }
-    }
-    if (kind == "origin") e.SetName("pose");
-  }
-
-  // --- repairs ---
-  void repairNumbers(XMLElement& e, Notes& notes) {
-    const char* text = e.FirstChildElement() == nullptr ? e.GetText() : nullptr;
-    if (text == nullptr) return;
-    auto words = wordsOf(text);
-    if (words.empty() || words.size() > 16) return;
-    bool changed = false;
-    for (auto& word : words) {
-      std::string small;
-      for (const char c : word)
-        small.push_back(static_cast<char>(std::tolower(static_cast<unsigned char>(c))));
-      const bool negative = small.starts_with('-');
-      if (negative || small.starts_with('+')) small.erase(0, 1);
-      if (small == "nan" || small == "inf" || small == "infinity" || small == "1.#qnan" ||
-          small == "1.#inf") {
-        word = (negative ? "-" : "") + std::string(kNoNumber);
-        changed = true;
-      } else if (!numberOf(word)) {
-        return;  // not a list of numbers
-      }
-    }
-    if (!changed) return;
-    std::string joined;
-    for (const auto& word : words) joined += (joined.empty() ? "" : " ") + word;
-    e.SetText(joined.c_str());
-    notes.add(e, std::string("a number of <") + e.Name() + "> is not finite");
-  }
-
-  void repairColor(XMLElement& e, Notes& notes) {
-    static const std::set<std::string_view> kColors{"ambient",  "diffuse",    "specular",
-                                                    "emissive", "background", "color"};
-    const char* text = kColors.contains(e.Name()) && e.FirstChildElement() == nullptr ? e.GetText() : nullptr;
-    if (text == nullptr) return;
-    std::string clamped;
-    bool changed = false;
-    for (const auto& word : wordsOf(text)) {
-      const auto number = numberOf(word);
-      if (!number) return;
-      changed = changed || !(*number >= 0.0 && *number <= 1.0);
-      clamped += (clamped.empty() ? "" : " ") + std::to_string(std::clamp(*number, 0.0, 1.0));
-    }
-    if (!changed) return;
-    e.SetText(clamped.c_str());
-    notes.add(e, std::string("<") + e.Name() + "> is outside 0..1: the nearest colour is taken");
-  }
-
-  /// Every element among its siblings of one kind gets a name of its own.
-  void repairNamesBelow(XMLElement& parent, Notes& notes) {
-    static const std::set<std::string_view> kNamed{"world",     "model", "link",   "visual",
-                                                   "collision", "joint", "sensor", "light",
-                                                   "frame",     "actor", "road",   "population"};
-    const auto nameOf = [](const XMLElement& e) {
-      const char* name = e.Attribute("name");
-      return std::string(name == nullptr ? "" : name);
-    };
-    std::set<std::pair<std::string, std::string>> given;
-    std::set<std::pair<std::string, std::string>> seen;
-    std::map<std::string, int> last_number;
-    const auto children = childrenOf(parent);
-    for (const XMLElement* child : children) given.emplace(child->Name(), nameOf(*child));
-    for (XMLElement* child : children) {
-      const std::string kind = child->Name();
-      const std::string name = nameOf(*child);
-      if (!kNamed.contains(kind) || (!name.empty() && seen.emplace(kind, name).second)) continue;
-      const std::string base =
-          name.empty() ? "unnamed_" + kind + "_" + std::to_string(child->GetLineNum()) : name;
-      std::string free = base;
-      for (int& i = last_number.emplace(base, 1).first->second; !given.emplace(kind, free).second;) {
-        free = base + "_" + std::to_string(++i);
-      }
-      child->SetAttribute("name", free.c_str());
-      notes.add(*child,
-                "<" + kind + "> has " +
-                    (name.empty() ? "no name"
-                                  : "the name \"" + name + "\" of another: it is called \"" + free + "\""));
-    }
-  }
 
   /// Elements that stand at an unknown place are removed.
   void leaveOutUnplaced(XMLElement& e, std::vector<std::string>& notes) {
@@ -255,16 +87,6 @@ struct WorldDocument::Impl {
            notes);
       e.DeleteChild(child);
     }
-  }
-
-  void repairBelow(XMLElement& e, Notes& notes) {
-    for (XMLElement* child : childrenOf(e)) {
-      // In the state of a saved world names refer to others.
-      if (std::string_view(child->Name()) != "plugin") repairBelow(*child, notes);
-    }
-    repairNumbers(e, notes);
-    repairColor(e, notes);
-    repairNamesBelow(e, notes);
   }
 
   // --- taking out ---
@@ -365,10 +187,10 @@ WorldDocument::WorldDocument(const std::string& xml, const std::string& file)
 WorldDocument::~WorldDocument() = default;
 
 std::vector<std::string> WorldDocument::repair() {
-  Notes notes;
+  RepairNotes notes;
   XMLElement& root = *impl_->root();
   if (root.Attribute("version", "1.0") != nullptr) {
-    impl_->modernize(root);
+    modernizeElements(root);
     root.SetAttribute("version", "1.3");
   }
   removeUnsimulated(root);
@@ -378,7 +200,7 @@ std::vector<std::string> WorldDocument::repair() {
   }
   std::vector<std::string> unplaced;
   impl_->leaveOutUnplaced(root, unplaced);
-  impl_->repairBelow(root, notes);
+  repairElements(root, notes);
   auto result = notes.take();
   result.insert(result.end(), unplaced.begin(), unplaced.end());
   return result;

@@ -1,4 +1,4 @@
-/// @file Repair of frequent errors in the text of an SDF file before it is parsed. Pure.
+/// @file The includes in the text of an SDF file, and the models that are built in. Pure.
 #pragma once
 
 #include <string>
@@ -6,16 +6,6 @@
 #include <vector>
 
 namespace vismem {
-
-struct WorldText {
-  std::string xml;                 ///< UTF-8
-  std::vector<std::string> notes;  ///< the repairs, one line each
-};
-
-/// Makes well-formed XML of texts that Gazebo's old parser accepted: attributes without quotes (`<gui
-/// fullscreen=1>`), text in Latin-1.
-/// @return no xml and one note with the reason for bytes that are no text.
-WorldText repairWorldText(const std::string& bytes);
 
 /// Replaces the includes of Gazebo's ground plane and sun by built-in ones, because they ship with Gazebo,
 /// not with the worlds. The include's name and pose stay.

@@ -1,4 +1,4 @@
-#include "simulator/core/world_unsimulated.h"
+#include "simulator/core/world_repair/unsimulated.h"
 
 #include <tinyxml2.h>
 
