@@ -89,6 +89,8 @@ struct ConfigReader::State {
   std::vector<Problem> problems;
   /// Old names of keys by their present ones.
   std::map<std::string, std::string> old_names;
+  /// Keys that are set but have no effect any more.
+  std::vector<Problem> retired;
 
   bool isKnown(const std::string& key) const {
     return defaults.contains(key) ||
@@ -98,7 +100,7 @@ struct ConfigReader::State {
 };
 
 ConfigReader::ConfigReader(const Properties& properties, std::string prefix)
-    : state_(std::make_shared<State>(State{properties, {}, {}, {}, {}})), prefix_(std::move(prefix)) {}
+    : state_(std::make_shared<State>(State{properties, {}, {}, {}, {}, {}})), prefix_(std::move(prefix)) {}
 
 ConfigReader::ConfigReader(std::shared_ptr<State> state, std::string prefix)
     : state_(std::move(state)), prefix_(std::move(prefix)) {}

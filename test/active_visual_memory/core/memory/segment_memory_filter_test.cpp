@@ -25,11 +25,11 @@ AttentiveVisualMemoryParams legged() {
   p.rig.mount = mount();
   p.gaze.initial_mode = GazeMode::kOff;
   p.projector.pitch_sigma_rad = degToRad(1.0);
-  p.memory.use_map_filter = true;
   p.memory.use_dominant_direction = true;
   p.memory.tilt_prior.per_frame_rad = degToRad(1.0);
-  p.memory.alignment.turn_per_rad = 0.05;
-  p.memory.alignment.turn_per_m = degToRad(3.5);
+  p.memory.map_filter.odometry.turn_per_rad = 0.05;
+  p.memory.map_filter.odometry.turn_per_m = degToRad(3.5);
+  p.memory.map_filter.odometry.turn_noise = degToRad(2.9);
   return p;
 }
 
