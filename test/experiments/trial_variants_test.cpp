@@ -100,8 +100,8 @@ TEST(TrialVariants, WrongKeysAreNamedWithTheirLine) {
       "e.cfg:3: E6.Variant.a.FalseShare = 1 (must be 0..0.95)\n"
       "e.cfg:4: E6.Variant.a.Methods = default amcl (must be some of default default_unknown_start chapter "
       "mcl_stock mcl_tuned ablations)\n"
-      "e.cfg:5: E6.Variant.a.Published = figure (must be none, travel or kidnapping)\n"
-      "e.cfg:6: unknown key \"E5.x\"");
+      "e.cfg:5: E6.Variant.a.Published = figure (must be one of: none, travel, kidnapping)\n"
+      "e.cfg:6: unknown key \"E5.x\" (must begin with E6.)");
   EXPECT_THAT(problemOf("E6.Variant.a.Trials = 3\n"), HasSubstr("missing key \"E6.Variant.a.Title\""));
 }
 

@@ -89,11 +89,11 @@ struct ConfigReader::State {
   std::vector<Problem> problems;
   /// Old names of keys by their present ones.
   std::map<std::string, std::string> old_names;
-  /// Keys that are set but have no effect any more.
-  std::vector<Problem> retired;
+  /// Keys without effect, with what became of them.
+  std::map<std::string, std::string> retired;
 
   bool isKnown(const std::string& key) const {
-    return defaults.contains(key) ||
+    return defaults.contains(key) || retired.contains(key) ||
            std::any_of(foreign.begin(), foreign.end(),
                        [&](const std::string& beginning) { return key.starts_with(beginning); });
   }
@@ -158,15 +158,17 @@ void ConfigReader::alias(std::string_view old_name, std::string_view new_name) {
 }
 
 void ConfigReader::retired(std::string_view name, std::string_view why) {
-  known(name);
-  if (const auto* entry = state_->properties.find(key(name))) {
-    state_->retired.push_back({entry->origin, "key \"" + key(name) + "\" has no effect any more: " + std::string(why) +
-                                                 " (it ends with release " + std::string(kAliasesEnd) + ")"});
-  }
+  state_->retired.insert_or_assign(key(name), std::string(why));
 }
 
 std::vector<Problem> ConfigReader::renamedKeys() const {
-  std::vector<Problem> lines = state_->retired;
+  std::vector<Problem> lines;
+  for (const auto& [name, why] : state_->retired) {
+    const auto* set = state_->properties.find(name);
+    if (!set) continue;
+    lines.push_back({set->origin, "key \"" + name + "\" has no effect any more: " + why + " (it ends with release " +
+                                      std::string(kAliasesEnd) + ")"});
+  }
   for (const auto& [new_key, old_key] : state_->old_names) {
     const auto* old = state_->properties.find(old_key);
     if (!old) continue;

@@ -71,7 +71,7 @@ TEST(ActiveVisualMemoryConfig, ReadsTheKeysOfSlipDetection) {
                                         "ActiveVisualMemory.Memory.Align.Slip.Sigmas = 5\n"
                                         "ActiveVisualMemory.Memory.Align.Slip.Least_deg = 3\n")
                                       .pipeline.memory.memory;
-  EXPECT_DOUBLE_EQ(p.map_filter.turn_noise, degToRad(2.0));
+  EXPECT_DOUBLE_EQ(p.map_filter.odometry.turn_noise, degToRad(2.0));
   EXPECT_EQ(p.slip.least_images, 4);
   EXPECT_EQ(p.slip.images, 8);
   EXPECT_DOUBLE_EQ(p.slip.sigmas, 5.0);

@@ -46,7 +46,7 @@ struct OdometryErrors {
   double shift_per_rad = 0.005;  ///< random shift per radian turned [m/rad]
   double turn_per_rad = 0.02;    ///< lasting heading error per radian turned
   double turn_per_m = 0.02;      ///< lasting heading error per metre driven [rad/m]
-  double travel_scale = 0.05;    ///< lasting error of the travelled way per metre; real wheels err by 3 to 11 %
+  double travel_scale = 0.1;     ///< lasting error of the travelled way per metre; real wheels err by 3 to 11 %
   double turn_noise = 0.005;     ///< random heading error over the way of the wheels or feet [rad/sqrt(m)]
   double feet_per_rad_m = 0.06;  ///< that way per radian turned [m/rad]
 };

@@ -348,7 +348,7 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
   camera_height_m_ = view.height;
   if (params_.align) removeStaleLines();
   censorHiddenEnds(floor, observed, view.evidence);
-  if (isLegged()) correctSlip(view, floor);
+  correctSlip(view, floor);
   // The tilt of a walking body displaces segments by several pixels: unmatched ones would be added as
   // duplicates.
   const Associations associations =

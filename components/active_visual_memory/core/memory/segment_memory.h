@@ -62,10 +62,10 @@ class SegmentMemory {
     /// Lines also measure the heading against the dominant direction of the memory. For odometry whose heading
     /// errs more than the directions of lines: legs.
     bool use_dominant_direction = false;
-    double unconfirmed_inflation = 10.0;  ///< factor of sigmas against elements not known to lie on the floor
+    double unconfirmed_inflation = 3.0;  ///< factor of sigmas against elements not known to lie on the floor
     /// Factor of the sigmas of ends along their line. The detector ends short by a pixel in every image: as
-    /// independent errors that would bias the tilt of an approaching camera.
-    double end_inflation = 4.0;
+    /// independent errors that would bias the tilt of an approaching camera and the scale of its way.
+    double end_inflation = 16.0;
     /// A per-frame tilt of at least this makes the robot legged: association and update are iterated once. A
     /// tilt of 1 degree moves a line 3 m away half way to another one 0.6 m behind it.
     double min_legged_tilt_rad = 0.25 * std::numbers::pi / 180.0;

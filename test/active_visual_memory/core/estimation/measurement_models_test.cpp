@@ -15,7 +15,7 @@
 namespace vismem {
 namespace {
 
-const Pose3 T_robot_camera = cameraPose(mount(), degToRad(20.0), -0.35);
+const Pose3 T_robot_camera = cameraPose(mount(), 0.0, -0.35);
 
 /// One image of lines, by a robot that turned by `turned_rad` while its odometry counted nothing, with a frame tilt.
 std::vector<FloorSegment> seenTurned(const std::vector<Segment3>& lines, double turned_rad, const CameraTilt& tilt) {
@@ -44,7 +44,7 @@ TEST(MeasurementModels, OneLineMeasuresTheHeadingAgainstAKnownDirection) {
 }
 
 TEST(MeasurementModels, LinesThatConvergeSeparateTheFrameTiltFromTheHeading) {
-  const std::vector<Segment3> corridor{{{1.0, 0.75, 0.0}, {3.5, 0.75, 0.0}}, {{3.0, -0.2, 0.0}, {1.2, -0.2, 0.0}}};
+  const std::vector<Segment3> corridor{{{1.5, 0.75, 0.0}, {3.5, 0.75, 0.0}}, {{3.0, -0.7, 0.0}, {1.5, -0.7, 0.0}}};
   const CameraTilt tilt{0.0, degToRad(1.5), 0.0, 0.0};
   const double turned = degToRad(2.0);
   const auto both = deviationOf(corridor, turned, tilt, degToRad(1.0));
