@@ -62,7 +62,7 @@ class SegmentMemory {
     /// Lines also measure the heading against the dominant direction of the memory. For odometry whose heading
     /// errs more than the directions of lines: legs.
     bool use_dominant_direction = false;
-    double unconfirmed_inflation = 3.0;  ///< factor of sigmas against elements not known to lie on the floor
+    double unconfirmed_inflation = 5.0;  ///< factor of sigmas against elements not known to lie on the floor
     /// Factor of the sigmas of ends along their line. The detector ends short by a pixel in every image: as
     /// independent errors that would bias the tilt of an approaching camera and the scale of its way.
     double end_inflation = 16.0;

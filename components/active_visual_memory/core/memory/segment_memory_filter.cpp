@@ -16,10 +16,18 @@ std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& ass
                                                          MapFilter* filter) const {
   std::vector<LineResidual> residuals;
   const TiltView view_tilt(view.T_odom_camera, view.observation.T_odom_robot.theta);
+  const bool anything_rests =
+      std::any_of(elements_.begin(), elements_.end(), [](const MemoryElement& e) { return e.on_floor; });
   for (std::size_t p = 0; p < associations.seen.size(); ++p) {
     const MemoryElement& element = elements_[associations.index_of[p]];
     if (!map_filter_.contains(element.value.id)) continue;
     const double moved = (view.camera - element.anchor_camera).norm();
+    // A new element may be another robot that drives ahead and would drag the memory along. Without any
+    // element known to rest there is no better evidence.
+    if (anything_rests && !element.on_floor && moved > params_.parallax.min_step_m &&
+        isNew(element, view.observation.frame.stamp_us)) {
+      continue;
+    }
     const double inflation =
         element.on_floor || moved < params_.parallax.min_step_m ? 1.0 : params_.unconfirmed_inflation;
     const double noise = std::pow(params_.correlation_inflation * inflation, 2);
