@@ -13,6 +13,11 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 # Release binaries keep assertions out and run on any CPU of the architecture: no -march flags here.
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
 
+# For the libraries of a folder that only pass data on, over Ice for the most part: at -O1 they build a fifth faster.
+macro(vismem_light_optimization)
+  add_compile_options($<$<CONFIG:Release>:-O1>)
+endmacro()
+
 find_program(VISMEM_CCACHE ccache)
 if(VISMEM_CCACHE)
   # Relative paths let checkouts in different folders share one cache.

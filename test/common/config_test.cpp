@@ -259,6 +259,20 @@ TEST(ConfigReader, AcceptsTheOldNameOfAKeyAndNamesTheNewOne) {
   EXPECT_EQ(config.effective()[0].value, "3");
 }
 
+TEST(ConfigReader, AcceptsAKeyWithoutEffectAndSaysWhatBecameOfIt) {
+  const auto properties = Properties::parse("P.Gone=3\nP.A=1\n", "a.cfg");
+  ConfigReader config(properties, "P");
+  config.retired("Gone", "there is one filter");
+  config.retired("GoneToo", "so is this");
+  config.integer("A", 0, 0, 9);
+  EXPECT_THAT(problemsOf(config), IsEmpty());
+  ASSERT_EQ(config.renamedKeys().size(), 1u);
+  EXPECT_EQ(config.renamedKeys()[0].text(),
+            "a.cfg:1: key \"P.Gone\" has no effect any more: there is one filter (it ends with release 0.3.0)");
+  ASSERT_EQ(config.effective().size(), 1u);
+  EXPECT_EQ(config.effective()[0].key, "P.A");
+}
+
 TEST(ConfigReader, RefusesABadValueUnderTheNameThatStandsThere) {
   const auto properties = Properties::parse("P.Old=77\n", "a.cfg");
   ConfigReader config(properties, "P");

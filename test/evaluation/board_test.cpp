@@ -59,5 +59,57 @@ TEST(Board, PutsPicturesAndPlansSideBySide) {
   EXPECT_GT(red, 200 * 3) << "the plan's line across its panel";
 }
 
+constexpr Rgb kRed{220, 20, 20};
+
+int countOf(const cv::Mat& picture, Rgb color) {
+  int count = 0;
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      const auto& p = picture.at<cv::Vec3b>(y, x);
+      count +=
+          std::abs(p[0] - color.r) < 12 && std::abs(p[1] - color.g) < 12 && std::abs(p[2] - color.b) < 12;
+    }
+  }
+  return count;
+}
+
+/// Two rows of a picture with a segment and one without.
+Board segments() {
+  const cv::Mat black(60, 80, CV_8UC3, cv::Scalar::all(0));
+  BoardPanel with{"with", {"one segment"}, black, {}};
+  with.segments = {{{{10, 30}, {70, 30}}, kRed}};
+  const BoardPanel without{"without", {"none", "a second line"}, black, {}};
+  return {"title", "subtitle", {{with, without}, {with, without}}, {}, {"first row", "second row"}};
+}
+
+TEST(Board, DrawsEachSegmentInItsPanelOnly) {
+  const cv::Mat picture = drawBoard(segments(), 160);
+  ASSERT_EQ(picture.type(), CV_8UC3);
+  // Margins of 18, two panels of 160 and 18 between them.
+  ASSERT_EQ(picture.cols, 18 + 160 + 18 + 160 + 18);
+  EXPECT_GT(countOf(picture.colRange(18, 178), kRed), 2 * 100);  // twice 60 px of image at twice the size
+  EXPECT_EQ(countOf(picture.colRange(196, picture.cols), kRed), 0);
+  Board untitled = segments();
+  untitled.row_titles.clear();
+  EXPECT_EQ(drawBoard(untitled, 160).rows, picture.rows - 2 * 24) << "a line above each row";
+}
+
+TEST(Board, KeepsSegmentsThatLeaveTheImageInsideTheirPanel) {
+  Board far = segments();
+  far.rows[0][0].segments = {{{{-500, 30}, {900, 30}}, kRed}};
+  far.rows[1][0].segments.clear();
+  const cv::Mat picture = drawBoard(far, 160);
+  EXPECT_GT(countOf(picture.colRange(18, 178), kRed), 100);
+  EXPECT_EQ(countOf(picture.colRange(0, 17), kRed) + countOf(picture.colRange(180, picture.cols), kRed), 0);
+}
+
+TEST(Board, WrapsALegendThatIsTooLong) {
+  Board many = segments();
+  many.legend = {{"a label", kRed}};
+  const int rows = drawBoard(many, 160).rows;
+  many.legend.assign(12, {"a label of some length", kRed});
+  EXPECT_GE(drawBoard(many, 160).rows, rows + 2 * 17);
+}
+
 }  // namespace
 }  // namespace vismem

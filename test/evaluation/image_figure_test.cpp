@@ -31,15 +31,16 @@ TEST(ImageFigure, ShowsTheMapWhereThePosePutsIt) {
   figure.analysis.matches.push_back({1, 0});
   const cv::Mat picture = drawLastImage(figure);
   keep(picture, "last_image.png");
-  // Pictures are enlarged twice; the right one begins at 2 * 20 + 640, 70.
+  // Pictures are enlarged twice, on a board with margins of 18 and a head of 84; the right one begins at
+  // 2 * 18 + 640.
   const auto place = [](const Eigen::Vector2d& at, double left) {
-    return Eigen::Vector2d(left + (at.x() + 0.5) * 2.0, 70.0 + (at.y() + 0.5) * 2.0);
+    return Eigen::Vector2d(left + (at.x() + 0.5) * 2.0, 84.0 + (at.y() + 0.5) * 2.0);
   };
-  EXPECT_LT(distanceTo(picture, place(px->middle(), 680.0), colors::kMemory), 60) << "the map";
-  EXPECT_LT(distanceTo(picture, place({55.0, 35.0}, 20.0), {50, 110, 255}), 60) << "observed only";
-  EXPECT_EQ(distanceTo(picture, place({160.0, 200.0}, 680.0), {140, 145, 150}, 0), 0) << "the image itself";
+  EXPECT_LT(distanceTo(picture, place(px->middle(), 676.0), colors::kMemory), 60) << "the map";
+  EXPECT_LT(distanceTo(picture, place({55.0, 35.0}, 18.0), {50, 110, 255}), 60) << "observed only";
+  EXPECT_EQ(distanceTo(picture, place({160.0, 200.0}, 676.0), {140, 145, 150}, 0), 0) << "the image itself";
   figure.T_world_robot.reset();
-  EXPECT_EQ(drawLastImage(figure).cols, 680) << "without a pose there is one picture";
+  EXPECT_EQ(drawLastImage(figure).cols, 676) << "without a pose there is one picture";
 }
 
 }  // namespace

@@ -103,5 +103,20 @@ TEST(Perturbation, WrongTextsAreRefusedWithWhatWasExpected) {
   EXPECT_THAT(parsePerturbation("blur=3,blur=3").error, HasSubstr("blur twice"));
 }
 
+TEST(PerturbedOdometry, ScalesTheWayAndTurnsWithTime) {
+  PerturbedOdometry odometry(parsePerturbation("way=1.1,drift=60").perturbation);
+  const auto at = [&](double s, double x) {
+    OdometrySample sample;
+    sample.stamp_us = toStampUs(s);
+    sample.T_odom_robot = {x, 0.0, 0.0};
+    return odometry.next(sample).T_odom_robot;
+  };
+  EXPECT_DOUBLE_EQ(at(0.0, 5.0).x, 5.0) << "the first sample stays";
+  EXPECT_NEAR(at(0.1, 6.0).x, 6.1, 1e-9);
+  const Pose2 end = at(1.0, 6.0);
+  EXPECT_NEAR(end.x, 6.1, 1e-9);
+  EXPECT_NEAR(end.theta, degToRad(1.0), 1e-9) << "one degree a second";
+}
+
 }  // namespace
 }  // namespace vismem

@@ -18,7 +18,7 @@ loader.exec_module(results)
 FIGURE = {"value": 0.5, "low": 0.25, "high": 0.75}
 E5 = {"experiment": "E5", "commit": "abc1234", "command": "experiment E5 --trials 2", "mode": "default", "seed": 1,
       "out": "/somewhere/E5",
-      "synthetic": {"default": {"events": 2, "recovered_share": FIGURE, "median_s": FIGURE, "p90_s": dict(FIGURE, value=None, high=None),
+      "rendered": {"default": {"events": 2, "recovered_share": FIGURE, "median_s": FIGURE, "p90_s": dict(FIGURE, value=None, high=None),
                                 "position_error_m": {"value": 0.0123456, "low": 0.01, "high": 0.02},
                                 "cpu_ms_mean": 0.3, "better_than_published": True},
                     "published": {"position_error_m": 0.118, "heading_error_deg": 2.1},
@@ -56,10 +56,10 @@ class Tool(unittest.TestCase):
         self.assertEqual(self.run_tool("add", self.result(E5))[0], 0)
         text = self.read("E5.md")
         self.assertIn("| variant | method | events | recovered [%] |", text)
-        self.assertIn("| `synthetic` | `default` | 2 | 50.0 (25.0 to 75.0) | 0.5 (0.2 to 0.8) | never (0.2 to never) |", text)
+        self.assertIn("| `rendered` | `default` | 2 | 50.0 (25.0 to 75.0) | 0.5 (0.2 to 0.8) | never (0.2 to never) |", text)
         self.assertIn("1.2 (1.0 to 2.0)", text)
-        self.assertIn("| `synthetic` | `published` | - | - |", text)
-        self.assertIn("`experiment E5 --trials 2`, default mode, seeds of the runs synthetic: 1001 to 1002, commit `abc1234`.", text)
+        self.assertIn("| `rendered` | `published` | - | - |", text)
+        self.assertIn("`experiment E5 --trials 2`, default mode, seeds of the runs rendered: 1001 to 1002, commit `abc1234`.", text)
         self.assertIn("do not edit", text)
         self.assertIn("with the figures that it published", text)
         self.assertIn("[E5](E5.md)", self.read("index.md"))
@@ -68,8 +68,8 @@ class Tool(unittest.TestCase):
         self.run_tool("add", self.result(E5))
         text = self.read("data/E5.json")
         data = json.loads(text)
-        self.assertEqual(data["figures"]["synthetic"]["default"]["position_error_m"]["value"], 0.01235)
-        self.assertEqual(data["figures"]["synthetic"]["seeds"], [1001, 1002])
+        self.assertEqual(data["figures"]["rendered"]["default"]["position_error_m"]["value"], 0.01235)
+        self.assertEqual(data["figures"]["rendered"]["seeds"], [1001, 1002])
         for absent in ("cpu_ms_mean", "took_s", "/somewhere", "gaze_requests"):
             self.assertNotIn(absent, text)
 

@@ -8,6 +8,7 @@
 
 #include "common/process/log.h"
 #include "common/process/metrics.h"
+#include "common/process/name_by_date.h"
 #include "common/process/peer_state.h"
 #include "common/process/ready_line.h"
 #include "common/process/setup.h"
@@ -23,6 +24,12 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 const SteadyTime kStart = SteadyTime{} + 1000s;
+
+TEST(NameByDate, SortsByTimeAsText) {
+  const std::string name = nameByDate();
+  EXPECT_THAT(name, testing::MatchesRegex("20[0-9]{6}-[0-9]{6}"));
+  EXPECT_LE(name, nameByDate());
+}
 
 TEST(RateCounter, CountsPerSecondOverItsWindow) {
   RateCounter rate(5s);

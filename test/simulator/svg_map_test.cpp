@@ -106,16 +106,6 @@ TEST(SvgMap, TheSameBoxHoweverItIsDrawn) {
                "/></g></g>",
            "<g transform='rotate(90 2 1)'><rect x='2' y='1' width='2' height='1' " + kWall + "/></g>",
            "<g transform='matrix(0 1 1 0 0 0)'><rect x='1' y='1' width='2' height='1' " + kWall + "/></g>",
-           std::string("<style>.w{fill:#999}</style><rect class='a w' x='1' y='1' width='1' height='2'/>"),
-           "<defs><rect id='b' width='1' height='2'/></defs><use href='#b' x='1' y='1' " + kWall + "/>",
-           "<symbol id='s' viewBox='0 0 10 20'><rect width='10' height='20' " + kWall +
-               "/></symbol><use xlink:href='#s' x='1' y='1' width='1' height='2'/>",
-           "<svg x='1' y='1' width='1' height='2' viewBox='5 5 2 4'><rect x='5' y='5' width='2' height='4' " +
-               kWall + "/></svg>",
-           std::string(
-               "<linearGradient id='g'><stop stop-color='#999'/></linearGradient><linearGradient id='h' "
-               "xlink:href='#g'/><rect x='1' y='1' width='1' height='2' fill='url(#h)'/>"),
-           std::string("<g color='#999'><rect x='1' y='1' width='1' height='2' fill='currentColor'/></g>"),
            // Of two halves, of four strips that overlap, and hidden under a floor that a box covers again.
            "<rect x='1' y='1' width='.5' height='2' " + kWall +
                "/><rect x='1.5' y='1' width='.5' height='2' " + kWall + "/>",
@@ -346,19 +336,54 @@ TEST(SvgMap, PensTakeWhatTheyLieUpon) {
 }
 
 TEST(SvgMap, WarnsOfWhatItLeavesOut) {
-  const auto made =
-      make(drawing("<text>a</text>\n<text>b</text><image href='x.png'/><inkscape:grid/>\n"
-                   "<rect x='1' y='1' width='1' height='2' " +
-                   kWall +
-                   " clip-path='url(#c)'/>"
-                   "<rect width='1' height='1' fill='url(#pattern)'/><style>g > rect{fill:red}</style>"));
+  const auto made = make(
+      drawing("<text>a</text>\n<text>b</text><image href='x.png'/><inkscape:grid/>\n"
+              "<rect x='1' y='1' width='1' height='2' " +
+              kWall +
+              " clip-path='url(#c)'/>"
+              "<rect width='1' height='1' fill='url(#pattern)'/>"
+              "<path d='M0 4V4.1H.1' fill='none' stroke='#0f0' stroke-width='.05' stroke-linejoin='round' "
+              "style='stroke-linecap:square;marker-end:url(#arrow);filter:none'/>"));
   EXPECT_EQ(rows(made.map).size(), 4U);
-  EXPECT_THAT(made.warnings,
-              testing::UnorderedElementsAre(
-                  "plan.svg:3: <text> is left out (2 times)", "plan.svg:4: <image> is left out",
-                  "plan.svg:5: clip-path is not applied",
-                  "plan.svg:5: fill by #pattern is left out (colours and gradients are known)",
-                  "plan.svg:5: the style of \"g > rect\" is left out (element, .class and #id are known)"));
+  EXPECT_THAT(made.warnings, testing::UnorderedElementsAre(
+                                 "plan.svg:3: <text> is left out (2 times)",
+                                 "plan.svg:4: <image> is left out", "plan.svg:5: clip-path is not applied",
+                                 "plan.svg:5: fill = \"url(#pattern)\" is left out (plain colours are known)",
+                                 "plan.svg:5: marker-end is not applied",
+                                 "plan.svg:5: stroke-linecap square is drawn as butt",
+                                 "plan.svg:5: stroke-linejoin round is drawn as miter"));
+}
+
+TEST(SvgMap, RefusesWhatWouldChangeTheMapByLineAndElement) {
+  const std::string box = "x='1' y='1' width='1' height='2'";
+  EXPECT_EQ(
+      messageOf(drawing("<style>.w{fill:#999}</style><rect class='w' " + box +
+                        "/>\n"
+                        "<defs><rect id='b' width='1' height='2'/></defs>\n"
+                        "<use id='copy' xlink:href='#b' " +
+                        kWall +
+                        "/>\n"
+                        "<svg " +
+                        box +
+                        " viewBox='5 5 2 4'/>\n"
+                        "<g color='#999'><rect " +
+                        box +
+                        " fill='currentColor'/></g>\n"
+                        "<rect " +
+                        box + " fill='rgba(9, 9, 9, .5)' stroke='forestgreen'/>")),
+      "plan.svg:5: <use id=\"copy\">: copies are not supported (must be unlinked: drawn in full)\n"
+      "plan.svg:6: <svg>: drawings within drawings are not supported (must be groups)\n"
+      "plan.svg:7: <rect>: fill = \"currentColor\" (must be none, #rgb, #rrggbb, rgb(), or a basic colour "
+      "name as white)\n"
+      "plan.svg:8: <rect>: fill = \"rgba(9, 9, 9, .5)\" (must be none, #rgb, #rrggbb, rgb(), or a basic "
+      "colour name as white)\n"
+      "plan.svg:8: <rect>: stroke = \"forestgreen\" (must be none, #rgb, #rrggbb, rgb(), or a basic colour "
+      "name as white)\n"
+      "plan.svg:3: <style>: style sheets are not supported (must be attributes or style=\"\" of each "
+      "element)");
+  // Nothing to refuse: no rules, copies that are never drawn.
+  EXPECT_EQ(rowsOf("<style id='empty'/><defs><use href='#b'/></defs><rect " + box + " " + kWall + "/>"),
+            kBox);
 }
 
 TEST(SvgMap, NamesFileLineElementAndRuleOfEveryProblem) {
@@ -382,7 +407,7 @@ TEST(SvgMap, NamesFileLineElementAndRuleOfEveryProblem) {
       messageOf(drawing("<rect id='a' width='x' height='1'/>\n<path d='M0 0L1'/>\n"
                         "<g><circle r='-1'/></g>\n<polygon points='1 2 3'/>\n"
                         "<rect fill='reddish' transform='turn(1)'/>\n<use href='#none'/>\n"
-                        "<g id='g'><use href='#g'/></g>\n<path d='M0 0H99999999'/>\n"
+                        "<path d='M0 0H99999999'/>\n"
                         "<rect opacity='x' stroke-width='-1'/>"));
   std::vector<std::string> lines;
   std::istringstream stream(message);
@@ -395,14 +420,15 @@ TEST(SvgMap, NamesFileLineElementAndRuleOfEveryProblem) {
           "plan.svg:4: <path>: d ends where a number is due at character 7",
           "plan.svg:5: <circle>: r = \"-1\" (must be 0 or more)",
           "plan.svg:6: <polygon>: points has an odd number of numbers",
-          "plan.svg:7: <rect>: fill = \"reddish\" (must be a colour, none, currentColor or url(#gradient))",
+          "plan.svg:7: <rect>: fill = \"reddish\" (must be none, #rgb, #rrggbb, rgb(), or a basic colour "
+          "name as "
+          "white)",
           "plan.svg:7: <rect>: transform = \"turn(1)\" (must be a list of transforms, but is none of matrix, "
           "translate, scale, rotate, skewX, skewY before at character 8)",
-          "plan.svg:8: <use>: href = \"#none\" (must be # and the id of an element of this file)",
-          "plan.svg:9: <use>: uses #g too deep, or within itself",
-          "plan.svg:10: <path>: lies farther than 100 km from the origin",
-          "plan.svg:11: <rect>: stroke-width = \"-1\" (must be a number of 0 or more, maybe with a unit)",
-          "plan.svg:11: <rect>: opacity = \"x\" (must be a number in 0..1)"));
+          "plan.svg:8: <use>: copies are not supported (must be unlinked: drawn in full)",
+          "plan.svg:9: <path>: lies farther than 100 km from the origin",
+          "plan.svg:10: <rect>: stroke-width = \"-1\" (must be a number of 0 or more, maybe with a unit)",
+          "plan.svg:10: <rect>: opacity = \"x\" (must be a number in 0..1)"));
   EXPECT_EQ(messageOf(drawing("<path id='p' data-label='wal' d='M1 1h1'/>")),
             "plan.svg:3: <path id=\"p\">: data-label = \"wal\" (must be any, door_foot, door_jamb, skirting, "
             "stripe_edge, line)");
@@ -411,15 +437,6 @@ TEST(SvgMap, NamesFileLineElementAndRuleOfEveryProblem) {
 }
 
 TEST(SvgMap, AFileMadeToNeverEndEnds) {
-  // Ten uses of ten uses ... : 10^9 rectangles.
-  std::string svg = "<rect id='u0' width='1' height='1'/>";
-  for (int i = 1; i < 10; ++i) {
-    svg += "<g id='u" + std::to_string(i) + "'>";
-    for (int k = 0; k < 10; ++k) svg += "<use href='#u" + std::to_string(i - 1) + "'/>";
-    svg += "</g>";
-  }
-  EXPECT_THAT(messageOf(drawing(svg)), testing::AnyOf(HasSubstr("more than 50000 elements are drawn"),
-                                                      HasSubstr("have more than 50000 corners")));
   std::string path = "M0 0";
   for (int i = 0; i < 60000; ++i) path += " " + std::to_string(i % 7) + " " + std::to_string(i % 5);
   EXPECT_THAT(messageOf(drawing("<path d='" + path + "' " + kWall + "/>")),

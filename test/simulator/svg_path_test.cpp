@@ -214,30 +214,24 @@ std::vector<bool> coverage(const std::vector<SvgPoints>& polygons, const SvgPoin
   return result;
 }
 
-TEST(SvgStrokes, PaintABandWithJoinsAndCaps) {
+TEST(SvgStrokes, PaintABandWithMitredCorners) {
   // A right angle of two arms 4 long, 2 wide: area by counting points of a fine grid.
   SvgPoints grid;
   for (double x = -3.05; x < 8; x += 0.1) {
     for (double y = -3.05; y < 8; y += 0.1) grid.emplace_back(x, y);
   }
-  const auto area = [&](SvgStroke::Join join, SvgStroke::Cap cap) {
-    const auto covered = coverage(strokeSvg({{4, 0}, {0, 0}, {0, 4}}, false, {2.0, join, cap, 4.0}), grid);
+  const auto area = [&](double miter_limit) {
+    const auto covered = coverage(strokeSvg({{4, 0}, {0, 0}, {0, 4}}, false, {2.0, miter_limit}), grid);
     return 0.01 * static_cast<double>(std::count(covered.begin(), covered.end(), true));
   };
-  using Join = SvgStroke::Join;
-  using Cap = SvgStroke::Cap;
-  // Two arms of 4 x 2 share a square of 1; the corner outside is another square of 1, half of it, or a
-  // quarter disc.
-  EXPECT_NEAR(area(Join::kMiter, Cap::kButt), 16.0, 0.2);
-  EXPECT_NEAR(area(Join::kBevel, Cap::kButt), 15.5, 0.2);
-  EXPECT_NEAR(area(Join::kRound, Cap::kButt), 15.0 + std::numbers::pi / 4, 0.2);
-  EXPECT_NEAR(area(Join::kMiter, Cap::kSquare), 20.0, 0.2);
-  EXPECT_NEAR(area(Join::kMiter, Cap::kRound), 16.0 + std::numbers::pi, 0.2);
+  // Two arms of 4 x 2 share a square of 1; the corner outside is another square of 1, or half of it where a
+  // miter of 1.41 widths is beyond the limit.
+  EXPECT_NEAR(area(4.0), 16.0, 0.2);
+  EXPECT_NEAR(area(1.0), 15.5, 0.2);
   // A point sharper than the limit is cut off: 4 is reached at 29 degrees.
   const auto tip = [](double limit) {
     double farthest = 0;
-    for (const auto& polygon :
-         strokeSvg({{10, 1}, {0, 0}, {10, -1}}, false, {1.0, Join::kMiter, Cap::kButt, limit})) {
+    for (const auto& polygon : strokeSvg({{10, 1}, {0, 0}, {10, -1}}, false, {1.0, limit})) {
       for (const auto& p : polygon) farthest = std::max(farthest, -p.x());
     }
     return farthest;
@@ -247,7 +241,7 @@ TEST(SvgStrokes, PaintABandWithJoinsAndCaps) {
   EXPECT_TRUE(strokeSvg({{0, 0}}, false, {}).empty());
 }
 
-TEST(SvgStyle, ColoursLengthsAndStyleSheets) {
+TEST(SvgStyle, ColoursAndLengths) {
   const auto color = [](const char* text) {
     const auto paint = parseSvgPaint(text);
     return paint && paint->color ? std::vector<int>(paint->color->begin(), paint->color->end())
@@ -258,16 +252,14 @@ TEST(SvgStyle, ColoursLengthsAndStyleSheets) {
   EXPECT_EQ(color(" #102030 "), (Rgb{16, 32, 48}));
   EXPECT_EQ(color("rgb(1, 2,3)"), (Rgb{1, 2, 3}));
   EXPECT_EQ(color("rgb(100% 0% 50%)"), (Rgb{255, 0, 128}));
-  EXPECT_EQ(color("rgba(1,2,3,0.9)"), (Rgb{1, 2, 3}));
-  EXPECT_EQ(color("ForestGreen"), (Rgb{0x22, 0x8b, 0x22}));
-  EXPECT_EQ(color("url(#nothing) red"), (Rgb{255, 0, 0}));
-  for (const char* unseen : {"none", "transparent", "rgba(1,2,3,0.1)", "#12345610", "url(#nothing)"}) {
+  EXPECT_EQ(color("Orange"), (Rgb{0xff, 0xa5, 0}));
+  for (const char* unseen : {"none", "transparent"}) {
     ASSERT_TRUE(parseSvgPaint(unseen)) << unseen;
     EXPECT_FALSE(parseSvgPaint(unseen)->color) << unseen;
   }
-  EXPECT_TRUE(parseSvgPaint("currentColor")->current);
   for (const char* wrong :
-       {"", "#12", "#xyz", "rgb(1,2)", "rgb(1,2,x)", "reddish", "hsl(1,2,3)", "url(#a", "rgb("}) {
+       {"", "#12", "#xyz", "rgb(1,2)", "rgb(1,2,x)", "rgb(1,2,3,4)", "reddish", "hsl(1,2,3)", "url(#a",
+        "rgb(", "rgba(1,2,3,0.9)", "#12345610", "currentColor", "ForestGreen"}) {
     EXPECT_FALSE(parseSvgPaint(wrong)) << wrong;
   }
 
@@ -280,18 +272,6 @@ TEST(SvgStyle, ColoursLengthsAndStyleSheets) {
   for (const char* wrong : {"", "mm", "nan", "inf", "1e400", "1 2", "3furlongs", "-", "--1"}) {
     EXPECT_FALSE(parseSvgLength(wrong)) << wrong;
   }
-
-  SvgStyleSheet sheet;
-  const auto unknown = sheet.add(
-      "/* a */ rect{fill:red;stroke:blue}.wall,.door{fill:green}#a{fill:black}"
-      "rect.wall { stroke : none !important } g rect{fill:white} * {opacity:.9} p{");
-  EXPECT_EQ(unknown, std::vector<std::string>{"g rect"});
-  EXPECT_EQ(sheet.match("rect", "", "").at("fill"), "red");
-  EXPECT_EQ(sheet.match("rect", "", "x wall").at("fill"), "green");
-  EXPECT_EQ(sheet.match("rect", "", "wall").at("stroke"), "none");
-  EXPECT_EQ(sheet.match("rect", "a", "door").at("fill"), "black");
-  EXPECT_EQ(sheet.match("path", "", "").count("fill"), 0U);
-  EXPECT_EQ(sheet.match("path", "", "").at("opacity"), ".9");
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "common/segment_map/map_check.h"
 #include "common/segment_map/segment_map.h"
 #include "common/vision/palette.h"
+#include "evaluation/core/surveyed_floor.h"
 #include "evaluation/core/trajectory_io.h"
 #include "evaluation/core/truth_file.h"
 #include "recorder/app/session_folder.h"
@@ -95,6 +96,7 @@ TEST(FormatsPage, ExamplesAreReadAndMistakesGiveTheirMessages) {
       {"scenario", [](const Example& e) { parseScenario(e.text, e.file); }},
       {"tum", [](const Example& e) { parseTum(e.text, e.file); }},
       {"truth", [](const Example& e) { parseTruth(e.text, e.file); }},
+      {"survey", [](const Example& e) { parseSurvey(e.text, e.file); }},
   };
   std::map<std::string, int> seen;
   for (const Example& example : examples) {

@@ -87,14 +87,17 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   p.drift_per_m = r.real("Drift.PerMetre", p.drift_per_m, 0.0, 1.0);
   p.drift_per_rad = r.real("Drift.PerRadian", p.drift_per_rad, 0.0, 1.0);
   p.align = r.boolean("Align.Enabled", p.align);
-  p.alignment.shift_per_m = r.real("Align.Shift_per_m", p.alignment.shift_per_m, 0.0, 1.0);
-  p.alignment.turn_per_rad = r.real("Align.Turn_per_rad", p.alignment.turn_per_rad, 0.0, 1.0);
-  p.alignment.turn_per_m = r.angleDeg("Align.Turn_degpm", radToDeg(p.alignment.turn_per_m), 0.0, 90.0);
+  OdometryErrors& odometry = p.map_filter.odometry;
+  odometry.shift_per_m = r.real("Align.Shift_per_m", odometry.shift_per_m, 0.0, 1.0);
+  odometry.turn_per_rad = r.real("Align.Turn_per_rad", odometry.turn_per_rad, 0.0, 1.0);
+  odometry.turn_per_m = r.angleDeg("Align.Turn_degpm", radToDeg(odometry.turn_per_m), 0.0, 90.0);
+  odometry.travel_scale = r.real("Align.TravelScale", odometry.travel_scale, 0.0, 0.5);
+  odometry.turn_noise = r.angleDeg("Align.TurnNoise_deg", radToDeg(odometry.turn_noise), 0.0, 90.0);
   r.alias("Align.Compass", "Align.DominantDirection");
   p.use_dominant_direction = r.boolean("Align.DominantDirection", p.use_dominant_direction);
-  r.alias("Align.Joint", "Align.MapFilter");
-  p.use_map_filter = r.boolean("Align.MapFilter", p.use_map_filter);
-  p.map_filter.turn_noise = r.angleDeg("Align.TurnNoise_deg", radToDeg(p.map_filter.turn_noise), 0.0, 90.0);
+  for (const char* name : {"Align.MapFilter", "Align.Joint"}) {
+    r.retired(name, "every robot's drift, camera tilt and lines are estimated in one filter");
+  }
   p.slip.least_images = static_cast<int>(r.integer("Align.Slip.LeastImages", p.slip.least_images, 1, 1000));
   p.slip.images = static_cast<int>(r.integer("Align.Slip.Images", p.slip.images, 1, 1000));
   p.slip.sigmas = r.real("Align.Slip.Sigmas", p.slip.sigmas, 0.5, 100.0);
@@ -109,8 +112,9 @@ void readMemory(ConfigReader r, SegmentMemory::Params& p) {
   r.alias("Lean.Sway_deg", "CameraTilt.PerFrame_deg");
   p.tilt_prior.per_frame_rad =
       r.angleDeg("CameraTilt.PerFrame_deg", radToDeg(p.tilt_prior.per_frame_rad), 0.0, 10.0);
-  r.alias("Lean.SwayDoubt", "CameraTilt.PerFrameInflation");
-  p.per_frame_inflation = r.real("CameraTilt.PerFrameInflation", p.per_frame_inflation, 1.0, 100.0);
+  for (const char* name : {"CameraTilt.PerFrameInflation", "Lean.SwayDoubt"}) {
+    r.retired(name, "the filter knows how the errors of lines depend on each other");
+  }
   r.alias("Lean.Course_deg", "CameraTilt.DominantDirection_deg");
   p.dominant_direction.sigma_rad =
       r.angleDeg("CameraTilt.DominantDirection_deg", radToDeg(p.dominant_direction.sigma_rad), 0.0, 20.0);

@@ -2,12 +2,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <ctime>
 #include <iostream>
 #include <vector>
 
+#include "common/process/name_by_date.h"
 #include "common/recording/bag_advice.h"
 
 namespace vismem {
@@ -71,15 +70,6 @@ Setup kindOf(const fs::path& cfg, const std::string& setup) {
   }
   throw UsageError("--setup " + setup + " (must be a folder of " + cfg.string() +
                    " with a simulator or a replay server: " + names + ")");
-}
-
-std::string timeName() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm local{};
-  localtime_r(&now, &local);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y%m%d-%H%M%S", &local);
-  return text;
 }
 
 double parseSeconds(const std::string& text) {
@@ -210,7 +200,7 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
     options.palette = beside;
   }
   options.out =
-      fs::absolute(out.empty() ? options.root / "out" / timeName() : fs::path(out)).lexically_normal();
+      fs::absolute(out.empty() ? options.root / "out" / nameByDate() : fs::path(out)).lexically_normal();
   return options;
 }
 

@@ -89,16 +89,18 @@ struct ConfigReader::State {
   std::vector<Problem> problems;
   /// Old names of keys by their present ones.
   std::map<std::string, std::string> old_names;
+  /// Keys without effect, with what became of them.
+  std::map<std::string, std::string> retired;
 
   bool isKnown(const std::string& key) const {
-    return defaults.contains(key) ||
+    return defaults.contains(key) || retired.contains(key) ||
            std::any_of(foreign.begin(), foreign.end(),
                        [&](const std::string& beginning) { return key.starts_with(beginning); });
   }
 };
 
 ConfigReader::ConfigReader(const Properties& properties, std::string prefix)
-    : state_(std::make_shared<State>(State{properties, {}, {}, {}, {}})), prefix_(std::move(prefix)) {}
+    : state_(std::make_shared<State>(State{properties, {}, {}, {}, {}, {}})), prefix_(std::move(prefix)) {}
 
 ConfigReader::ConfigReader(std::shared_ptr<State> state, std::string prefix)
     : state_(std::move(state)), prefix_(std::move(prefix)) {}
@@ -155,8 +157,18 @@ void ConfigReader::alias(std::string_view old_name, std::string_view new_name) {
   }
 }
 
+void ConfigReader::retired(std::string_view name, std::string_view why) {
+  state_->retired.insert_or_assign(key(name), std::string(why));
+}
+
 std::vector<Problem> ConfigReader::renamedKeys() const {
   std::vector<Problem> lines;
+  for (const auto& [name, why] : state_->retired) {
+    const auto* set = state_->properties.find(name);
+    if (!set) continue;
+    lines.push_back({set->origin, "key \"" + name + "\" has no effect any more: " + why + " (it ends with release " +
+                                      std::string(kAliasesEnd) + ")"});
+  }
   for (const auto& [new_key, old_key] : state_->old_names) {
     const auto* old = state_->properties.find(old_key);
     if (!old) continue;

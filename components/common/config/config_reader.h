@@ -106,7 +106,10 @@ class ConfigReader {
   /// Accepts a renamed key under its old name too, until release kAliasesEnd. To be called before the new
   /// name is read. Both names set is a problem; the old one alone is listed in renamedKeys().
   void alias(std::string_view old_name, std::string_view new_name);
-  /// One line for each key that is set under an old name: "KEY is now called NEW (...)".
+  /// Accepts a key without effect until release kAliasesEnd; set, it is listed in renamedKeys().
+  /// @param why  what became of it: "the order is always right".
+  void retired(std::string_view name, std::string_view why);
+  /// One line for each key that is set under an old name, "KEY is now called NEW (...)", or has no effect.
   std::vector<Problem> renamedKeys() const;
 
   /// Marks keys as known that other code reads: a name, or all names under it with ".*" at its end.

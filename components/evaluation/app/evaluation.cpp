@@ -14,6 +14,7 @@
 #include "evaluation/app/evaluation_setup.h"
 #include "evaluation/app/perturbed_robot.h"
 #include "evaluation/app/recorded_robot.h"
+#include "evaluation/app/recorded_survey.h"
 #include "evaluation/core/lockstep.h"
 #include "evaluation/core/truth_file.h"
 #include "replay_server/core/stepped_log.h"
@@ -77,22 +78,32 @@ nlohmann::json evaluateBag(const EvaluationOptions& options) {
   } else {
     for (const TruePose& pose : robot.log().truth()) append(truth, {pose.stamp_us, pose.T_world_robot});
   }
+  if (!options.survey.edges.empty() && truth.empty()) {
+    throw ConfigError({options.bag.string() + ": no true poses, which --survey needs (expected --truth FILE)"});
+  }
+  std::optional<RecordedSurvey> survey;
+  if (!options.survey.edges.empty()) survey.emplace(options.survey, truth);
   EvaluationRecord record(options, params);
-  TruthFeed feed(record, std::move(truth));
+  TruthFeed feed(record, truth);
   MemoryPipeline memory(params.pipeline, params.palette);
   Localizer localizer(params.localizer, params.map_edges, options.seed);
   KnownStart start(localizer, options.start);
   PerturbedRobot perturbed(robot, options.perturbation);
   Lockstep run(perturbed, params.assembler, memory, localizer);
+  std::shared_ptr<const MemorySnapshot> last_memory;
   run.run(
       [&](const LockstepFrame& frame) {
         start.afterFrame();
         feed.upTo(frame.observation.frame.stamp_us);
         const std::uint64_t image = frame.observation.frame.seq;
         record.add(frame, image >= options.judge_first && image <= options.judge_last);
+        if (survey) survey->add(frame.observation);
+        if (frame.memory.update.snapshot) last_memory = frame.memory.update.snapshot;
       },
       duration(options));
-  return record.finish(run, memory.memory(), options.bag.string());
+  nlohmann::json json = record.finish(run, memory.memory(), options.bag.string());
+  if (survey && last_memory) json["memory"] = survey->score(*last_memory);
+  return json;
 }
 
 std::optional<Route> findRoute(const EvaluationOptions& options) {

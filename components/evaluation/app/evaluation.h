@@ -13,6 +13,13 @@
 
 namespace vismem {
 
+/// Survey of a recorded floor, CSV files: true edges, edges that do not count, boxes that hide floor.
+struct SurveyFiles {
+  std::filesystem::path edges;  ///< as a map; empty: no survey
+  std::filesystem::path neutral;
+  std::filesystem::path obstacles;
+};
+
 struct EvaluationOptions {
   std::filesystem::path bag;  ///< exactly one of bag and world is set
   std::filesystem::path world;
@@ -21,6 +28,7 @@ struct EvaluationOptions {
   std::filesystem::path palette;  ///< empty: beside the map, else the configuration's
   std::filesystem::path config;   ///< of both components; empty: their files in cfg/SETUP
   std::filesystem::path truth;    ///< of a bag: t_s,x_m,y_m,theta_rad; empty: the bag's own where it has one
+  SurveyFiles survey;             ///< of a bag with true poses
   std::string topics;             ///< of a bag: ROLE=/topic,...; empty: found by type
   std::filesystem::path record;   ///< of a world: a folder for a recording; empty: none
   std::string setup;  ///< cfg/SETUP holds the components and a world's robot; empty: sim, of a bag replay

@@ -1,4 +1,4 @@
-/// @file A stepped robot whose camera is perturbed. See C1.
+/// @file A stepped robot whose camera and odometry are perturbed. See C1.
 #pragma once
 
 #include <utility>
@@ -32,20 +32,41 @@ class PerturbedCamera : public FrameSource {
   const Perturbation perturbation_;
 };
 
-/// *Single-threaded*; the robot must outlive it.
+/// A base with the odometry of perturbed wheels.
+class PerturbedBase : public MobileBase {
+ public:
+  PerturbedBase(SteppedRobot& robot, const Perturbation& perturbation) : robot_(robot), odometry_(perturbation) {}
+
+  BaseLimits limits() const override { return robot_.base().limits(); }
+  PortReply start() override { return robot_.base().start(); }
+  PortReply setVelocity(double v_mps, double w_radps) override { return robot_.base().setVelocity(v_mps, w_radps); }
+  SampleBatch<OdometrySample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
+    SampleBatch<OdometrySample> batch = robot_.base().samplesSince(after_us, timeout);
+    for (OdometrySample& sample : batch.samples) sample = odometry_.next(sample);
+    return batch;
+  }
+  void stop() override { robot_.base().stop(); }
+
+ private:
+  SteppedRobot& robot_;
+  PerturbedOdometry odometry_;
+};
+
+/// *Single-threaded*; the robot must outlive it. The odometry is read once, forwards.
 class PerturbedRobot : public SteppedRobot {
  public:
   PerturbedRobot(SteppedRobot& robot, const Perturbation& perturbation)
-      : robot_(robot), camera_(robot.camera(), perturbation) {}
+      : robot_(robot), camera_(robot.camera(), perturbation), base_(robot, perturbation) {}
 
   bool advanceToNextFrame() override { return robot_.advanceToNextFrame(); }
   FrameSource& camera() override { return camera_; }
   PanTiltUnit& panTilt() override { return robot_.panTilt(); }
-  MobileBase& base() override { return robot_.base(); }
+  MobileBase& base() override { return base_; }
 
  private:
   SteppedRobot& robot_;
   PerturbedCamera camera_;
+  PerturbedBase base_;
 };
 
 }  // namespace vismem

@@ -32,6 +32,8 @@ const std::map<std::string, Key>& keys() {
       {"blur", {2.0, 100.0, true, [](Perturbation& p, double v) { p.blur_px = static_cast<int>(v); }}},
       {"late", {-1.0, 1.0, false, [](Perturbation& p, double v) { p.late_s = v; }}},
       {"every", {1.0, 1000.0, true, [](Perturbation& p, double v) { p.every = static_cast<int>(v); }}},
+      {"way", {0.1, 10.0, false, [](Perturbation& p, double v) { p.way = v; }}},
+      {"drift", {-3600.0, 3600.0, false, [](Perturbation& p, double v) { p.drift_radps = degToRad(v) / 60.0; }}},
   };
   return all;
 }
@@ -119,6 +121,24 @@ Frame perturbed(const Perturbation& p, Frame frame) {
   frame.image = perturbedPixels(p, frame.image);
   frame.native.reset();
   return frame;
+}
+
+OdometrySample PerturbedOdometry::next(const OdometrySample& sample) {
+  OdometrySample result = sample;
+  if (last_) {
+    Pose2 moved = inverse(last_->T_odom_robot) * sample.T_odom_robot;
+    moved.x *= perturbation_.way;
+    moved.y *= perturbation_.way;
+    moved.theta += perturbation_.drift_radps * toSeconds(sample.stamp_us - last_->stamp_us);
+    T_odom_robot_ = T_odom_robot_ * moved;
+  } else {
+    T_odom_robot_ = sample.T_odom_robot;
+  }
+  last_ = sample;
+  result.T_odom_robot = T_odom_robot_;
+  result.v_mps *= perturbation_.way;
+  result.w_radps += perturbation_.drift_radps;
+  return result;
 }
 
 }  // namespace vismem

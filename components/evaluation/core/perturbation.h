@@ -1,7 +1,9 @@
-/// @file Perturbations of a camera: what a badly measured mounting, bad light, a bad lens, a slow clock or a
-/// lossy link does to its frames. Pure. A mechanism is judged on data that did not tune it.
+/// @file Perturbations of a robot: what a badly measured mounting, bad light, a bad lens, a slow clock or a lossy
+/// link does to its frames, and what wrong wheels do to its odometry. Pure. A mechanism is judged on data that did
+/// not tune it.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "common/robot/samples.h"
@@ -17,6 +19,8 @@ struct Perturbation {
   int blur_px = 0;          ///< length of a horizontal motion blur; 0: none
   double late_s = 0.0;      ///< added to the stamps of images
   int every = 1;            ///< one image of so many arrives
+  double way = 1.0;         ///< factor of the way that the odometry states
+  double drift_radps = 0.0; ///< turn that the odometry adds in each second
 
   bool changesPose() const { return height_m != 0.0 || tilt_rad != 0.0; }
 };
@@ -26,8 +30,8 @@ struct ParsedPerturbation {
   std::string error;  ///< what was found and what was expected; empty if nothing is wrong
 };
 
-/// Reads "height=0.02,tilt=1,focal=1.02,brightness=0.5,jpeg=50,blur=3,late=0.05,every=2": m, degrees,
-/// factors, a quality, px, s and images; each at most once.
+/// Reads "height=0.02,tilt=1,focal=1.02,brightness=0.5,jpeg=50,blur=3,late=0.05,every=2,way=1.1,drift=10": m,
+/// degrees, factors, a quality, px, s, images, a factor and degrees per minute; each at most once.
 ParsedPerturbation parsePerturbation(const std::string& text);
 
 /// Whether the frame arrives: the first of each `every` does, by its number.
@@ -36,5 +40,18 @@ bool arrives(const Perturbation& perturbation, const Frame& frame);
 /// The frame as a perturbed camera reports it. Pixels are copied before they change.
 /// @throws std::invalid_argument when the pose of the camera shall change and the frame lacks it.
 Frame perturbed(const Perturbation& perturbation, Frame frame);
+
+/// Odometry as perturbed wheels state it, sample by sample. *Single-threaded value.*
+class PerturbedOdometry {
+ public:
+  explicit PerturbedOdometry(const Perturbation& perturbation) : perturbation_(perturbation) {}
+  /// @param sample later than the one before.
+  OdometrySample next(const OdometrySample& sample);
+
+ private:
+  Perturbation perturbation_;
+  std::optional<OdometrySample> last_;
+  Pose2 T_odom_robot_;
+};
 
 }  // namespace vismem

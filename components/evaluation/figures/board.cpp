@@ -15,6 +15,9 @@ constexpr double kLegend_px = 34.0;
 constexpr double kLegendText_pt = 9.5;
 constexpr double kKey_px = 24.0;
 constexpr double kKeyGap_px = 7.0;
+constexpr double kRowTitle_px = 24.0;
+/// Share of white below segments: lines of any colour stand out.
+constexpr double kPaleness = 0.45;
 
 constexpr Rgb kTruthColor{205, 208, 214};
 constexpr Rgb kMissedColor{30, 30, 30};
@@ -79,6 +82,27 @@ void drawPlan(Canvas& canvas, const Plan& plan, const Eigen::Vector2d& low, doub
   canvas.release();
 }
 
+void drawPicture(Canvas& canvas, const BoardPanel& panel, const Eigen::Vector2d& low, double width,
+                 double height) {
+  cv::Mat fitted;
+  const bool larger = panel.picture.cols < width;
+  cv::resize(panel.picture, fitted, {static_cast<int>(width), static_cast<int>(height)}, 0, 0,
+             larger ? cv::INTER_LINEAR : cv::INTER_AREA);
+  if (!panel.segments.empty()) fitted.convertTo(fitted, -1, 1.0 - kPaleness, 255.0 * kPaleness);
+  canvas.picture(fitted, low);
+  const double scale = width / panel.picture.cols;
+  // The centre of pixel 0 lies half a pixel inside the picture.
+  const auto at = [&](const Eigen::Vector2d& px) {
+    return Eigen::Vector2d(low + (px + Eigen::Vector2d::Constant(0.5)) * scale);
+  };
+  canvas.restrictTo(low, low + Eigen::Vector2d(width, height));
+  for (const ColoredSegment& segment : panel.segments) {
+    canvas.line(at(segment.px.a), at(segment.px.b), segment.color, 1.5);
+    for (const Eigen::Vector2d& end : {segment.px.a, segment.px.b}) canvas.disc(at(end), 2.0, segment.color);
+  }
+  canvas.release();
+}
+
 /// Where the entries begin, from the top of the legend, in as many lines as it takes.
 std::vector<Eigen::Vector2d> legendPlaces(const std::vector<LegendEntry>& legend, double width) {
   const Canvas ruler(1, 1);
@@ -93,29 +117,66 @@ std::vector<Eigen::Vector2d> legendPlaces(const std::vector<LegendEntry>& legend
   return places;
 }
 
+void drawLegend(Canvas& canvas, const std::vector<LegendEntry>& legend,
+                const std::vector<Eigen::Vector2d>& places, double top) {
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Eigen::Vector2d at = places[i] + Eigen::Vector2d(0.0, top);
+    canvas.line(at + Eigen::Vector2d(0.0, 12.0), at + Eigen::Vector2d(kKey_px, 12.0), legend[i].color, 3.0);
+    canvas.text(legend[i].text, at + Eigen::Vector2d(kKey_px + kKeyGap_px, 16.0), kLegendText_pt);
+  }
+}
+
+/// Sizes of the rows of a board [px].
+struct RowSize {
+  int columns = 0;
+  double pictures = 0.0;  ///< height of the highest picture
+  double head = kTitle_px;
+  double height = 0.0;  ///< of the whole row
+};
+
+double widthOf(const BoardPanel& panel, int panel_width) {
+  return panel.columns * (panel_width + kMargin_px) - kMargin_px;
+}
+
+RowSize sizeOf(const std::vector<BoardPanel>& row, int panel_width, bool has_title) {
+  RowSize size;
+  std::size_t captions = 0;
+  for (const BoardPanel& panel : row) {
+    size.columns += panel.columns;
+    size.pictures = std::max(size.pictures, panelHeight(panel, widthOf(panel, panel_width)));
+    captions = std::max(captions, panel.caption.size());
+  }
+  if (has_title) size.head += kRowTitle_px;
+  size.height = size.head + size.pictures + kLine_px * static_cast<double>(captions) + kMargin_px;
+  return size;
+}
+
+void drawPanel(Canvas& canvas, const BoardPanel& panel, const Eigen::Vector2d& low, double width,
+               double caption_top) {
+  canvas.text(panel.title, low - Eigen::Vector2d(0.0, 7.0), 10.0, colors::kInk);
+  const double height = panelHeight(panel, width);
+  if (panel.plan) {
+    drawPlan(canvas, *panel.plan, low, width, height);
+    canvas.rectangle(low, low + Eigen::Vector2d(width, height), colors::kGrid);
+  } else if (!panel.picture.empty()) {
+    drawPicture(canvas, panel, low, width, height);
+  }
+  for (const std::string& text : panel.caption) {
+    caption_top += kLine_px;
+    canvas.text(text, {low.x(), caption_top - 3.0}, 9.5, colors::kFaintInk);
+  }
+}
+
 }  // namespace
 
 cv::Mat drawBoard(const Board& board, int panel_width) {
-  const auto widthOf = [&](const BoardPanel& panel) {
-    return panel.columns * (panel_width + kMargin_px) - kMargin_px;
-  };
   int columns = 1;
   double height = kHeader_px;
-  std::vector<double> row_heights;
-  std::vector<double> picture_heights;
+  std::vector<RowSize> sizes;
   for (const auto& row : board.rows) {
-    int columns_here = 0;
-    double pictures = 0.0;
-    std::size_t captions = 0;
-    for (const BoardPanel& panel : row) {
-      columns_here += panel.columns;
-      pictures = std::max(pictures, panelHeight(panel, widthOf(panel)));
-      captions = std::max(captions, panel.caption.size());
-    }
-    columns = std::max(columns, columns_here);
-    picture_heights.push_back(pictures);
-    row_heights.push_back(kTitle_px + pictures + kLine_px * static_cast<double>(captions) + kMargin_px);
-    height += row_heights.back();
+    sizes.push_back(sizeOf(row, panel_width, sizes.size() < board.row_titles.size()));
+    columns = std::max(columns, sizes.back().columns);
+    height += sizes.back().height;
   }
   const double width = kMargin_px + columns * (panel_width + kMargin_px);
   const auto places = legendPlaces(board.legend, width);
@@ -125,37 +186,17 @@ cv::Mat drawBoard(const Board& board, int panel_width) {
   canvas.text(board.subtitle, {kMargin_px, 47.0}, 9.5, colors::kFaintInk);
   double v = kHeader_px;
   for (std::size_t r = 0; r < board.rows.size(); ++r) {
+    if (r < board.row_titles.size())
+      canvas.text(board.row_titles[r], {kMargin_px, v + 14.0}, 10.0, colors::kEstimate, Align::kLeft, true);
     double u = kMargin_px;
     for (const BoardPanel& panel : board.rows[r]) {
-      const double panel_px = widthOf(panel);
-      const Eigen::Vector2d low(u, v + kTitle_px);
+      const double panel_px = widthOf(panel, panel_width);
+      drawPanel(canvas, panel, {u, v + sizes[r].head}, panel_px, v + sizes[r].head + sizes[r].pictures);
       u += panel_px + kMargin_px;
-      canvas.text(panel.title, low - Eigen::Vector2d(0.0, 7.0), 10.0, colors::kInk);
-      const double h = panelHeight(panel, panel_px);
-      if (panel.plan) {
-        drawPlan(canvas, *panel.plan, low, panel_px, h);
-        canvas.rectangle(low, low + Eigen::Vector2d(panel_px, h), colors::kGrid);
-      } else if (!panel.picture.empty()) {
-        cv::Mat fitted;
-        const bool larger = panel.picture.cols < panel_px;
-        cv::resize(panel.picture, fitted, {static_cast<int>(panel_px), static_cast<int>(h)}, 0, 0,
-                   larger ? cv::INTER_LINEAR : cv::INTER_AREA);
-        canvas.picture(fitted, low);
-      }
-      double line = low.y() + picture_heights[r] + kLine_px - 3.0;
-      for (const std::string& text : panel.caption) {
-        canvas.text(text, {low.x(), line}, 9.5, colors::kFaintInk);
-        line += kLine_px;
-      }
     }
-    v += row_heights[r];
+    v += sizes[r].height;
   }
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const LegendEntry& entry = board.legend[i];
-    const Eigen::Vector2d at = places[i] + Eigen::Vector2d(0.0, v);
-    canvas.line(at + Eigen::Vector2d(0.0, 12.0), at + Eigen::Vector2d(kKey_px, 12.0), entry.color, 3.0);
-    canvas.text(entry.text, at + Eigen::Vector2d(kKey_px + kKeyGap_px, 16.0), kLegendText_pt);
-  }
+  drawLegend(canvas, board.legend, places, v);
   return canvas.finish();
 }
 

@@ -10,7 +10,6 @@
 #include "common/geometry/segment.h"
 #include "evaluation/core/memory_score.h"
 #include "evaluation/figures/canvas.h"
-#include "evaluation/figures/segment_figure.h"
 #include "evaluation/figures/view_cone.h"
 
 namespace vismem {
@@ -32,6 +31,16 @@ struct Plan {
   std::optional<ViewCone> view;                     ///< from the robot
 };
 
+struct ColoredSegment {
+  Segment2 px;  ///< raw pixels of the picture, centres on integers
+  Rgb color;
+};
+
+struct LegendEntry {
+  std::string text;
+  Rgb color;
+};
+
 /// A picture (CV_8UC3, R G B) or a plan.
 struct BoardPanel {
   std::string title;
@@ -39,6 +48,8 @@ struct BoardPanel {
   cv::Mat picture;
   std::optional<Plan> plan;
   int columns = 1;  ///< as wide as so many panels
+  /// Drawn over the picture, which is paled then; dots mark their ends, so that gaps are visible.
+  std::vector<ColoredSegment> segments{};
 };
 
 struct Board {
@@ -46,6 +57,7 @@ struct Board {
   std::string subtitle;
   std::vector<std::vector<BoardPanel>> rows;
   std::vector<LegendEntry> legend;
+  std::vector<std::string> row_titles{};  ///< above the first rows
 };
 
 /// @param panel_width of each panel [px]; heights follow from the contents.

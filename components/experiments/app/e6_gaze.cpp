@@ -5,20 +5,11 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "experiments/app/e6_place.h"
 #include "experiments/app/experiment_files.h"
+#include "experiments/app/trial_variants.h"
 
 namespace vismem {
 namespace {
-
-/// 20 % of the segments false and 20 % lost: similar places need several views to be distinguished.
-const E6Place kIrregularHard{.name = "irregular_hard",
-                             .title = "irregular corridor, 20 % false segments, 20 % lost",
-                             .trials = 50,
-                             .disturbance = {0.2, 0.2, 3.0}};
-
-/// Half of the time of E6: gaze changes the recovery within seconds.
-constexpr double kEvent_s = 30.0;
 
 struct Policy {
   const char* name;
@@ -53,12 +44,9 @@ nlohmann::json ratios(const Comparison& comparison, std::size_t policy, const Su
 nlohmann::json compareGaze(const ExperimentOptions& options) {
   if (!options.methods.empty()) throw std::invalid_argument("E6 --gaze compares gaze: it has no --methods");
   nlohmann::json json;
-  for (const E6Place& place : {kIrregular, kIrregularHard, kAliased, kRendered, kRenderedAliased}) {
-    if (!isWanted(place, options)) continue;
-    TrialSeries series = seriesAt(place, "E6 gaze", options);
-    series.name = "gaze_" + series.name;
-    series.trial.event_s = kEvent_s;
-    series.summary.within_s = kEvent_s;
+  for (TrialVariant& variant : chosenTrialVariants("E6_gaze", options)) {
+    TrialSeries& series = variant.series;
+    series.name = "gaze_" + variant.name;
     // Each gaze policy is a method: the same localization on the record of its own closed loop.
     std::vector<std::string> names;
     series.recordings.clear();
@@ -76,14 +64,13 @@ nlohmann::json compareGaze(const ExperimentOptions& options) {
       return methods;
     };
     series.drawn = names;
-    json[place.name] =
+    json[variant.name] =
         runSeries(series, options.out, [&](const Comparison& comparison, nlohmann::json& figures) {
           for (std::size_t i = 1; i < names.size(); ++i) {
             figures[names[i]]["against_" + names[0]] = ratios(comparison, i, series.summary);
           }
         });
   }
-  if (json.empty()) throw std::invalid_argument("E6 --gaze has no variant \"" + options.variant + "\"");
   return json;
 }
 

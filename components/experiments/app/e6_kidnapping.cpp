@@ -1,130 +1,14 @@
 #include "experiments/app/e6_kidnapping.h"
 
-#include <iostream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "experiments/app/e6_gaze.h"
-#include "experiments/app/e6_place.h"
+#include "experiments/app/trial_variants.h"
 
 namespace vismem {
-namespace {
-
-enum class Methods { kAll, kDefaultAndMcl, kAblation };
-
-struct Variant {
-  E6Place place;
-  Methods methods = Methods::kAll;
-  double blackout_s = 0.0;
-};
-
-constexpr double kBlackoutFrom_s = 30.0;
-const Disturbance kFalse30{0.3, 0.0, 3.0};
-const Disturbance kFalse50{0.5, 0.0, 3.0};
-const Disturbance kLost50{0.0, 0.5, 3.0};
-
-const std::vector<Variant>& variants() {
-  static const std::vector<Variant> all{
-      {kIrregular},
-      {kAliased},
-      {kRendered},
-      {kRenderedAliased},
-      {{.name = "false30", .title = "irregular corridor, 30 % false segments", .disturbance = kFalse30}},
-      {{.name = "false50", .title = "irregular corridor, 50 % false segments", .disturbance = kFalse50}},
-      {{.name = "lost50", .title = "irregular corridor, half of the segments lost", .disturbance = kLost50}},
-      {{.name = "blackout", .title = "irregular corridor, nothing seen from 30 to 40 s after each event"},
-       Methods::kAll,
-       10.0},
-      {{.name = "rendered_false30",
-        .title = "irregular corridor, rendered images, 30 % false segments added to the detected ones",
-        .trials = 20,
-        .rendered = true,
-        .disturbance = kFalse30}},
-      {{.name = "rendered_blackout",
-        .title = "irregular corridor, rendered images, nothing seen from 30 to 40 s after each event",
-        .trials = 20,
-        .rendered = true},
-       Methods::kAll,
-       10.0},
-      {{.name = "ablation", .title = "irregular corridor, parts of the default mode off"},
-       Methods::kAblation},
-      {{.name = "ablation_false",
-        .title = "irregular corridor, 30 % false segments, parts of the default mode off",
-        .disturbance = kFalse30},
-       Methods::kAblation},
-      {{.name = "room", .title = "room, synthetic observations", .world = "room"}, Methods::kDefaultAndMcl},
-      {{.name = "field",
-        .title = "football field, synthetic observations",
-        .world = "field_6x4",
-        .twins = true},
-       Methods::kDefaultAndMcl},
-  };
-  return all;
-}
-
-std::vector<MethodMaker> methodsOf(const Variant& variant, const LocalizerParams& ours) {
-  std::vector<MethodMaker> methods{localizerMethod("default", ours)};
-  if (variant.methods == Methods::kAblation) {
-    for (const Ablation& one : ablations(ours)) methods.push_back(localizerMethod(one.name, one.params));
-    return methods;
-  }
-  if (variant.methods == Methods::kAll) {
-    methods.push_back(localizerMethod("chapter", localizerPreset(LocalizationMode::kChapter)));
-  }
-  methods.push_back(monteCarloMethod("mcl_stock", stockMonteCarlo()));
-  methods.push_back(monteCarloMethod("mcl_tuned", tunedMonteCarlo()));
-  return methods;
-}
-
-nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& options) {
-  TrialSeries series = seriesAt(variant.place, "E6", options);
-  series.trial.blackout_from_s = kBlackoutFrom_s;
-  series.trial.blackout_s = variant.blackout_s;
-  series.methods = [&variant](const LocalizerParams& ours) { return methodsOf(variant, ours); };
-  series.published = kPublishedKidnapping;
-  series.drawn = {"default", "chapter"};
-  return runSeries(series, options.out);
-}
-
-/// Statistics of synthetic observations and of rendered images in the same trials.
-nlohmann::json compareVision(const ExperimentOptions& options) {
-  nlohmann::json json;
-  const int trials = options.trials > 0 ? options.trials : 3;
-  for (const char* world : {"corridor_irregular", "corridor"}) {
-    for (const bool rendered : {true, false}) {
-      VisionStatistics all;
-      for (int i = 0; i < trials; ++i) {
-        TrialOptions trial_options;
-        trial_options.world = world;
-        trial_options.seed = kSeedsApart * options.seed + 1 + static_cast<std::uint64_t>(i);
-        trial_options.rendered = rendered;
-        trial_options.events = 2;
-        trial_options.map_seed = options.seed;
-        all.beginRun();
-        TrialRun run(trial_options);
-        run.measureVision(&all);
-        run.record();
-      }
-      const char* name = rendered ? "rendered" : "synthetic";
-      json[world][name] = toJson(all);
-      std::cerr << "E6 vision: " << world << ", " << name << "\n" << json[world][name].dump(1) << "\n";
-    }
-  }
-  return json;
-}
-
-}  // namespace
 
 nlohmann::json kidnapping(const ExperimentOptions& options) {
-  if (!options.gaze.empty()) return compareGaze(options);
-  nlohmann::json json;
-  for (const Variant& variant : variants()) {
-    if (!isWanted(variant.place, options)) continue;
-    json[variant.place.name] = runVariant(variant, options);
-  }
-  if (options.variant.empty() || options.variant == "vision") json["vision"] = compareVision(options);
-  if (json.empty()) throw std::invalid_argument("E6 has no variant \"" + options.variant + "\"");
-  return json;
+  return options.gaze.empty() ? runTrialVariants("E6", "", options) : compareGaze(options);
 }
 
 }  // namespace vismem

@@ -17,7 +17,7 @@
 #include "evaluation/app/evaluation_setup.h"
 #include "evaluation/core/map_projection.h"
 #include "evaluation/core/segment_accuracy.h"
-#include "evaluation/figures/segment_figure.h"
+#include "evaluation/figures/board.h"
 #include "experiments/app/experiment_files.h"
 #include "simulator/app/render_view.h"
 #include "simulator/core/renderer.h"
@@ -144,13 +144,13 @@ constexpr DetectorView kViews[] = {{"hough", "Canny + Hough"},
                                    {"solis", "Solis, ours (default)"}};
 
 /// Figure 3: the segments of each detector.
-SegmentRow detectedRow(const Scene& scene, nlohmann::json& json, CsvFile& counts, CsvFile& all) {
-  SegmentRow row{scene.title, scene.rgb, {}};
+std::vector<BoardPanel> detectedRow(const Scene& scene, nlohmann::json& json, CsvFile& counts, CsvFile& all) {
+  std::vector<BoardPanel> row;
   for (const DetectorView& view : kViews) {
     std::vector<RawSegment> found;
     makeSegmentDetector(view.name)->detect(scene.rgb, found);
     std::vector<Segment2> px;
-    SegmentPanel panel{view.title, {}, {}};
+    BoardPanel panel{view.title, {}, scene.rgb, {}};
     for (const RawSegment& segment : found) {
       px.push_back(segment.px_raw);
       panel.segments.push_back({segment.px_raw, kSegmentColor});
@@ -168,15 +168,15 @@ SegmentRow detectedRow(const Scene& scene, nlohmann::json& json, CsvFile& counts
       one["fragments_per_line"] = accuracy.fragments;
       one["recall_2px"] = at2.recall;
       one["precision_2px"] = at2.precision;
-      panel.caption.push_back(
-          text("found %.0f %% of the known lines, in %.1f pieces each; %.0f %% is on them",
-               100.0 * at2.recall, accuracy.fragments, 100.0 * at2.precision));
+      panel.caption.push_back(text("found %.0f %% of the known lines, in %.1f pieces each",
+                                   100.0 * at2.recall, accuracy.fragments));
+      panel.caption.push_back(text("%.0f %% of its length is on known lines", 100.0 * at2.precision));
       known = text("%.3f,%.3f,%.3f", accuracy.fragments, at2.recall, at2.precision);
     }
     counts.row(text("%s,%s,%zu,%.2f,%.1f,", scene.name.c_str(), view.name, sum.segments, sum.mean_px(),
                     sum.total_px) +
                known);
-    row.panels.push_back(std::move(panel));
+    row.push_back(std::move(panel));
   }
   return row;
 }
@@ -208,13 +208,13 @@ class LabelColors {
 };
 
 /// Figure 10: labelled segments before and after merging.
-void addMerging(const Scene& scene, const std::string& detector, SegmentRow& row, nlohmann::json& json,
-                CsvFile& csv, LabelColors& label_colors) {
+void addMerging(const Scene& scene, const std::string& detector, std::vector<BoardPanel>& row,
+                nlohmann::json& json, CsvFile& csv, LabelColors& label_colors) {
   ExtractorParams params;
   params.detector = detector;
   SegmentExtractor extractor(params, scene.palette);
   const auto add = [&](const char* stage, const std::vector<ImageSegment>& segments) {
-    SegmentPanel panel{detector + ", " + stage + " merging", {}, {}};
+    BoardPanel panel{detector + ", " + stage + " merging", {}, scene.rgb, {}};
     std::vector<Segment2> labelled;
     for (const ImageSegment& segment : segments) {
       panel.segments.push_back({segment.px, label_colors.of(segment.label)});
@@ -228,7 +228,7 @@ void addMerging(const Scene& scene, const std::string& detector, SegmentRow& row
         text("%zu with a label, mean %.0f px; %zu unknown", sum.segments, sum.mean_px(), unknown));
     csv.row(text("%s,%s,%s,%zu,%.2f,%zu", scene.name.c_str(), detector.c_str(), stage, sum.segments,
                  sum.mean_px(), unknown));
-    row.panels.push_back(std::move(panel));
+    row.push_back(std::move(panel));
   };
   add("before", extractor.extractPieces(scene.rgb, scene.intrinsics));
   add("after", extractor.extract(scene.rgb, scene.intrinsics));
@@ -265,35 +265,37 @@ nlohmann::json compareDetectors(const ExperimentOptions& options) {
                   "image,detector,stage,labelled,labelled_mean_length_px,unknown");
   const std::string noise = text("camera noise of %.0f grey levels in simulated images, seed %llu",
                                  kCameraNoise, static_cast<unsigned long long>(options.seed));
-  SegmentFigure figure3{"Canny + Hough beside Solis on the same images (figure 3)",
-                        "320x240; every line is one segment, dots are its ends; " + noise,
-                        {},
-                        {}};
-  SegmentFigure figure10{"Labelled segments before and after merging (figure 10)",
-                         "merged: one label, ends close, one line; " + noise,
-                         {},
-                         {}};
+  Board figure3{"Canny + Hough beside Solis on the same images (figure 3)",
+                "320x240; every line is one segment, dots are its ends; " + noise,
+                {},
+                {}};
+  Board figure10{"Labelled segments before and after merging (figure 10)",
+                 "merged: one label, ends close, one line; " + noise,
+                 {},
+                 {}};
   LabelColors label_colors;
   nlohmann::json images = nlohmann::json::array();
   for (const Scene& scene : scenes) {
     nlohmann::json json{{"image", scene.name}, {"kind", scene.kind}, {"lines_known", !scene.truth.empty()}};
     figure3.rows.push_back(detectedRow(scene, json, counts, all));
-    writeImageFile(
-        drawSegmentFigure({figure3.title, figure3.subtitle, {figure3.rows.back()}, {}}, kLargePanel_px),
-        options.out / ("figure3_" + scene.name + ".png"));
+    figure3.row_titles.push_back(scene.title);
+    writeImageFile(drawBoard({figure3.title, figure3.subtitle, {figure3.rows.back()}, {}, {scene.title}},
+                             kLargePanel_px),
+                   options.out / ("figure3_" + scene.name + ".png"));
     if (scene.palette) {
       // The published flow leaves more to merge; the default joins collinear runs while it detects.
-      SegmentRow row{scene.title, scene.rgb, {}};
+      std::vector<BoardPanel> row;
       addMerging(scene, "chapter", row, json, merging, label_colors);
       if (options.mode != "chapter") addMerging(scene, "solis", row, json, merging, label_colors);
       figure10.rows.push_back(std::move(row));
+      figure10.row_titles.push_back(scene.title);
     }
     images.push_back(std::move(json));
   }
   figure10.legend = label_colors.legend();
   for (CsvFile* file : {&counts, &all, &merging}) file->close();
-  writeImageFile(drawSegmentFigure(figure3, kPanel_px), options.out / "figure3.png");
-  writeImageFile(drawSegmentFigure(figure10, kSmallPanel_px), options.out / "figure10.png");
+  writeImageFile(drawBoard(figure3, kPanel_px), options.out / "figure3.png");
+  writeImageFile(drawBoard(figure10, kSmallPanel_px), options.out / "figure10.png");
   return {{"images", images}, {"absent", absent}};
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/config/config_error.h"
 #include "common/config/project_file.h"
 #include "common/tool/command_line_tool.h"
 #include "evaluation/app/commit_id.h"
@@ -123,6 +124,8 @@ void declare(CLI::App& app, const std::vector<std::string>& names, Arguments& ar
       });
   app.add_option("--variant", arguments.options.variant,
                  "of an experiment that has several: only the one of this name (default: all)");
+  app.add_option("--variants", arguments.options.variants,
+                 "file of the variants of E5 or E6 (default: cfg/experiments/EXPERIMENT.variants)");
   app.add_option("--trials", arguments.options.trials,
                  "runs of each variant of an experiment over many (E5, E6; default: as documented)")
       ->check(CLI::Range(1, 10'000));
@@ -176,6 +179,9 @@ int main(int argc, char** argv) {
     if (!arguments.seeds.empty()) return runSeeds(*chosen, options, parseSeeds(arguments.seeds), origin);
     std::cout << runOnce(*chosen, options, origin).dump() << "\n";
     return 0;
+  } catch (const ConfigError& error) {
+    std::cerr << error.what() << "\n";
+    return 2;
   } catch (const std::exception& error) {
     std::cerr << "experiment: " << error.what() << "\n";
     return 1;

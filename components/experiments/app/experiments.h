@@ -13,7 +13,8 @@ namespace vismem {
 struct ExperimentOptions {
   std::string mode = "default";  ///< "default" or "chapter"
   std::uint64_t seed = 1;
-  std::string variant;  ///< only the variant of this name; empty: all
+  std::string variant;             ///< only the variant of this name; empty: all
+  std::filesystem::path variants;  ///< of E5 and E6: file of their variants; empty: the shipped one
   /// Of E6: "salience", "localization", "oracle", "both", "all"; empty: no gaze comparison.
   std::string gaze;
   std::vector<std::string> methods;  ///< of E5 and E6: only these; empty: all

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -17,7 +17,6 @@
 #include "experiments/trials/trial_score.h"
 #include "localization/core/gaze/gaze_planner.h"
 #include "localization/core/localizer.h"
-#include "simulator/core/renderer.h"
 
 namespace vismem {
 namespace {
@@ -93,10 +92,8 @@ struct TrialRun::Impl {
         route(routeFromFile(projectFile("cfg/worlds/" + given.world + ".route"))),
         memory(params.pipeline, params.palette),
         assembler(params.assembler),
-        // The streams' names seed their numbers: renaming one changes every published result.
-        synthetic(params.map_edges, given.errors, given.disturbance, subStream(given.seed, "made-up vision"),
-                  subStream(given.map_seed.value_or(given.seed), "made-up map")),
         clutter(given.disturbance, params.map_edges),
+        // The streams' names seed their numbers: renaming one changes every published result.
         places(subStream(given.seed, "places")),
         losses(subStream(given.seed, "losses")) {
     SimulationConfig robot = simulationConfig(evaluationOptions(options));
@@ -105,11 +102,6 @@ struct TrialRun::Impl {
     robot.start = start.T_world_robot;
     simulation = std::make_unique<Simulation>(std::move(robot));
     follow(start);
-    cast = [this](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
-      const auto hit = simulation->renderer().cast(origin, direction);
-      if (!hit) return std::optional<SeenSurface>();
-      return std::optional<SeenSurface>({hit->distance_m, hit->color.mean()});
-    };
   }
 
   void follow(const RouteStart& start) {
@@ -149,43 +141,18 @@ struct TrialRun::Impl {
     if (!attentive.wants(observation)) return attentive.predict(observation);
     std::vector<ImageSegment> observed;
     if (!isDark(observation.frame.stamp_us, trial)) {
-      if (options.rendered) {
-        observed = memory.extractor().extract(observation.frame.image, observation.frame.intrinsics, nullptr);
-        clutter.add(toSeconds(observation.frame.stamp_us), observation.frame.intrinsics, T_world_camera,
-                    losses, observed);
-        loseSegments(options.disturbance, losses, observed);
-      } else {
-        observed = synthetic.observe(toSeconds(observation.frame.stamp_us), observation.frame.intrinsics,
-                                     T_world_camera, cast);
-      }
-    }
-    if (statistics != nullptr) {
-      const CameraIntrinsics& intrinsics = observation.frame.intrinsics;
-      auto visible = visiblePieces(params.map_edges, intrinsics, T_world_camera, cast);
-      for (const VisiblePiece& outline :
-           visibleOutlines(params.map_edges, intrinsics, T_world_camera, cast)) {
-        visible.push_back(outline);
-      }
-      statistics->add(toSeconds(observation.frame.stamp_us), intrinsics, params.map_edges, visible, observed);
+      observed = memory.extractor().extract(observation.frame.image, observation.frame.intrinsics, nullptr);
+      clutter.add(toSeconds(observation.frame.stamp_us), observation.frame.intrinsics, T_world_camera, losses,
+                  observed);
+      loseSegments(options.disturbance, losses, observed);
     }
     return attentive.update(observation, observed);
   }
 
+  /// With the true camera pose of its exposure.
   std::optional<Frame> takeFrame() {
-    // The exposure holds the true camera pose; rendering consumes it.
-    if (options.rendered) {
-      auto frame = simulation->takeFrame();
-      if (frame) exposures[frame->seq] = simulation->lastExposure()->T_world_camera;
-      return frame;
-    }
-    const auto exposed = simulation->takeExposure();
-    if (!exposed) return std::nullopt;
-    Frame frame;
-    frame.stamp_us = exposed->stamp_us;
-    frame.seq = exposed->seq;
-    frame.intrinsics = simulation->config().cameras.front().intrinsics;
-    frame.T_robot_camera = exposed->T_robot_camera;
-    exposures[frame.seq] = exposed->T_world_camera;
+    auto frame = simulation->takeFrame();
+    if (frame) exposures[frame->seq] = simulation->lastExposure()->T_world_camera;
     return frame;
   }
 
@@ -243,15 +210,12 @@ struct TrialRun::Impl {
   Route route;
   MemoryPipeline memory;
   ObservationAssembler assembler;
-  SyntheticVision synthetic;
-  Clutter clutter;  ///< of rendered images
+  Clutter clutter;
   RandomEngine places;
   RandomEngine losses;
   std::unique_ptr<Simulation> simulation;
   std::optional<SimulatedOperator> driver;
-  CastRay cast;
   std::map<std::uint64_t, Pose3> exposures;  ///< true poses of the camera by the frame's number
-  VisionStatistics* statistics = nullptr;    ///< may be null
 };
 
 TrialRun::TrialRun(const TrialOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -263,61 +227,8 @@ const EvaluationParams& TrialRun::params() const {
 Simulation& TrialRun::simulation() {
   return *impl_->simulation;
 }
-void TrialRun::measureVision(VisionStatistics* statistics) {
-  impl_->statistics = statistics;
-}
 Trial TrialRun::record(const Visitor& visit) {
   return impl_->record(visit);
-}
-
-nlohmann::json toJson(const VisionStatistics& statistics) {
-  const auto bin = [](double from, const VisionStatistics::Bin& b) {
-    const double pieces = std::max(1, b.pieces);
-    return nlohmann::json{{"from", from},
-                          {"pieces", b.pieces},
-                          {"found", b.found / pieces},
-                          {"length_found", b.length_found / pieces},
-                          {"fragments", b.fragments / static_cast<double>(std::max(1, b.found))}};
-  };
-  const auto error = [](const LastingError& e) {
-    nlohmann::json one{{"mean", e.mean()}, {"std", e.standardDeviation()}};
-    for (const double share : ErrorQuantiles::kShares) one["quantiles"].push_back(e.quantile(share));
-    for (std::size_t lag = 0; lag < LastingError::kLags_s.size(); ++lag) {
-      one["correlation"].push_back({{"after_s", LastingError::kLags_s[lag]}, {"is", e.correlation(lag)}});
-    }
-    one["correlation_between_runs"] = e.correlationBetweenRuns();
-    return one;
-  };
-  nlohmann::json json{{"images", statistics.images()},
-                      {"quantiles_of", ErrorQuantiles::kShares},
-                      {"across_floor_px", error(statistics.across(true))},
-                      {"across_upright_px", error(statistics.across(false))},
-                      {"along_floor_px", error(statistics.along(true))},
-                      {"along_upright_px", error(statistics.along(false))},
-                      {"at_hidden_px", error(statistics.atHidden())},
-                      {"outline_foot_px", error(statistics.atOutline(true))},
-                      {"outline_top_px", error(statistics.atOutline(false))},
-                      {"outlines_found", statistics.outlinesFound()},
-                      {"outlines_per_image", statistics.outlinesPerImage()},
-                      {"at_border_px", error(statistics.atBorder())},
-                      {"false_per_image", statistics.falsePerImage()},
-                      {"false_share", statistics.falseShare()},
-                      {"false_on_floor_share", statistics.falseOnFloorShare()},
-                      {"false_length_px", statistics.falseLength_px()},
-                      {"wrong_label_share", statistics.wrongLabelShare()},
-                      {"wrong_side_share", statistics.wrongSideShare()},
-                      {"missed", statistics.missed()},
-                      {"missed_again", statistics.missedAgain()}};
-  for (std::size_t i = 0; i < statistics.byLength().size(); ++i) {
-    json["by_length_px"].push_back(bin(VisionStatistics::kLengths_px[i], statistics.byLength()[i]));
-  }
-  for (std::size_t i = 0; i < statistics.byRange().size(); ++i) {
-    auto one = bin(VisionStatistics::kRanges_m[i], statistics.byRange()[i]);
-    one["across_floor_px"] = error(statistics.acrossByRange()[i]);
-    one["along_floor_px"] = error(statistics.alongByRange()[i]);
-    json["by_range_m"].push_back(std::move(one));
-  }
-  return json;
 }
 
 }  // namespace vismem

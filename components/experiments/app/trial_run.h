@@ -1,18 +1,15 @@
-/// @file Runs with kidnappings in a simulated world: closed loop of robot, memory and gaze, with rendered
-/// images or with synthetic segments. See E5, E6, B4.
+/// @file Runs with kidnappings in a simulated world: closed loop of robot, rendered images, memory and
+/// gaze. See E5, E6, B4.
 #pragma once
 
 #include <functional>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 
 #include "active_visual_memory/core/memory_pipeline.h"
 #include "evaluation/app/evaluation_setup.h"
-#include "experiments/trials/synthetic_vision.h"
+#include "experiments/trials/clutter.h"
 #include "experiments/trials/trial.h"
-#include "experiments/trials/vision_statistics.h"
 
 namespace vismem {
 
@@ -30,10 +27,6 @@ struct TrialOptions {
   std::uint64_t seed = 1;
   int events = 5;         ///< the start and kidnappings
   double event_s = 60.0;  ///< from one to the next
-  bool rendered = false;  ///< rendered images and the whole vision; else synthetic segments
-  VisionErrors errors;    ///< of synthetic segments
-  /// Seed of the map's errors, which are equal in all images; empty: the trial's seed.
-  std::optional<std::uint64_t> map_seed;
   Disturbance disturbance;
   double blackout_from_s = 0.0;  ///< begin of the blackout within each event
   double blackout_s = 0.0;       ///< its length: no segments are observed
@@ -55,9 +48,6 @@ class TrialRun {
 
   const EvaluationParams& params() const;
   Simulation& simulation();
-  /// Also measures the errors of the segments, rendered or synthetic.
-  /// @param statistics must outlive the run.
-  void measureVision(VisionStatistics* statistics);
 
   /// Runs from the start to the end.
   Trial record(const Visitor& visit = {});
@@ -66,7 +56,5 @@ class TrialRun {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-nlohmann::json toJson(const VisionStatistics& statistics);
 
 }  // namespace vismem

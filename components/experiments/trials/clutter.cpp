@@ -16,16 +16,15 @@ constexpr double kLongest_m = 1.5;
 /// Edges of average contrast.
 constexpr double kStrength = 40.0;
 
-}  // namespace
-
 bool isOnFloor(const MapSegment& edge) {
   return std::abs(edge.world.a.z()) <= kOnFloor_m && std::abs(edge.world.b.z()) <= kOnFloor_m;
 }
 
-std::vector<Label> edgeLabels(const SegmentMap& edges, bool on_floor) {
+/// Labels of the map's edges on the floor, one for each edge; without those of any label.
+std::vector<Label> floorLabels(const SegmentMap& edges) {
   std::vector<Label> labels;
   for (const MapSegment& edge : edges.segments) {
-    if (edge.label != kAnyLabel && isOnFloor(edge) == on_floor) labels.push_back(edge.label);
+    if (edge.label != kAnyLabel && isOnFloor(edge)) labels.push_back(edge.label);
   }
   return labels;
 }
@@ -37,8 +36,10 @@ Eigen::Vector2d anyPixel(const CameraIntrinsics& intrinsics, RandomEngine& engin
   return {u, v};
 }
 
+}  // namespace
+
 Clutter::Clutter(const Disturbance& disturbance, const SegmentMap& edges)
-    : disturbance_(disturbance), labels_(edgeLabels(edges, /*on_floor=*/true)) {}
+    : disturbance_(disturbance), labels_(floorLabels(edges)) {}
 
 void Clutter::add(double time_s, const CameraIntrinsics& intrinsics, const Pose3& T_world_camera,
                   RandomEngine& engine, std::vector<ImageSegment>& image) {

@@ -1,5 +1,5 @@
 /// @file Disturbances of observed segments beside a detector's own errors: objects that the map lacks, and
-/// losses. Pure; for synthetic segments and for those of rendered images. See E6, L12.
+/// losses. Pure. See E6, L12.
 #pragma once
 
 #include <vector>
@@ -44,12 +44,6 @@ class Clutter {
   std::vector<Label> labels_;
   std::vector<Object> objects_;
 };
-
-/// Labels of the map's edges on the floor, or of those above it, one for each edge; without those of any
-/// label.
-std::vector<Label> edgeLabels(const SegmentMap& edges, bool on_floor);
-bool isOnFloor(const MapSegment& edge);
-Eigen::Vector2d anyPixel(const CameraIntrinsics& intrinsics, RandomEngine& engine);
 
 /// Removes the share `disturbance.lost_share` of the segments.
 void loseSegments(const Disturbance& disturbance, RandomEngine& engine, std::vector<ImageSegment>& image);

@@ -7,6 +7,7 @@
 
 #include "common/config/config_error.h"
 #include "common/process/log.h"
+#include "common/process/name_by_date.h"
 #include "common/process/status.h"
 #include "recorder/app/config.h"
 #include "recorder/app/file_store.h"

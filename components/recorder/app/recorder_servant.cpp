@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/process/name_by_date.h"
+
 namespace vismem {
 namespace {
 

@@ -1,8 +1,9 @@
 #include "recorder/app/recorder_service.h"
 
 #include <chrono>
-#include <ctime>
 #include <utility>
+
+#include "common/process/name_by_date.h"
 
 namespace vismem {
 namespace {
@@ -18,15 +19,6 @@ StampUs clockNow() {
 }
 
 }  // namespace
-
-std::string nameByDate() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm local{};
-  localtime_r(&now, &local);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y%m%d-%H%M%S", &local);
-  return text;
-}
 
 RecorderService::RecorderService(const Params& params, RecordingStore& store)
     : params_(params),

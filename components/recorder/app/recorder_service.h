@@ -92,7 +92,4 @@ class RecorderService {
   std::jthread writer_;  ///< last member: ends before the rest goes
 };
 
-/// "20261123-081500": a name for a recording that begins now, local time.
-std::string nameByDate();
-
 }  // namespace vismem

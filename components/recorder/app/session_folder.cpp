@@ -3,8 +3,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "common/process/name_by_date.h"
 #include "common/recording/bag_format.h"
-#include "recorder/app/recorder_service.h"
 
 namespace vismem {
 namespace {

@@ -391,17 +391,10 @@ void Simulation::showScene(const ExposedFrame& frame) {
   scene_.show(*frame.scene, *renderer_, shown_);
 }
 
-std::optional<ExposedFrame> Simulation::takeExposure(std::size_t index) {
+std::optional<Frame> Simulation::takeFrame(std::size_t index) {
   auto exposed = cameras_.at(index).take(now_us_);
   if (!exposed) return std::nullopt;
   showScene(*exposed);
-  taken_[index] = exposed;
-  return exposed;
-}
-
-std::optional<Frame> Simulation::takeFrame(std::size_t index) {
-  const auto exposed = takeExposure(index);
-  if (!exposed) return std::nullopt;
   const SimulatedCamera& camera = cameras_[index];
   const CameraIntrinsics& intrinsics = camera.params().intrinsics;
   Frame frame;
@@ -411,6 +404,7 @@ std::optional<Frame> Simulation::takeFrame(std::size_t index) {
   frame.T_robot_camera = exposed->T_robot_camera;
   frame.image = renderer_->render(intrinsics, exposed->T_world_camera);
   camera.errors().apply(frame.image, exposed->seq, exposed->gain);
+  taken_[index] = std::move(exposed);
   return frame;
 }
 

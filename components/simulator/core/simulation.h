@@ -93,8 +93,6 @@ class Simulation : public SteppedRobot {
   bool frameDue(std::size_t camera = 0) const;
   /// Renders the newest frame that has arrived; empty if none has.
   std::optional<Frame> takeFrame(std::size_t camera = 0);
-  /// As takeFrame without rendering, for synthetic observations. renderer() then has the scene of its stamp.
-  std::optional<ExposedFrame> takeExposure(std::size_t camera = 0);
   /// The exposure of the last frame of a camera with its true pose, for experiments. Empty before the first.
   const std::optional<ExposedFrame>& lastExposure(std::size_t camera = 0) const { return taken_.at(camera); }
   /// Ground truth of the last frame of a camera; empty before the first.

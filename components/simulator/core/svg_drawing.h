@@ -45,16 +45,15 @@ struct DrawnLine {
 };
 
 struct SvgDrawing {
-  std::vector<DrawnShape> shapes;  ///< in the order of painting
-  std::vector<DrawnLine> pens;     ///< strokes narrower than kWidestPen_m
-  std::vector<DrawnLine>
-      labelled;  ///< outlines and lines of elements with data-label, of any colour
+  std::vector<DrawnShape> shapes;   ///< in the order of painting
+  std::vector<DrawnLine> pens;      ///< strokes narrower than kWidestPen_m
+  std::vector<DrawnLine> labelled;  ///< outlines and lines of elements with data-label, of any colour
   std::vector<std::string> warnings;
 };
 
-/// Reads a drawing: rect, circle, ellipse, line, polyline, polygon, path, in g, a, svg, symbol, use;
-/// transforms, viewBox, units; presentation attributes, style attributes and style sheets. The world's y is
-/// up.
+/// Reads a drawing: rect, circle, ellipse, line, polyline, polygon, path, in groups; transforms, viewBox,
+/// units; presentation attributes and style attributes. The world's y is up. Style sheets, copies (`use`) and
+/// drawings within drawings are refused; other drawn elements and effects are left out with a warning.
 /// @param file for messages only.
 /// @throws ConfigError with every problem: FILE:LINE: <element id>: attribute = value (what it must be); also
 /// without a size in the file and in the options.

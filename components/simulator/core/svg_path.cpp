@@ -21,9 +21,8 @@ constexpr int kMaxPieces = 1000;
 constexpr double kLargest = 1e9;
 /// A cubic curve of this angle or less follows its arc to 5e-6 of the radius.
 constexpr double kArcStep_rad = std::numbers::pi / 4.0;
-/// Corners with smaller turns belong to a curve and need no round join.
+/// Corners with smaller turns belong to a curve: mitred under any limit.
 constexpr double kSmoothTurn_cos = 0.95;
-constexpr int kRoundCorners = 24;
 
 class Scanner {
  public:
@@ -285,15 +284,6 @@ SvgPoints counterClockwise(SvgPoints polygon) {
   return polygon;
 }
 
-SvgPoints disc(const Vector2d& center, double radius) {
-  SvgPoints result;
-  for (int i = 0; i < kRoundCorners; ++i) {
-    const double a = 2.0 * std::numbers::pi * i / kRoundCorners;
-    result.emplace_back(center + radius * Vector2d(std::cos(a), std::sin(a)));
-  }
-  return result;
-}
-
 }  // namespace
 
 SvgPath parseSvgPath(std::string_view d) {
@@ -388,46 +378,30 @@ std::vector<SvgPoints> strokeSvg(const SvgPoints& line, bool closed, const SvgSt
   std::vector<SvgPoints> result;
   if (line.size() < 2 || !(stroke.width > 0.0)) return result;
   const double half = 0.5 * stroke.width;
-  const std::size_t sides = closed && line.size() > 2 ? line.size() : line.size() - 1;
+  const bool ring = closed && line.size() > 2;
+  const std::size_t sides = ring ? line.size() : line.size() - 1;
   std::vector<Vector2d> along;
   for (std::size_t i = 0; i < sides; ++i) {
-    along.emplace_back((line[(i + 1) % line.size()] - line[i]).normalized());
-  }
-  for (std::size_t i = 0; i < sides; ++i) {
-    Vector2d a = line[i];
-    Vector2d b = line[(i + 1) % line.size()];
-    const bool open = sides != line.size();
-    if (open && stroke.cap == SvgStroke::Cap::kSquare) {
-      if (i == 0) a -= half * along[i];
-      if (i + 1 == sides) b += half * along[i];
-    }
-    if (open && stroke.cap == SvgStroke::Cap::kRound) {
-      if (i == 0) result.push_back(disc(a, half));
-      if (i + 1 == sides) result.push_back(disc(b, half));
-    }
-    const Vector2d n = half * Vector2d(-along[i].y(), along[i].x());
+    const Vector2d& a = line[i];
+    const Vector2d& b = line[(i + 1) % line.size()];
+    along.emplace_back((b - a).normalized());
+    const Vector2d n = half * turned90(along[i]);
     result.push_back({a - n, b - n, b + n, a + n});
   }
-  for (std::size_t i = 0; i < sides; ++i) {
-    if (i + 1 == sides && sides != line.size()) break;
+  for (std::size_t i = 0; i < (ring ? sides : sides - 1); ++i) {
     const Vector2d& before = along[i];
     const Vector2d& after = along[(i + 1) % sides];
     const Vector2d& corner = line[(i + 1) % line.size()];
     const double cosine = before.dot(after);
     const double cross = cross2(before, after);
-    if (stroke.join == SvgStroke::Join::kRound && cosine < kSmoothTurn_cos) {
-      result.push_back(disc(corner, half));
-      continue;
-    }
     if (std::abs(cross) < 1e-12) continue;
     const double outside = cross > 0.0 ? -half : half;
     const Vector2d o1 = outside * turned90(before);
     const Vector2d o2 = outside * turned90(after);
     SvgPoints piece{corner, corner + o1};
     // The length of a miter over the stroke's width is 1 / cos(half the turn).
-    const bool smooth = cosine >= kSmoothTurn_cos;
     const double pointed = std::sqrt(2.0 / std::max(1.0 + cosine, 1e-12));
-    if (smooth || (stroke.join == SvgStroke::Join::kMiter && pointed <= stroke.miter_limit)) {
+    if (cosine >= kSmoothTurn_cos || pointed <= stroke.miter_limit) {
       piece.push_back(corner + (o1 + o2) / (1.0 + cosine));
     }
     piece.push_back(corner + o2);

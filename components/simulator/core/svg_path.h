@@ -1,4 +1,4 @@
-/// @file Outlines of SVG: path data, simple shapes, transforms, curves as straight pieces. Pure.
+/// @file Outlines of SVG: path data, ellipses, transforms, curves as straight pieces, strokes. Pure.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -49,14 +49,11 @@ SvgPath svgRectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size,
 SvgPoints flattenSvg(const SvgSubpath& subpath, const Eigen::Affine2d& T, double flatness);
 
 struct SvgStroke {
-  enum class Join { kMiter, kRound, kBevel };
-  enum class Cap { kButt, kRound, kSquare };
   double width = 1.0;
-  Join join = Join::kMiter;
-  Cap cap = Cap::kButt;
   double miter_limit = 4.0;
 };
-/// The band of a stroke along a line, as overlapping convex polygons of one sense of rotation.
+/// The band of a stroke along a line, as overlapping convex polygons of one sense of rotation: mitred
+/// corners up to the limit, cut off beyond it; ends without caps.
 std::vector<SvgPoints> strokeSvg(const SvgPoints& line, bool closed, const SvgStroke& stroke);
 
 }  // namespace vismem

@@ -17,12 +17,6 @@ std::string svgText(const XMLElement& element, const char* attribute) {
   return value == nullptr ? "" : value;
 }
 
-std::string svgLinkOf(const XMLElement& element) {
-  std::string link = svgText(element, "href");
-  if (link.empty()) link = svgText(element, "xlink:href");
-  return link.starts_with('#') ? link.substr(1) : "";
-}
-
 std::string SvgReport::where(const XMLElement& e) const {
   const std::string id = svgText(e, "id");
   return file_ + ":" + std::to_string(e.GetLineNum()) + ": <" + svgNameOf(e) +

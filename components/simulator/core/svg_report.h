@@ -16,8 +16,6 @@ namespace vismem {
 std::string svgNameOf(const tinyxml2::XMLElement& element);
 /// Text of an attribute; empty without one.
 std::string svgText(const tinyxml2::XMLElement& element, const char* attribute);
-/// Id in the same file that `href` or `xlink:href` names; empty otherwise.
-std::string svgLinkOf(const tinyxml2::XMLElement& element);
 
 /// *Single-threaded.*
 class SvgReport {

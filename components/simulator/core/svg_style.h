@@ -1,13 +1,14 @@
-/// @file Style syntax of SVG: colours, lengths, style sheets. Pure.
+/// @file Style of SVG elements: colours, lengths, inherited presentation attributes. Pure.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
+
+#include "simulator/core/svg_path.h"
+#include "simulator/core/svg_report.h"
 
 namespace vismem {
 
@@ -15,11 +16,8 @@ using SvgColor = std::array<std::uint8_t, 3>;  ///< R G B
 
 struct SvgPaint {
   std::optional<SvgColor> color;  ///< empty: not painted
-  bool current = false;           ///< the element's `color`
-  std::string reference;          ///< id of a gradient or pattern; color is then its fallback
 };
-/// `none`, a colour (#rgb, #rrggbb, rgb(), rgba(), a name of CSS), `currentColor`, `url(#id)`. A colour that
-/// is more than half transparent is not painted.
+/// `none`, `transparent`, #rgb, #rrggbb, rgb(), one of the 17 colour names of CSS 2.1.
 /// @return empty for anything else.
 std::optional<SvgPaint> parseSvgPaint(std::string_view text);
 
@@ -37,31 +35,24 @@ struct SvgLength {
 /// @return empty for anything else than a finite number (up to 1e9) with one of those units.
 std::optional<SvgLength> parseSvgLength(std::string_view text);
 
-/// Names and values; names in lower case.
-using SvgDeclarations = std::map<std::string, std::string>;
-/// Parses `fill: red; stroke-width: 2mm`. Parts without a colon are left out.
-SvgDeclarations parseSvgDeclarations(std::string_view text);
-
-/// The rules of `<style>` elements: selectors by element, .class and #id, together too (`rect.wall`), in
-/// lists.
-class SvgStyleSheet {
- public:
-  /// @return the unsupported selectors (descendants, states), whose rules are left out.
-  std::vector<std::string> add(std::string_view css);
-  /// The declarations that apply to an element.
-  /// @param classes its `class`.
-  SvgDeclarations match(std::string_view element, std::string_view id, std::string_view classes) const;
-
- private:
-  struct Rule {
-    std::string element, id;
-    std::vector<std::string> classes;
-    SvgDeclarations declarations;
-    int specificity() const;
-  };
-  std::vector<Rule> rules_;  // in their order
+/// Inherited and own style of an element.
+struct SvgLook {
+  SvgPaint fill{SvgColor{0, 0, 0}};
+  SvgPaint stroke;
+  SvgStroke pen;
+  std::string join = "miter";
+  std::string cap = "butt";
+  bool even_odd = false;
+  bool visible = true;
+  double fill_opacity = 1.0;
+  double stroke_opacity = 1.0;
+  double opacity = 1.0;      ///< of all around it, multiplied
+  bool fixed_width = false;  ///< its stroke has no width in the world
+  std::string label;
 };
-
-std::string trimmedSvg(std::string_view text);
+/// Attributes and the `style` attribute, which wins.
+/// @param around inherited style.
+/// @param report gets wrong values, and effects that are left out.
+SvgLook svgLookOf(const tinyxml2::XMLElement& e, const SvgLook& around, SvgReport& report);
 
 }  // namespace vismem

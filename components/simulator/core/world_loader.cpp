@@ -11,13 +11,14 @@
 #include "common/config/config_error.h"
 #include "common/config/text_file.h"
 #include "simulator/core/world.h"
-#include "simulator/core/world_document.h"
 #include "simulator/core/world_geometry.h"
+#include "simulator/core/world_includes.h"
 #include "simulator/core/world_optics.h"
 #include "simulator/core/world_outlines.h"
 #include "simulator/core/world_reading.h"
+#include "simulator/core/world_repair/text_repair.h"
+#include "simulator/core/world_repair/world_document.h"
 #include "simulator/core/world_resolver.h"
-#include "simulator/core/world_text.h"
 
 namespace vismem {
 namespace {

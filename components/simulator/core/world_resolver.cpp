@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "common/config/config_error.h"
-#include "simulator/core/world_text.h"
+#include "simulator/core/world_includes.h"
 
 namespace vismem {
 namespace fs = std::filesystem;

@@ -71,7 +71,7 @@ TEST(ActiveVisualMemoryConfig, ReadsTheKeysOfSlipDetection) {
                                         "ActiveVisualMemory.Memory.Align.Slip.Sigmas = 5\n"
                                         "ActiveVisualMemory.Memory.Align.Slip.Least_deg = 3\n")
                                       .pipeline.memory.memory;
-  EXPECT_DOUBLE_EQ(p.map_filter.turn_noise, degToRad(2.0));
+  EXPECT_DOUBLE_EQ(p.map_filter.odometry.turn_noise, degToRad(2.0));
   EXPECT_EQ(p.slip.least_images, 4);
   EXPECT_EQ(p.slip.images, 8);
   EXPECT_DOUBLE_EQ(p.slip.sigmas, 5.0);
@@ -110,16 +110,17 @@ TEST(ActiveVisualMemoryConfig, OldNamesOfKeysAreAcceptedWithAWarningThatNamesThe
       {"Lean.Mount_deg = 0.25", "CameraTilt.Mount_deg"},
       {"Lean.Camera_deg = 0.3", "CameraTilt.Camera_deg"},
       {"Lean.Sway_deg = 0.75", "CameraTilt.PerFrame_deg"},
-      {"Lean.SwayDoubt = 2", "CameraTilt.PerFrameInflation"},
       {"Lean.Course_deg = 3", "CameraTilt.DominantDirection_deg"},
       {"Align.Compass = yes", "Align.DominantDirection"},
-      {"Align.Joint = yes", "Align.MapFilter"},
       {"TellInCourse = yes", "SnapToDominantDirection"},
       {"Life.Covered_per_s = 7", "Life.Occluded_per_s"}};
   std::string text = kPeers +
                      "ActiveVisualMemory.Ground.ThinLineBlur_px = 2.5\n"      // old name
                      "ActiveVisualMemory.ShapeEdges.PartAtJunctions = no\n";  // old name
   for (const auto& [setting, name] : renamed) text += prefix + setting + "\n";
+  for (const char* retired : {"Align.Joint = yes", "Align.MapFilter = no", "CameraTilt.PerFrameInflation = 2"}) {
+    text += prefix + retired + "\n";
+  }
   const Properties properties = Properties::parse(text, "test.cfg");
   ConfigReader root(properties);
   ConfigReader reader = root.group("ActiveVisualMemory");
@@ -128,9 +129,8 @@ TEST(ActiveVisualMemoryConfig, OldNamesOfKeysAreAcceptedWithAWarningThatNamesThe
   EXPECT_NEAR(params.memory.tilt_prior.mount_rad, degToRad(0.25), 1e-12);
   EXPECT_NEAR(params.memory.tilt_prior.camera_rad, degToRad(0.3), 1e-12);
   EXPECT_NEAR(params.memory.tilt_prior.per_frame_rad, degToRad(0.75), 1e-12);
-  EXPECT_EQ(params.memory.per_frame_inflation, 2.0);
   EXPECT_NEAR(params.memory.dominant_direction.sigma_rad, degToRad(3.0), 1e-12);
-  EXPECT_TRUE(params.memory.use_dominant_direction && params.memory.use_map_filter);
+  EXPECT_TRUE(params.memory.use_dominant_direction);
   EXPECT_TRUE(params.memory.snap_to_dominant_direction);
   EXPECT_EQ(params.memory.life.occluded_per_s, 7.0);
   EXPECT_EQ(params.edge_blur.sigma_px, 2.5);
@@ -139,6 +139,9 @@ TEST(ActiveVisualMemoryConfig, OldNamesOfKeysAreAcceptedWithAWarningThatNamesThe
   for (const auto& warning : root.renamedKeys()) warnings += warning.text() + "\n";
   for (const auto& [setting, name] : renamed) EXPECT_THAT(warnings, HasSubstr(prefix + name));
   EXPECT_THAT(warnings, HasSubstr("ActiveVisualMemory.Ground.LineBlur_px"));
+  for (const char* retired : {"Align.Joint", "Align.MapFilter", "CameraTilt.PerFrameInflation"}) {
+    EXPECT_THAT(warnings, HasSubstr("key \"" + prefix + retired + "\" has no effect any more"));
+  }
   EXPECT_THAT(warnings, HasSubstr("ActiveVisualMemory.ShapeEdges.SplitAtJunctions"));
 }
 

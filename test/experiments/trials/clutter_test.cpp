@@ -5,11 +5,26 @@
 
 #include <algorithm>
 
+#include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
-#include "experiments/trials/visible_scene.h"
 
 namespace vismem {
 namespace {
+
+const CameraIntrinsics kIntrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60.0));
+
+/// 0.45 m above the floor, looking along x and a little down.
+Pose3 camera() {
+  return cameraPose({poseFromXyzRpy(0, 0, 0.45, 0, 0, 0), Pose3::Identity()}, 0.0, degToRad(-15.0));
+}
+
+SegmentMap lines() {
+  SegmentMap map;
+  map.segments = {{{{1.0, 0.0, 0.0}, {3.0, 0.0, 0.0}}, "skirting", 0.0},
+                  {{{2.0, -0.5, 0.0}, {2.0, 0.5, 0.0}}, "door_foot", 0.0},
+                  {{{-1.0, 0.0, 0.0}, {-3.0, 0.0, 0.0}}, "skirting", 0.0}};
+  return map;
+}
 
 /// Labelled segments across the image, as a detector finds them.
 std::vector<ImageSegment> detected(int count) {

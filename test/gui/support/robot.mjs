@@ -141,10 +141,10 @@ export class Robot {
     return batch.samples.at(-1);
   }
 
-  /** The true speed over the last 50 ms of simulated time [m/s]. */
+  /** The true speed between the last two samples [m/s]. */
   async speed() {
     const {samples} = await this.simulation.truthSince(new Ice.Long(0x80000000, 0));
-    const a = samples.at(-6), b = samples.at(-1);
+    const a = samples.at(-2), b = samples.at(-1);
     return Math.hypot(b.robotInWorld.x - a.robotInWorld.x, b.robotInWorld.y - a.robotInWorld.y) / ((b.stampUs.toNumber() - a.stampUs.toNumber()) / 1e6);
   }
 

@@ -63,13 +63,13 @@ MapFilter::MapFilter(const TiltPrior& tilt_prior) : tilt_prior_(tilt_prior) {
 
 void MapFilter::reset() {
   const CameraTiltCovariance camera_tilt = cameraTiltCovariance();
-  const Eigen::Matrix2d rates = state_.P.block<2, 2>(kRates, kRates);
+  const Eigen::Matrix3d rates = state_.P.block<3, 3>(kRates, kRates);
   state_.lines.clear();
   corrections_.clear();
   state_.dominant_direction_rad.reset();
   state_.known().setZero();
   state_.P.block<4, 4>(kTilt, kTilt) = camera_tilt;
-  state_.P.block<2, 2>(kRates, kRates) = rates;
+  state_.P.block<3, 3>(kRates, kRates) = rates;
 }
 
 void MapFilter::remove(int slot) {
@@ -101,14 +101,17 @@ PlanarIncrement MapFilter::predict(const Pose2& before, const Pose2& now, const 
   const double turn = std::abs(moved.theta);
   PlanarIncrement expected{before.position(), Eigen::Vector2d::Zero(), 0.0};
   if (way == 0.0 && turn == 0.0) return expected;
-  const Eigen::Vector2d most{params.drift.turn_per_rad, params.drift.turn_per_m};
+  const OdometryErrors& odometry = params.odometry;
+  const Eigen::Vector3d most{odometry.turn_per_rad, odometry.turn_per_m, odometry.travel_scale};
   Eigen::Block<Matrix> P = state_.known();
   if (!moved_) {
-    P.block<2, 2>(kRates, kRates) = most.cwiseAbs2().asDiagonal();
+    P.block<3, 3>(kRates, kRates) = most.cwiseAbs2().asDiagonal();
     moved_ = true;
   }
   const Eigen::Vector2d gone{moved.theta, std::copysign(way, moved.x)};
-  expected.turn_rad = gone.dot(rates_);
+  const Eigen::Vector2d shifted = now.position() - before.position();
+  expected.turn_rad = gone.dot(rates_.head<2>());
+  expected.shift = rates_[2] * shifted;
   // turn += gone * rates; then the drift is referred to the new place of the robot.
   const auto addRow = [&](int to, double factor, int from) {
     P.row(to) += factor * P.row(from);
@@ -116,7 +119,9 @@ PlanarIncrement MapFilter::predict(const Pose2& before, const Pose2& now, const 
   };
   addRow(kTurn, gone[0], kRates);
   addRow(kTurn, gone[1], kRates + 1);
-  const Eigen::Vector2d lever = turned90(now.position() - before.position());
+  addRow(0, shifted.x(), kRates + 2);
+  addRow(1, shifted.y(), kRates + 2);
+  const Eigen::Vector2d lever = turned90(shifted);
   addRow(0, lever.x(), kTurn);
   addRow(1, lever.y(), kTurn);
   // Successive drift is correlated, so standard deviations add up, but only over some steps.
@@ -124,12 +129,12 @@ PlanarIncrement MapFilter::predict(const Pose2& before, const Pose2& now, const 
     const double grown = std::sqrt(std::max(0.0, variance)) + sigma;
     variance = std::min(grown * grown, variance + kCorrelatedSteps * kCorrelatedSteps * sigma * sigma);
   };
-  const double shift = params.drift.shift_per_m * way + params.drift.shift_per_rad * turn;
+  const double shift = odometry.shift_per_m * way + odometry.shift_per_rad * turn;
   grow(P(0, 0), shift);
   grow(P(1, 1), shift);
-  P(kTurn, kTurn) += params.turn_noise * params.turn_noise * (way + params.feet_per_rad_m * turn);
+  P(kTurn, kTurn) += odometry.turn_noise * odometry.turn_noise * (way + odometry.feet_per_rad_m * turn);
   grow(P(kTurn, kTurn),
-       kUnbiasedDriftShare * (params.drift.turn_per_rad * turn + params.drift.turn_per_m * way));
+       kUnbiasedDriftShare * (odometry.turn_per_rad * turn + odometry.turn_per_m * way));
   if (state_.dominant_direction_rad) *state_.dominant_direction_rad += expected.turn_rad;
   for (Line& line : state_.lines) line.reference = expected.apply(line.reference);
   return expected;
@@ -166,9 +171,10 @@ void MapFilter::beginImage(State& state, const Eigen::Vector2d& robot,
   P.block<2, 2>(kFrameTilt, kFrameTilt)
       .diagonal()
       .setConstant(tilt_prior_.per_frame_rad * tilt_prior_.per_frame_rad);
+  const double frame_shift = params.gait_height_m * tilt_prior_.per_frame_rad;
   P.block<2, 2>(kFrameTilt + 2, kFrameTilt + 2)
       .diagonal()
-      .setConstant(params.per_frame_shift_m * params.per_frame_shift_m);
+      .setConstant(frame_shift * frame_shift);
   for (Line& line : state.lines) ++line.unseen;
   if (!dominant_direction_rad || state.dominant_direction_rad) return;
   state.dominant_direction_rad = dominant_direction_rad;
@@ -195,9 +201,8 @@ void MapFilter::linearize(State& state, const Eigen::Vector2d& robot, std::span<
     row.residual = -off;
     row.variance = params.direction_rad * params.direction_rad;
   }
-  for (const LineResidual& residual : residuals) {
+  for (const LineResidual& c : residuals) {
     if (rows.size() == kMaxResiduals) return;
-    const DriftResidual& c = residual.common;
     Row& row = rows.emplace_back();
     row.residual = c.residual_m;
     row.variance = c.variance_m2;
@@ -206,7 +211,7 @@ void MapFilter::linearize(State& state, const Eigen::Vector2d& robot, std::span<
     for (int k = 0; k < 4; ++k) row.add(kTilt + k, -c.d_tilt[k]);
     for (int k = 0; k < 2; ++k) row.add(kFrameTilt + k, -c.d_frame_tilt[k]);
     for (int k = 0; k < 2; ++k) row.add(kFrameTilt + 2 + k, c.direction[k]);
-    const int slot = residual.line ? state.slotOf(residual.line) : -1;
+    const int slot = c.line ? state.slotOf(c.line) : -1;
     if (slot < 0) continue;
     Line& line = state.lines[static_cast<std::size_t>(slot)];
     const int at = kLines + 2 * slot;
@@ -243,15 +248,15 @@ bool MapFilter::solve(State& state, const Eigen::Vector2d& robot, std::span<cons
     for (int i = j; i < m; ++i) spread(i, j) = rows[static_cast<std::size_t>(i)].dot(PHt.col(j));
   }
   x.setZero();
-  for (int iteration = 0; iteration < params.drift.iterations; ++iteration) {
+  for (int iteration = 0; iteration < params.iterations; ++iteration) {
     L.triangularView<Eigen::Lower>() = spread;
     for (int i = 0; i < m; ++i) {
       const Row& row = rows[static_cast<std::size_t>(i)];
       // The first gate includes the prior variance of the residual; later ones compare with the estimate.
       const double known = row.variance + (iteration == 0 ? spread(i, i) : 0.0);
       const double off = std::abs(row.residual - row.dot(x)) / std::sqrt(known);
-      L(i, i) += off > params.drift.gate    ? kIgnored
-                 : off > params.drift.huber ? row.variance * off / params.drift.huber
+      L(i, i) += off > params.gate    ? kIgnored
+                 : off > params.huber ? row.variance * off / params.huber
                                             : row.variance;
       y[i] = row.residual;
     }
@@ -319,9 +324,10 @@ std::optional<Correction> MapFilter::update(const Eigen::Vector2d& robot,
       {robot, x.head<2>(), x[kTurn]}, CameraTilt::Zero(), x.segment<2>(kFrameTilt), state_.P_frame_tilt};
   const CameraTilt before = camera_tilt_;
   camera_tilt_ += x.segment<4>(kTilt);
-  rates_ += x.segment<2>(kRates);
-  const Eigen::Vector2d most_rates{params.drift.turn_per_rad, params.drift.turn_per_m};
-  limitRates(most_rates, rates_, P.block<2, 2>(kRates, kRates));
+  rates_ += x.segment<3>(kRates);
+  const Eigen::Vector3d most_rates{params.odometry.turn_per_rad, params.odometry.turn_per_m,
+                                   params.odometry.travel_scale};
+  limitRates(most_rates, rates_, P.block<3, 3>(kRates, kRates));
   limitCameraTilt(tilt_prior_, camera_tilt_, P.block<4, 4>(kTilt, kTilt));
   correction.camera_tilt = camera_tilt_ - before;
   if (state_.dominant_direction_rad) *state_.dominant_direction_rad += x[kTurn] + x[kDirection];

@@ -11,15 +11,44 @@
 #include <span>
 #include <vector>
 
-#include "active_visual_memory/core/estimation/drift_filter.h"
+#include "active_visual_memory/core/ground/camera_tilt.h"
 #include "active_visual_memory/core/ground/floor_segment.h"
+#include "common/geometry/planar_increment.h"
+#include "common/geometry/pose.h"
 
 namespace vismem {
 
-/// Residual of an observation against a line of the filter: across the line, or of one of its ends along it.
+/// One coordinate in which an observation differs from a remembered line: across the line, or of one of its ends
+/// along it.
 struct LineResidual {
-  DriftResidual common;    ///< `d_tilt` is that of the observed coordinate alone if a line is named
+  Eigen::Vector2d p = Eigen::Vector2d::Zero();           ///< observed point in odom [m]
+  Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< along which both are compared
+  double residual_m = 0.0;                               ///< observed minus remembered
+  double variance_m2 = 1.0;                              ///< of the difference, without the unknowns of the filter
+  /// Derivative of observed minus remembered by the camera tilt [m/rad].
+  TiltJacobianRow d_tilt = TiltJacobianRow::Zero();
+  /// Derivative of the observed coordinate by the tilt of this frame [m/rad].
+  Eigen::RowVector2d d_frame_tilt = Eigen::RowVector2d::Zero();
   std::uint64_t line = 0;  ///< the line compared with; 0: none of the filter's
+};
+
+/// Result of one image.
+struct Correction {
+  PlanarIncrement motion;                                  ///< of the memory
+  CameraTilt camera_tilt = CameraTilt::Zero();             ///< change of the tilt estimate [rad]
+  Eigen::Vector2d frame_tilt = Eigen::Vector2d::Zero();    ///< of this image, about the robot's x and y [rad]
+  Eigen::Matrix2d P_frame_tilt = Eigen::Matrix2d::Zero();  ///< posterior covariance [rad^2]
+};
+
+/// Prior sigmas of the errors of odometry. Wheels and legs err by a lasting share, which is estimated, and at random.
+struct OdometryErrors {
+  double shift_per_m = 0.02;     ///< random shift per metre driven
+  double shift_per_rad = 0.005;  ///< random shift per radian turned [m/rad]
+  double turn_per_rad = 0.02;    ///< lasting heading error per radian turned
+  double turn_per_m = 0.02;      ///< lasting heading error per metre driven [rad/m]
+  double travel_scale = 0.1;     ///< lasting error of the travelled way per metre; real wheels err by 3 to 11 %
+  double turn_noise = 0.005;     ///< random heading error over the way of the wheels or feet [rad/sqrt(m)]
+  double feet_per_rad_m = 0.06;  ///< that way per radian turned [m/rad]
 };
 
 struct LineDirection {
@@ -38,20 +67,22 @@ struct LineCorrection {
       Eigen::Matrix<double, 2, 4>::Zero();  ///< their derivative by the camera tilt
 };
 
-/// DriftFilter with the lines in its state, for legged robots: the tilt of one frame is a common error of all
-/// lines in that image, and of all that is compared with them later. Independent lines would make tilt and
-/// heading seem better known than they are. *Single-threaded value*, `preview` included: its workspace is
-/// here. Nothing is allocated after construction.
+/// State: drift of the odometry since the memory was made (a random motion about the robot that grows with its way; a
+/// robot that stands does not drift), its lasting errors, the camera tilt, the dominant direction of the place, the
+/// tilt of the frame at hand, and the lines. The tilt of a frame is a common error of all lines in that image, and of
+/// all that is compared with them later: independent lines would make tilt and heading seem better known than they
+/// are. *Single-threaded value*, `preview` included: its workspace is here. Nothing is allocated after construction.
 class MapFilter {
  public:
   static constexpr int kMaxLines = 128;  ///< a further line replaces the one that was unseen for longest
   static constexpr int kMaxResiduals = 120;
 
   struct Params {
-    DriftFilter::Params drift;
-    double turn_noise = 0.05;         ///< random heading error over the way of the feet [rad/sqrt(m)]
-    double feet_per_rad_m = 0.06;     ///< way of the feet per radian turned [m/rad]
-    double per_frame_shift_m = 0.01;  ///< sigma of the shift of the camera by the gait, in each frame anew
+    OdometryErrors odometry;
+    double huber = 1.5;            ///< sigmas beyond which a residual has less weight
+    double gate = 4.0;             ///< sigmas beyond which it has none
+    int iterations = 3;
+    double gait_height_m = 0.57;  ///< of the camera above what the body tilts about in each frame
     double offset_noise_m =
         0.0005;  ///< process noise of an observed line: errors of successive images correlate
     double turn_noise_rad = 0.0002;  ///< the same of its direction
@@ -112,10 +143,10 @@ class MapFilter {
  private:
   static constexpr int kTurn = 2;
   static constexpr int kTilt = 3;
-  static constexpr int kRates = 7;
-  static constexpr int kDirection = 9;
-  static constexpr int kFrameTilt = 10;  ///< roll and pitch, then the shift of the camera
-  static constexpr int kLines = 14;      ///< offset and turn of each
+  static constexpr int kRates = 7;  ///< of the heading per radian and per metre, of the way per metre
+  static constexpr int kDirection = 10;
+  static constexpr int kFrameTilt = 11;  ///< roll and pitch, then the shift of the camera
+  static constexpr int kLines = 15;      ///< offset and turn of each
   static constexpr int kMaxUnknowns = kLines + 2 * kMaxLines;
   using Matrix = Eigen::MatrixXd;
 
@@ -189,7 +220,7 @@ class MapFilter {
 
   TiltPrior tilt_prior_;
   CameraTilt camera_tilt_ = CameraTilt::Zero();
-  Eigen::Vector2d rates_ = Eigen::Vector2d::Zero();
+  Eigen::Vector3d rates_ = Eigen::Vector3d::Zero();
   bool moved_ = false;
   State state_;
   std::vector<LineCorrection> corrections_;

@@ -6,24 +6,19 @@
 #include <vector>
 
 #include "active_visual_memory/core/estimation/dominant_direction.h"
-#include "active_visual_memory/core/estimation/drift_filter.h"
 #include "active_visual_memory/core/estimation/map_filter.h"
 #include "active_visual_memory/core/ground/floor_line.h"
 #include "active_visual_memory/core/ground/floor_segment.h"
 
 namespace vismem {
 
-/// Adds the residuals of both ends across the line, and along it where a true end was observed.
+/// Adds the residuals of both ends of a piece across a line of MapFilter, and along it where a true end was observed.
+/// @param id               of the line.
 /// @param view             that showed the piece.
 /// @param slack_m          sigma of errors that the covariances do not model [m].
 /// @param noise            factor of all variances.
 /// @param end_inflation    factor of the sigmas of ends.
 /// @param max_end_shift_m  ends further apart are different ends [m].
-void addDriftResiduals(const FloorLine& line, const FloorSegment& piece, const TiltView& view, double slack_m,
-                       double noise, double end_inflation, double max_end_shift_m,
-                       std::vector<DriftResidual>& residuals);
-
-/// The same against a line in the state of MapFilter: its own error is not part of the variance.
 void addLineResiduals(std::uint64_t id, const FloorLine& line, const FloorSegment& piece,
                       const TiltView& view, double slack_m, double noise, double end_inflation,
                       double max_end_shift_m, std::vector<LineResidual>& residuals);
@@ -32,19 +27,6 @@ void addLineResiduals(std::uint64_t id, const FloorLine& line, const FloorSegmen
 /// image and part of the state [m^2].
 double ownVariance(const Eigen::Vector2d& direction, const Eigen::Matrix2d& P, const TiltJacobian& D,
                    double pitch_sigma_rad);
-
-/// Adds the residuals of the directions of an image's long lines, in a place where lines are parallel or
-/// square. Lines that converge on the floor measure the tilt, also while the robot stands. The direction of
-/// the image's lines is an unknown of its own; without two lines of one direction nothing is added.
-/// @param about      tilt, beside the present estimate, at which the derivatives are taken: lines placed too
-/// far away
-///                   turn too much with the tilt, which would bias the estimate.
-/// @param known_rad  dominant direction of the memory, if there is one: the lines then also measure the turn
-/// of the
-///                   memory, and one line is enough.
-void addDirectionResiduals(const std::vector<FloorSegment>& floor, const TiltView& view,
-                           const CameraTilt& about, const DominantDirectionParams& params,
-                           const std::optional<double>& known_rad, std::vector<DriftResidual>& residuals);
 
 struct DirectionDeviation {
   double turn_rad = 0.0;

@@ -19,9 +19,10 @@ void limitCameraTilt(const TiltPrior& params, CameraTilt& camera_tilt, Eigen::Re
   }
 }
 
-void limitRates(const Eigen::Vector2d& most, Eigen::Vector2d& rates, Eigen::Ref<Eigen::Matrix2d> P) {
-  rates = rates.cwiseMax(-kMaxRate * most).cwiseMin(kMaxRate * most).eval();
-  for (int i = 0; i < 2; ++i) {
+void limitRates(const Eigen::Ref<const Eigen::VectorXd>& most, Eigen::Ref<Eigen::VectorXd> rates,
+                Eigen::Ref<Eigen::MatrixXd> P) {
+  rates = rates.cwiseMax(-kMaxRate * most).cwiseMin(kMaxRate * most);
+  for (Eigen::Index i = 0; i < most.size(); ++i) {
     const double least = kMinRateSigma * most[i];
     P(i, i) = std::max(P(i, i), least * least);
   }

@@ -1,4 +1,4 @@
-/// @file Bounds of the lasting errors that DriftFilter and MapFilter estimate. Pure. See M6.
+/// @file Bounds of the lasting errors that MapFilter estimates. Pure. See M6.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,9 +14,11 @@ inline constexpr double kUnbiasedDriftShare = 0.5;
 /// @param P  covariance of the tilt [rad^2].
 void limitCameraTilt(const TiltPrior& params, CameraTilt& camera_tilt, Eigen::Ref<CameraTiltCovariance> P);
 
-/// Bounds the heading rates by three times the stated drift, and their sigmas from below by a tenth of it.
-/// @param most  stated heading drift of the odometry [rad/rad, rad/m].
+/// Bounds the lasting errors of odometry by three times their prior sigmas, and their sigmas from below by a tenth of
+/// those.
+/// @param most  prior sigmas.
 /// @param P     covariance of the rates.
-void limitRates(const Eigen::Vector2d& most, Eigen::Vector2d& rates, Eigen::Ref<Eigen::Matrix2d> P);
+void limitRates(const Eigen::Ref<const Eigen::VectorXd>& most, Eigen::Ref<Eigen::VectorXd> rates,
+                Eigen::Ref<Eigen::MatrixXd> P);
 
 }  // namespace vismem

@@ -74,14 +74,12 @@ SegmentMemory::Params SegmentMemory::Params::chapter() {
 SegmentMemory::SegmentMemory(const Params& params)
     : params_(params),
       clock_(params.life.tick_us),
-      drift_filter_(params.align ? DriftFilter(params.tilt_prior) : DriftFilter()),
-      map_filter_(params.tilt_prior) {}
+      map_filter_(params.align ? params.tilt_prior : TiltPrior{0.0, 0.0, 0.0}) {}
 
 void SegmentMemory::clear() {
   elements_.clear();
   clock_.reset();
   last_pose_.reset();
-  drift_filter_.reset();
   map_filter_.reset();
   slips_.reset();
   dominant_direction_rad_.reset();
@@ -91,11 +89,7 @@ void SegmentMemory::predict(const Pose2& T_odom_robot) {
   if (last_pose_) {
     travel_m_ += (T_odom_robot.position() - last_pose_->position()).norm();
     turn_rad_ += std::abs(angleDifference(T_odom_robot.theta, last_pose_->theta));
-    if (usesMapFilter()) {
-      transformAll(map_filter_.predict(*last_pose_, T_odom_robot, mapFilterParams()));
-    } else if (params_.align) {
-      transformAll(drift_filter_.predict(*last_pose_, T_odom_robot, params_.alignment));
-    }
+    if (params_.align) transformAll(map_filter_.predict(*last_pose_, T_odom_robot, mapFilterParams()));
   }
   last_pose_ = T_odom_robot;
 }
@@ -130,7 +124,7 @@ bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment
   const double slack =
       params_.slack_m + params_.slack_share * distance_m + unseen_m + unseen_rad * distance_m;
   const double gate = params_.gate_sigmas;
-  if (usesMapFilter() && map_filter_.contains(element.value.id)) {
+  if (inFilter(element)) {
     // The filter knows the variance of the line relative to the robot.
     const auto more = [&](const Eigen::Vector2d& p) {
       return map_filter_.placeVariance(element.value.id, element.line.normal(), p) -
@@ -229,35 +223,20 @@ void SegmentMemory::fuse(MemoryElement& element, const FloorSegment& seen, const
   const FloorSegment observed = against ? reversed(seen) : seen;
   const double travelled = travel_m_ - element.seen_travel_m;
   const double turned = turn_rad_ - element.seen_turn_rad;
-  const bool map_filter = usesMapFilter() && map_filter_.contains(element.value.id);
-  if (map_filter) {
-    element.seen_travel_m = travel_m_;
-    element.seen_turn_rad = turn_rad_;
-  } else if (travelled > 0.0 || turned > 0.0) {
+  const bool in_filter = inFilter(element);
+  if (!in_filter && (travelled > 0.0 || turned > 0.0)) {
     const double range = (observed.odom.middle() - view.camera).norm();
-    double heading = params_.drift_per_rad * turned;
-    double offset = std::hypot(params_.drift_per_m * travelled, heading * range);
-    if (isLegged()) {
-      // The memory has followed the drift: only its posterior is added, inflated like the frame tilt it was
-      // estimated with.
-      const double left = drift_filter_.sigmaAt(range);
-      const double shift = drift_filter_.sigmaAt(0.0);
-      const double turn = std::sqrt(std::max(0.0, left * left - shift * shift)) / std::max(range, 1e-3);
-      offset = std::min(offset,
-                        params_.per_frame_inflation *
-                            std::max(left, params_.alignment_sigma_m + params_.alignment_sigma_rad * range));
-      heading = std::min(heading, params_.per_frame_inflation * std::max(turn, params_.alignment_sigma_rad));
-    }
-    element.line.drift(offset, heading);
-    element.seen_travel_m = travel_m_;
-    element.seen_turn_rad = turn_rad_;
+    const double heading = params_.drift_per_rad * turned;
+    element.line.drift(std::hypot(params_.drift_per_m * travelled, heading * range), heading);
   }
+  element.seen_travel_m = travel_m_;
+  element.seen_turn_rad = turn_rad_;
   element.pixel_m = std::min(
       element.pixel_m, pixelAcross(observed, view.camera, view.height, view.observation.frame.intrinsics.fx));
   verifyOnFloor(element, observed, view);
   if (params_.fusion == Fusion::kChapter) {
     element.line.replaceKeepingExtent(observed, params_.line);
-  } else if (map_filter) {
+  } else if (in_filter) {
     element.line.fuseExtent(observed, params_.line);
   } else {
     element.line.fuse(observed, params_.line);
@@ -302,7 +281,7 @@ void SegmentMemory::addElement(const FloorSegment& observed, const View& view) {
   verifyOnFloor(element, observed, view);
   publish(element);
   updateColours(element, view);
-  if (usesMapFilter()) {
+  if (params_.align) {
     const double distance = (observed.odom.middle() - view.camera).norm();
     map_filter_.addLine(element.value.id, observed, {view.T_odom_camera, view.observation.T_odom_robot.theta},
                         params_.correlation_inflation * params_.correlation_inflation,
@@ -367,9 +346,9 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
             turn_rate_radps,
             {observation.frame.image, observation.frame.intrinsics, params_.evidence}};
   camera_height_m_ = view.height;
-  if (usesMapFilter()) removeStaleLines();
+  if (params_.align) removeStaleLines();
   censorHiddenEnds(floor, observed, view.evidence);
-  if (usesMapFilter()) correctSlip(view, floor);
+  correctSlip(view, floor);
   // The tilt of a walking body displaces segments by several pixels: unmatched ones would be added as
   // duplicates.
   const Associations associations =

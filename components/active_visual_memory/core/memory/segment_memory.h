@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "active_visual_memory/core/estimation/dominant_direction.h"
-#include "active_visual_memory/core/estimation/drift_filter.h"
 #include "active_visual_memory/core/estimation/map_filter.h"
 #include "active_visual_memory/core/estimation/measurement_models.h"
 #include "active_visual_memory/core/estimation/slip.h"
@@ -57,26 +56,20 @@ class SegmentMemory {
     int min_sightings = 3;              ///< an element seen in fewer images is tentative: not published
     double parallax_noise_share = 0.1;  ///< share of the variance of an end that is independent between views
     int max_elements = 1000;
-    bool align = true;  ///< estimate odometry drift and let the memory follow it
-    DriftFilter::Params alignment;
+    bool align = true;  ///< estimate odometry drift, camera tilt and lines in one filter
     TiltPrior tilt_prior;                        ///< of the camera tilt, estimated with the drift
     DominantDirectionParams dominant_direction;  ///< of long lines, which measure the camera tilt
-    /// The lines of an image also measure the heading against the dominant direction of the memory. For
-    /// odometry whose heading errs more than the directions of lines: legs.
+    /// Lines also measure the heading against the dominant direction of the memory. For odometry whose heading
+    /// errs more than the directions of lines: legs.
     bool use_dominant_direction = false;
-    double unconfirmed_inflation = 3.0;  ///< factor of sigmas against elements not known to lie on the floor
+    double unconfirmed_inflation = 5.0;  ///< factor of sigmas against elements not known to lie on the floor
     /// Factor of the sigmas of ends along their line. The detector ends short by a pixel in every image: as
-    /// independent errors that would bias the tilt of an approaching camera.
-    double end_inflation = 4.0;
+    /// independent errors that would bias the tilt of an approaching camera and the scale of its way.
+    double end_inflation = 16.0;
     /// A per-frame tilt of at least this makes the robot legged: association and update are iterated once. A
     /// tilt of 1 degree moves a line 3 m away half way to another one 0.6 m behind it.
     double min_legged_tilt_rad = 0.25 * std::numbers::pi / 180.0;
-    /// Factor of the posterior sigmas of frame tilt and drift in DriftFilter, bounded by the prior: their
-    /// errors are common to many lines.
-    double per_frame_inflation = 4.0;
-    bool use_map_filter =
-        false;  ///< for legged robots: estimate drift, camera tilt and lines in one MapFilter
-    MapFilter::Params map_filter;  ///< `drift` and `together_rad` are taken from here
+    MapFilter::Params map_filter;  ///< `together_rad` is taken from dominant_direction
     SlipDetector::Params slip;
     double correlation_inflation = 2.0;  ///< factor of sigmas: errors of successive images are correlated
     double alignment_sigma_m = 0.003;    ///< error of the alignment: of places ..
@@ -123,12 +116,8 @@ class SegmentMemory {
   ImageAnalysis update(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
                        std::vector<FloorSegment> floor, double turn_rate_radps);
 
-  const CameraTilt& cameraTilt() const {
-    return usesMapFilter() ? map_filter_.cameraTilt() : drift_filter_.cameraTilt();
-  }
-  CameraTiltCovariance cameraTiltCovariance() const {
-    return usesMapFilter() ? map_filter_.cameraTiltCovariance() : drift_filter_.cameraTiltCovariance();
-  }
+  const CameraTilt& cameraTilt() const { return map_filter_.cameraTilt(); }
+  CameraTiltCovariance cameraTiltCovariance() const { return map_filter_.cameraTiltCovariance(); }
 
   /// Agreement of the last image with the well-known elements (M10).
   const SceneAgreement& agreement() const { return agreement_; }
@@ -161,7 +150,10 @@ class SegmentMemory {
   bool isLegged() const {
     return params_.align && params_.tilt_prior.per_frame_rad >= params_.min_legged_tilt_rad;
   }
-  bool usesMapFilter() const { return params_.use_map_filter && isLegged(); }
+  /// Whether the filter estimates an element's line. One that may stand, or was long unseen, may be out of it.
+  bool inFilter(const MemoryElement& element) const {
+    return params_.align && map_filter_.contains(element.value.id);
+  }
   MapFilter::Params mapFilterParams() const;
   /// @param filter  that is updated; null: preview only.
   std::optional<Correction> updateMapFilter(const Associations& associations, const View& view,
@@ -175,9 +167,6 @@ class SegmentMemory {
                          const std::vector<FloorSegment>& placed) const;
   Associations associateIterated(const View& view, const std::vector<ImageSegment>& observed,
                                  const std::vector<FloorSegment>& floor) const;
-  std::optional<Correction> updateDriftFilter(const Associations& associations,
-                                              const std::vector<FloorSegment>& floor, const View& view,
-                                              DriftFilter& drift) const;
   static void reproject(const Correction& correction, std::vector<FloorSegment>& floor, View& view);
   void applyCorrection(const Associations& associations, std::vector<FloorSegment>& floor, View& view);
   std::vector<Expectation> expect(const View& view, std::vector<int>& index_of) const;
@@ -239,7 +228,6 @@ class SegmentMemory {
   double camera_height_m_ = 0.0;  ///< of the last image
   double travel_m_ = 0.0;
   double turn_rad_ = 0.0;
-  DriftFilter drift_filter_;
   MapFilter map_filter_;
   SlipDetector slips_;
   SceneAgreement agreement_;

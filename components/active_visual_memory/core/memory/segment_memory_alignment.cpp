@@ -39,76 +39,12 @@ SegmentMemory::Associations SegmentMemory::associateIterated(const View& view,
                                                              const std::vector<ImageSegment>& observed,
                                                              const std::vector<FloorSegment>& floor) const {
   const Associations first = associate(view, observed, floor, floor);
-  std::optional<Correction> correction;
-  if (usesMapFilter()) {
-    correction = updateMapFilter(first, view, nullptr);
-  } else {
-    DriftFilter trial = drift_filter_;
-    correction = updateDriftFilter(first, floor, view, trial);
-  }
+  const auto correction = updateMapFilter(first, view, nullptr);
   if (!correction) return first;
   View tilted_view = view;
   std::vector<FloorSegment> placed = floor;
   reproject(*correction, placed, tilted_view);
   return associate(tilted_view, observed, floor, placed);
-}
-
-std::optional<Correction> SegmentMemory::updateDriftFilter(const Associations& associations,
-                                                           const std::vector<FloorSegment>& floor,
-                                                           const View& view, DriftFilter& drift) const {
-  std::vector<DriftResidual> residuals;
-  const TiltView view_tilt(view.T_odom_camera, view.observation.T_odom_robot.theta);
-  const bool anything_rests =
-      std::any_of(elements_.begin(), elements_.end(), [](const MemoryElement& e) { return e.on_floor; });
-  for (std::size_t p = 0; p < associations.seen.size(); ++p) {
-    const MemoryElement& element = elements_[associations.index_of[p]];
-    if (isTentative(element)) continue;
-    // Elements off the floor, or possibly so, do not measure the drift.
-    if (element.stands) continue;
-    const double moved = (view.camera - element.anchor_camera).norm();
-    // A new element may be another robot that drives ahead and would drag the memory along. Without any
-    // element known to rest there is no better evidence.
-    if (anything_rests && !element.on_floor && moved > params_.parallax.min_step_m &&
-        isNew(element, view.observation.frame.stamp_us)) {
-      continue;
-    }
-    const double inflation =
-        element.on_floor || moved < params_.parallax.min_step_m ? 1.0 : params_.unconfirmed_inflation;
-    const double noise = std::pow(params_.correlation_inflation * inflation, 2);
-    for (const FloorSegment* piece : associations.seen[p]) {
-      const double distance = (piece->odom.middle() - view.camera).norm();
-      const double slack = params_.slack_m + params_.slack_share * distance;
-      addDriftResiduals(element.line, *piece, view_tilt, slack, noise, params_.end_inflation,
-                        params_.max_end_shift_m, residuals);
-      // A line in view follows every update, so a tilt shows against its place at first sight only; counted
-      // once per step of the camera.
-      const double step = travel_m_ - element.seen_travel_m;
-      if (step <= 0.0 || moved < params_.parallax.min_step_m || moved > params_.max_anchor_travel_m) continue;
-      const double alignment_sigma = params_.alignment_sigma_m + params_.alignment_sigma_rad * distance;
-      const double often = std::max(1.0, params_.parallax.min_step_m / step);
-      addDriftResiduals(element.anchor_line, *piece, view_tilt, std::hypot(slack, alignment_sigma),
-                        noise * often, params_.end_inflation, params_.max_end_shift_m, residuals);
-    }
-  }
-  const Eigen::Vector2d robot = view.observation.T_odom_robot.position();
-  const std::size_t matched = residuals.size();
-  const auto direction = params_.tilt_prior.enabled() ? dominantDirection() : std::nullopt;
-  if (direction) {
-    const auto known = params_.use_dominant_direction ? direction : std::nullopt;
-    addDirectionResiduals(floor, view_tilt, CameraTilt::Zero(), params_.dominant_direction, known, residuals);
-    if (residuals.size() > matched) {
-      // Second linearization, about the tilt of the first one.
-      DriftFilter trial = drift;
-      CameraTilt about = CameraTilt::Zero();
-      if (const auto first = trial.update(robot, residuals, params_.alignment)) {
-        about = first->camera_tilt;
-        about.head<2>() += first->frame_tilt;
-      }
-      residuals.resize(matched);
-      addDirectionResiduals(floor, view_tilt, about, params_.dominant_direction, known, residuals);
-    }
-  }
-  return drift.update(robot, residuals, params_.alignment);
 }
 
 void SegmentMemory::reproject(const Correction& correction, std::vector<FloorSegment>& floor, View& view) {
@@ -126,13 +62,12 @@ void SegmentMemory::reproject(const Correction& correction, std::vector<FloorSeg
 
 void SegmentMemory::applyCorrection(const Associations& associations, std::vector<FloorSegment>& floor,
                                     View& view) {
-  const auto correction = usesMapFilter() ? updateMapFilter(associations, view, &map_filter_)
-                                          : updateDriftFilter(associations, floor, view, drift_filter_);
+  const auto correction = updateMapFilter(associations, view, &map_filter_);
   if (!correction) return;
   transformAll(correction->motion);
-  if (usesMapFilter()) applyLineCorrections();
+  applyLineCorrections();
   for (MemoryElement& element : elements_) {
-    if (usesMapFilter() && map_filter_.contains(element.value.id)) {
+    if (inFilter(element)) {
       element.line.tiltExtent(correction->camera_tilt);
     } else {
       element.line.applyTiltChange(correction->camera_tilt);
@@ -140,18 +75,10 @@ void SegmentMemory::applyCorrection(const Associations& associations, std::vecto
     element.anchor_line.applyTiltChange(correction->camera_tilt);
     element.parallax.applyTiltChange(correction->camera_tilt);
   }
-  // The segments of this image move, too. The errors of the lines compared with are common to many of them
-  // and do not average out.
-  const double frame_tilt = params_.tilt_prior.per_frame_rad;
-  const double found = correction->P_frame_tilt.diagonal().maxCoeff();
-  const double inflation =
-      isLegged() && !usesMapFilter() ? params_.per_frame_inflation * params_.per_frame_inflation : 1.0;
-  const Eigen::Matrix2d P_frame_tilt =
-      (inflation * found <= frame_tilt * frame_tilt || !(found > 0.0) ? inflation
-                                                                      : frame_tilt * frame_tilt / found) *
-      correction->P_frame_tilt;
-  for (FloorSegment& segment : floor)
-    conditionOnFrameTilt(segment, P_frame_tilt, params_.tilt_prior.per_frame_rad);
+  // The segments of this image move, too.
+  for (FloorSegment& segment : floor) {
+    conditionOnFrameTilt(segment, correction->P_frame_tilt, params_.tilt_prior.per_frame_rad);
+  }
   reproject(*correction, floor, view);
 }
 

@@ -241,7 +241,7 @@ bool SegmentMemory::voteForGap(MemoryElement& element, const Segment2& place, co
   less.votes = {};
   vote(less, piece.label, (piece.odom.middle() - view.camera).norm());
   publish(other);
-  if (usesMapFilter()) map_filter_.copyLine(other.value.id, element.value.id);
+  if (params_.align) map_filter_.copyLine(other.value.id, element.value.id);
   split_off_.push_back(std::move(other));
   return true;
 }

@@ -1,4 +1,4 @@
-// SegmentMemory for legged robots: EKF-SLAM update of odometry drift, camera tilt and line landmarks; slips.
+// SegmentMemory: EKF-SLAM update of odometry drift, camera tilt and line landmarks; slips.
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +8,6 @@ namespace vismem {
 
 MapFilter::Params SegmentMemory::mapFilterParams() const {
   MapFilter::Params params = params_.map_filter;
-  params.drift = params_.alignment;
   params.together_rad = params_.dominant_direction.together_rad;
   return params;
 }
@@ -17,10 +16,18 @@ std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& ass
                                                          MapFilter* filter) const {
   std::vector<LineResidual> residuals;
   const TiltView view_tilt(view.T_odom_camera, view.observation.T_odom_robot.theta);
+  const bool anything_rests =
+      std::any_of(elements_.begin(), elements_.end(), [](const MemoryElement& e) { return e.on_floor; });
   for (std::size_t p = 0; p < associations.seen.size(); ++p) {
     const MemoryElement& element = elements_[associations.index_of[p]];
     if (!map_filter_.contains(element.value.id)) continue;
     const double moved = (view.camera - element.anchor_camera).norm();
+    // A new element may be another robot that drives ahead and would drag the memory along. Without any
+    // element known to rest there is no better evidence.
+    if (anything_rests && !element.on_floor && moved > params_.parallax.min_step_m &&
+        isNew(element, view.observation.frame.stamp_us)) {
+      continue;
+    }
     const double inflation =
         element.on_floor || moved < params_.parallax.min_step_m ? 1.0 : params_.unconfirmed_inflation;
     const double noise = std::pow(params_.correlation_inflation * inflation, 2);
@@ -71,7 +78,7 @@ void SegmentMemory::removeStaleLines() {
 
 void SegmentMemory::merge(MemoryElement& element, const MemoryElement& other) {
   // The better known line is kept in the filter.
-  if (usesMapFilter() && other.line.offsetVariance(0.0) < element.line.offsetVariance(0.0)) {
+  if (params_.align && other.line.offsetVariance(0.0) < element.line.offsetVariance(0.0)) {
     map_filter_.replaceLine(other.value.id, element.value.id);
   }
   absorb(element, other, params_.line);

@@ -83,7 +83,7 @@ void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
       if (near.angle_rad > params_.near_angle_rad || near.gap_m > params_.max_gap_m) continue;
       const double sigma = std::sqrt(a.line.offsetVariance(0.0) + b.line.offsetVariance(0.0));
       // Lines of one filter share their errors, so copies may lie further apart.
-      const double reach = (usesMapFilter() ? kMapFilterReach : 1.0) * params_.near_distance_m;
+      const double reach = (params_.align ? kMapFilterReach : 1.0) * params_.near_distance_m;
       if (near.distance_m > std::min(reach, 0.02 + 3.0 * sigma)) continue;
       if (areSplit(a.line, b.line)) continue;
       // Pieces that only touch end to end must have nearly one direction.

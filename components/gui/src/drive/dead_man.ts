@@ -4,6 +4,7 @@
 // down, sends velocities only while the page's last word is fresh; then one zero, and silence: idle zeros would fight another operator.
 
 export const sendEveryMs = 80;
+export const checkEveryMs = 20;
 export const freshMs = 200;
 export const commandTooOldMs = 150;
 

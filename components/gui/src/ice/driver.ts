@@ -1,6 +1,6 @@
 // Drives the base for the page: lease, velocities, and the zero when the page lets go.
 /* eslint-disable @typescript-eslint/no-explicit-any */
-import {DeadMan, sendEveryMs} from "../drive/dead_man";
+import {checkEveryMs, DeadMan, sendEveryMs} from "../drive/dead_man";
 import {nowMs} from "../shared/messages";
 import type {FromWorker} from "../shared/messages";
 import type {LeaseInfo} from "../shared/state";
@@ -17,13 +17,14 @@ export class Driver {
   hasCamera = true;
   private lease: any = null;
   private outstanding = false;
+  private sent = -Infinity;
   private said = "";
   private info: LeaseInfo = {held: false, client: "", priority: 0, implicit: false, remainingS: 0, mine: false};
   /** Servers before the lease refuse its operations: then commands go without. */
   private hasLease = true;
 
   constructor(private readonly base: Peer, private readonly client: string, private readonly publish: (message: FromWorker) => void) {
-    setInterval(() => this.tick(), sendEveryMs);
+    setInterval(() => this.tick(), checkEveryMs);
   }
 
   private tick(): void {
@@ -32,7 +33,9 @@ export class Driver {
     const action = this.deadMan.tick(now);
     if (action.kind === "send") {
       this.say(true, "");
-      if (!this.outstanding) void this.send(action.v, action.w);
+      if (this.outstanding || now - this.sent < sendEveryMs) return;
+      this.sent = now;
+      void this.send(action.v, action.w);
     } else if (action.kind === "zero") {
       this.say(false, action.why);
       void this.halt();

@@ -1,12 +1,15 @@
-// Where the robot was: points in the order of time, bounded. No DOM.
+// Where the robot was in the last five minutes, as far back as the page can go: points in the order of time. No DOM.
+import {spanMs} from "../state/history";
 
-const most = 6000;
 const step = 0.02;
+const droppedAtOnce = 200;
 
 export class Trail {
   private t: number[] = [];
   private x: number[] = [];
   private y: number[] = [];
+
+  get length(): number { return this.t.length; }
 
   add(t: number, x: number, y: number): void {
     const n = this.t.length;
@@ -14,7 +17,7 @@ export class Trail {
     this.t.push(t);
     this.x.push(x);
     this.y.push(y);
-    if (n > most) for (const list of [this.t, this.x, this.y]) list.splice(0, 1000);
+    if (n > droppedAtOnce && this.t[droppedAtOnce]! < t - spanMs) for (const list of [this.t, this.x, this.y]) list.splice(0, droppedAtOnce);
   }
 
   clear(): void { this.t = []; this.x = []; this.y = []; }

@@ -30,12 +30,12 @@ struct Image {
       LineResidual residual;
       residual.line = first + random() % static_cast<std::uint64_t>(lines);
       const double direction = noise(random);
-      residual.common.p = {1.0 + noise(random), noise(random)};
-      residual.common.direction = {std::cos(direction), std::sin(direction)};
-      residual.common.residual_m = 0.02 * noise(random);
-      residual.common.variance_m2 = 1e-4;
-      residual.common.d_tilt = {noise(random), noise(random), noise(random), noise(random)};
-      residual.common.d_frame_tilt = residual.common.d_tilt.head<2>();
+      residual.p = {1.0 + noise(random), noise(random)};
+      residual.direction = {std::cos(direction), std::sin(direction)};
+      residual.residual_m = 0.02 * noise(random);
+      residual.variance_m2 = 1e-4;
+      residual.d_tilt = {noise(random), noise(random), noise(random), noise(random)};
+      residual.d_frame_tilt = residual.d_tilt.head<2>();
       residuals.push_back(residual);
     }
     for (int i = 0; i < lines; ++i) directions.push_back({first + static_cast<std::uint64_t>(i), 0.01});

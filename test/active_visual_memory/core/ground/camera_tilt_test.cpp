@@ -9,17 +9,12 @@
 
 #include "active_visual_memory/core/ground/floor_line.h"
 #include "active_visual_memory/core/ground/ground_projector.h"
+#include "active_visual_memory/core/tilted_camera.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
 
 namespace vismem {
 namespace {
-
-CameraMount mount() {
-  CameraMount m;
-  m.T_robot_pantilt = poseFromXyzRpy(0.05, 0, 0.45, 0, 0, 0);
-  return m;
-}
 
 const CameraTilt kTilt{0.006, -0.009, 0.008, -0.005};
 

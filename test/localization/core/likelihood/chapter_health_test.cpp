@@ -7,6 +7,7 @@
 
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
+#include "localization/core/many_lines.h"
 #include "localization/corridor_world.h"
 
 namespace vismem {
@@ -14,12 +15,6 @@ namespace {
 
 MapSegment wall(double x1, double y1, double x2, double y2, const Label& label) {
   return {{{x1, y1, 0.0}, {x2, y2, 0.0}}, label, 0.0};
-}
-
-MapIndex::Params withFields(bool build_fields) {
-  MapIndex::Params params;
-  params.build_fields = build_fields;
-  return params;
 }
 
 HealthParams ofMemory() {
@@ -71,20 +66,6 @@ TEST(HealthProperty, FieldAndBruteForceGiveTheSameMemoryHealth) {
     const Pose2 pose{uniform(engine, 0, 8), uniform(engine, 0, 5), uniform(engine, -3, 3)};
     EXPECT_NEAR(with_fields.health(pose), by_brute_force.health(pose), 0.05 / 0.5);
   }
-}
-
-/// Lines all over the floor; those of the second label stand among posts, of which only the feet are there.
-SegmentMap manyLines(RandomEngine& engine) {
-  SegmentMap map;
-  for (int i = 0; i < 3000; ++i) {
-    const Eigen::Vector3d a(uniform(engine, 0, 100), uniform(engine, 0, 100), 0.0);
-    const Eigen::Vector3d way(uniform(engine, -4, 4), uniform(engine, -4, 4), 0.0);
-    const bool is_post = i % 7 == 0;
-    map.segments.push_back({{a, is_post ? Eigen::Vector3d(a + 2.0 * Eigen::Vector3d::UnitZ()) : a + way},
-                            is_post || i % 3 == 0 ? "door" : "skirting",
-                            0.0});
-  }
-  return map;
 }
 
 TEST(HealthProperty, FieldsGiveTheExactMemoryHealthInALargeMap) {

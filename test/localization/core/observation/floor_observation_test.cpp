@@ -7,59 +7,14 @@
 
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
+#include "localization/core/corner_scene.h"
 
 namespace vismem {
 namespace {
 
-MapSegment wall(double x1, double y1, double x2, double y2, const Label& label = "skirting") {
-  return {{{x1, y1, 0.0}, {x2, y2, 0.0}}, label, 0.0};
-}
-
-MemorySegment remembered(double x1, double y1, double x2, double y2, double unseen_s = 0.0) {
-  MemorySegment segment;
-  segment.odom = {{x1, y1, 0.0}, {x2, y2, 0.0}};
-  segment.label = "skirting";
-  segment.confirmed = true;
-  segment.last_seen_us = 100 * kSecondUs - static_cast<StampUs>(unseen_s * kSecondUs);
-  return segment;
-}
-
-MemorySnapshot snapshotOf(std::vector<MemorySegment> segments) {
-  MemorySnapshot snapshot;
-  snapshot.stamp_us = 100 * kSecondUs;
-  snapshot.segments = std::move(segments);
-  return snapshot;
-}
-
-/// Two walls at a right angle: the pose is fully observable.
-MapIndex cornerMap() {
-  SegmentMap map;
-  map.segments = {wall(0, 0, 3, 0), wall(0, 0, 0, 3)};
-  MapIndex::Params params;
-  params.direction_gate_rad = degToRad(20);
-  return MapIndex(map, params);
-}
-
-/// A camera 1 m up that looks 45 degrees down at a line across the middle of its image.
-ImageAnalysis lineAhead(double from_px, double to_px) {
-  CameraMount mount;
-  mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 1, 0, 0, 0);
-  ImageAnalysis analysis;
-  analysis.intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
-  analysis.T_robot_camera = cameraPose(mount, 0.0, degToRad(-45));
-  analysis.observed = {{{{from_px, 119.5}, {to_px, 119.5}}, "skirting", 30.0}};
-  return analysis;
-}
-
-/// A camera that looks down at 45 degrees on a line across, as wide as asked for, straight ahead.
-ImageAnalysis lineAhead(double half_width_px) {
-  CameraMount mount;
-  mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 1, 0, 0, 0);
-  ImageAnalysis analysis;
-  analysis.intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60));
-  analysis.T_robot_camera = cameraPose(mount, 0.0, degToRad(-45));
-  analysis.observed = {{{{159.5 - half_width_px, 119.5}, {159.5 + half_width_px, 119.5}}, "skirting", 30.0}};
-  return analysis;
+/// A line straight ahead, as wide as asked for.
+ImageAnalysis centredLine(double half_width_px) {
+  return lineAhead(159.5 - half_width_px, 159.5 + half_width_px);
 }
 
 TEST(ObserveMemory, HalvesTheWeightEveryFourSecondsUnseen) {
@@ -178,7 +133,7 @@ TEST(Observe, AnImageWithEnoughPointsExcludesTheMemory) {
   params.memory_below_points = 3.0;
   const auto snapshot = std::make_shared<MemorySnapshot>(snapshotOf({remembered(0, 1, 1, 1)}));
   const auto seen = [&](double half_width_px) {
-    return observe({snapshot, std::make_shared<ImageAnalysis>(lineAhead(half_width_px))}, map, params);
+    return observe({snapshot, std::make_shared<ImageAnalysis>(centredLine(half_width_px))}, map, params);
   };
   const FloorObservation much = seen(150);  // 1.5 m, worth 7.6 points
   EXPECT_GT(much.amount, 7.0);
