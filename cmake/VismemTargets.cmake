@@ -1,4 +1,5 @@
 # Declarations of all libraries, programs and tests of the project.
+include(GNUInstallDirs)
 find_package(Threads REQUIRED)
 find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
@@ -19,12 +20,20 @@ function(vismem_driver name)
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
 endfunction()
 
-# vismem_program(NAME SOURCES file... LIBRARIES lib...)
+# Target vismem_installed: everything that `cmake --install` copies.
+add_custom_target(vismem_installed)
+
+# vismem_program(NAME [INSTALL components|tools|gui] SOURCES file... LIBRARIES lib...)
+# INSTALL names the part of an installation that it belongs to (cmake/Install.cmake); without it it stays in the build.
 function(vismem_program name)
-  cmake_parse_arguments(A "" "" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(A "" "INSTALL" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${A_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/components)
   target_link_libraries(${name} PRIVATE ${A_LIBRARIES} project_warnings)
+  if(A_INSTALL)
+    install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/vismem COMPONENT ${A_INSTALL})
+    add_dependencies(vismem_installed ${name})
+  endif()
 endfunction()
 
 # "support/build_paths.h" is generated; the rest of test/ is included as it lies there.
@@ -32,7 +41,7 @@ configure_file(${PROJECT_SOURCE_DIR}/test/support/build_paths.h.in ${CMAKE_BINAR
 set(VISMEM_TEST_INCLUDES ${PROJECT_SOURCE_DIR}/test ${CMAKE_BINARY_DIR}/test_paths)
 
 # Target tests_LABEL: the tests of one label with their dependencies only.
-set(VISMEM_TEST_LABELS unit property golden contract component system faults hwkernel browser)
+set(VISMEM_TEST_LABELS unit property golden contract component system faults hwkernel browser deploy)
 foreach(label IN LISTS VISMEM_TEST_LABELS)
   add_custom_target(tests_${label})
 endforeach()

@@ -1,0 +1,21 @@
+# Part `robot` of an installation: units, their generator, udev rules, setups.
+include(${CMAKE_CURRENT_LIST_DIR}/paths.cmake)
+
+foreach(component IN LISTS components)
+  set(unit vismem-${component}@.service)
+  install_file(systemd/component@.service.in ${units}/${unit})
+  if(EXISTS ${CMAKE_CURRENT_LIST_DIR}/systemd/${component}.conf)
+    install_file(systemd/${component}.conf ${units}/${unit}.d/10-${component}.conf)
+  endif()
+endforeach()
+install_file(systemd/vismem@.target ${units}/vismem@.target)
+install_file(systemd/vismem-retry@.service.in ${units}/vismem-retry@.service)
+install_file(systemd/retry_unit ${PROGRAMS}/retry_unit EXECUTABLE)
+install_file(systemd/generator.in ${lib}/systemd/system-generators/vismem-generator EXECUTABLE)
+install_file(udev/60-vismem-robot.rules ${lib}/udev/rules.d/60-vismem-robot.rules)
+install_file(udev/vismem-robot.metainfo.xml ${CMAKE_INSTALL_PREFIX}/share/metainfo/vismem-robot.metainfo.xml)
+
+foreach(setup sim humanoid robot)
+  file(GLOB configurations ${CMAKE_CURRENT_LIST_DIR}/../cfg/${setup}/*.cfg)
+  file(INSTALL ${configurations} DESTINATION ${SETUPS}/${setup})
+endforeach()
