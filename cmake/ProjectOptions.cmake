@@ -2,6 +2,9 @@
 option(VISMEM_WERROR "Treat warnings as errors" OFF)
 set(VISMEM_SANITIZE "" CACHE STRING "Value of -fsanitize=, empty for none")
 option(VISMEM_LIBUSB "Build the drivers that need libusb-1.0" ON)
+# Headers of Ice and Eigen are most of what a file costs. Files that are compiled together share their cost, so names that a file
+# keeps for itself must differ within a library.
+option(VISMEM_UNITY "Compile the files of a library eight at a time" OFF)
 option(VISMEM_FUZZ "Build libFuzzer targets (needs clang)" OFF)
 
 set(CMAKE_CXX_STANDARD 20)

@@ -11,6 +11,7 @@ function(vismem_library name)
   add_library(${name} STATIC ${A_SOURCES})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR}/components)
   target_link_libraries(${name} PUBLIC ${A_PUBLIC} PRIVATE ${A_PRIVATE} project_warnings)
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${VISMEM_UNITY} UNITY_BUILD_BATCH_SIZE 8)
 endfunction()
 
 # vismem_driver(NAME SOURCES file... [PUBLIC lib...] [PRIVATE lib...])

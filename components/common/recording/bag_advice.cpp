@@ -25,7 +25,7 @@ constexpr RoleName kRoles[] = {{"image", &RobotLogOptions::image_topic, "Topics.
                                {"pan", &RobotLogOptions::pan_joint, "Joints.Pan"},
                                {"tilt", &RobotLogOptions::tilt_joint, "Joints.Tilt"}};
 
-std::string join(const std::vector<std::string>& items) {
+std::string listed(const std::vector<std::string>& items) {
   std::string text;
   for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
   return text.empty() ? "none" : text;
@@ -50,7 +50,7 @@ void choose(BagAdvice& advice, BagRole role, std::string RobotLogOptions::*optio
   const bool known =
       std::find(role.candidates.begin(), role.candidates.end(), named) != role.candidates.end();
   if (!named.empty() && !known) {
-    role.needed = "the bag has no topic " + named + " of that type: name one of " + join(role.candidates);
+    role.needed = "the bag has no topic " + named + " of that type: name one of " + listed(role.candidates);
   } else if (!role.candidates.empty()) {
     role.topic = named.empty() ? role.candidates.front() : named;
     if (role.candidates.size() > 1 || !named.empty()) {
@@ -202,7 +202,7 @@ std::string applyTopics(const std::string& text, RobotLogOptions& options) {
     if (equals == std::string::npos || equals + 1 == item.size() || known == std::end(kRoles)) {
       std::vector<std::string> names;
       for (const RoleName& r : kRoles) names.emplace_back(r.name);
-      return "\"" + item + "\" (must be ROLE=/topic with a role of " + join(names) + ")";
+      return "\"" + item + "\" (must be ROLE=/topic with a role of " + listed(names) + ")";
     }
     options.*(known->option) = item.substr(equals + 1);
   }

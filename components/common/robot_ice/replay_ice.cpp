@@ -9,7 +9,7 @@ namespace {
 
 constexpr StampUs kMillisecondUs = 1000;
 
-jderobot::ReplayerStatus toIce(ReplayState state) {
+jderobot::ReplayerStatus stateToIce(ReplayState state) {
   switch (state) {
     case ReplayState::kPlaying:
       return jderobot::ReplayerStatus::PLAYING;
@@ -23,7 +23,7 @@ jderobot::ReplayerStatus toIce(ReplayState state) {
   return jderobot::ReplayerStatus::WAITING;
 }
 
-ReplayState fromIce(jderobot::ReplayerStatus state) {
+ReplayState stateFromIce(jderobot::ReplayerStatus state) {
   switch (state) {
     case jderobot::ReplayerStatus::PLAYING:
       return ReplayState::kPlaying;
@@ -40,11 +40,11 @@ ReplayState fromIce(jderobot::ReplayerStatus state) {
 }  // namespace
 
 avm::ReplayInfo toIce(const ReplayStatus& s) {
-  return {toIce(s.state), s.file, s.first_us, s.last_us, s.stamp_us, s.rate, s.loop};
+  return {stateToIce(s.state), s.file, s.first_us, s.last_us, s.stamp_us, s.rate, s.loop};
 }
 
 ReplayStatus fromIce(const avm::ReplayInfo& i) {
-  return {fromIce(i.state), i.file, i.firstUs, i.lastUs, i.stampUs, i.rate, i.loop};
+  return {stateFromIce(i.state), i.file, i.firstUs, i.lastUs, i.stampUs, i.rate, i.loop};
 }
 
 avm::ReplayContents toIce(const ReplayContents& c) {
@@ -111,7 +111,7 @@ bool ReplayServant::goTo(Ice::Long seek_ms, const Ice::Current&) {
 }
 
 jderobot::ReplayerStatus ReplayServant::getStatus(const Ice::Current&) {
-  return toIce(replay_.status().state);
+  return stateToIce(replay_.status().state);
 }
 
 RemoteReplay::RemoteReplay(const std::shared_ptr<avm::ReplayPrx>& proxy)

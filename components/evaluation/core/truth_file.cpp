@@ -32,7 +32,7 @@ std::vector<std::string_view> cellsOf(std::string_view line) {
   }
 }
 
-std::optional<double> number(std::string_view cell) {
+std::optional<double> cellValue(std::string_view cell) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (error != std::errc{} || end != cell.data() + cell.size() || !std::isfinite(value)) return std::nullopt;
@@ -57,7 +57,7 @@ struct Columns {
   std::optional<std::array<double, 4>> valuesOf(const std::vector<std::string_view>& cells) const {
     std::array<double, 4> values{};
     for (std::size_t i = 0; i < at.size(); ++i) {
-      const auto value = at[i] < cells.size() ? number(cells[at[i]]) : std::nullopt;
+      const auto value = at[i] < cells.size() ? cellValue(cells[at[i]]) : std::nullopt;
       if (!value) return std::nullopt;
       values[i] = *value;
     }

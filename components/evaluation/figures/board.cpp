@@ -7,11 +7,11 @@
 namespace vismem {
 namespace {
 
-constexpr double kMargin_px = 18.0;
-constexpr double kHeader_px = 62.0;
+constexpr double kBoardMargin_px = 18.0;
+constexpr double kBoardHeader_px = 62.0;
 constexpr double kTitle_px = 22.0;
 constexpr double kLine_px = 17.0;
-constexpr double kLegend_px = 34.0;
+constexpr double kBoardLegend_px = 34.0;
 constexpr double kLegendText_pt = 9.5;
 constexpr double kKey_px = 24.0;
 constexpr double kKeyGap_px = 7.0;
@@ -107,10 +107,11 @@ void drawPicture(Canvas& canvas, const BoardPanel& panel, const Eigen::Vector2d&
 std::vector<Eigen::Vector2d> legendPlaces(const std::vector<LegendEntry>& legend, double width) {
   const Canvas ruler(1, 1);
   std::vector<Eigen::Vector2d> places;
-  Eigen::Vector2d at(kMargin_px, 0.0);
+  Eigen::Vector2d at(kBoardMargin_px, 0.0);
   for (const LegendEntry& entry : legend) {
     const double entry_px = kKey_px + kKeyGap_px + ruler.textWidth(entry.text, kLegendText_pt);
-    if (at.x() > kMargin_px && at.x() + entry_px > width - kMargin_px) at = {kMargin_px, at.y() + kLine_px};
+    if (at.x() > kBoardMargin_px && at.x() + entry_px > width - kBoardMargin_px)
+      at = {kBoardMargin_px, at.y() + kLine_px};
     places.push_back(at);
     at.x() += entry_px + kKey_px;
   }
@@ -135,7 +136,7 @@ struct RowSize {
 };
 
 double widthOf(const BoardPanel& panel, int panel_width) {
-  return panel.columns * (panel_width + kMargin_px) - kMargin_px;
+  return panel.columns * (panel_width + kBoardMargin_px) - kBoardMargin_px;
 }
 
 RowSize sizeOf(const std::vector<BoardPanel>& row, int panel_width, bool has_title) {
@@ -147,7 +148,7 @@ RowSize sizeOf(const std::vector<BoardPanel>& row, int panel_width, bool has_tit
     captions = std::max(captions, panel.caption.size());
   }
   if (has_title) size.head += kRowTitle_px;
-  size.height = size.head + size.pictures + kLine_px * static_cast<double>(captions) + kMargin_px;
+  size.height = size.head + size.pictures + kLine_px * static_cast<double>(captions) + kBoardMargin_px;
   return size;
 }
 
@@ -171,28 +172,29 @@ void drawPanel(Canvas& canvas, const BoardPanel& panel, const Eigen::Vector2d& l
 
 cv::Mat drawBoard(const Board& board, int panel_width) {
   int columns = 1;
-  double height = kHeader_px;
+  double height = kBoardHeader_px;
   std::vector<RowSize> sizes;
   for (const auto& row : board.rows) {
     sizes.push_back(sizeOf(row, panel_width, sizes.size() < board.row_titles.size()));
     columns = std::max(columns, sizes.back().columns);
     height += sizes.back().height;
   }
-  const double width = kMargin_px + columns * (panel_width + kMargin_px);
+  const double width = kBoardMargin_px + columns * (panel_width + kBoardMargin_px);
   const auto places = legendPlaces(board.legend, width);
-  height += kLegend_px + (places.empty() ? 0.0 : places.back().y());
+  height += kBoardLegend_px + (places.empty() ? 0.0 : places.back().y());
   Canvas canvas(static_cast<int>(width), static_cast<int>(height));
-  canvas.text(board.title, {kMargin_px, 28.0}, 13.0, colors::kInk, Align::kLeft, true);
-  canvas.text(board.subtitle, {kMargin_px, 47.0}, 9.5, colors::kFaintInk);
-  double v = kHeader_px;
+  canvas.text(board.title, {kBoardMargin_px, 28.0}, 13.0, colors::kInk, Align::kLeft, true);
+  canvas.text(board.subtitle, {kBoardMargin_px, 47.0}, 9.5, colors::kFaintInk);
+  double v = kBoardHeader_px;
   for (std::size_t r = 0; r < board.rows.size(); ++r) {
     if (r < board.row_titles.size())
-      canvas.text(board.row_titles[r], {kMargin_px, v + 14.0}, 10.0, colors::kEstimate, Align::kLeft, true);
-    double u = kMargin_px;
+      canvas.text(board.row_titles[r], {kBoardMargin_px, v + 14.0}, 10.0, colors::kEstimate, Align::kLeft,
+                  true);
+    double u = kBoardMargin_px;
     for (const BoardPanel& panel : board.rows[r]) {
       const double panel_px = widthOf(panel, panel_width);
       drawPanel(canvas, panel, {u, v + sizes[r].head}, panel_px, v + sizes[r].head + sizes[r].pictures);
-      u += panel_px + kMargin_px;
+      u += panel_px + kBoardMargin_px;
     }
     v += sizes[r].height;
   }

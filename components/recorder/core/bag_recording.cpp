@@ -4,12 +4,6 @@
 #include <utility>
 
 namespace vismem {
-namespace {
-
-constexpr StampUs kClockBackUs = kSecondUs;
-
-}  // namespace
-
 BagRecording::BagRecording(const BagRecordingParams& params, PartStore& store)
     : params_(params), store_(store) {
   openPart();

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "common/recording/bag_encoder.h"
 #include "common/robot/samples.h"
@@ -26,6 +27,14 @@ struct RecordedMessage {
   /// Memory that it holds, with its own bookkeeping.
   std::size_t size() const { return bytes->size() + sizeof(RecordedMessage) + 64; }
 };
+
+inline RecordedMessage recordedMessage(const std::shared_ptr<const LogTopic>& topic, StampUs stamp_us,
+                                       Bytes bytes) {
+  return {topic, stamp_us, std::make_shared<const Bytes>(std::move(bytes))};
+}
+
+/// A stamp that goes back by more begins a new epoch.
+constexpr StampUs kClockBackUs = kSecondUs;
 
 /// Of a topic, since the recorder's start.
 struct TopicCount {

@@ -3,12 +3,6 @@
 #include <algorithm>
 
 namespace vismem {
-namespace {
-
-constexpr StampUs kClockBackUs = kSecondUs;
-
-}  // namespace
-
 void RingBuffer::add(const RecordedMessage& message) {
   if (length_us_ == 0) return;
   if (message.topic->latched) {

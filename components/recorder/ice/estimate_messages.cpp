@@ -21,10 +21,6 @@ constexpr double kRaceArrow_m = 0.4;
 constexpr float kFullLife = 100.0F;
 constexpr int kCircleCorners = 32;
 
-RecordedMessage message(const Topic& topic, StampUs stamp_us, Bytes bytes) {
-  return {topic, stamp_us, std::make_shared<const Bytes>(std::move(bytes))};
-}
-
 /// Labels may be any bytes, and numbers may not be finite: JSON then has replacement characters and null.
 RecordedMessage jsonMessage(const Topic& topic, StampUs stamp_us, const json& value) {
   return textMessage(topic, stamp_us, value.dump(-1, ' ', false, json::error_handler_t::replace));
@@ -150,7 +146,7 @@ void emitMarkers(const Topic& topic, StampUs stamp_us, std::vector<RosMarker> ma
   std::erase_if(markers, [](const RosMarker& m) {
     return m.action == RosMarker::Action::kAdd && m.type == RosMarker::Type::kLineList && m.points.empty();
   });
-  emit(message(topic, stamp_us, serialize(markers)));
+  emit(recordedMessage(topic, stamp_us, serialize(markers)));
 }
 
 void addLine(RosMarker& marker, const RosPoint& a, const RosPoint& b, const Rgba& color) {
@@ -265,7 +261,7 @@ void convertMemory(const avm::MemoryUpdate& update, const Emit& emit) {
                                               "memory_camera",
                                               {{camera.position.x, camera.position.y, camera.position.z},
                                                {camera.qx, camera.qy, camera.qz, camera.qw}}}};
-  emit(message(tf, update.analysis.stampUs, serialize(transforms)));
+  emit(recordedMessage(tf, update.analysis.stampUs, serialize(transforms)));
 }
 
 void convertEstimate(const avm::PoseEstimate& estimate, const Emit& emit) {
@@ -302,13 +298,13 @@ void convertEstimate(const avm::PoseEstimate& estimate, const Emit& emit) {
   emit(jsonMessage(all, stamp_us, value));
   emitMarkers(races, stamp_us, std::move(arrows), emit);
   if (!estimate.hasPose) return;
-  emit(message(
+  emit(recordedMessage(
       pose, stamp_us,
       serialize(RosPoseWithCovariance{
           {stamp_us, kWorldFrame}, poseOf(estimate.robotInWorld), planarCovariance(estimate.covariance)})));
-  emit(message(tf, stamp_us,
-               serialize(std::vector<RosTransform>{
-                   planarTransform(stamp_us, kWorldFrame, kOdomFrame, odomInWorld(estimate))})));
+  emit(recordedMessage(tf, stamp_us,
+                       serialize(std::vector<RosTransform>{
+                           planarTransform(stamp_us, kWorldFrame, kOdomFrame, odomInWorld(estimate))})));
 }
 
 void convertGaze(const avm::GazeStatus& status, const Emit& emit) {
@@ -340,7 +336,7 @@ void convertGaze(const avm::GazeStatus& status, const Emit& emit) {
 void TruthMessages::convert(const avm::TruthSample& sample, const Emit& emit) {
   static const Topic pose = makeTopic("/ground_truth/pose", kPoseType);
   static const Topic state = jsonTopic("/ground_truth/state");
-  emit(message(
+  emit(recordedMessage(
       pose, sample.stampUs,
       serialize(RosPoseWithCovariance{{sample.stampUs, kWorldFrame}, poseOf(sample.robotInWorld), {}})));
   const std::pair now(sample.inCollision, sample.kidnaps);

@@ -20,10 +20,6 @@ std::string opticalFrame(const std::string& prefix) {
          "_optical_frame";
 }
 
-RecordedMessage message(const std::shared_ptr<const LogTopic>& topic, StampUs stamp_us, Bytes bytes) {
-  return {topic, stamp_us, std::make_shared<const Bytes>(std::move(bytes))};
-}
-
 RosCameraInfo cameraInfo(const avm::Intrinsics& k, const RosHeader& header) {
   RosCameraInfo info;
   info.header = header;
@@ -79,7 +75,7 @@ std::string CameraMessages::convertPixels(const avm::Frame& frame, const Emit& e
     if (!cv::imencode(".png", bgr, image.data, {cv::IMWRITE_PNG_COMPRESSION, kPngLevel})) {
       return "the image cannot be encoded as PNG";
     }
-    emit(message(compressed_, frame.stampUs, serialize(image)));
+    emit(recordedMessage(compressed_, frame.stampUs, serialize(image)));
     return {};
   }
   RosImage image;
@@ -89,7 +85,7 @@ std::string CameraMessages::convertPixels(const avm::Frame& frame, const Emit& e
   image.encoding = frame.format == "RGB8" ? "rgb8" : frame.format == "GRAY8" ? "mono8" : "yuv422_yuy2";
   image.step = static_cast<std::uint32_t>(expectedBytes(frame) / static_cast<std::size_t>(frame.height));
   image.data = frame.pixels;
-  emit(message(raw_, frame.stampUs, serialize(image)));
+  emit(recordedMessage(raw_, frame.stampUs, serialize(image)));
   return {};
 }
 
@@ -99,8 +95,8 @@ std::string CameraMessages::convert(const avm::Frame& frame, const Emit& emit) c
   }
   const std::size_t expected = expectedBytes(frame);
   if (frame.format == "JPEG") {
-    emit(message(compressed_, frame.stampUs,
-                 serialize(RosCompressedImage{{frame.stampUs, frame_id_}, "jpeg", frame.pixels})));
+    emit(recordedMessage(compressed_, frame.stampUs,
+                         serialize(RosCompressedImage{{frame.stampUs, frame_id_}, "jpeg", frame.pixels})));
   } else if (expected == 0 || frame.pixels.size() != expected) {
     return "an image of the format " + frame.format + " with " + std::to_string(frame.pixels.size()) +
            " bytes (expected RGB8, GRAY8, YUY2 or JPEG with the bytes of " + std::to_string(frame.width) +
@@ -108,11 +104,12 @@ std::string CameraMessages::convert(const avm::Frame& frame, const Emit& emit) c
   } else if (const std::string wrong = convertPixels(frame, emit); !wrong.empty()) {
     return wrong;
   }
-  emit(message(info_, frame.stampUs, serialize(cameraInfo(frame.cameraModel, {frame.stampUs, frame_id_}))));
+  emit(recordedMessage(info_, frame.stampUs,
+                       serialize(cameraInfo(frame.cameraModel, {frame.stampUs, frame_id_}))));
   if (frame.hasCameraPose) {
     const std::vector<RosTransform> transforms{
         {{frame.stampUs, kRobotFrame}, frame_id_, toRos(frame.cameraOnRobot)}};
-    emit(message(tf_, frame.stampUs, serialize(transforms)));
+    emit(recordedMessage(tf_, frame.stampUs, serialize(transforms)));
   }
   return {};
 }
@@ -127,14 +124,14 @@ void convertOdometry(const avm::OdometrySample& sample, const Emit& emit) {
   odometry.pose = transform.pose;
   odometry.v_mps = sample.vMps;
   odometry.w_radps = sample.wRadps;
-  emit(message(topic, sample.stampUs, serialize(odometry)));
-  emit(message(tf, sample.stampUs, serialize(std::vector<RosTransform>{transform})));
+  emit(recordedMessage(topic, sample.stampUs, serialize(odometry)));
+  emit(recordedMessage(tf, sample.stampUs, serialize(std::vector<RosTransform>{transform})));
 }
 
 void convertPanTilt(const avm::PanTiltSample& sample, const Emit& emit) {
   static const auto topic = makeTopic("/joint_states", kJointStateType);
   const RosJointState joints{{sample.stampUs, ""}, {"pan", "tilt"}, {sample.panRad, sample.tiltRad}};
-  emit(message(topic, sample.stampUs, serialize(joints)));
+  emit(recordedMessage(topic, sample.stampUs, serialize(joints)));
 }
 
 }  // namespace vismem

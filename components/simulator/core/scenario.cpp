@@ -16,7 +16,7 @@ namespace vismem {
 namespace {
 
 constexpr double kLongest_s = 1e6;
-constexpr double kFar_m = 10'000.0;
+constexpr double kFarthest_m = 10'000.0;
 
 using Kind = ScenarioEvent::Kind;
 
@@ -89,9 +89,9 @@ class LineReader {
       const auto xy = splitAt(part, ',');
       const auto x = finiteNumber(xy[0]);
       const auto y = xy.size() == 2 ? finiteNumber(xy[1]) : std::nullopt;
-      if (!x || !y || std::abs(*x) > kFar_m || std::abs(*y) > kFar_m) {
-        problem(key + ": \"" + std::string(part) + "\" (must be x,y, each " + range(-kFar_m, kFar_m) +
-                "; points are joined by ';')");
+      if (!x || !y || std::abs(*x) > kFarthest_m || std::abs(*y) > kFarthest_m) {
+        problem(key + ": \"" + std::string(part) + "\" (must be x,y, each " +
+                range(-kFarthest_m, kFarthest_m) + "; points are joined by ';')");
         return {};
       }
       result.emplace_back(*x, *y);
@@ -142,7 +142,7 @@ PropShape readShape(LineReader& line) {
   }
   const Eigen::Vector3d& s = shape.size_m;
   const Eigen::Vector3d& c = shape.color;
-  const auto size = line.numbers("size_m", {s.x(), s.y(), s.z()}, 3, -kFar_m, kFar_m);
+  const auto size = line.numbers("size_m", {s.x(), s.y(), s.z()}, 3, -kFarthest_m, kFarthest_m);
   const auto color = line.numbers("color", {c.x(), c.y(), c.z()}, 3, 0.0, 1.0);
   shape.size_m = {size[0], size[1], size[2]};
   shape.color = {color[0], color[1], color[2]};
@@ -167,8 +167,8 @@ void readPlace(LineReader& line, ScenarioEvent& event) {
   const bool robot = event.kind == Kind::kKidnap;
   if (!line.has("at_m"))
     line.problem(robot ? "no at_m (expected at_m=x,y)" : "no at_m (expected at_m=x,y or x,y,z)");
-  const auto at = robot ? line.numbers("at_m", {0.0, 0.0}, 2, -kFar_m, kFar_m)
-                        : line.numbers("at_m", {0.0, 0.0, 0.0}, 2, -kFar_m, kFar_m);
+  const auto at = robot ? line.numbers("at_m", {0.0, 0.0}, 2, -kFarthest_m, kFarthest_m)
+                        : line.numbers("at_m", {0.0, 0.0, 0.0}, 2, -kFarthest_m, kFarthest_m);
   const double heading = degToRad(line.number("heading_deg", 0.0, -360.0, 360.0));
   event.T_world_robot = {at[0], at[1], wrapAngle(heading)};
   event.T_world_model = toPose3(event.T_world_robot);

@@ -13,7 +13,7 @@
 namespace vismem {
 namespace {
 
-constexpr double kLargest = 1e9;
+constexpr double kLargestLength = 1e9;
 
 const std::map<std::string, std::uint32_t> kNames{
     {"aqua", 0x00ffff},   {"black", 0x000000}, {"blue", 0x0000ff},   {"fuchsia", 0xff00ff},
@@ -166,7 +166,7 @@ std::optional<SvgLength> parseSvgLength(std::string_view raw) {
   }
   SvgLength result;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), result.value);
-  if (error != std::errc() || !(std::abs(result.value) <= kLargest)) return std::nullopt;
+  if (error != std::errc() || !(std::abs(result.value) <= kLargestLength)) return std::nullopt;
   result.unit = std::string(end, static_cast<std::size_t>(text.data() + text.size() - end));
   for (const char* known : {"", "px", "mm", "cm", "in", "pt", "pc", "Q", "%"}) {
     if (result.unit == known) return result;

@@ -10,7 +10,7 @@
 namespace vismem {
 namespace {
 
-struct MarkingEdge {
+struct PublishedEdge {
   MemorySegment* published = nullptr;
   Segment2 line;
   Eigen::Vector2d along;  ///< before any move
@@ -33,12 +33,12 @@ bool isNear(const MemoryElement& element, const LineWidthParams& params) {
 }
 
 /// Signed width of near lines by label.
-LineWidths knownWidths(const std::vector<MarkingEdge>& edges, const std::vector<Pair>& pairs,
+LineWidths knownWidths(const std::vector<PublishedEdge>& edges, const std::vector<Pair>& pairs,
                        const LineWidthParams& params) {
   std::map<Label, std::vector<double>> published;
   for (const Pair& pair : pairs) {
-    const MarkingEdge& one = edges[pair.one];
-    const MarkingEdge& other = edges[pair.other];
+    const PublishedEdge& one = edges[pair.one];
+    const PublishedEdge& other = edges[pair.other];
     if (!one.near || !other.near || !one.published->confirmed || !other.published->confirmed) continue;
     const double width = std::abs(pair.beside.left_m);
     // Short pairs are spots, not lines.
@@ -71,17 +71,17 @@ bool isSmallMove(const Segment2& from, const Segment2& to, double most_m) {
   return (from.a - to.a).norm() <= most_m && (from.b - to.b).norm() <= most_m;
 }
 
-void publishAt(MarkingEdge& edge, const Segment2& line) {
+void publishAt(PublishedEdge& edge, const Segment2& line) {
   edge.line = line;
   edge.fixed = true;
   edge.published->odom.a.head<2>() = line.a;
   edge.published->odom.b.head<2>() = line.b;
 }
 
-std::vector<MarkingEdge> markingEdges(std::vector<MemorySegment>& segments,
-                                      std::span<const MemoryElement> elements,
-                                      const LineWidthParams& params) {
-  std::vector<MarkingEdge> edges;
+std::vector<PublishedEdge> markingEdges(std::vector<MemorySegment>& segments,
+                                        std::span<const MemoryElement> elements,
+                                        const LineWidthParams& params) {
+  std::vector<PublishedEdge> edges;
   for (MemorySegment& segment : segments) {
     if (segment.label == kUnknownLabel) continue;
     const auto element = std::find_if(elements.begin(), elements.end(),
@@ -97,7 +97,7 @@ std::vector<MarkingEdge> markingEdges(std::vector<MemorySegment>& segments,
 }
 
 /// Pairs of antiparallel edges, at least one of them confirmed.
-std::vector<Pair> pairsOf(std::vector<MarkingEdge>& edges, const LineWidthParams& params) {
+std::vector<Pair> pairsOf(std::vector<PublishedEdge>& edges, const LineWidthParams& params) {
   std::vector<Pair> pairs;
   const double least_against = -std::cos(params.max_angle_rad);
   for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -121,7 +121,7 @@ std::vector<Pair> pairsOf(std::vector<MarkingEdge>& edges, const LineWidthParams
 
 /// Moves both edges of a line `width_m` apart, within their limits.
 /// @return false if an end would move too far.
-bool setApart(MarkingEdge& one, MarkingEdge& other, const AntiparallelOverlap& beside, double width_m,
+bool setApart(PublishedEdge& one, PublishedEdge& other, const AntiparallelOverlap& beside, double width_m,
               const LineWidthParams& params) {
   const Eigen::Vector2d along_one = (one.line.b - one.line.a).normalized();
   const Eigen::Vector2d along_other = (other.line.b - other.line.a).normalized();
@@ -164,36 +164,36 @@ std::optional<AntiparallelOverlap> antiparallelOverlap(const Segment2& one, cons
 LineWidths measureLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
                              const LineWidthParams& params) {
   if (!params.enabled) return {};
-  std::vector<MarkingEdge> edges = markingEdges(segments, elements, params);
+  std::vector<PublishedEdge> edges = markingEdges(segments, elements, params);
   return knownWidths(edges, pairsOf(edges, params), params);
 }
 
 LineWidths equalizeLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
                               const LineWidthParams& params) {
   if (!params.enabled) return {};
-  std::vector<MarkingEdge> edges = markingEdges(segments, elements, params);
+  std::vector<PublishedEdge> edges = markingEdges(segments, elements, params);
   std::vector<Pair> pairs = pairsOf(edges, params);
   LineWidths widths = knownWidths(edges, pairs, params);
   // Closer edges than any line has were measured in one place by a coarse image, however near.
   for (const Pair& pair : pairs) {
-    MarkingEdge& one = edges[pair.one];
-    MarkingEdge& other = edges[pair.other];
+    PublishedEdge& one = edges[pair.one];
+    PublishedEdge& other = edges[pair.other];
     if (std::abs(pair.beside.left_m) < params.range.minMeasured_m()) one.fixed = other.fixed = false;
   }
   // The longest first; an edge moved by one pair stays for the others.
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const Pair& a, const Pair& b) { return a.overlap_m > b.overlap_m; });
   for (const Pair& pair : pairs) {
-    MarkingEdge& one = edges[pair.one];
-    MarkingEdge& other = edges[pair.other];
+    PublishedEdge& one = edges[pair.one];
+    PublishedEdge& other = edges[pair.other];
     const auto width = widths.find(one.published->label);
     if (width == widths.end() || (one.fixed && other.fixed)) continue;
     const auto beside = antiparallelOverlap(one.line, other.line, params.max_angle_rad);
     if (!beside) continue;
     const bool both = one.published->confirmed && other.published->confirmed;
     if (!both) {
-      MarkingEdge& known = one.published->confirmed ? one : other;
-      MarkingEdge& partner = one.published->confirmed ? other : one;
+      PublishedEdge& known = one.published->confirmed ? one : other;
+      PublishedEdge& partner = one.published->confirmed ? other : one;
       const double length = partner.line.length();
       if (known.paired || length < params.partner_least_m ||
           pair.overlap_m < params.partner_overlap * length) {

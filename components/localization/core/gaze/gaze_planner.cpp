@@ -9,7 +9,7 @@ namespace vismem {
 namespace {
 
 /// Health of a race at the true pose.
-constexpr double kGoodHealth = 0.7;
+constexpr double kTrustedHealth = 0.7;
 
 /// From the camera to a place, as pan and tilt of an axis on the robot.
 PanTilt directionTo(const Eigen::Vector3d& p_odom, const MemoryUpdate& update) {
@@ -40,7 +40,7 @@ double GazePlanner::uncertainty(const PoseEstimate& estimate) {
   for (const RaceReport& race : estimate.races) {
     // Reliability is low-pass filtered; the present health reacts at once.
     if (race.winner) {
-      trust = race.weight * std::min(estimate.reliability, race.health / kGoodHealth);
+      trust = race.weight * std::min(estimate.reliability, race.health / kTrustedHealth);
     }
   }
   return 1.0 - std::clamp(trust, 0.0, 1.0);

@@ -12,12 +12,12 @@ namespace {
 constexpr double kReferenceWidth_px = 320.0;  // image width of the chapter's pixel values
 
 /// Truncation of the fields. Beyond it the search continues in floor cells: it affects speed only.
-constexpr double kTruncation_m = 2.0;
+constexpr double kIndexReach_m = 2.0;
 
 /// Margins of the early exits against rounding of the sums.
 constexpr double kCertainlyEnough = 1.000001;
 constexpr double kCertainlyLess = 0.999999;
-constexpr double kRounding_m = 1e-6;
+constexpr double kReachRounding_m = 1e-6;
 
 /// Search radii about the points in the image [multiples of L4's M]. Used is the smallest that exceeds
 /// kFarMeans times the largest mean distance of a pose above the required health.
@@ -29,7 +29,7 @@ constexpr std::size_t kLinesAtOnce = 8;  // of the memory, per query of the fiel
 
 /// Lower bound of the distance from the pixel to floor lines outside the disc [px].
 double reachOf(const PixelFootprint& pixel, const FloorDisc& disc) {
-  return pixel.reach(disc.radius_m - (pixel.p_robot() - disc.middle).norm() - kRounding_m);
+  return pixel.reach(disc.radius_m - (pixel.p_robot() - disc.middle).norm() - kReachRounding_m);
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ double reachOf(const PixelFootprint& pixel, const FloorDisc& disc) {
 MapIndex::Params chapterIndex(const HealthParams& params, const MapParams& map) {
   MapIndex::Params index;
   index.cell_m = map.cell_m;
-  index.reach_m = kTruncation_m;
+  index.reach_m = kIndexReach_m;
   index.build_fields = params.use_field;
   index.build_trees = params.use_field;
   return index;

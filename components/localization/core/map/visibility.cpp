@@ -11,16 +11,16 @@
 namespace vismem {
 namespace {
 
-constexpr double kSpacing_m = 0.2;  // between points
-constexpr double kCell_m = 2.0;     // of the index
+constexpr double kSpacing_m = 0.2;    // between points
+constexpr double kIndexCell_m = 2.0;  // of the index
 /// A point this near behind an opaque segment counts as visible: walls do not occlude their own foot.
 constexpr double kMargin_m = 0.3;
-constexpr int kBearings = 256;      // of the depth buffer
-constexpr double kRounding = 1e-9;  // of pieces
+constexpr int kBearings = 256;           // of the depth buffer
+constexpr double kPieceRounding = 1e-9;  // of pieces
 
-constexpr double kCellRadius_m = 0.7072 * kCell_m;  // largest distance of a cell's point from its centre
-constexpr double kPieceReach_m = 0.2;               // the same of a piece
-constexpr std::size_t kAtOnce = 64;                 // cells
+constexpr double kCellRadius_m = 0.7072 * kIndexCell_m;  // largest distance of a cell's point from its centre
+constexpr double kPieceReach_m = 0.2;                    // the same of a piece
+constexpr std::size_t kAtOnce = 64;                      // cells
 
 /// Orders cells row by row, and those of a row by x.
 std::uint64_t cellKey(std::int32_t x, std::int32_t y) {
@@ -37,7 +37,7 @@ std::int32_t columnOf(std::uint64_t key) {
 }
 
 std::int32_t cellOf(double value) {
-  return static_cast<std::int32_t>(std::floor(value / kCell_m));
+  return static_cast<std::int32_t>(std::floor(value / kIndexCell_m));
 }
 
 /// Grows with the bearing from 0 to 4, without trigonometry.
@@ -247,9 +247,9 @@ void Visibility::visitRuns(const Eigen::Vector2d& position, double range_m, MayC
   for (; row != rows_end && row->y <= y_to; ++row) {
     const auto end = cells_.begin() + (row + 1)->first;
     for (auto x = std::lower_bound(cells_.begin() + row->first, end, x_from); x != end && *x <= x_to; ++x) {
-      const Eigen::Vector2d middle(kCell_m * (*x + 0.5), kCell_m * (row->y + 0.5));
-      const Eigen::Vector2d off = ((middle - position).array().abs() - 0.5 * kCell_m).max(0.0);
-      if (off.norm() > range_m + kRounding || !may_count(middle)) continue;
+      const Eigen::Vector2d middle(kIndexCell_m * (*x + 0.5), kIndexCell_m * (row->y + 0.5));
+      const Eigen::Vector2d off = ((middle - position).array().abs() - 0.5 * kIndexCell_m).max(0.0);
+      if (off.norm() > range_m + kPieceRounding || !may_count(middle)) continue;
       if (count == cells.size()) visitAll();
       cells[count] = static_cast<std::size_t>(x - cells_.begin());
       __builtin_prefetch(&runs_[first_of_[cells[count++]]]);
@@ -278,8 +278,8 @@ void Visibility::around(const Pose2& T_world_robot, double range_m, std::span<co
     double to = (run.first + run.count - 0.5) * piece;
     if (view && !view->clip(start, way, from, to)) return;
     const double length = piece * way.norm();
-    const auto last = static_cast<int>(std::floor(to * line.pieces - 0.5 + kRounding));
-    for (auto i = static_cast<int>(std::ceil(from * line.pieces - 0.5 - kRounding)); i <= last; ++i) {
+    const auto last = static_cast<int>(std::floor(to * line.pieces - 0.5 + kPieceRounding));
+    for (auto i = static_cast<int>(std::ceil(from * line.pieces - 0.5 - kPieceRounding)); i <= last; ++i) {
       const Eigen::Vector2d p_robot = start + (i + 0.5) * piece * way;
       if (p_robot.squaredNorm() > range_m * range_m) continue;
       out.push_back({p_robot, line.direction - T_world_robot.theta, length, line.label, line.number});
@@ -299,8 +299,8 @@ void Visibility::around(const Pose2& T_world_robot, double range_m, std::span<co
     double from = run.first * piece;
     double to = (run.first + run.count) * piece;
     if (!sector.clip(start, way, from, to)) return;
-    const auto first = static_cast<int>(std::floor(from * line.pieces + kRounding));
-    const auto after = static_cast<int>(std::ceil(to * line.pieces - kRounding));
+    const auto first = static_cast<int>(std::floor(from * line.pieces + kPieceRounding));
+    const auto after = static_cast<int>(std::ceil(to * line.pieces - kPieceRounding));
     depth.add(start + first * piece * way, piece * way, after - first);
   });
   for (const Segment2& obstacle : obstacles) {

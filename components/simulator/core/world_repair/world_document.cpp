@@ -19,7 +19,7 @@ using tinyxml2::XMLElement;
 using tinyxml2::XMLNode;
 
 /// World, model, link, visual, geometry, shape: deeper parts go as one.
-constexpr int kMaxDepth = 6;
+constexpr int kMaxNesting = 6;
 constexpr const char* kAssumedVersion = "1.6";
 constexpr std::size_t kMaxNotes = 20;
 /// Elements that stand at a pose.
@@ -125,7 +125,7 @@ struct WorldDocument::Impl {
   bool mend(XMLElement& e, const std::string& of, int depth, const Refusal& refusal,
             std::vector<std::string>& notes) {
     const auto parts = childrenOf(e);
-    if (parts.empty() || depth > kMaxDepth) return false;
+    if (parts.empty() || depth > kMaxNesting) return false;
     const auto putBack = [&] {
       for (XMLElement* part : parts) e.InsertEndChild(part);
       return false;
