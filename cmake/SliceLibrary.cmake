@@ -28,7 +28,9 @@ function(slice_library name)
     list(APPEND sources ${output_dir}/${base}.cpp)
   endforeach()
   add_library(${name} STATIC ${sources})
-  target_include_directories(${name} SYSTEM PUBLIC ${generated_root})
+  target_include_directories(${name} SYSTEM PUBLIC $<BUILD_INTERFACE:${generated_root}>
+                                                   $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/vismem>)
+  set_target_properties(${name} PROPERTIES GENERATED_HEADERS ${generated_root})
   # PUBLIC, so that nobody mixes the C++98 and C++11 mappings.
   target_compile_definitions(${name} PUBLIC ICE_CPP11_MAPPING)
   target_link_libraries(${name} PUBLIC Ice::Ice++11 Threads::Threads)

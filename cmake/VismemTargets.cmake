@@ -4,13 +4,17 @@ find_package(Threads REQUIRED)
 find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
 
+# Folder of the installed headers, from which all of them are included.
+set(VISMEM_HEADERS ${CMAKE_INSTALL_INCLUDEDIR}/vismem)
+
 # vismem_library(NAME SOURCES file... [PUBLIC lib...] [PRIVATE lib...])
 # Headers are included from the folder components/: "common/geometry/pose.h".
 function(vismem_library name)
   cmake_parse_arguments(A "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${A_SOURCES})
-  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR}/components)
-  target_link_libraries(${name} PUBLIC ${A_PUBLIC} PRIVATE ${A_PRIVATE} project_warnings)
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/components>
+                                            $<INSTALL_INTERFACE:${VISMEM_HEADERS}>)
+  target_link_libraries(${name} PUBLIC ${A_PUBLIC} PRIVATE ${A_PRIVATE} $<BUILD_INTERFACE:project_warnings>)
   set_target_properties(${name} PROPERTIES UNITY_BUILD ${VISMEM_UNITY} UNITY_BUILD_BATCH_SIZE 8)
 endfunction()
 
@@ -18,13 +22,13 @@ endfunction()
 # As vismem_library; headers are included from the project's root: "drivers/camera_files/file_camera.h".
 function(vismem_driver name)
   vismem_library(${name} ${ARGN})
-  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
 endfunction()
 
 # Target vismem_installed: everything that `cmake --install` copies.
 add_custom_target(vismem_installed)
 
-# vismem_program(NAME [INSTALL components|tools|gui] SOURCES file... LIBRARIES lib...)
+# vismem_program(NAME [INSTALL components|tools|gui|gateway] SOURCES file... LIBRARIES lib...)
 # INSTALL names the part of an installation that it belongs to (cmake/Install.cmake); without it it stays in the build.
 function(vismem_program name)
   cmake_parse_arguments(A "" "INSTALL" "SOURCES;LIBRARIES" ${ARGN})
@@ -42,7 +46,7 @@ configure_file(${PROJECT_SOURCE_DIR}/test/support/build_paths.h.in ${CMAKE_BINAR
 set(VISMEM_TEST_INCLUDES ${PROJECT_SOURCE_DIR}/test ${CMAKE_BINARY_DIR}/test_paths)
 
 # Target tests_LABEL: the tests of one label with their dependencies only.
-set(VISMEM_TEST_LABELS unit property golden contract component system faults hwkernel browser deploy)
+set(VISMEM_TEST_LABELS unit property golden contract component system faults hwkernel browser deploy fleet network)
 foreach(label IN LISTS VISMEM_TEST_LABELS)
   add_custom_target(tests_${label})
 endforeach()

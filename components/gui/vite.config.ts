@@ -11,6 +11,7 @@ const slicePlugin = () => slice({
   root: process.env.AVM_INTERFACES ?? resolve(here, "../../interfaces"),
   slice2js: process.env.AVM_SLICE2JS ?? "/usr/bin/slice2js",
   iceRuntime: resolve(here, "node_modules/ice/lib/Ice.js"),
+  glacier2: resolve(here, "node_modules/ice/lib/Glacier2.js"),
 });
 
 /** Writes FILE.gz beside each file: the server sends it as it is. */

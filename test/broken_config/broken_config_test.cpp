@@ -47,6 +47,7 @@ std::vector<Setting> validConfiguration(const std::string& component) {
        {{"PanTiltServer.Endpoints", "tcp -h 127.0.0.1 -p 0"}, {"PanTiltServer.Driver", "simulated"}}},
       {"base_server",
        {{"BaseServer.Endpoints", "tcp -h 127.0.0.1 -p 0"}, {"BaseServer.Driver", "simulated"}}},
+      {"gui_server", {{"GuiServer.Endpoints", "tcp -h 127.0.0.1 -p 0"}}},
       {"simulator", {{"Simulator.Endpoints", "tcp -h 127.0.0.1 -p 0"}, {"Simulator.World", "world.sdf"}}},
       {"replay_server",
        {{"ReplayServer.Endpoints", "tcp -h 127.0.0.1 -p 0"}, {"ReplayServer.File", "log.bag"}}},

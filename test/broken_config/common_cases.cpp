@@ -349,15 +349,52 @@ std::vector<BrokenConfig> proxiesAndEndpoints() {
        l,
        {"Robot.Name = robot.7"},
        {"broken.cfg:1: Robot.Name = robot.7 (must be 1..40 letters, digits, '-' or '_')"}},
+      {"PlainEndpointForOtherMachines",
+       l,
+       {"Localization.Endpoints = tcp -h 127.0.0.1 -p 9971:tcp -h 0.0.0.0 -p 9972"},
+       {"broken.cfg:1: Localization.Endpoints = tcp -h 127.0.0.1 -p 9971:tcp -h 0.0.0.0 -p 9972 (must be ssl "
+        "-h "
+        "0.0.0.0 ... with the keys IceSSL.* of docs/deployment.md, since other machines reach it, or -h "
+        "127.0.0.1 "
+        "behind a gateway; Localization.PlainRemote = yes lets everybody in)"}},
+      {"PlainEndpointByDefaultHost",
+       l,
+       {"Localization.Endpoints = tcp -p 9971", "Ice.Default.Host = 192.0.2.1"},
+       {"broken.cfg:1: Localization.Endpoints = tcp -p 9971 (must be ssl -h 192.0.2.1 ... with the keys "
+        "IceSSL.* of "
+        "docs/deployment.md, since other machines reach it, or -h 127.0.0.1 behind a gateway; "
+        "Localization.PlainRemote = yes lets everybody in)"}},
+      {"PlainWebEndpointForOtherMachines",
+       l,
+       {"Localization.WebEndpoints = ws -h 192.0.2.1 -p 11005"},
+       {"broken.cfg:1: Localization.WebEndpoints = ws -h 192.0.2.1 -p 11005 (must be wss -h 192.0.2.1 ... "
+        "with the "
+        "keys IceSSL.* of docs/deployment.md, since other machines reach it, or -h 127.0.0.1 behind a "
+        "gateway; "
+        "Localization.PlainRemote = yes lets everybody in)"}},
+      {"EndpointWithTlsForCallersWithoutACertificate",
+       l,
+       {"Localization.Endpoints = ssl -h 192.0.2.1 -p 9971", "Ice.Plugin.IceSSL = IceSSL:createIceSSL",
+        "IceSSL.VerifyPeer = 1"},
+       {"broken.cfg:3: IceSSL.VerifyPeer = 1 (must be 2, since other machines reach Localization.Endpoints: "
+        "each "
+        "caller needs a certificate then)"}},
+      {"PageForOtherMachines",
+       "gui_server",
+       {"GuiServer.Http.Endpoints = http -h 0.0.0.0 -p 8770", "Robot.Token = 0123456789abcdef"},
+       {"broken.cfg:1: GuiServer.Http.Endpoints = http -h 0.0.0.0 -p 8770 (must be http -h 127.0.0.1 -p "
+        "PORT, since "
+        "pages are served without TLS and may hold a token; GuiServer.PlainRemote = yes serves them to "
+        "everybody)"}},
       {"AddressOfAnotherHost",
        l,
-       {"Localization.Endpoints = tcp -h 192.0.2.1 -p 9971"},
+       {"Localization.Endpoints = tcp -h 192.0.2.1 -p 9971", "Localization.PlainRemote = yes"},
        {"cannot serve at Localization.Endpoints = tcp -h 192.0.2.1 -p 9971 (adapter LocalizationAdapter): "
         "Cannot assign requested address"},
        1},
       {"HostThatIsUnknown",
        l,
-       {"Localization.Endpoints = tcp -h nowhere.invalid -p 9971"},
+       {"Localization.Endpoints = tcp -h nowhere.invalid -p 9971", "Localization.PlainRemote = yes"},
        {"cannot serve at Localization.Endpoints = tcp -h nowhere.invalid -p 9971 (adapter "
         "LocalizationAdapter): unknown host nowhere.invalid"},
        1},

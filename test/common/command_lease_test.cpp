@@ -16,8 +16,9 @@ using testing::IsEmpty;
 
 class CommandLeaseTest : public testing::Test {
  protected:
-  std::string take(const std::string& client, int priority, CommandLease::Duration timeout = 2s) {
-    return lease.acquire(client, priority, timeout, now).id;
+  std::string take(const std::string& client, int priority, CommandLease::Duration timeout = 2s,
+                   const std::string& connection = "a") {
+    return lease.acquire(client, priority, timeout, connection, now).id;
   }
   std::string command(const std::string& id, const std::string& connection = "a") {
     return lease.admit(id, connection, now);
@@ -66,7 +67,7 @@ TEST_F(CommandLeaseTest, CommandsAndRenewalsProlongIt) {
 
 TEST_F(CommandLeaseTest, OnlyAHigherPriorityTakesOver) {
   const std::string low = take("low", 10);
-  EXPECT_THAT(lease.acquire("equal", 10, 2s, now).reason, HasSubstr("low holds the lease (priority 10"));
+  EXPECT_THAT(lease.acquire("equal", 10, 2s, "a", now).reason, HasSubstr("low holds the lease (priority 10"));
   const std::string high = take("high", 11);
   ASSERT_FALSE(high.empty());
   EXPECT_THAT(command(low), HasSubstr("high holds the lease"));
@@ -81,6 +82,19 @@ TEST_F(CommandLeaseTest, ReleaseFreesAtOnce) {
   EXPECT_FALSE(lease.release(gui, now));
   EXPECT_FALSE(lease.state(now).held);
   EXPECT_THAT(take("other", 0), "id2");
+}
+
+TEST_F(CommandLeaseTest, EndsWithTheConnectionThatItWasAcquiredOver) {
+  const std::string gui = take("gui", 10, 60s, "10.0.0.5:41");
+  EXPECT_FALSE(lease.releaseConnection("10.0.0.5:42", now)) << "another one's";
+  EXPECT_FALSE(lease.releaseConnection("", now));
+  EXPECT_THAT(command(gui), IsEmpty());
+  EXPECT_TRUE(lease.releaseConnection("10.0.0.5:41", now));
+  EXPECT_EQ(command(gui), "the lease has ended");
+  EXPECT_THAT(command("", "10.0.0.5:42"), IsEmpty());
+  EXPECT_TRUE(lease.releaseConnection("10.0.0.5:42", now)) << "an implicit one, too";
+  lease.stop(now);
+  EXPECT_FALSE(lease.releaseConnection("", now)) << "nobody's connection ends a stop";
 }
 
 TEST_F(CommandLeaseTest, ACommandWithoutALeaseTakesAnImplicitOneForItsConnection) {
@@ -125,7 +139,7 @@ TEST_F(CommandLeaseTest, StopEndsEveryLeaseAndHoldsOffEverybody) {
   lease.stop(now);
   EXPECT_EQ(command(gui), "stopped: no command for another 1.0 s");
   EXPECT_THAT(command("", "a"), HasSubstr("stopped"));
-  EXPECT_THAT(lease.acquire("gui", 100, 2s, now).reason, HasSubstr("stopped"));
+  EXPECT_THAT(lease.acquire("gui", 100, 2s, "a", now).reason, HasSubstr("stopped"));
   EXPECT_EQ(lease.state(now).client, "stop");
   now += 1s;
   EXPECT_EQ(command(gui), "the lease has ended") << "the old lease does not come back";

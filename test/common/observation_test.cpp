@@ -2,6 +2,7 @@
 // Tests G3.
 #include "common/robot/observation.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -171,15 +172,20 @@ TEST(ClockWatch, ComparesOnlyStampsOfTheSameTimeAndBearsWithAMoment) {
   ClockWatch clock;
   EXPECT_EQ(clock.check(12 * kSecondUs, host_us), "") << "a simulation";
   EXPECT_EQ(clock.check(host_us - 30LL * 24 * 3600 * kSecondUs, host_us), "") << "a recording of last month";
-  EXPECT_EQ(clock.check(host_us - 900'000, host_us), "");
+  EXPECT_EQ(clock.check(host_us - 250'000, host_us), "") << "an old sample";
   EXPECT_EQ(clock.check(host_us - 5 * kSecondUs, host_us), "") << "for a moment";
   EXPECT_EQ(clock.check(host_us - 4 * kSecondUs, host_us + kSecondUs), "");
   EXPECT_EQ(clock.check(host_us - 2 * kSecondUs, host_us + 3 * kSecondUs),
-            "stamps are 5 s behind this host's clock (are the hosts kept in step by NTP?)");
+            "stamps are 5.0 s behind this host's clock (are the hosts kept in step by NTP?)");
   EXPECT_EQ(clock.check(host_us + 4 * kSecondUs, host_us + 4 * kSecondUs), "") << "in step again";
   clock.check(host_us + 20 * kSecondUs, host_us + 5 * kSecondUs);
   EXPECT_EQ(clock.check(host_us + 25 * kSecondUs, host_us + 10 * kSecondUs),
-            "stamps are 15 s ahead of this host's clock (are the hosts kept in step by NTP?)");
+            "stamps are 15.0 s ahead of this host's clock (are the hosts kept in step by NTP?)");
+  clock = {};
+  for (const StampUs at_us : {0 * kSecondUs, kSecondUs, 2 * kSecondUs})
+    EXPECT_EQ(clock.check(host_us + at_us - 500'000, host_us + at_us), "");
+  EXPECT_THAT(clock.check(host_us + 3 * kSecondUs - 500'000, host_us + 3 * kSecondUs),
+              testing::StartsWith("stamps are 0.5 s behind this host's clock"));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ from container import Container, FrozenThread, busiest_thread  # noqa: E402
 
 SETUP = "sim"
 PORTS = {"simulator": 9999, "active_visual_memory": 9970, "localization": 9971, "gui_server": 9975}
-ALL = ("active_visual_memory", "base_server", "camera_server", "gui_server", "localization", "pantilt_server",
+ALL = ("active_visual_memory", "base_server", "camera_server", "fleet_agent", "gui_server", "localization", "pantilt_server",
        "recorder", "replay_server", "simulator")
 TARGET = f"vismem@{SETUP}.target"
 POSE_WITHIN_S = 10
@@ -31,6 +31,7 @@ STOPPED_WITHIN_S = 7
 FROZEN_WITHIN_S = 13
 STOP_WITHIN_S = 2
 EXPOSURE = 1.5
+GATEWAY_EXPOSURE = 2.5
 # What the system itself writes meanwhile.
 SYSTEMS_OWN = ("/var/log/", "/var/cache/", "/var/lib/dpkg/", "/var/lib/systemd/", "/var/lib/private", "/run/", "/tmp/",
                "/var/tmp/", "/proc/", "/sys/", "/dev/", "/packages", "/etc/.pwd.lock", "/etc/machine-id")
@@ -228,14 +229,17 @@ class Deployment(unittest.TestCase):
         self.assertTrue(any("lost" in text for text in lost), lost)
 
     def test_10_components_are_closed_in(self):
-        units = [unit(name) for name in ALL] + [TARGET, f"vismem-token@{SETUP}.service", "vismem-retry@x.service"]
+        units = [unit(name) for name in ALL] + [TARGET, f"vismem-token@{SETUP}.service", "vismem-retry@x.service",
+                                               "vismem-gateway.target", "vismem-gateway@viewer.service"]
         said = self.container.run("systemd-analyze", "verify", "--man=no", *units).stdout
         self.assertFalse([line for line in said.splitlines() if "vismem" in line], said)
-        for name in ALL:
-            answer = self.container.run("systemd-analyze", "security", "--no-pager", unit(name), check=False).stdout
+        limits = {unit(name): EXPOSURE for name in ALL}
+        limits |= {"vismem-gateway_access.service": EXPOSURE, "vismem-gateway@operator.service": GATEWAY_EXPOSURE}
+        for name, limit in limits.items():
+            answer = self.container.run("systemd-analyze", "security", "--no-pager", name, check=False).stdout
             exposure = float(answer.strip().splitlines()[-1].split(":")[1].split()[0])
-            self.report(f"exposure of {name}: {exposure} (limit {EXPOSURE})")
-            self.assertLessEqual(exposure, EXPOSURE, answer)
+            self.report(f"exposure of {name}: {exposure} (limit {limit})")
+            self.assertLessEqual(exposure, limit, answer)
 
     def test_11_a_wrong_configuration_is_tried_once(self):
         name = "localization"
@@ -327,7 +331,30 @@ class Deployment(unittest.TestCase):
         states = {name: self.container.property(f"vismem-{name}@{own}.service", "ActiveState") for name in PORTS}
         self.assertEqual(states, dict.fromkeys(PORTS, "active"))
 
-    def test_17_leaves_no_file(self):
+    def test_17_people_come_in_through_the_gateway(self):
+        gateway = "/etc/vismem/gateway"
+        self.container.systemctl("start", "vismem-gateway.target")
+        self.assertEqual(self.container.property("vismem-gateway@operator.service", "ActiveState"), "inactive",
+                         "without users and a certificate nothing starts")
+        for role, user in (("operator", "ana"), ("viewer", "vera")):
+            self.container.run("sh", "-c", f"echo 'open sesame' | vismem gateway_user {role} add {user}")
+        self.container.run("vismem", "certificates", "--group", "vismem-gateway", "/root/pki", "make", "gateway", "gateway",
+                           "127.0.0.1")
+        self.container.run("cp", "-a", "/root/pki/ca.pem", "/root/pki/gateway.pem", gateway)
+        self.container.run("sed", "-i", "s/-p 9990/-p 9999/; s/-p 9977/-p 9999/", gateway + "/gateway_access.cfg")
+        begin = time.monotonic()
+        self.container.systemctl("restart", "vismem-gateway.target")
+        routers = ("operator", "viewer")
+        self.wait_for(lambda: all(self.container.property(f"vismem-gateway@{role}.service", "ActiveState") == "active"
+                                  for role in routers), 10, "both routers run")
+        self.report(f"the gateway serves {time.monotonic() - begin:.1f} s after its start")
+        for role, user in (("operator", "ana"), ("viewer", "vera")):
+            said = self.container.run("/usr/bin/python3", os.path.join(HERE, "log_in.py"), role, user, "open sesame",
+                                      self.container.root + gateway, only_network=True).stdout.split()
+            self.assertEqual(said, ["read", "drove"] if role == "operator" else ["read", "refused"], said)
+        self.container.run("rm", "-r", "/root/pki")
+
+    def test_18_leaves_no_file(self):
         names = self.container.run("dpkg-query", "--show", "--showformat=${Package} ", "vismem-*").stdout.split()
         self.container.run("dpkg", "--purge", *names)
         self.assertEqual(self.files() - self.before, set())
@@ -345,7 +372,7 @@ class Sources(unittest.TestCase):
 
 
 class Headers(unittest.TestCase):
-    def test_the_headers_of_the_ports_compile(self):
+    def test_the_headers_for_drivers_compile(self):
         with tempfile.TemporaryDirectory() as folder:
             dev, = glob.glob(os.path.join(os.environ["VISMEM_DEPLOY"], "packages/vismem-dev_*.deb"))
             subprocess.run(["dpkg-deb", "-x", dev, folder], check=True)
@@ -353,8 +380,9 @@ class Headers(unittest.TestCase):
             headers = [os.path.relpath(path, root) for path in glob.glob(root + "/**/*.h", recursive=True)]
             self.assertIn("common/robot/control_ports.h", headers)
             source = "".join(f'#include "{header}"\n' for header in headers)
-            done = subprocess.run(["c++", "-std=c++20", "-Wall", "-Wextra", "-fsyntax-only", "-I", root, "-isystem",
-                                   "/usr/include/eigen3", "-isystem", "/usr/include/opencv4", "-x", "c++", "-"],
+            others = [word for name in ("eigen3", "opencv4", "libusb-1.0") for word in ("-isystem", "/usr/include/" + name)]
+            done = subprocess.run(["c++", "-std=c++20", "-Wall", "-Wextra", "-fsyntax-only", "-DICE_CPP11_MAPPING", "-I", root,
+                                   *others, "-x", "c++", "-"],
                                   input=source, text=True, stderr=subprocess.PIPE)
             self.assertEqual(done.stderr, "")
 

@@ -61,6 +61,52 @@ TEST(Perturbation, ChangesFocalLengthStampAndLight) {
   EXPECT_EQ(frame.image.at<cv::Vec3b>(10, 3), cv::Vec3b(100, 100, 100)) << "the source's pixels are shared";
 }
 
+TEST(Perturbation, ChangesTheColourOfTheLight) {
+  const Eigen::Vector3d warm = whiteBalanceFactors(3000.0);
+  // Planck at 3000 K over 6500 K: 0.01422, 0.0089, 0.003795; relative to green, encoded by 1/2.2.
+  EXPECT_NEAR(warm[0], std::pow(0.01422 / 0.0089, 1 / 2.2), 0.005);
+  EXPECT_DOUBLE_EQ(warm[1], 1.0);
+  EXPECT_NEAR(warm[2], std::pow(0.003795 / 0.0089, 1 / 2.2), 0.005);
+  EXPECT_TRUE(whiteBalanceFactors(6500.0).isApprox(Eigen::Vector3d::Ones()));
+  const Frame lit = perturbed(parsed("white=3000"), bar());
+  const cv::Vec3b pixel = lit.image.at<cv::Vec3b>(10, 3);
+  EXPECT_NEAR(pixel[0], 100 * warm[0], 0.51);
+  EXPECT_EQ(pixel[1], 100);
+  EXPECT_NEAR(pixel[2], 100 * warm[2], 0.51);
+}
+
+TEST(Perturbation, BendsTheEncodingAndDarkensTheCorners) {
+  const Frame bent = perturbed(parsed("gamma=1.4"), bar());
+  EXPECT_EQ(bent.image.at<cv::Vec3b>(10, 3)[0], std::lround(255 * std::pow(100 / 255.0, 1.4)));
+  const Frame dark = perturbed(parsed("vignette=0.5"), bar());
+  EXPECT_NEAR(dark.image.at<cv::Vec3b>(0, 0)[0], 50, 0.51);
+  EXPECT_NEAR(dark.image.at<cv::Vec3b>(10, 13)[0], 100, 1.0);
+}
+
+TEST(Perturbation, AddsTheSameNoiseToTheSameFrame) {
+  Frame frame = bar();
+  const cv::Mat noisy = perturbed(parsed("noise=10"), frame).image;
+  EXPECT_EQ(cv::norm(noisy, perturbed(parsed("noise=10"), frame).image, cv::NORM_INF), 0.0);
+  cv::Scalar mean;
+  cv::Scalar deviation;
+  cv::meanStdDev(noisy.colRange(0, 14), mean, deviation);
+  EXPECT_NEAR(mean[1], 100.0, 2.5);
+  EXPECT_NEAR(deviation[1], 10.0, 1.5);
+  frame.seq = 5;
+  EXPECT_GT(cv::norm(noisy, perturbed(parsed("noise=10"), frame).image, cv::NORM_INF), 5.0);
+}
+
+TEST(Perturbation, ScalesImageAndIntrinsicsAlike) {
+  const Frame frame = bar();
+  const Frame twice = perturbed(parsed("scale=2"), frame);
+  EXPECT_EQ(twice.image.size(), cv::Size(60, 40));
+  EXPECT_EQ(twice.intrinsics.width, 60);
+  EXPECT_EQ(twice.intrinsics.height, 40);
+  EXPECT_NEAR(twice.intrinsics.fx, 2.0 * frame.intrinsics.fx, 1e-9);
+  EXPECT_NEAR(twice.intrinsics.cx, 29.5, 1e-9);  // still the middle
+  EXPECT_GT(twice.image.at<cv::Vec3b>(10, 31)[0], 180) << "the bar lies between columns 30 and 31";
+}
+
 TEST(Perturbation, BlursAlongRows) {
   const Frame blurred = perturbed(parsed("blur=3"), bar());
   for (int column = 14; column <= 16; ++column) {

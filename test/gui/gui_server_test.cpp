@@ -37,10 +37,24 @@ TEST(WebSocketSource, IsThatOfTheFirstWebSocketEndpoint) {
 }
 
 TEST(FaceProxy, HasTheCategoryAndTheNameOfAFace) {
-  EXPECT_EQ(faceProxy("cameraA:ws -h 127.0.0.1 -p 11000", "robot.T"),
+  EXPECT_EQ(faceProxy("cameraA:ws -h 127.0.0.1 -p 11000", {}, "robot.T"),
             "robot.T/cameraA:ws -h 127.0.0.1 -p 11000");
-  EXPECT_EQ(faceProxy("simulator/component:ws -h a -p 1", "robot.T"),
+  EXPECT_EQ(faceProxy("simulator/component:ws -h a -p 1", {}, "robot.T"),
             "robot.T/simulator.component:ws -h a -p 1");
+  RobotKeys robot7;
+  robot7.name = "robot7";
+  EXPECT_EQ(faceProxy("robot7/cameraA:ws -h a -p 1", robot7, "robot7.T"), "robot7.T/cameraA:ws -h a -p 1");
+  EXPECT_EQ(faceProxy("robot7.component/simulator:ws -h a -p 1", robot7, "robot7.T"),
+            "robot7.T/simulator.component:ws -h a -p 1");
+}
+
+TEST(OwnProxy, HasTheRobotsNameOnce) {
+  RobotKeys robot7;
+  robot7.name = "robot7";
+  for (const char* proxy : {"cameraA:tcp -h a -p 1", "robot7/cameraA:tcp -h a -p 1"})
+    EXPECT_EQ(ownProxy(proxy, robot7), "robot7/cameraA:tcp -h a -p 1");
+  EXPECT_EQ(ownProxy("simulator/component:tcp -p 1", robot7), "robot7.component/simulator:tcp -p 1");
+  EXPECT_EQ(ownProxy("simulator/component:tcp -p 1", {}), "simulator/component:tcp -p 1");
 }
 
 TEST(Policy, AllowsOwnFilesAndTheNamedSocketsOnly) {

@@ -4,6 +4,7 @@ import {join} from "node:path";
 import {drive, gaze, pose} from "./parts/actions.mjs";
 import {blindness, odometryLost, wrongMap} from "./parts/causes.mjs";
 import {crowd} from "./parts/crowd.mjs";
+import {gateway} from "./parts/gateway.mjs";
 import {recording, replay} from "./parts/recording.mjs";
 import {foreign, loss, viewer} from "./parts/safety.mjs";
 import {bundle, keyboard, looks, panes, rates, tablet, timeTravel} from "./parts/views.mjs";
@@ -11,7 +12,7 @@ import {browser, pictures} from "./support/page.mjs";
 import {Robot} from "./support/robot.mjs";
 
 const shared = {looks, panes, tablet, rates, gaze, drive, pose, timeTravel, keyboard, bundle, foreign, blindness, crowd, loss};
-const own = {viewer, wrongMap, odometryLost, recording, replay};
+const own = {viewer, gateway, wrongMap, odometryLost, recording, replay};
 const wanted = process.argv.slice(2), chosen = name => wanted.length === 0 || wanted.includes(name);
 let failed = 0;
 

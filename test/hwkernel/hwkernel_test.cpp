@@ -53,21 +53,25 @@ class HwKernel : public testing::Test {
     guest->writeFile("picture.jpg", {jpeg.begin(), jpeg.end()});
     const std::string camera = " --CameraServer.Camera.";
     server("camera_server", kCameras,
-           "--CameraServer.Endpoints='tcp -h 0.0.0.0 -p 9999'" + camera + "vivid.Driver=v4l2" + camera +
-               "vivid.Device=/dev/video0" + camera + "vivid.Width_px=640" + camera + "vivid.Height_px=480" +
-               camera + "vivid.Rate_hz=10" + camera + "vivid.Control.brightness=100" + camera +
-               "usb.Driver=v4l2" + camera + "usb.Device=/dev/video1" + camera + "usb.Format=MJPEG" + camera +
-               "raw.Driver=v4l2" + camera + "raw.Device=/dev/video5");
+           "--CameraServer.PlainRemote=yes --CameraServer.Endpoints='tcp -h 0.0.0.0 -p 9999'" + camera +
+               "vivid.Driver=v4l2" + camera + "vivid.Device=/dev/video0" + camera + "vivid.Width_px=640" +
+               camera + "vivid.Height_px=480" + camera + "vivid.Rate_hz=10" + camera +
+               "vivid.Control.brightness=100" + camera + "usb.Driver=v4l2" + camera +
+               "usb.Device=/dev/video1" + camera + "usb.Format=MJPEG" + camera + "raw.Driver=v4l2" + camera +
+               "raw.Device=/dev/video5");
     plugMaestro();
     plugCamera();
     plugSerial();
     server("pantilt_server", kMaestro,
-           "--PanTiltServer.Endpoints='tcp -h 0.0.0.0 -p 9977' --PanTiltServer.Driver=maestro");
+           "--PanTiltServer.PlainRemote=yes --PanTiltServer.Endpoints='tcp -h 0.0.0.0 -p 9977' "
+           "--PanTiltServer.Driver=maestro");
     server("pantilt_server", kTurning,
-           "--PanTiltServer.Endpoints='tcp -h 0.0.0.0 -p 9978' --PanTiltServer.Driver=uvc "
+           "--PanTiltServer.PlainRemote=yes --PanTiltServer.Endpoints='tcp -h 0.0.0.0 -p 9978' "
+           "--PanTiltServer.Driver=uvc "
            "--PanTiltServer.Device=/dev/video1");
     server("base_server", kBase,
-           "--BaseServer.Endpoints='tcp -h 0.0.0.0 -p 9990' --BaseServer.Driver=pioneer "
+           "--BaseServer.PlainRemote=yes --BaseServer.Endpoints='tcp -h 0.0.0.0 -p 9990' "
+           "--BaseServer.Driver=pioneer "
            "--BaseServer.Port=/dev/ttyACM0 "
            "--BaseServer.Watchdog_s=2");
   }
@@ -222,7 +226,8 @@ TEST_F(HwKernel, AnOrbitFindsItsZeroAndCounts) {
   device("orbit", "orbit 2 /mnt/orbit /mnt/picture.jpg");
   inside("for i in $(seq 100); do [ -c /dev/video3 ] && exit 0; sleep 0.1; done; ls /dev; exit 1");
   server("pantilt_server", kOrbit,
-         "--PanTiltServer.Endpoints='tcp -h 0.0.0.0 -p 9979' --PanTiltServer.Driver=uvc "
+         "--PanTiltServer.PlainRemote=yes --PanTiltServer.Endpoints='tcp -h 0.0.0.0 -p 9979' "
+         "--PanTiltServer.Driver=uvc "
          "--PanTiltServer.ResetTakes_s=1 "
          "--PanTiltServer.Device=/dev/video3");
   ASSERT_TRUE(turn(kOrbit, 20.0, 10.0));

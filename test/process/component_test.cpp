@@ -70,7 +70,7 @@ TEST_F(ComponentTest, SaysReadyWithItsRealPortAndEndsCleanlyOnSignals) {
 }
 
 TEST_F(ComponentTest, SaysLoudlyThatOtherMachinesReachIt) {
-  const auto open = probe({"--Probe.Endpoints=tcp -h 0.0.0.0 -p 0"});
+  const auto open = probe({"--Probe.Endpoints=tcp -h 0.0.0.0 -p 0", "--Probe.PlainRemote=yes"});
   ASSERT_GT(open->port(), 0) << open->error();
   const auto status = statusAt(open->port());
   ASSERT_EQ(status.errors.size(), 1U);
@@ -219,6 +219,14 @@ TEST_F(ComponentTest, ReportsVersionAndKeys) {
   EXPECT_EQ(help->waitForExit(kPatience), 0);
   EXPECT_THAT(help->out(), HasSubstr("usage: probe_component [--Ice.Config=FILE | FILE] [--Key=Value ...]"));
   EXPECT_THAT(help->out(), HasSubstr("\n  Probe.Size = 8\n"));
+}
+
+TEST_F(ComponentTest, ListsItsOwnKeysOneALine) {
+  const auto list = probe({"--list-keys"});
+  EXPECT_EQ(list->waitForExit(kPatience), 0);
+  EXPECT_THAT(list->out(), HasSubstr("Probe.LogLevel\tbasic\tinfo\tone of: debug, info, warning, error\t"));
+  EXPECT_THAT(list->out(), HasSubstr("\nProbe.Size\texpert\t8\t")) << "not described: for experts";
+  EXPECT_EQ(list->out().find("Robot."), std::string::npos) << "keys of all components";
 }
 
 TEST_F(ComponentTest, ServesStatusAndEffectiveConfiguration) {

@@ -200,6 +200,18 @@ TEST(RobotIdentity, WithANameBelongsToThatRobot) {
   EXPECT_TRUE(keys.servesWeb());
   EXPECT_EQ(faceName("Motors"), "Motors");
   EXPECT_EQ(faceName("localization/component"), "localization.component");
+  EXPECT_EQ(faceName("cameraA/depth"), "cameraA.depth");
+  EXPECT_EQ(ownIdentity(keys, "cameraA/depth"), "robot7/cameraA.depth") << "a name has no slash";
+}
+
+TEST(RobotIdentity, IsTakenOffAgain) {
+  const RobotKeys keys = read("Robot.Name = robot7\n");
+  for (const char* identity : {"Motors", "localization/component"})
+    EXPECT_EQ(withoutRobot(keys, ownIdentity(keys, identity)), identity);
+  EXPECT_EQ(withoutRobot(keys, "robot8/Motors"), "robot8/Motors");
+  EXPECT_EQ(withoutRobot(read(""), "localization/component"), "localization/component");
+  EXPECT_EQ(componentOfStatus("localization/component"), "localization");
+  EXPECT_EQ(componentOfStatus("robot7.component/localization"), "localization");
 }
 
 TEST(RobotIdentity, WrongKeysAreReported) {

@@ -153,6 +153,34 @@ TEST_F(LeaseOverIce, AnyoneStopsTheBaseAndNobodyMovesItForAWhile) {
   EXPECT_NO_THROW(base_two_->acquire("other", 0, 1.0));
 }
 
+// What a router of Glacier2 adds to a call with Glacier2.AddConnectionContext.
+Ice::Context behindGateway(const std::string& port) {
+  return {{"_con.remoteAddress", "10.77.0.9"}, {"_con.remotePort", port}};
+}
+
+TEST_F(LeaseOverIce, EndsWithTheSessionOfItsGateway) {
+  const auto ana = behindGateway("51234");
+  const auto lease = base_one_->acquire("ana", 10, 60.0, ana);
+  base_one_->setVelocity(0.3, 0.0, {{"lease", lease.id}});
+  EXPECT_TRUE(base_two_->endSession("10.77.0.9:51235").adjusted) << "another session";
+  EXPECT_EQ(base_two_->holder().client, "ana");
+  EXPECT_FALSE(base_two_->endSession("10.77.0.9:51234").adjusted);
+  EXPECT_FALSE(base_two_->holder().held);
+  EXPECT_EQ(base_two_->getV(), 0.0F) << "what was commanded by speed stops";
+}
+
+TEST_F(LeaseOverIce, ClientsOfOneGatewayAreDistinguished) {
+  // One connection, that of the router, carries the commands of both.
+  const auto command = [&](const Ice::Context& context) { return base_one_->setV(0.1F, context); };
+  EXPECT_TRUE(eventually([&] {
+    return command(behindGateway("1")) == 0 && command(behindGateway("2")) == -1 && command({}) == -1;
+  }));
+  EXPECT_TRUE(eventually([&] {
+    command(behindGateway("1"));
+    return base_two_->holder().client == "10.77.0.9:1";
+  }));
+}
+
 TEST_F(LeaseOverIce, WrongArgumentsAreNamed) {
   const auto reason = [&](const std::string& client, int priority, double timeout_s) -> std::string {
     try {

@@ -115,6 +115,16 @@ TEST_F(SetupSearch, ReadsTheConfigurationOfASetupThatWasNotStarted) {
   EXPECT_THAT(startedSetups(root_), IsEmpty());
 }
 
+TEST_F(SetupSearch, AsksARobotWithANameUnderItsName) {
+  write("cfg/sim/simulator.cfg", "Simulator.Endpoints = tcp -h 127.0.0.1 -p 9999\nRobot.Name = robot7\n");
+  EXPECT_EQ(statusProxyOf(rowsOfSetup(root_, root_ / "cfg", "sim", 0)[1]),
+            "robot7.component/simulator:tcp -h 127.0.0.1 -p 9999");
+  write("out/sim+5/pids", "123 simulator\n");
+  write("out/sim+5/simulator.out", "simulator ready: SimulatorAdapter=tcp -h 127.0.0.1 -p 2\n");
+  EXPECT_EQ(statusProxyOf(rowsOfSetup(root_, root_ / "cfg", "sim+5", 0)[0]),
+            "robot7.component/simulator:tcp -h 127.0.0.1 -p 2");
+}
+
 TEST_F(SetupSearch, ReadsWhereStartedComponentsReallyServe) {
   write("out/sim+5/pids", "123 simulator\n124 localization\n");
   write("out/sim+5/simulator.out",

@@ -50,10 +50,12 @@ class ActiveVisualMemory final : public Component {
       pan_tilt_ = std::make_unique<RemotePanTiltUnit>(Ice::uncheckedCast<avm::PanTiltPrx>(unit),
                                                       reportTo("PanTilt", unit, host));
     }
-    loop_ =
-        std::make_unique<PerceptionLoop>(PerceptionLoop::Params{config_.assembler, config_.pipeline,
-                                                                config_.every_frame, config_.images_lost_s},
-                                         palette_, *camera_, pan_tilt_.get(), *base_, gaze_, host.status());
+    calibrated_base_ = std::make_unique<CalibratedBase>(*base_, config_.wheels);
+    if (pan_tilt_) calibrated_pan_tilt_ = std::make_unique<CalibratedPanTilt>(*pan_tilt_, config_.joints);
+    loop_ = std::make_unique<PerceptionLoop>(
+        PerceptionLoop::Params{config_.assembler, config_.pipeline, config_.every_frame,
+                               config_.images_lost_s, config_.calibrated_tilt_rad},
+        palette_, *camera_, calibrated_pan_tilt_.get(), *calibrated_base_, gaze_, host.status());
 
     host.serve("VisualMemory", std::make_shared<VisualMemoryServant>(memory_, [this] {
                  loop_->reset();
@@ -93,15 +95,7 @@ class ActiveVisualMemory final : public Component {
     if (overlay_stamp_us_ && !time_went_back && now < *overlay_stamp_us_ + interval) return;
     overlay_stamp_us_ = now;
     Frame view = observation.frame;
-    view.image = drawAnalysis(view.image, *result.update.analysis, config_.overlay_scale);
-    const double scale = config_.overlay_scale;
-    CameraIntrinsics& k = view.intrinsics;
-    k.width = view.image.cols;
-    k.height = view.image.rows;
-    k.fx *= scale;
-    k.fy *= scale;
-    k.cx = (k.cx + 0.5) * scale - 0.5;
-    k.cy = (k.cy + 0.5) * scale - 0.5;
+    view.image = drawAnalysis(view.image, *result.update.analysis);
     overlay_.publish(std::move(view));
   }
 
@@ -115,6 +109,8 @@ class ActiveVisualMemory final : public Component {
   std::unique_ptr<RemoteFrameSource> camera_;
   std::unique_ptr<RemoteMobileBase> base_;
   std::unique_ptr<RemotePanTiltUnit> pan_tilt_;
+  std::unique_ptr<CalibratedBase> calibrated_base_;
+  std::unique_ptr<CalibratedPanTilt> calibrated_pan_tilt_;
   std::uint64_t published_ = 0;              ///< of the loop's thread
   std::optional<StampUs> overlay_stamp_us_;  ///< of the last one drawn; of the loop's thread
   std::unique_ptr<PerceptionLoop> loop_;     ///< last member: its threads use all of the above

@@ -7,6 +7,7 @@
 
 #include "active_visual_memory/core/memory_pipeline.h"
 #include "common/config/config_reader.h"
+#include "common/kinematics/calibrated_ports.h"
 #include "common/robot/observation.h"
 
 namespace vismem {
@@ -22,9 +23,12 @@ struct ActiveVisualMemoryConfig {
   double images_lost_s = 0.5;     ///< without a frame for this long the head holds still
   bool overlay = true;            ///< serve memoryView
   double overlay_rate_hz = 10.0;  ///< at most, of the images' own time
-  int overlay_scale = 1;
   ObservationAssembler::Params assembler;
   MemoryPipelineParams pipeline;
+  JointCorrection joints;        ///< keys that `calibrate body` writes
+  WheelCorrectionParams wheels;  ///< the same
+  /// Standard deviation of the calibrated camera tilt [rad]; 0: the mounting was not calibrated.
+  double calibrated_tilt_rad = 0.0;
 
   bool hasPanTilt() const { return !pan_tilt_proxy.empty(); }
 };

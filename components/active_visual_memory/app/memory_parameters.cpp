@@ -55,13 +55,13 @@ void listMemoryParameters(ParameterTable& table, const ActiveVisualMemoryConfig&
       [](MemoryPipeline& pipeline, double length_px) { pipeline.extractor().setMinimumLength(length_px); });
   if (!config.hasPanTilt()) return;
   const AttentionPool::Params& attention = config.pipeline.memory.attention;
-  lister.addRate(AttentionKind::kSegment, "Attention.SegmentRate", attention.segment_rate,
+  lister.addRate(AttentionKind::kSegment, "Attention.SegmentRate", attention.rates.segment,
                  "remembered segments");
-  lister.addRate(AttentionKind::kPrimitive, "Attention.PrimitiveRate", attention.primitive_rate,
+  lister.addRate(AttentionKind::kPrimitive, "Attention.PrimitiveRate", attention.rates.primitive,
                  "primitives");
-  lister.addRate(AttentionKind::kHypothesis, "Attention.HypothesisRate", attention.hypothesis_rate,
+  lister.addRate(AttentionKind::kHypothesis, "Attention.HypothesisRate", attention.rates.hypothesis,
                  "inferred corners");
-  lister.addRate(AttentionKind::kClient, "Attention.ClientRate", attention.client_rate,
+  lister.addRate(AttentionKind::kClient, "Attention.ClientRate", attention.rates.client,
                  "clients' requests, times their priority");
   lister.add({"Attention.ForcedSearch_s", "s", 0.1, kLongestSearch_s, false, attention.forced_search_s,
               "Time between forced searches, which grows with the number of objects"},

@@ -81,7 +81,8 @@ PerceptionLoop::PerceptionLoop(const Params& params, std::shared_ptr<const Palet
       base_(base),
       gaze_(gaze),
       status_(status),
-      pipeline_(params.pipeline, std::move(palette)) {}
+      pipeline_(params.pipeline, std::move(palette)),
+      knock_alarm_(params.calibrated_tilt_rad) {}
 
 void PerceptionLoop::startThread(std::function<void(const std::stop_token&)> work) {
   threads_.emplace_back([this, work = std::move(work)](const std::stop_token& stop) {
@@ -272,7 +273,9 @@ void PerceptionLoop::checkClocks(const Inbox& inbox, Clocks& clocks) {
 }
 
 void PerceptionLoop::reportCameraTilt(const AttentiveVisualMemory& memory) {
-  if (!params_.pipeline.memory.memory.align || !params_.pipeline.memory.memory.tilt_prior.enabled()) return;
+  if (!params_.pipeline.memory.memory.estimation.enabled ||
+      !params_.pipeline.memory.memory.estimation.tilt_prior.enabled())
+    return;
   constexpr const char* kNames[] = {"mount roll error", "mount pitch error", "camera pitch error",
                                     "camera roll error"};
   const CameraTilt camera_tilt = memory.cameraTilt();
@@ -280,6 +283,9 @@ void PerceptionLoop::reportCameraTilt(const AttentiveVisualMemory& memory) {
   for (int i = 0; i < 4; ++i) {
     status_.gauge({kNames[i], radToDeg(camera_tilt[i]), radToDeg(std::sqrt(P(i, i))), "deg"});
   }
+  const CameraKnock knock = knockOf(camera_tilt, P);
+  status_.gauge({"camera knock", radToDeg(knock.angle_rad), radToDeg(knock.sigma_rad), "deg"});
+  if (const std::string message = knock_alarm_.update(knock); !message.empty()) status_.note(message);
 }
 
 bool PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline& pipeline) {

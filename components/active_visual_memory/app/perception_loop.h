@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "active_visual_memory/core/ground/camera_knock.h"
 #include "active_visual_memory/core/memory_pipeline.h"
 #include "common/process/status.h"
 #include "common/robot/clock_watch.h"
@@ -51,6 +52,8 @@ class PerceptionLoop {
     MemoryPipelineParams pipeline;
     bool every_frame = false;
     double images_lost_s = 0.5;
+    double calibrated_tilt_rad =
+        0.0;  ///< standard deviation of the calibrated camera tilt; 0: not calibrated
   };
 
   /// Result of one observation. Called by the owner thread; must not block.
@@ -99,7 +102,8 @@ class PerceptionLoop {
   Inbox takeInbox(const std::stop_token& stop);
   /// @return whether there was an observation.
   bool processAll(ObservationAssembler& assembler, MemoryPipeline& pipeline);
-  /// Gauges of the camera tilt: mount roll, mount pitch, camera pitch, camera roll.
+  /// Gauges of the camera tilt: mount roll, mount pitch, camera pitch, camera roll, and their sum, with a
+  /// note when a calibrated camera was knocked.
   void reportCameraTilt(const AttentiveVisualMemory& memory);
   /// Reports that there is no usable image, once for each state and reason.
   void reportNoImages(const Inbox& inbox, bool frames_come, const ObservationAssembler& assembler);
@@ -130,6 +134,7 @@ class PerceptionLoop {
   std::optional<std::pair<SourceState, std::string>> blind_;  ///< what was reported; empty while images come
   std::string unusable_;  ///< why the last image could not be used; empty if it could
   std::uint32_t epoch_ = 0;
+  KnockAlarm knock_alarm_;
 
   std::vector<std::jthread> threads_;  ///< last member: ends before the rest goes
 };

@@ -9,18 +9,29 @@ namespace {
 
 SegmentMemory::Params memoryParams(const AttentiveVisualMemoryParams& params) {
   SegmentMemory::Params memory = params.memory;
-  memory.max_range_m = params.projector.max_range_m;
-  memory.corners.least_height_m = memory.parallax.least_height_m;
+  memory.gates.max_range_m = params.projector.max_range_m;
+  memory.confirmation.corners.least_height_m = memory.confirmation.parallax.least_height_m;
   return memory;
 }
 
 ShapeEdges::Params shapeParams(const AttentiveVisualMemoryParams& params) {
   ShapeEdges::Params shapes = params.shape_edges;
-  shapes.dominant_direction = params.memory.dominant_direction;
+  shapes.dominant_direction = params.memory.estimation.dominant_direction;
   return shapes;
 }
 
 }  // namespace
+
+void AttentiveVisualMemoryParams::visit(ParameterVisitor& v) {
+  v.group("FrameGate", gate);
+  v.group("Ground", projector);
+  v.group("Ground", edge_blur);
+  v.group("Memory", memory);
+  v.group("Primitives", primitives);
+  v.group("ShapeEdges", shape_edges);
+  v.group("Attention", attention);
+  v.group("Gaze", gaze);
+}
 
 AttentiveVisualMemoryParams AttentiveVisualMemoryParams::standard() {
   return {};

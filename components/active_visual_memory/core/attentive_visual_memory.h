@@ -15,6 +15,7 @@
 #include "active_visual_memory/core/markings/shape_edges.h"
 #include "active_visual_memory/core/memory/segment_memory.h"
 #include "active_visual_memory/core/primitives/primitive_tracker.h"
+#include "common/config/parameter_visitor.h"
 #include "common/profiling/stage_probe.h"
 #include "common/robot/rig.h"
 
@@ -31,6 +32,9 @@ struct AttentiveVisualMemoryParams {
   KidnapDetector::Params kidnap;
   AttentionPool::Params attention;
   GazeController::Params gaze;
+
+  /// Declares the keys of all parts but the mount.
+  void visit(ParameterVisitor& v);
 
   /// The chapter's behaviour: counters in ticks of 200 ms, newest orientation, every absence alike,
   /// no confirmation, proportional controllers, 3 s per object, scanning over the whole range.

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "common/config/parameter_visitor.h"
 #include "common/robot/observation.h"
 
 namespace vismem {
@@ -16,6 +17,12 @@ class FrameGate {
     double distance_m = 0.02;     ///< the robot moved further than this
     double angle_rad = 0.02;      ///< the camera turned further than this
     double max_interval_s = 0.2;  ///< or this much time passed
+
+    void visit(ParameterVisitor& v) {
+      v.flag(
+          expert("Enabled", "V6: analyse a frame only after motion of 2 cm or 1.1 degrees, or after 0.2 s"),
+          enabled);
+    }
   };
 
   explicit FrameGate(const Params& params) : params_(params) {}

@@ -8,8 +8,8 @@ namespace {
 
 /// With a palette an edge between two places of one colour is a shadow.
 AttentiveVisualMemoryParams forPalette(AttentiveVisualMemoryParams params, bool has_palette) {
-  const bool by_parallax = params.memory.confirm_by_parallax;
-  if (has_palette && by_parallax) params.memory.confirm_unlabelled = false;
+  const bool by_parallax = params.memory.confirmation.by_parallax;
+  if (has_palette && by_parallax) params.memory.confirmation.unlabelled = false;
   return params;
 }
 

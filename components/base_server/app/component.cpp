@@ -84,7 +84,8 @@ class BaseServer : public Component {
   std::shared_ptr<OdometryServant> odometry_;
 };
 
-std::unique_ptr<Component> configure(ConfigReader& reader) {
+std::unique_ptr<Component> configure(ConfigReader& reader,
+                                     const std::function<void(DriverRegistry<MobileBase>&)>& more) {
   ConfigReader config = reader.group("BaseServer");
   enum class Serves { kBoth, kMotors, kEncoders };
   const Serves serves =
@@ -92,6 +93,7 @@ std::unique_ptr<Component> configure(ConfigReader& reader) {
                     {{"both", Serves::kBoth}, {"motors", Serves::kMotors}, {"encoders", Serves::kEncoders}});
   DriverRegistry<MobileBase> drivers;
   registerBaseDrivers(drivers);
+  if (more) more(drivers);
   auto base = drivers.make(config);
   if (!config.good() || !base) return nullptr;
   return std::make_unique<BaseServer>(std::move(base),
@@ -100,7 +102,7 @@ std::unique_ptr<Component> configure(ConfigReader& reader) {
 
 }  // namespace
 
-ComponentSpec baseServerSpec() {
+ComponentSpec baseServerSpec(std::function<void(DriverRegistry<MobileBase>&)> more) {
   ComponentSpec spec;
   spec.name = "base_server";
   spec.prefix = "BaseServer";
@@ -108,7 +110,7 @@ ComponentSpec baseServerSpec() {
   // Both objects are served at every port; by convention each has one of its own.
   spec.default_endpoints = "tcp -h 127.0.0.1 -p 9990:tcp -h 127.0.0.1 -p 9997";
   spec.default_web_endpoints = "ws -h 127.0.0.1 -p 11001:ws -h 127.0.0.1 -p 11002";
-  spec.configure = configure;
+  spec.configure = [more = std::move(more)](ConfigReader& reader) { return configure(reader, more); };
   return spec;
 }
 

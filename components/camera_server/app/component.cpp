@@ -74,9 +74,11 @@ class CameraServer : public Component {
   std::vector<Stream> streams_;
 };
 
-std::unique_ptr<Component> configure(ConfigReader& reader) {
+std::unique_ptr<Component> configure(ConfigReader& reader,
+                                     const std::function<void(DriverRegistry<FrameSource>&)>& more) {
   DriverRegistry<FrameSource> drivers;
   registerCameraDrivers(drivers);
+  if (more) more(drivers);
   ConfigReader config = reader.group("CameraServer");
   auto cameras = readCameraServerConfig(config, drivers);
   if (!config.good()) return nullptr;
@@ -85,14 +87,14 @@ std::unique_ptr<Component> configure(ConfigReader& reader) {
 
 }  // namespace
 
-ComponentSpec cameraServerSpec() {
+ComponentSpec cameraServerSpec(std::function<void(DriverRegistry<FrameSource>&)> more) {
   ComponentSpec spec;
   spec.name = "camera_server";
   spec.prefix = "CameraServer";
   spec.summary = "Serves cameras.";
   spec.default_endpoints = "tcp -h 127.0.0.1 -p 9999";
   spec.default_web_endpoints = "ws -h 127.0.0.1 -p 11000";
-  spec.configure = configure;
+  spec.configure = [more = std::move(more)](ConfigReader& reader) { return configure(reader, more); };
   return spec;
 }
 

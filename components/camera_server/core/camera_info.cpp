@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <vector>
 
@@ -103,7 +104,35 @@ class CameraInfoReader {
   const std::string file_;
 };
 
+/// Shortest text that reads as the same number.
+std::string exact(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return {text, end};
+}
+
+std::string matrix(const std::string& name, int rows, int columns, const std::vector<double>& data) {
+  std::string list;
+  for (const double value : data) list += (list.empty() ? "" : ", ") + exact(value);
+  return name + ":\n  rows: " + std::to_string(rows) + "\n  cols: " + std::to_string(columns) +
+         "\n  data: [" + list + "]\n";
+}
+
 }  // namespace
+
+std::string writeCameraInfo(const CameraIntrinsics& k, const std::string& camera_name,
+                            const std::vector<std::string>& comments) {
+  std::string text;
+  for (const std::string& comment : comments) text += "# " + comment + "\n";
+  text += "image_width: " + std::to_string(k.width) + "\nimage_height: " + std::to_string(k.height) +
+          "\ncamera_name: " + camera_name + "\n";
+  text += matrix("camera_matrix", 3, 3, {k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1});
+  text += "distortion_model: plumb_bob\n";
+  text += matrix("distortion_coefficients", 1, 5, {k.k1, k.k2, k.p1, k.p2, k.k3});
+  text += matrix("rectification_matrix", 3, 3, {1, 0, 0, 0, 1, 0, 0, 0, 1});
+  text += matrix("projection_matrix", 3, 4, {k.fx, 0, k.cx, 0, 0, k.fy, k.cy, 0, 0, 0, 1, 0});
+  return text;
+}
 
 CameraIntrinsics parseCameraInfo(const std::string& text, const std::string& file) {
   const CameraInfoReader reader(file);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "common/geometry/camera.h"
 
@@ -12,5 +13,10 @@ namespace vismem {
 /// whose last three are 0, as OpenCV writes it for an ordinary lens.
 /// @param file for messages. @throw ConfigError "FILE:LINE: ...".
 CameraIntrinsics parseCameraInfo(const std::string& text, const std::string& file);
+
+/// The file of a camera by itself: plumb_bob, no rectification. parseCameraInfo reads the same lens from it.
+/// @param camera_name letters, digits, '_' and '-'. @param comments lines at the file's beginning.
+std::string writeCameraInfo(const CameraIntrinsics& lens, const std::string& camera_name,
+                            const std::vector<std::string>& comments = {});
 
 }  // namespace vismem

@@ -13,6 +13,7 @@
 #include "common/config/config_error.h"
 #include "common/config/nearest_name.h"
 #include "common/config/project_file.h"
+#include "common/config/text_fields.h"
 #include "common/geometry/angles.h"
 
 namespace vismem {
@@ -91,6 +92,8 @@ struct ConfigReader::State {
   std::map<std::string, std::string> old_names;
   /// Keys without effect, with what became of them.
   std::map<std::string, std::string> retired;
+  std::map<std::string, Key> described;
+  std::map<std::string, std::string> ranges;
 
   bool isKnown(const std::string& key) const {
     return defaults.contains(key) || retired.contains(key) ||
@@ -100,7 +103,8 @@ struct ConfigReader::State {
 };
 
 ConfigReader::ConfigReader(const Properties& properties, std::string prefix)
-    : state_(std::make_shared<State>(State{properties, {}, {}, {}, {}, {}})), prefix_(std::move(prefix)) {}
+    : state_(std::make_shared<State>(State{properties, {}, {}, {}, {}, {}, {}, {}})),
+      prefix_(std::move(prefix)) {}
 
 ConfigReader::ConfigReader(std::shared_ptr<State> state, std::string prefix)
     : state_(std::move(state)), prefix_(std::move(prefix)) {}
@@ -128,8 +132,10 @@ std::vector<std::string> ConfigReader::children(std::string_view name) const {
   return {names.begin(), names.end()};
 }
 
-const Properties::Entry* ConfigReader::entry(std::string_view name, const std::string& fallback) {
+const Properties::Entry* ConfigReader::entry(std::string_view name, const std::string& fallback,
+                                             const std::string& range) {
   state_->defaults.try_emplace(key(name), fallback);
+  state_->ranges.try_emplace(key(name), range);
   return find(key(name));
 }
 
@@ -157,8 +163,9 @@ void ConfigReader::alias(std::string_view old_name, std::string_view new_name) {
   }
 }
 
-void ConfigReader::retired(std::string_view name, std::string_view why) {
-  state_->retired.insert_or_assign(key(name), std::string(why));
+void ConfigReader::retired(std::string_view names, std::string_view why) {
+  for (const std::string_view name : words(names))
+    state_->retired.insert_or_assign(key(name), std::string(why));
 }
 
 std::vector<Problem> ConfigReader::renamedKeys() const {
@@ -166,8 +173,8 @@ std::vector<Problem> ConfigReader::renamedKeys() const {
   for (const auto& [name, why] : state_->retired) {
     const auto* set = state_->properties.find(name);
     if (!set) continue;
-    lines.push_back({set->origin, "key \"" + name + "\" has no effect any more: " + why + " (it ends with release " +
-                                      std::string(kAliasesEnd) + ")"});
+    lines.push_back({set->origin, "key \"" + name + "\" has no effect any more: " + why +
+                                      " (it ends with release " + std::string(kAliasesEnd) + ")"});
   }
   for (const auto& [new_key, old_key] : state_->old_names) {
     const auto* old = state_->properties.find(old_key);
@@ -192,9 +199,9 @@ void ConfigReader::missing(std::string_view name, std::string_view expected) {
 
 std::optional<double> ConfigReader::number(std::string_view name, const std::string& fallback, double minimum,
                                            double maximum) {
-  const auto* set = entry(name, fallback);
-  if (set == nullptr) return std::nullopt;
   const auto range = rangeText(minimum, maximum);
+  const auto* set = entry(name, fallback, range);
+  if (set == nullptr) return std::nullopt;
   const auto value = parseNumber<double>(set->value);
   if (!value) {
     reject(name, *set, typeRule("a number", range));
@@ -225,9 +232,10 @@ std::vector<double> ConfigReader::reals(std::string_view name, std::vector<doubl
                                         double maximum) {
   std::vector<std::string> fallback_texts;
   for (const double value : fallback) fallback_texts.push_back(numberText(value));
-  const auto* set = entry(name, joined(fallback_texts, " "));
+  const std::string range = rangeText(minimum, maximum);
+  const auto* set = entry(name, joined(fallback_texts, " "), range);
   if (set == nullptr) return fallback;
-  const auto rule = typeRule(std::to_string(fallback.size()) + " numbers", rangeText(minimum, maximum));
+  const auto rule = typeRule(std::to_string(fallback.size()) + " numbers", range);
   std::vector<double> values;
   for (const auto& word : wordsOf(set->value)) {
     const auto value = parseNumber<double>(word);
@@ -244,9 +252,9 @@ std::vector<double> ConfigReader::reals(std::string_view name, std::vector<doubl
 
 long ConfigReader::integer(std::string_view name, long fallback, long minimum, long maximum) {
   assert(minimum <= fallback && fallback <= maximum);
-  const auto* set = entry(name, numberText(fallback));
-  if (set == nullptr) return fallback;
   const auto range = numberText(minimum) + ".." + numberText(maximum);
+  const auto* set = entry(name, numberText(fallback), range);
+  if (set == nullptr) return fallback;
   const auto value = parseNumber<long>(set->value);
   if (value && *value >= minimum && *value <= maximum) return *value;
   reject(name, *set, value ? "must be " + range : typeRule("a whole number", range));
@@ -254,7 +262,7 @@ long ConfigReader::integer(std::string_view name, long fallback, long minimum, l
 }
 
 bool ConfigReader::boolean(std::string_view name, bool fallback) {
-  const auto* set = entry(name, fallback ? "true" : "false");
+  const auto* set = entry(name, fallback ? "true" : "false", "true or false");
   if (set == nullptr) return fallback;
   for (const char* word : {"true", "yes", "on", "1"}) {
     if (set->value == word) return true;
@@ -283,11 +291,12 @@ std::string ConfigReader::requiredText(std::string_view name, std::string_view e
 
 std::optional<std::size_t> ConfigReader::choiceIndex(std::string_view name, const std::string& fallback,
                                                      const std::vector<std::string>& words) {
-  const auto* set = entry(name, fallback);
+  const std::string rule = "one of: " + joined(words, ", ");
+  const auto* set = entry(name, fallback, rule);
   if (set == nullptr) return std::nullopt;
   const auto word = std::find(words.begin(), words.end(), set->value);
   if (word != words.end()) return static_cast<std::size_t>(word - words.begin());
-  reject(name, *set, "must be one of: " + joined(words, ", "));
+  reject(name, *set, "must be " + rule);
   return std::nullopt;
 }
 
@@ -371,6 +380,25 @@ void ConfigReader::problem(std::string_view name, std::string_view rule) {
 
 bool ConfigReader::good() const {
   return state_->problems.empty() && state_->properties.problems().empty();
+}
+
+ConfigReader& ConfigReader::describe(const Key& described) {
+  state_->described.try_emplace(key(described.name), described);
+  return *this;
+}
+
+std::vector<KeyDescription> ConfigReader::keys() const {
+  std::vector<KeyDescription> keys;
+  for (const auto& [name, fallback] : state_->defaults) {
+    KeyDescription one{name, fallback, state_->ranges[name], "", false};
+    const auto found = state_->described.find(name);
+    if (found != state_->described.end()) {
+      one.meaning = found->second.meaning;
+      one.is_basic = found->second.is_basic;
+    }
+    keys.push_back(std::move(one));
+  }
+  return keys;
 }
 
 void ConfigReader::known(std::string_view name) {

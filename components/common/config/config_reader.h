@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/config/parameter_visitor.h"
 #include "common/config/properties.h"
 
 namespace vismem {
@@ -24,6 +25,15 @@ struct Setting {
   std::string value;
   /// File and line that set it; empty for a default.
   std::string origin;
+};
+
+/// A key that a program reads.
+struct KeyDescription {
+  std::string key;
+  std::string fallback;  ///< the default as text
+  std::string range;     ///< "1..64", "one of: default, chapter"; empty: any text
+  std::string meaning;   ///< empty: not described
+  bool is_basic = false;
 };
 
 /// Reads typed values and collects what is wrong instead of stopping at the first. A bad value is
@@ -106,11 +116,17 @@ class ConfigReader {
   /// Accepts a renamed key under its old name too, until release kAliasesEnd. To be called before the new
   /// name is read. Both names set is a problem; the old one alone is listed in renamedKeys().
   void alias(std::string_view old_name, std::string_view new_name);
-  /// Accepts a key without effect until release kAliasesEnd; set, it is listed in renamedKeys().
-  /// @param why  what became of it: "the order is always right".
-  void retired(std::string_view name, std::string_view why);
+  /// Accepts keys without effect until release kAliasesEnd; one that is set is listed in renamedKeys().
+  /// @param names  separated by blanks.
+  /// @param why    what became of them: "the order is always right".
+  void retired(std::string_view names, std::string_view why);
   /// One line for each key that is set under an old name, "KEY is now called NEW (...)", or has no effect.
   std::vector<Problem> renamedKeys() const;
+
+  /// Says what a key is for; to be called before it is read. @return this reader.
+  ConfigReader& describe(const Key& key);
+  /// Every key read so far, sorted, with what it is for.
+  std::vector<KeyDescription> keys() const;
 
   /// Marks keys as known that other code reads: a name, or all names under it with ".*" at its end.
   void known(std::string_view name);
@@ -134,7 +150,8 @@ class ConfigReader {
   std::string written(const std::string& whole) const;
   /// Registers the key as known with its default.
   /// @return nullptr if it is not set.
-  const Properties::Entry* entry(std::string_view name, const std::string& fallback);
+  const Properties::Entry* entry(std::string_view name, const std::string& fallback,
+                                 const std::string& range = "");
   void reject(std::string_view name, const Properties::Entry& entry, std::string_view rule);
   void missing(std::string_view name, std::string_view expected);
   std::optional<std::size_t> choiceIndex(std::string_view name, const std::string& fallback,
@@ -147,7 +164,7 @@ class ConfigReader {
 
 /// Problems of keys Ice.* that Ice 3.7 does not have, and of values that Ice would silently misread.
 std::vector<Problem> checkIceKeys(const Properties& properties);
-/// The same for the keys ADAPTER.* of an object adapter whose endpoints are set in code.
+/// The same for the keys ADAPTER.* of an object adapter.
 std::vector<Problem> checkAdapterKeys(const Properties& properties, const std::string& adapter);
 
 /// As checkIceKeys, and keys without a known prefix; "Ice" and its services are always known.

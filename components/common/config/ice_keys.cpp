@@ -157,8 +157,6 @@ std::vector<Problem> checkIceKeys(const Properties& properties) {
 std::vector<Problem> checkAdapterKeys(const Properties& properties, const std::string& adapter) {
   std::set<std::string> keys;
   addAdapterKeys(keys, adapter + ".");
-  // Its endpoints have a key of the component.
-  keys.erase(adapter + ".Endpoints");
   std::vector<Problem> problems;
   for (const auto& [key, entry] : properties.entries()) {
     if (!key.starts_with(adapter + ".")) continue;

@@ -15,6 +15,10 @@ CommandLine parseCommandLine(const std::vector<std::string>& arguments,
       result.action = CommandLine::Action::kHelp;
       return result;
     }
+    if (argument == "--list-keys") {
+      result.action = CommandLine::Action::kListKeys;
+      return result;
+    }
     if (argument == "--version") {
       result.action = CommandLine::Action::kVersion;
       return result;

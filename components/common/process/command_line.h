@@ -9,14 +9,14 @@
 namespace vismem {
 
 struct CommandLine {
-  enum class Action { kRun, kHelp, kVersion };
+  enum class Action { kRun, kHelp, kListKeys, kVersion };
 
   Action action = Action::kRun;
   /// The keys of the file, overridden by those of the command line, and all problems of both.
   Properties properties;
 };
 
-/// [FILE | --Ice.Config=FILE] [--Key=Value ...] | --help | --version.
+/// [FILE | --Ice.Config=FILE] [--Key=Value ...] | --help | --list-keys | --version.
 /// @param arguments           without the program's name.
 /// @param environment_config  value of ICE_CONFIG: the file if the arguments name none; may be empty.
 CommandLine parseCommandLine(const std::vector<std::string>& arguments,

@@ -15,6 +15,7 @@
 
 #include "common/config/config_error.h"
 #include "common/process/allocation_limit.h"
+#include "common/process/certificate.h"
 #include "common/process/command_line.h"
 #include "common/process/component_servant.h"
 #include "common/process/cpu_meter.h"
@@ -23,6 +24,7 @@
 #include "common/process/log.h"
 #include "common/process/parameter_table.h"
 #include "common/process/ready_line.h"
+#include "common/process/registration.h"
 #include "common/process/robot_identity.h"
 #include "common/process/service_manager.h"
 #include "common/process/status.h"
@@ -151,21 +153,46 @@ std::string webAdapterName(const ComponentSpec& spec) {
   return spec.prefix + "WebAdapter";
 }
 
+/// Endpoints of an adapter and the key that sets them.
+struct EndpointsKey {
+  std::string key;
+  std::string value;
+};
+
 struct ProcessKeys {
   RobotKeys robot;
-  std::string endpoints;
-  std::string web_endpoints;
+  EndpointsKey endpoints;
+  EndpointsKey web_endpoints;
+  /// Whether other machines may reach endpoints without TLS.
+  bool plain_remote = false;
   LogLevel log_level = LogLevel::kInfo;
   bool end_with_parent = false;
 };
 
+/// PREFIX.NAME, or ADAPTER.Endpoints, which is what an IceGrid node sets.
+EndpointsKey readEndpoints(ConfigReader& root, const std::string& key, const std::string& adapter,
+                           const std::string& fallback) {
+  const std::string of_adapter = adapter + ".Endpoints";
+  if (!root.isSet(of_adapter)) return {key, root.text(key, fallback)};
+  root.known(key);
+  if (root.isSet(key)) root.problem(of_adapter, "is the same as " + key + ", which is set too: keep one");
+  return {of_adapter, root.text(of_adapter, fallback)};
+}
+
 ProcessKeys readProcessKeys(ConfigReader& root, const ComponentSpec& spec) {
   auto config = root.group(spec.prefix);
+  config.describe(basic("Endpoints", "where it serves"));
+  config.describe(basic("WebEndpoints", "where it serves web pages; opens only with a token"));
+  config.describe(basic("LogLevel", "messages below it are not logged"));
+  config.describe(expert("PlainRemote", "other machines may reach endpoints without TLS"));
+  config.describe(expert("EndWithParent", "ends when the process that started it ends"));
   ProcessKeys keys;
-  keys.endpoints = config.text("Endpoints", spec.default_endpoints);
-  if (keys.endpoints.empty())
-    config.problem("Endpoints", "must be endpoints such as tcp -h 127.0.0.1 -p 9999");
-  keys.web_endpoints = config.text("WebEndpoints", spec.default_web_endpoints);
+  keys.endpoints = readEndpoints(root, spec.prefix + ".Endpoints", adapterName(spec), spec.default_endpoints);
+  if (keys.endpoints.value.empty())
+    root.problem(keys.endpoints.key, "must be endpoints such as tcp -h 127.0.0.1 -p 9999");
+  keys.web_endpoints =
+      readEndpoints(root, spec.prefix + ".WebEndpoints", webAdapterName(spec), spec.default_web_endpoints);
+  keys.plain_remote = config.boolean("PlainRemote", false);
   keys.robot = readRobotKeys(root);
   keys.log_level = config.choice("LogLevel", LogLevel::kInfo,
                                  {{"debug", LogLevel::kDebug},
@@ -225,10 +252,15 @@ Configured configure(const ComponentSpec& spec, const Properties& properties, Co
         Ice::CommunicatorHolder(makeCommunicator(takes_keys ? properties : Properties{}, log));
     add(checkProxies(config, properties, *configured.communicator.communicator()));
     auto& communicator = *configured.communicator.communicator();
-    add(checkEndpoints(spec.prefix + ".Endpoints", keys.endpoints, Transport::kNotWeb, properties,
-                       communicator));
-    add(checkEndpoints(spec.prefix + ".WebEndpoints", keys.web_endpoints, Transport::kWebOnly, properties,
-                       communicator));
+    const auto check = [&](const EndpointsKey& endpoints, Transport transport) {
+      const auto wrong = checkEndpoints(endpoints.key, endpoints.value, transport, properties, communicator);
+      add(wrong);
+      if (wrong.empty() && !keys.plain_remote)
+        add(checkRemoteEndpoints(endpoints.key, endpoints.value, transport, spec.prefix + ".PlainRemote",
+                                 properties, communicator));
+    };
+    check(keys.endpoints, Transport::kNotWeb);
+    check(keys.web_endpoints, Transport::kWebOnly);
   });
   concealSecrets(problems, properties);
   auto lines = problemLines(std::move(problems));
@@ -263,18 +295,35 @@ std::string configurationText(const std::vector<Setting>& settings) {
   return text;
 }
 
-void printHelp(const ComponentSpec& spec) {
-  const Properties none;
-  ConfigReader config(none);
+/// Declares every key to a reader of an empty configuration.
+void declareKeys(ConfigReader& config, const ComponentSpec& spec) {
   readProcessKeys(config, spec);
   try {
     spec.configure(config);
   } catch (const ConfigError&) {
     // A listing ignores missing required keys.
   }
+}
+
+/// The component's own keys, one a line: key, level, default, range, meaning, separated by tabs.
+void printKeys(const ComponentSpec& spec) {
+  const Properties none;
+  ConfigReader config(none);
+  declareKeys(config, spec);
+  for (const KeyDescription& one : config.keys()) {
+    if (!one.key.starts_with(spec.prefix + ".")) continue;
+    std::cout << one.key << "\t" << (one.is_basic ? "basic" : "expert") << "\t" << one.fallback << "\t"
+              << one.range << "\t" << one.meaning << "\n";
+  }
+}
+
+void printHelp(const ComponentSpec& spec) {
+  const Properties none;
+  ConfigReader config(none);
+  declareKeys(config, spec);
   std::cout << spec.name << ": " << spec.summary << "\n\n"
             << "usage: " << spec.name << " [--Ice.Config=FILE | FILE] [--Key=Value ...]\n"
-            << "       " << spec.name << " --help | --version\n\n"
+            << "       " << spec.name << " --help | --list-keys | --version\n\n"
             << "Without a file the one named by the environment variable ICE_CONFIG is read.\n"
             << "Exit code: 0 after SIGINT or SIGTERM, 1 on a failure, 2 on a wrong configuration.\n\n"
             << "Keys and their defaults:\n";
@@ -285,11 +334,12 @@ void printHelp(const ComponentSpec& spec) {
 /// Stops all started parts, also after a failed start, in this order.
 class Ending {
  public:
-  Ending(Component& component, Host& host, ServiceManager& manager)
-      : component_(component), host_(host), manager_(manager) {}
+  Ending(Component& component, Host& host, ServiceManager& manager, Registration& registration)
+      : component_(component), host_(host), manager_(manager), registration_(registration) {}
   ~Ending() {
     manager_.stopping();
     host_.status().stopping();
+    registration_.withdraw();
     host_.adapter()->deactivate();
     if (host_.webAdapter()) host_.webAdapter()->deactivate();
     try {
@@ -307,6 +357,7 @@ class Ending {
   Component& component_;
   Host& host_;
   ServiceManager& manager_;
+  Registration& registration_;
 };
 
 /// Raises the limit of descriptors: idle connections of untrusted clients must not use up all of them.
@@ -347,11 +398,14 @@ void reportOpenEndpoints(Host& host) {
 void serveUntilStopped(const ComponentSpec& spec, const ProcessKeys& keys, Component& component, Host& host,
                        StopRequest& stop) {
   ServiceManager manager(ServiceManager::socketOfEnvironment());
-  const Ending ending(component, host, manager);
+  const auto certificate = OwnCertificate::of(*host.communicator());
+  Registration registration(host.communicator(), {host.adapter(), host.webAdapter()}, host.status());
+  const Ending ending(component, host, manager, registration);
   CpuMeter cpu;
   const auto measure = [&] {
     cpu.add(std::chrono::steady_clock::now(), processorTime_s());
     host.status().gauge({"cpu", cpu.percent(), 0.0, "%"});
+    if (certificate) certificate->look(host.status(), std::chrono::system_clock::now());
   };
   measure();
   addLogLevel(host, keys.log_level);
@@ -360,6 +414,7 @@ void serveUntilStopped(const ComponentSpec& spec, const ProcessKeys& keys, Compo
   component.start(host);
   host.adapter()->activate();
   if (host.webAdapter()) host.webAdapter()->activate();
+  registration.begin();
   host.status().serving();
   reportOpenEndpoints(host);
   std::cout << readyLineOf(spec, host) << std::endl;
@@ -368,6 +423,8 @@ void serveUntilStopped(const ComponentSpec& spec, const ProcessKeys& keys, Compo
     const bool progress = host.status().checkProgress();
     measure();
     manager.report(host.status().stateLine(), progress);
+    // Over Ice.Admin, as an IceGrid node ends its servers.
+    if (host.communicator()->isShutdown()) stop.request("a shutdown over Ice.Admin");
   }));
 }
 
@@ -391,12 +448,12 @@ void runConfigured(const ComponentSpec& spec, const Properties& properties, Logg
   const auto settings = effectiveConfiguration(config, properties);
   StatusBoard status(spec.name, VISMEM_VERSION, log);
   status.setConfiguration(settings);
-  const auto adapter = makeAdapter(*communicator.communicator(), adapterName(spec),
-                                   spec.prefix + ".Endpoints", keys.endpoints);
+  const auto adapter =
+      makeAdapter(*communicator.communicator(), adapterName(spec), keys.endpoints.key, keys.endpoints.value);
   std::shared_ptr<Ice::ObjectAdapter> web_adapter;
-  if (keys.robot.servesWeb() && !keys.web_endpoints.empty()) {
-    web_adapter = makeAdapter(*communicator.communicator(), webAdapterName(spec),
-                              spec.prefix + ".WebEndpoints", keys.web_endpoints);
+  if (keys.robot.servesWeb() && !keys.web_endpoints.value.empty()) {
+    web_adapter = makeAdapter(*communicator.communicator(), webAdapterName(spec), keys.web_endpoints.key,
+                              keys.web_endpoints.value);
   }
   log.info(configurationText(settings));
   Host host(log, status, stop, keys.robot, communicator.communicator(), adapter, web_adapter);
@@ -433,6 +490,9 @@ int runComponent(int argc, char** argv, const ComponentSpec& spec) {
   try {
     auto line = parseCommandLine({argv + std::min(argc, 1), argv + argc}, environment("ICE_CONFIG"));
     switch (line.action) {
+      case CommandLine::Action::kListKeys:
+        printKeys(spec);
+        return kExitClean;
       case CommandLine::Action::kHelp:
         printHelp(spec);
         return kExitClean;

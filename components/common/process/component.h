@@ -98,8 +98,9 @@ class ComponentHost {
 struct ComponentSpec {
   /// Name of the program, in the log and the ready line; its status is served as NAME/component.
   std::string name;
-  /// Prefix of the keys that runComponent reads itself: PREFIX.Endpoints, PREFIX.WebEndpoints, PREFIX.LogLevel,
-  /// PREFIX.EndWithParent. The adapters are called PREFIXAdapter and PREFIXWebAdapter.
+  /// Prefix of the keys that runComponent reads itself: PREFIX.Endpoints, PREFIX.WebEndpoints,
+  /// PREFIX.PlainRemote, PREFIX.LogLevel, PREFIX.EndWithParent. The adapters are called PREFIXAdapter and
+  /// PREFIXWebAdapter.
   std::string prefix;
   /// One sentence for --help.
   std::string summary;
@@ -125,10 +126,10 @@ inline constexpr int kExitConfiguration = 2;
 inline constexpr std::chrono::seconds kStopWithin{4};
 
 /// Runs a component until SIGINT, SIGTERM, requestStop or fail. Call it first in main, before any other
-/// thread starts. Command line: [FILE | --Ice.Config=FILE] [--Key=Value ...] | --help | --version; without a
-/// file, the one of the environment variable ICE_CONFIG is read. When it serves, it prints one line on
-/// stdout, "NAME ready: PREFIXAdapter=tcp -h 127.0.0.1 -p 9971" (see ready_line.h), with the actual port for
-/// -p 0.
+/// thread starts. Command line: [FILE | --Ice.Config=FILE] [--Key=Value ...] | --help | --list-keys |
+/// --version; without a file, the one of the environment variable ICE_CONFIG is read. When it serves, it
+/// prints one line on stdout, "NAME ready: PREFIXAdapter=tcp -h 127.0.0.1 -p 9971" (see ready_line.h), with
+/// the actual port for -p 0.
 int runComponent(int argc, char** argv, const ComponentSpec& spec);
 
 /// Declares the keys that runComponent itself reads, for tests that load a configuration without running it.

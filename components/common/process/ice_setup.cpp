@@ -6,6 +6,7 @@
 
 #include "common/config/config_error.h"
 #include "common/process/ice_failure.h"
+#include "common/process/registration.h"
 #include "common/process/reply_limit.h"
 
 namespace vismem {
@@ -119,6 +120,20 @@ std::string wrongTransport(const Ice::EndpointSeq& endpoints, Transport transpor
   return "";
 }
 
+/// The address of an endpoint of any transport over IP; null for others.
+std::shared_ptr<Ice::IPEndpointInfo> addressOf(const Ice::EndpointPtr& endpoint) {
+  std::shared_ptr<Ice::EndpointInfo> info = endpoint->getInfo();
+  while (info != nullptr && std::dynamic_pointer_cast<Ice::IPEndpointInfo>(info) == nullptr)
+    info = info->underlying;
+  return std::dynamic_pointer_cast<Ice::IPEndpointInfo>(info);
+}
+
+/// Whether other machines reach an endpoint.
+bool isRemote(const Ice::EndpointPtr& endpoint) {
+  const auto address = addressOf(endpoint);
+  return address != nullptr && !isLoopback(address->host);
+}
+
 }  // namespace
 
 const std::vector<Setting>& iceDefaults() {
@@ -152,6 +167,7 @@ std::shared_ptr<Ice::Communicator> makeCommunicator(const Properties& properties
   data.properties = Ice::createProperties();
   for (const auto& setting : iceDefaults()) data.properties->setProperty(setting.key, setting.value);
   for (const auto& [key, entry] : properties.entries()) data.properties->setProperty(key, entry.value);
+  if (registersProcess(data.properties)) data.properties->setProperty("Ice.Admin.DelayCreation", "1");
   const bool own_log = properties.find("Ice.LogFile") == nullptr &&
                        properties.find("Ice.UseSyslog") == nullptr &&
                        properties.find("Ice.UseSystemdJournal") == nullptr;
@@ -204,6 +220,36 @@ std::vector<Problem> checkEndpoints(const std::string& key, const std::string& e
            key + " = " + endpoints + " (must be endpoints such as " + example + ": " + wrong + ")"}};
 }
 
+std::vector<Problem> checkRemoteEndpoints(const std::string& key, const std::string& endpoints,
+                                          Transport transport, const std::string& permission,
+                                          const Properties& properties, Ice::Communicator& communicator) {
+  if (endpoints.empty()) return {};
+  Ice::EndpointSeq all;
+  try {
+    all = communicator.stringToProxy("x:" + endpoints)->ice_getEndpoints();
+  } catch (const Ice::LocalException&) {
+    return {};  // checkEndpoints reports it
+  }
+  const char* secure = transport == Transport::kWebOnly ? "wss" : "ssl";
+  bool needs_certificates = false;
+  for (const auto& endpoint : all) {
+    if (!isRemote(endpoint)) continue;
+    if (!endpoint->getInfo()->secure()) {
+      return {{originOf(properties, key),
+               key + " = " + endpoints + " (must be " + secure + " -h " + addressOf(endpoint)->host +
+                   " ... with the keys IceSSL.* of docs/deployment.md, since other machines reach it, or -h "
+                   "127.0.0.1 behind a gateway; " +
+                   permission + " = yes lets everybody in)"}};
+    }
+    needs_certificates = transport == Transport::kNotWeb;
+  }
+  const auto* verify = properties.find("IceSSL.VerifyPeer");
+  if (!needs_certificates || verify == nullptr || verify->value == "2") return {};
+  return {{verify->origin, "IceSSL.VerifyPeer = " + verify->value +
+                               " (must be 2, since other machines reach " + key +
+                               ": each caller needs a certificate then)"}};
+}
+
 std::shared_ptr<Ice::ObjectAdapter> makeAdapter(Ice::Communicator& communicator, const std::string& adapter,
                                                 const std::string& key, const std::string& endpoints) {
   try {
@@ -224,14 +270,6 @@ std::string joined(const Ice::EndpointSeq& endpoints) {
   return text;
 }
 
-/// The address of an endpoint of any transport over IP; null for others.
-std::shared_ptr<Ice::IPEndpointInfo> addressOf(const Ice::EndpointPtr& endpoint) {
-  std::shared_ptr<Ice::EndpointInfo> info = endpoint->getInfo();
-  while (info != nullptr && std::dynamic_pointer_cast<Ice::IPEndpointInfo>(info) == nullptr)
-    info = info->underlying;
-  return std::dynamic_pointer_cast<Ice::IPEndpointInfo>(info);
-}
-
 }  // namespace
 
 std::string publishedEndpoints(Ice::ObjectAdapter& adapter) {
@@ -245,8 +283,7 @@ bool isLoopback(const std::string& host) {
 std::string openEndpoints(Ice::ObjectAdapter& adapter) {
   Ice::EndpointSeq open;
   for (const auto& endpoint : adapter.getEndpoints()) {
-    const auto address = addressOf(endpoint);
-    if (address != nullptr && !isLoopback(address->host)) open.push_back(endpoint);
+    if (isRemote(endpoint) && !endpoint->getInfo()->secure()) open.push_back(endpoint);
   }
   return joined(open);
 }

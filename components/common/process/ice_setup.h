@@ -32,6 +32,13 @@ enum class Transport { kNotWeb, kWebOnly };
 std::vector<Problem> checkEndpoints(const std::string& key, const std::string& endpoints, Transport transport,
                                     const Properties& properties, Ice::Communicator& communicator);
 
+/// Problems of endpoints that other machines reach: without TLS anybody there commands the component, and
+/// with TLS anybody does unless callers need a certificate.
+/// @param permission key that allows endpoints without TLS: "Simulator.PlainRemote"; named in the message.
+std::vector<Problem> checkRemoteEndpoints(const std::string& key, const std::string& endpoints,
+                                          Transport transport, const std::string& permission,
+                                          const Properties& properties, Ice::Communicator& communicator);
+
 /// @throw std::runtime_error with the key, the endpoints, the adapter and the reason ("Address already in
 /// use") if they cannot be served.
 std::shared_ptr<Ice::ObjectAdapter> makeAdapter(Ice::Communicator& communicator, const std::string& adapter,
@@ -43,7 +50,8 @@ std::string publishedEndpoints(Ice::ObjectAdapter& adapter);
 /// Whether only this machine reaches an address: 127.*, ::1, localhost. Empty and "*" are all addresses.
 bool isLoopback(const std::string& host);
 
-/// The endpoints at which other machines reach an adapter, as publishedEndpoints; empty if none do.
+/// The endpoints at which other machines reach an adapter without TLS, as publishedEndpoints; empty if none
+/// do.
 std::string openEndpoints(Ice::ObjectAdapter& adapter);
 
 }  // namespace vismem

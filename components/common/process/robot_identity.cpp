@@ -47,12 +47,28 @@ std::string ownIdentity(const RobotKeys& robot, const std::string& identity) {
   if (robot.name.empty()) return identity;
   if (identity.ends_with(kStatusSuffix))
     return robot.name + ".component/" + identity.substr(0, identity.size() - kStatusSuffix.size());
-  return robot.name + "/" + identity;
+  return robot.name + "/" + faceName(identity);
 }
 
 std::string faceName(const std::string& identity) {
-  if (!identity.ends_with(kStatusSuffix)) return identity;
-  return identity.substr(0, identity.size() - kStatusSuffix.size()) + ".component";
+  std::string name = identity;
+  std::replace(name.begin(), name.end(), '/', '.');
+  return name;
+}
+
+std::string withoutRobot(const RobotKeys& robot, const std::string& identity) {
+  const std::string own = robot.name + "/";
+  const std::string status = robot.name + ".component/";
+  if (robot.name.empty()) return identity;
+  if (identity.starts_with(own)) return identity.substr(own.size());
+  if (identity.starts_with(status)) return identity.substr(status.size()) + std::string(kStatusSuffix);
+  return identity;
+}
+
+std::string componentOfStatus(const std::string& identity) {
+  const auto slash = identity.find('/');
+  const std::string category = identity.substr(0, slash);
+  return category.ends_with(".component") ? identity.substr(slash + 1) : category;
 }
 
 bool isSecretKey(std::string_view key) {

@@ -38,11 +38,21 @@ RobotKeys readRobotKeys(ConfigReader& root);
 
 /// The identity of an object for the robot's own components and JdeRobot's clients.
 /// @param identity without a robot's name: "cameraA", or "localization/component" for a status.
-/// @return the same without a name; else "robot7/cameraA" and "robot7.component/localization".
+/// @return the same without a name; else "robot7/cameraA" and "robot7.component/localization", and
+/// "robot7/cameraA.depth" for "cameraA/depth", since a name has no '/'.
 std::string ownIdentity(const RobotKeys& robot, const std::string& identity);
 
-/// The name of an object in the categories of faces: "cameraA"; "localization.component" for a status.
+/// The name of an object in the categories of faces: "cameraA"; "localization.component" for a status,
+/// "cameraA.depth" for "cameraA/depth".
 std::string faceName(const std::string& identity);
+
+/// The opposite of ownIdentity for the robot itself: "cameraA" for "robot7/cameraA", "localization/component"
+/// for "robot7.component/localization". Any other identity stays.
+std::string withoutRobot(const RobotKeys& robot, const std::string& identity);
+
+/// The component whose status an identity is: "localization" for "localization/component" and for
+/// "robot7.component/localization".
+std::string componentOfStatus(const std::string& identity);
 
 /// Whether a key's value is a secret, which no listing shows: Robot.Token, Robot.ViewToken.
 bool isSecretKey(std::string_view key);

@@ -54,8 +54,9 @@ std::vector<SetupComponent> componentsOfSetup(const std::filesystem::path& folde
     const Properties properties = Properties::load(entry.path());
     properties.throwIfBad();
     bool is_component = false;
-    SetupComponent component{name, entry.path(), {}, {}};
+    SetupComponent component{name, entry.path(), {}, {}, {}};
     for (const auto& [key, value] : properties.entries()) {
+      if (key == "Robot.Name") component.robot = value.value;
       if (!isKeyOf(name, key)) continue;
       is_component = true;
       const std::string rest = key.substr(key.find('.'));

@@ -21,6 +21,8 @@ struct SetupComponent {
   std::string endpoints;
   /// The same for WebSocket (NAME.WebEndpoints); they open only with a token.
   std::string web_endpoints;
+  /// Robot.Name; empty without.
+  std::string robot;
 };
 
 /// Whether a setup works without this component, which runs only on request: the recorder.
@@ -29,8 +31,8 @@ bool isOptionalComponent(const std::string& name);
 /// Whether a setup also runs whole without this component: the server of the page, which --no-gui leaves out.
 bool mayBeLeftOut(const std::string& name);
 
-/// The components of a setup, by name: every file NAME.cfg of the folder that sets a key of NAME's, without the
-/// optional ones. Other files of the folder (recordings.cfg) are ignored.
+/// The components of a setup, by name: every file NAME.cfg of the folder that sets a key of NAME's, without
+/// the optional ones. Other files of the folder (recordings.cfg) are ignored.
 /// @throw ConfigError when the folder or one of its files cannot be read.
 std::vector<SetupComponent> componentsOfSetup(const std::filesystem::path& folder);
 

@@ -7,7 +7,8 @@
 namespace vismem {
 namespace {
 
-constexpr StampUs kTolerated_us = kSecondUs;
+/// Above the age of a sample on a loaded network.
+constexpr StampUs kTolerated_us = 300'000;
 /// Unsynchronized clocks differ by seconds or minutes; larger differences indicate another time base.
 constexpr StampUs kComparable_us = 600 * kSecondUs;
 constexpr StampUs kPatience_us = 3 * kSecondUs;
@@ -23,7 +24,7 @@ std::string ClockWatch::check(StampUs stamp_us, StampUs host_now_us) {
   if (!off_since_us_) off_since_us_ = host_now_us;
   if (host_now_us - *off_since_us_ < kPatience_us) return "";
   std::ostringstream text;
-  text << "stamps are " << std::fixed << std::setprecision(0) << toSeconds(std::abs(ahead_us)) << " s "
+  text << "stamps are " << std::fixed << std::setprecision(1) << toSeconds(std::abs(ahead_us)) << " s "
        << (ahead_us > 0 ? "ahead of" : "behind") << " this host's clock (are the hosts kept in step by NTP?)";
   return text.str();
 }

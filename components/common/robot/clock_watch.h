@@ -14,7 +14,7 @@ class ClockWatch {
  public:
   /// @param stamp_us of the newest sample [us].
   /// @param host_now_us real time of this host [us].
-  /// @return the problem: stamps with an offset over 1 s for some seconds; empty without one.
+  /// @return the problem: stamps with an offset over 0.3 s for 3 s; empty without one.
   std::string check(StampUs stamp_us, StampUs host_now_us);
 
  private:

@@ -25,10 +25,10 @@ bool CommandLease::isHeldBy(const std::string& id, Time now) const {
 }
 
 CommandLease::Grant CommandLease::acquire(const std::string& client, int priority, Duration timeout,
-                                          Time now) {
+                                          const std::string& connection, Time now) {
   const Holder* current = holder(now);
   if (current != nullptr && current->priority >= priority) return {{}, busy(now)};
-  holder_ = Holder{make_id_(), client, priority, timeout, now + timeout};
+  holder_ = Holder{make_id_(), client, connection, priority, timeout, now + timeout};
   return {holder_->id, {}};
 }
 
@@ -44,17 +44,24 @@ bool CommandLease::release(const std::string& id, Time now) {
   return true;
 }
 
+bool CommandLease::releaseConnection(const std::string& connection, Time now) {
+  const Holder* current = holder(now);
+  if (current == nullptr || current->connection != connection || connection.empty()) return false;
+  holder_.reset();
+  return true;
+}
+
 std::string CommandLease::admit(const std::string& id, const std::string& connection, Time now,
                                 Duration implicit_timeout) {
   if (!id.empty()) return renew(id, now);
   const Holder* current = holder(now);
-  if (current != nullptr && !(current->implicit() && current->client == connection)) return busy(now);
-  holder_ = Holder{{}, connection, 0, implicit_timeout, now + implicit_timeout};
+  if (current != nullptr && !(current->implicit() && current->connection == connection)) return busy(now);
+  holder_ = Holder{{}, connection, connection, 0, implicit_timeout, now + implicit_timeout};
   return {};
 }
 
 void CommandLease::stop(Time now) {
-  holder_ = Holder{make_id_(), "stop", kMaximumPriority + 1, kStopTimeout, now + kStopTimeout};
+  holder_ = Holder{make_id_(), "stop", "", kMaximumPriority + 1, kStopTimeout, now + kStopTimeout};
 }
 
 CommandLease::State CommandLease::state(Time now) const {

@@ -39,12 +39,15 @@ class CommandLease {
   explicit CommandLease(std::function<std::string()> make_id) : make_id_(std::move(make_id)) {}
 
   /// Granted if nobody holds the lease, or if the holder's priority is lower. @param priority
-  /// 0..kMaximumPriority.
-  Grant acquire(const std::string& client, int priority, Duration timeout, Time now);
+  /// 0..kMaximumPriority. @param connection of the caller.
+  Grant acquire(const std::string& client, int priority, Duration timeout, const std::string& connection,
+                Time now);
   /// @return empty if the lease lasts its timeout from now on, else why not.
   std::string renew(const std::string& id, Time now);
   /// @return whether the lease was held until now.
   bool release(const std::string& id, Time now);
+  /// A connection has ended, and with it the lease that was acquired over it. @return whether there was one.
+  bool releaseConnection(const std::string& connection, Time now);
 
   /// Whether a command may be followed; renews the lease that it comes under, or takes an implicit one.
   /// @param id of the lease that came with the command; empty: none did. @param connection of the caller.
@@ -61,6 +64,7 @@ class CommandLease {
   struct Holder {
     std::string id;  ///< empty: implicit
     std::string client;
+    std::string connection;
     int priority = 0;
     Duration timeout{};
     Time end;

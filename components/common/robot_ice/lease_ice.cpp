@@ -39,6 +39,9 @@ std::string makeLeaseId() {
 }
 
 std::string connectionOf(const Ice::Current& current) {
+  const auto address = current.ctx.find("_con.remoteAddress");
+  const auto port = current.ctx.find("_con.remotePort");
+  if (address != current.ctx.end() && port != current.ctx.end()) return address->second + ":" + port->second;
   if (current.con == nullptr) return "this process";
   try {
     for (auto info = current.con->getInfo(); info != nullptr; info = info->underlying) {
@@ -51,16 +54,18 @@ std::string connectionOf(const Ice::Current& current) {
   }
 }
 
-avm::Lease LeaseGuard::acquire(const std::string& client, int priority, double timeout_s) {
+avm::Lease LeaseGuard::acquire(const std::string& client, int priority, double timeout_s,
+                               const Ice::Current& current) {
   requireClient(client);
   requireInRange("priority", priority, 0, CommandLease::kMaximumPriority);
   requireInRange("timeoutS", timeout_s, kShortestTimeout_s, kLongestTimeout_s);
   const auto timeout =
       std::chrono::duration_cast<CommandLease::Duration>(std::chrono::duration<double>(timeout_s));
+  const std::string connection = connectionOf(current);
   CommandLease::Grant grant;
   {
     const std::lock_guard lock(mutex_);
-    grant = lease_.acquire(client, priority, timeout, now_());
+    grant = lease_.acquire(client, priority, timeout, connection, now_());
   }
   if (grant.id.empty()) refuse(grant.reason);
   return {grant.id, timeout_s};
@@ -78,6 +83,11 @@ void LeaseGuard::renew(const std::string& id) {
 bool LeaseGuard::release(const std::string& id) {
   const std::lock_guard lock(mutex_);
   return lease_.release(id, now_());
+}
+
+bool LeaseGuard::endSession(const std::string& client) {
+  const std::lock_guard lock(mutex_);
+  return lease_.releaseConnection(client, now_());
 }
 
 avm::LeaseState LeaseGuard::state() const {

@@ -19,7 +19,8 @@ inline constexpr const char* kLeaseContext = "lease";
 /// A new id of 128 random bits, as 32 hexadecimal digits.
 std::string makeLeaseId();
 
-/// The caller's address, "127.0.0.1:41233"; "this process" for a call without a connection.
+/// The caller's address, "127.0.0.1:41233"; of a gateway's client the one that the gateway reports (entries
+/// _con.remoteAddress and _con.remotePort of the context). "this process" for a call without a connection.
 std::string connectionOf(const Ice::Current& current);
 
 /// A CommandLease with the clock, and its refusals as exceptions. *Thread-safe.*
@@ -30,11 +31,13 @@ class LeaseGuard {
   explicit LeaseGuard(Now now = std::chrono::steady_clock::now) : now_(std::move(now)), lease_(makeLeaseId) {}
 
   /// @throws avm::InvalidArgument naming the argument, avm::LeaseRefused.
-  avm::Lease acquire(const std::string& client, int priority, double timeout_s);
+  avm::Lease acquire(const std::string& client, int priority, double timeout_s, const Ice::Current& current);
   /// @throws avm::LeaseRefused.
   void renew(const std::string& id);
   /// @return whether the lease was held until now.
   bool release(const std::string& id);
+  /// @return whether a lease of this client was held until now.
+  bool endSession(const std::string& client);
   avm::LeaseState state() const;
   void stop();
 
@@ -60,12 +63,18 @@ class LeasedServant : public Interface {
  public:
   explicit LeasedServant(LeaseGuard::Now now) : lease_(std::move(now)) {}
 
-  avm::Lease acquire(std::string client, int priority, double timeout_s, const Ice::Current&) override {
-    return lease_.acquire(client, priority, timeout_s);
+  avm::Lease acquire(std::string client, int priority, double timeout_s,
+                     const Ice::Current& current) override {
+    return lease_.acquire(client, priority, timeout_s, current);
   }
   void renew(std::string id, const Ice::Current&) override { lease_.renew(id); }
   avm::CommandReply release(std::string id, const Ice::Current&) override {
     if (!lease_.release(id)) return {true, "the lease had ended"};
+    endMotion();
+    return {};
+  }
+  avm::CommandReply endSession(std::string client, const Ice::Current&) override {
+    if (!lease_.endSession(client)) return {true, "that client held no lease"};
     endMotion();
     return {};
   }

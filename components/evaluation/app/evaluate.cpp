@@ -39,9 +39,10 @@ void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& argum
                  "of the robot's time (default: a recording whole, a world 60)")
       ->check(CLI::PositiveNumber);
   app.add_option("--truth", options.truth, "true poses of a recording: t_s,x_m,y_m,theta_rad")->needs(bag);
-  auto* survey = app.add_option("--survey", options.survey.edges,
-                                "true edges on the floor of a recording, CSV as a map: scores the last memory")
-                     ->needs(bag);
+  auto* survey =
+      app.add_option("--survey", options.survey.edges,
+                     "true edges on the floor of a recording, CSV as a map: scores the last memory")
+          ->needs(bag);
   app.add_option("--survey-neutral", options.survey.neutral, "edges that count neither as found nor as false")
       ->needs(survey);
   app.add_option("--survey-obstacles", options.survey.obstacles,
@@ -65,11 +66,14 @@ void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& argum
       "configuration, and robot of a world: cfg/SETUP (default of a world sim, of a recording replay; "
       "humanoid, nao: walking robots)");
   app.add_option("--scenario", options.scenario, "what happens in a world: docs/scenarios.md")->needs(world);
-  app.add_option(
-         "--perturb", arguments.perturb,
-         "camera and odometry: KEY=NUMBER,... of height [m], tilt [degrees], focal and brightness (factors), jpeg "
-         "(quality), blur [px], late [s], every (one image of so many), way (factor of the odometry's way), drift "
-         "(of its heading [degrees a minute])")
+  app.add_option("--perturb", arguments.perturb,
+                 "camera and odometry: KEY=NUMBER,... of height [m], tilt [degrees], focal and brightness "
+                 "(factors), white "
+                 "(colour temperature [K]), gamma, vignette (share), noise [grey levels], scale (of the "
+                 "image's size), jpeg "
+                 "(quality), blur [px], late [s], every (one image of so many), way (factor of the "
+                 "odometry's way), drift "
+                 "(of its heading [degrees a minute])")
       ->check([](const std::string& text) { return vismem::parsePerturbation(text).error; });
   app.add_flag("--snapshots", options.snapshots,
                "the memory of each second in memory.csv and primitives.csv, not the last one alone");

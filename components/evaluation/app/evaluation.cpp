@@ -79,16 +79,18 @@ nlohmann::json evaluateBag(const EvaluationOptions& options) {
     for (const TruePose& pose : robot.log().truth()) append(truth, {pose.stamp_us, pose.T_world_robot});
   }
   if (!options.survey.edges.empty() && truth.empty()) {
-    throw ConfigError({options.bag.string() + ": no true poses, which --survey needs (expected --truth FILE)"});
+    throw ConfigError(
+        {options.bag.string() + ": no true poses, which --survey needs (expected --truth FILE)"});
   }
   std::optional<RecordedSurvey> survey;
-  if (!options.survey.edges.empty()) survey.emplace(options.survey, truth);
+  if (!options.survey.edges.empty()) survey.emplace(options.survey, params.map_edges, truth);
   EvaluationRecord record(options, params);
   TruthFeed feed(record, truth);
   MemoryPipeline memory(params.pipeline, params.palette);
   Localizer localizer(params.localizer, params.map_edges, options.seed);
   KnownStart start(localizer, options.start);
-  PerturbedRobot perturbed(robot, options.perturbation);
+  CalibratedRobot calibrated(robot, params.joints, params.wheels);
+  PerturbedRobot perturbed(calibrated, options.perturbation);
   Lockstep run(perturbed, params.assembler, memory, localizer);
   std::shared_ptr<const MemorySnapshot> last_memory;
   run.run(
@@ -97,11 +99,14 @@ nlohmann::json evaluateBag(const EvaluationOptions& options) {
         feed.upTo(frame.observation.frame.stamp_us);
         const std::uint64_t image = frame.observation.frame.seq;
         record.add(frame, image >= options.judge_first && image <= options.judge_last);
-        if (survey) survey->add(frame.observation);
+        const ImageAnalysis* analysis = frame.memory.update.analysis.get();
+        const bool is_new = analysis && analysis->stamp_us == frame.observation.frame.stamp_us;
+        if (survey) survey->add(frame.observation, is_new ? analysis : nullptr);
         if (frame.memory.update.snapshot) last_memory = frame.memory.update.snapshot;
       },
       duration(options));
   nlohmann::json json = record.finish(run, memory.memory(), options.bag.string());
+  if (survey) json["labels"] = survey->labels();
   if (survey && last_memory) json["memory"] = survey->score(*last_memory);
   return json;
 }
@@ -143,7 +148,9 @@ nlohmann::json evaluateWorld(const EvaluationOptions& options) {
     recorded = std::make_unique<RecordedRobot>(*robot, options.record);
     copyConfiguration(options);
   }
-  PerturbedRobot stepped(recorded ? static_cast<SteppedRobot&>(*recorded) : *robot, options.perturbation);
+  CalibratedRobot calibrated(recorded ? static_cast<SteppedRobot&>(*recorded) : *robot, params.joints,
+                             params.wheels);
+  PerturbedRobot stepped(calibrated, options.perturbation);
   EvaluationRecord record(options, params);
   MemoryPipeline memory(params.pipeline, params.palette);
   Localizer localizer(params.localizer, params.map_edges, options.seed);

@@ -102,7 +102,9 @@ LocalizationSettings readLocalization(const EvaluationOptions& options) {
 
 /// The palette of the options, else the one beside the map, else the configuration's.
 fs::path paletteFile(const EvaluationOptions& options, const fs::path& configured) {
-  if (!options.palette.empty()) return options.palette;
+  if (!options.palette.empty() || options.map.empty()) {
+    return options.palette.empty() ? configured : options.palette;
+  }
   fs::path beside = options.map;
   beside.replace_extension(".palette");
   return fs::exists(beside) ? beside : configured;
@@ -139,17 +141,20 @@ EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt)
   params.pipeline = component.pipeline;
   params.pipeline.memory.attention.seed = options.seed;
   params.assembler = component.assembler;
+  params.joints = component.joints;
+  params.wheels = component.wheels;
   const LocalizationSettings localization = readLocalization(options);
   params.localizer = localization.localizer;
   params.gaze = localization.gaze;
   params.palette_file = paletteFile(options, component.palette);
   if (params.palette_file.empty()) {
     throw ConfigError(
-        {options.map.string() +
-         ": no palette: expected --palette, a file beside the map, or ActiveVisualMemory.Palette in " +
+        {(options.map.empty() ? "" : options.map.string() + ": ") +
+         "no palette: expected --palette, a file beside the map, or ActiveVisualMemory.Palette in " +
          configFile(options, "active_visual_memory").string()});
   }
   params.palette = std::make_shared<const Palette>(loadPalette(params.palette_file));
+  if (options.map.empty()) return params;
   LoadedMap map = loadMapEdges(options.map, params.palette_file);
   for (const std::string& warning : map.warnings) std::cerr << "warning: " << warning << "\n";
   params.map = std::move(map.rows);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "active_visual_memory/core/memory_pipeline.h"
+#include "common/kinematics/calibrated_ports.h"
 #include "common/robot/observation.h"
 #include "common/robot/ports.h"
 #include "common/routes/route.h"
@@ -26,6 +27,8 @@ EvaluationOptions inProjectWorld(const std::string& world, const std::string& se
 struct EvaluationParams {
   MemoryPipelineParams pipeline;
   ObservationAssembler::Params assembler;
+  JointCorrection joints;
+  WheelCorrectionParams wheels;
   LocalizerParams localizer;
   GazePlannerParams gaze;  ///< of localization's gaze requests
   std::filesystem::path palette_file;
@@ -34,7 +37,7 @@ struct EvaluationParams {
   SegmentMap map_edges;  ///< stripes expanded
 };
 
-/// Reads configuration, palette and map.
+/// Reads configuration, palette and, where the options name one, the map.
 /// @param has_pan_tilt whether images need joint angles.
 /// @throws ConfigError with every problem of the wrong file.
 EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt);

@@ -14,15 +14,31 @@ std::vector<Segment3> rowsOf(const std::filesystem::path& file) {
 
 }  // namespace
 
-RecordedSurvey::RecordedSurvey(const SurveyFiles& files, const Trajectory& truth)
+RecordedSurvey::RecordedSurvey(const SurveyFiles& files, const SegmentMap& map_edges, const Trajectory& truth)
     : truth_(truth),
-      floor_(expandStripes(loadSegmentMap(files.edges), {}), rowsOf(files.neutral), rowsOf(files.obstacles)) {}
+      floor_(expandStripes(loadSegmentMap(files.edges), {}), rowsOf(files.neutral), rowsOf(files.obstacles)),
+      labels_(map_edges, rowsOf(files.obstacles)) {}
 
-void RecordedSurvey::add(const RobotObservation& observation) {
+void RecordedSurvey::add(const RobotObservation& observation, const ImageAnalysis* analysis) {
   const auto T_world_robot = poseAt(truth_, observation.frame.stamp_us);
   if (!T_world_robot) return;
   params_.focal_px = observation.frame.intrinsics.fx;
-  floor_.addView(observation.frame.intrinsics, toPose3(*T_world_robot) * observation.T_robot_camera);
+  const Pose3 T_world_camera = toPose3(*T_world_robot) * observation.T_robot_camera;
+  floor_.addView(observation.frame.intrinsics, T_world_camera);
+  if (analysis != nullptr) labels_.add(analysis->observed, observation.frame.intrinsics, T_world_camera);
+}
+
+nlohmann::json RecordedSurvey::labels() const {
+  nlohmann::json json = nlohmann::json::object();
+  for (const auto& [label, lengths] : labels_.lengths()) {
+    const double right = lengths.share(label);
+    const double unknown = lengths.share(kUnknownLabel);
+    json[label] = {{"length_px", lengths.total_px()},
+                   {"right_share", right},
+                   {"wrong_share", 1.0 - right - unknown},
+                   {"unknown_share", unknown}};
+  }
+  return json;
 }
 
 nlohmann::json RecordedSurvey::score(const MemorySnapshot& memory) const {

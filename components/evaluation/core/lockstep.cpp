@@ -39,7 +39,6 @@ bool Lockstep::step(const Visitor& visit) {
   }
   for (const auto& sample : robot_.base().samplesSince(newest_odometry_us_, kNoWait).samples) {
     newest_odometry_us_ = sample.stamp_us;
-    T_odom_robot_now_ = sample.T_odom_robot;
     assembler_.add(sample);
   }
   enterStage(probe_, "render");
@@ -57,8 +56,7 @@ void Lockstep::process(const RobotObservation& observation, const Visitor& visit
   const AttentiveVisualMemory::StepResult memory = memory_.process(observation, probe_);
   if (memory.command) robot_.panTilt().command(*memory.command);
   enterStage(probe_, "localization");
-  const PoseEstimate estimate =
-      localizer_ ? localizer_->update(memory.update, T_odom_robot_now_) : PoseEstimate{};
+  const PoseEstimate estimate = localizer_ ? localizer_->update(memory.update) : PoseEstimate{};
   enterStage(probe_, "report");
   ++processed_;
   if (visit) visit({observation, memory, estimate});

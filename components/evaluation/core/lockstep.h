@@ -64,7 +64,6 @@ class Lockstep {
   StampUs newest_frame_us_ = 0;
   StampUs newest_pan_tilt_us_;
   StampUs newest_odometry_us_;
-  Pose2 T_odom_robot_now_;
   std::uint64_t processed_ = 0;
 };
 

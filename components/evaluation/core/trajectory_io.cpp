@@ -23,7 +23,7 @@ void putSeconds(std::ostream& out, StampUs stamp_us) {
   out << whole << '.' << std::setw(6) << std::setfill('0') << rest << std::setfill(' ');
 }
 
-std::vector<std::string_view> words(std::string_view line) {
+std::vector<std::string_view> wordsOf(std::string_view line) {
   std::vector<std::string_view> found;
   while (true) {
     const std::size_t begin = line.find_first_not_of(" \t\r");
@@ -59,7 +59,7 @@ Trajectory parseTum(std::string_view text, const std::string& file_name) {
     text.remove_prefix(std::min(end + 1, text.size()));
     ++line_number;
     const std::string where = file_name + ":" + std::to_string(line_number) + ": ";
-    const auto parts = words(line);
+    const auto parts = wordsOf(line);
     if (parts.empty() || parts[0].front() == '#') continue;
     if (parts.size() != 8) {
       problems.push_back(where + std::to_string(parts.size()) + " values (must be 8: t x y z qx qy qz qw)");

@@ -41,10 +41,10 @@ nlohmann::json ratios(const Comparison& comparison, std::size_t policy, const Su
 
 }  // namespace
 
-nlohmann::json compareGaze(const ExperimentOptions& options) {
+std::vector<TrialVariant> gazeVariants(const ExperimentOptions& options) {
   if (!options.methods.empty()) throw std::invalid_argument("E6 --gaze compares gaze: it has no --methods");
-  nlohmann::json json;
-  for (TrialVariant& variant : chosenTrialVariants("E6_gaze", options)) {
+  auto variants = chosenTrialVariants(kGazeExperiment, options);
+  for (TrialVariant& variant : variants) {
     TrialSeries& series = variant.series;
     series.name = "gaze_" + variant.name;
     // Each gaze policy is a method: the same localization on the record of its own closed loop.
@@ -64,10 +64,19 @@ nlohmann::json compareGaze(const ExperimentOptions& options) {
       return methods;
     };
     series.drawn = names;
-    json[variant.name] =
-        runSeries(series, options.out, [&](const Comparison& comparison, nlohmann::json& figures) {
-          for (std::size_t i = 1; i < names.size(); ++i) {
-            figures[names[i]]["against_" + names[0]] = ratios(comparison, i, series.summary);
+  }
+  return variants;
+}
+
+nlohmann::json compareGaze(const ExperimentOptions& options) {
+  nlohmann::json json;
+  for (const TrialVariant& variant : gazeVariants(options)) {
+    const TrialSeries& series = variant.series;
+    json[variant.name] = runSeries(
+        series, options.out, options.source, [&](const Comparison& comparison, nlohmann::json& figures) {
+          const auto& records = comparison.records();
+          for (std::size_t i = 1; i < records.size(); ++i) {
+            figures[records[i].name]["against_" + records[0].name] = ratios(comparison, i, series.summary);
           }
         });
   }

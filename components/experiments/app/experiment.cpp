@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
@@ -18,6 +19,7 @@
 #include "experiments/app/experiment_files.h"
 #include "experiments/app/experiments.h"
 #include "experiments/app/over_runs.h"
+#include "experiments/ice/trial_farm.h"
 
 namespace {
 
@@ -31,7 +33,7 @@ struct Origin {
 
 /// The command line without the program's folder and without options that do not change the results.
 std::string commandOf(int argc, char** argv) {
-  const std::vector<std::string> left_out{"--out", "--data", "--commit"};
+  const std::vector<std::string> left_out{"--out", "--data", "--commit", "--workers", "--locator"};
   std::string command = "experiment";
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -99,10 +101,24 @@ int runSeeds(const Experiment& experiment, const ExperimentOptions& options, con
 /// The command line.
 struct Arguments {
   ExperimentOptions options;
-  std::string name;    ///< of the experiment
-  std::string seeds;   ///< "A..B"; empty: one seed
-  std::string commit;  ///< of the sources
+  std::string name;                  ///< of the experiment
+  std::string seeds;                 ///< "A..B"; empty: one seed
+  std::string commit;                ///< of the sources
+  std::vector<std::string> workers;  ///< proxies; empty: this process runs the trials
+  std::string locator;               ///< of the workers' registry
 };
+
+void declareWorkers(CLI::App& app, Arguments& arguments) {
+  CLI::Option* workers = app.add_option(
+      "--workers", arguments.workers,
+      "of E5 and E6: proxies of experiment_worker processes that run the trials, such as \"Worker:tcp -h "
+      "127.0.0.1 -p 9976\", or with --locator a replica group: Worker@Workers. Finished trials are kept in "
+      "OUT/trials: the same command continues a stopped run");
+  workers->allow_extra_args(false);
+  app.add_option("--locator", arguments.locator,
+                 "IceGrid registry of the workers: \"Vismem/Locator:tcp -h HOST -p PORT\"")
+      ->needs(workers);
+}
 
 void declare(CLI::App& app, const std::vector<std::string>& names, Arguments& arguments) {
   app.add_option("EXPERIMENT", arguments.name, "its name")->required()->check(CLI::IsMember(names));
@@ -166,6 +182,7 @@ int main(int argc, char** argv) {
   }
   CLI::App app(list);
   declare(app, names, arguments);
+  declareWorkers(app, arguments);
   if (const auto code = parseTool(app, argc, argv)) return *code;
   ExperimentOptions& options = arguments.options;
   if (options.data.empty()) options.data = defaultData();
@@ -176,6 +193,15 @@ int main(int argc, char** argv) {
         std::find_if(experiments().begin(), experiments().end(),
                      [&](const Experiment& experiment) { return experiment.name == arguments.name; });
     if (options.out.empty()) options.out = std::filesystem::path("out") / chosen->name;
+    if (!arguments.workers.empty()) {
+      if (chosen->name != "E5" && chosen->name != "E6") {
+        throw ConfigError({"--workers: " + chosen->name + " has no trials (must be E5 or E6)"});
+      }
+      // Only programs of the same build give the same results, whatever --commit says.
+      options.source = [farm = std::make_shared<TrialFarm>(options.out / "trials", commitId(),
+                                                           arguments.workers, arguments.locator)](
+                           const TrialSeries& series, std::uint64_t seed) { return (*farm)(series, seed); };
+    }
     if (!arguments.seeds.empty()) return runSeeds(*chosen, options, parseSeeds(arguments.seeds), origin);
     std::cout << runOnce(*chosen, options, origin).dump() << "\n";
     return 0;

@@ -10,6 +10,7 @@
 #include "experiments/app/e6_kidnapping.h"
 #include "experiments/app/e7_health_maps.h"
 #include "experiments/app/e9_detectors.h"
+#include "experiments/app/mapping.h"
 #include "experiments/app/primitives.h"
 
 namespace vismem {
@@ -25,6 +26,7 @@ const std::vector<Experiment>& experiments() {
       {"E7", "How well every place fits an image (figures 22 to 26)", healthFromImages},
       {"E8", "How well every place fits the memory (figure 27)", healthFromMemory},
       {"E9", "Canny+Hough beside Solis on the same images, and merging (figures 3 and 10)", compareDetectors},
+      {"map", "A map from one drive against the true edges", mapping},
       {"primitives", "Shapes found on the floor, and completed behind an object on a corner (figure 7)",
        primitives},
   };

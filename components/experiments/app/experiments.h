@@ -10,17 +10,24 @@
 
 namespace vismem {
 
+struct TrialOutcome;
+struct TrialSeries;
+/// Provides the whole outcome of a trial, for example from another process.
+using TrialSource = std::function<TrialOutcome(const TrialSeries&, std::uint64_t seed)>;
+
 struct ExperimentOptions {
   std::string mode = "default";  ///< "default" or "chapter"
   std::uint64_t seed = 1;
   std::string variant;             ///< only the variant of this name; empty: all
   std::filesystem::path variants;  ///< of E5 and E6: file of their variants; empty: the shipped one
+  std::string variants_text;       ///< content of that file, where it lies on another machine; else empty
   /// Of E6: "salience", "localization", "oracle", "both", "all"; empty: no gaze comparison.
   std::string gaze;
   std::vector<std::string> methods;  ///< of E5 and E6: only these; empty: all
   int trials = 0;                    ///< of experiments over many runs: their number; 0: the default
   std::filesystem::path out;         ///< exists; all files are written there
   std::filesystem::path data;        ///< recordings and photographs; may be absent
+  TrialSource source;                ///< of E5 and E6: who runs the trials; empty: this process
 };
 
 struct Experiment {

@@ -8,9 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/geometry/angles.h"
 #include "common/vision/app/image_file.h"
-#include "evaluation/app/cpu_stages.h"
 #include "evaluation/figures/canvas.h"
 #include "evaluation/figures/error_figure.h"
 #include "experiments/app/experiment_files.h"
@@ -18,8 +16,6 @@
 namespace vismem {
 namespace {
 
-/// Length of a cycle. Updates within it only predict the pose; their time is added to its first update.
-constexpr double kTick_s = 0.2;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 nlohmann::json finite(double value) {
@@ -132,81 +128,30 @@ nlohmann::json toJson(const TrialSummary& summary) {
   return json;
 }
 
-Comparison::Comparison(std::string name, std::string title, std::vector<MethodMaker> methods)
-    : name_(std::move(name)), title_(std::move(title)), methods_(std::move(methods)), last_(methods_.size()) {
-  for (const MethodMaker& method : methods_) records_.push_back({method.name, {}, {}});
+Comparison::Comparison(std::string name, std::string title, const std::vector<std::string>& methods)
+    : name_(std::move(name)), title_(std::move(title)) {
+  for (const std::string& method : methods) records_.push_back({method, {}, {}});
 }
 
-void Comparison::add(const Trial& trial, const SegmentMap& map_edges,
-                     const std::vector<std::string>& known_start) {
-  for (std::size_t m = 0; m < methods_.size(); ++m) {
-    run(m, trial, map_edges,
-        std::find(known_start.begin(), known_start.end(), methods_[m].name) != known_start.end());
+void Comparison::add(const MethodOutcome& outcome) {
+  const auto record = std::find_if(records_.begin(), records_.end(),
+                                   [&](const MethodRecord& one) { return one.name == outcome.method; });
+  if (record == records_.end()) {
+    throw std::invalid_argument("comparison \"" + name_ + "\" has no method \"" + outcome.method + "\"");
   }
+  record->events.insert(record->events.end(), outcome.events.begin(), outcome.events.end());
+  record->cycle_ms.insert(record->cycle_ms.end(), outcome.cycle_ms.begin(), outcome.cycle_ms.end());
 }
 
-void Comparison::addTo(const std::string& method, const Trial& trial, const SegmentMap& map_edges) {
-  for (Last& last : last_) last.is_newest = false;
-  for (std::size_t m = 0; m < methods_.size(); ++m) {
-    if (methods_[m].name != method) continue;
-    run(m, trial, map_edges, false);
-    return;
-  }
-  throw std::invalid_argument("comparison \"" + name_ + "\" has no method \"" + method + "\"");
-}
-
-void Comparison::run(std::size_t m, const Trial& trial, const SegmentMap& map_edges, bool is_start_known) {
-  MethodRecord& record = records_[m];
-  Last& last = last_[m];
-  last = Last{true, record.events.size(), {}, {}};
-  last.trial.seed = trial.seed;
-  last.trial.truth = trial.truth;
-  last.trial.events_us = trial.events_us;
-  const auto method = methods_[m].make(map_edges, trial.seed);
-  bool start_is_due = is_start_known;
-  std::vector<PoseEstimate> estimates;
-  std::optional<StampUs> last_tick_us;
-  for (std::size_t i = 0; i < trial.updates.size(); ++i) {
-    const MemoryUpdate& update = trial.updates[i];
-    const double before_s = CpuStages::now_s();
-    estimates.push_back(method->step(update, trial.T_odom_robot_now[i]));
-    const double spent_s = CpuStages::now_s() - before_s;
-    const StampUs stamp_us = update.snapshot->stamp_us;
-    if (!last_tick_us || stamp_us >= *last_tick_us + toStampUs(kTick_s)) {
-      record.cycle_ms.push_back(0.0);
-      last_tick_us = stamp_us;
-    }
-    record.cycle_ms.back() += 1e3 * spent_s;
-    if (!start_is_due) continue;
-    const auto truth = poseAt(trial.truth, stamp_us);
-    if (!truth) continue;
-    method->setPose(*truth);
-    start_is_due = false;
-  }
-  for (EventScore& event : scoreEvents(trial, estimates)) record.events.push_back(event);
-  for (const PoseEstimate& estimate : estimates) {
-    last.poses.push_back({estimate.stamp_us, estimate.T_world_robot, estimate.reliability});
-  }
-}
-
-void Comparison::drawLast(const std::string& method, const std::filesystem::path& file) const {
-  for (std::size_t m = 0; m < methods_.size(); ++m) {
-    if (methods_[m].name != method || last_[m].poses.empty()) continue;
-    ErrorFigure figure;
-    figure.title = text("%s, seed %llu: error over time", method.c_str(),
-                        static_cast<unsigned long long>(last_[m].trial.seed));
-    figure.score = scoreLocalization(last_[m].poses, last_[m].trial.truth, last_[m].trial.events_us);
-    writeImageFile(drawErrors(figure), file);
-  }
-}
-
-void Comparison::noteEvidence(const std::vector<std::optional<double>>& evidence_after_s) {
-  for (std::size_t m = 0; m < records_.size(); ++m) {
-    if (!last_[m].is_newest) continue;
-    std::vector<EventScore>& events = records_[m].events;
-    const std::size_t first = last_[m].first_event;
-    for (std::size_t i = 0; i < evidence_after_s.size() && first + i < events.size(); ++i) {
-      events[first + i].evidence_after_s = evidence_after_s[i];
+void drawErrorsOf(const TrialOutcome& trial, const std::string& method, const std::filesystem::path& file) {
+  for (const RecordOutcome& record : trial.records) {
+    for (const MethodOutcome& outcome : record.methods) {
+      if (outcome.method != method || outcome.poses.empty()) continue;
+      ErrorFigure figure;
+      figure.title =
+          text("%s, seed %llu: error over time", method.c_str(), static_cast<unsigned long long>(trial.seed));
+      figure.score = scoreLocalization(outcome.poses, record.truth, record.events_us);
+      writeImageFile(drawErrors(figure), file);
     }
   }
 }

@@ -1,4 +1,4 @@
-/// @file Runs methods on the same recorded trials, compares them and writes the results. See E5, E6.
+/// @file Compares methods over the outcomes of trials and writes the results. See E5, E6.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/trials/trial_method.h"
+#include "experiments/app/trial_outcome.h"
 #include "experiments/trials/trial_score.h"
 
 namespace vismem {
@@ -15,27 +15,19 @@ namespace vismem {
 struct MethodRecord {
   std::string name;
   std::vector<EventScore> events;
-  std::vector<double> cycle_ms;  ///< CPU time of the updates that made a cycle (a tick)
+  std::vector<double> cycle_ms;  ///< of MethodOutcome
 };
 
-/// Gives every method the same trials, one after the other. *Single-threaded*.
+/// Compares methods over many trials. *Single-threaded*.
 class Comparison {
  public:
   /// @param title for people. @param name of files: "irregular".
-  Comparison(std::string name, std::string title, std::vector<MethodMaker> methods);
+  Comparison(std::string name, std::string title, const std::vector<std::string>& methods);
 
-  /// @param known_start names of the methods that get the true pose at the beginning.
-  void add(const Trial& trial, const SegmentMap& map_edges, const std::vector<std::string>& known_start = {});
-  /// Gives the trial to the method of this name alone, for trials in its own closed loop.
-  /// @throws std::invalid_argument for a name that no method has.
-  void addTo(const std::string& method, const Trial& trial, const SegmentMap& map_edges);
-  /// For aliased places: stores when each event of the last added trial had shown evidence against the twin
-  /// place, for the methods that got this trial.
-  void noteEvidence(const std::vector<std::optional<double>>& evidence_after_s);
+  /// @throws std::invalid_argument for a method that is not compared.
+  void add(const MethodOutcome& outcome);
 
   const std::vector<MethodRecord>& records() const { return records_; }
-  /// Error of a method over time in the last added trial, as in the chapter's figures 20 and 21.
-  void drawLast(const std::string& method, const std::filesystem::path& file) const;
 
   /// Writes all events so far into NAME_events.csv and the figures into NAME.json. Each file is replaced as a
   /// whole, so that a run that is stopped keeps its results.
@@ -45,20 +37,13 @@ class Comparison {
   nlohmann::json report(const std::filesystem::path& out, const SummaryParams& params = {}) const;
 
  private:
-  void run(std::size_t method, const Trial& trial, const SegmentMap& map_edges, bool is_start_known);
-
   std::string name_;
   std::string title_;
-  std::vector<MethodMaker> methods_;
   std::vector<MethodRecord> records_;
-  struct Last {                   ///< last trial of a method
-    bool is_newest = false;       ///< it is the trial added last
-    std::size_t first_event = 0;  ///< of it, among the record's events
-    Trial trial;                  ///< without its updates
-    std::vector<PublishedPose> poses;
-  };
-  std::vector<Last> last_;  ///< of each method
 };
+
+/// Error of a method over time in a trial with its path, as in the chapter's figures 20 and 21.
+void drawErrorsOf(const TrialOutcome& trial, const std::string& method, const std::filesystem::path& file);
 
 nlohmann::json toJson(const TrialSummary& summary);
 

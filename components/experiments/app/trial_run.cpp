@@ -70,9 +70,9 @@ struct GazeRequester {
         planner(params.gaze, params.localizer.robust.likelihood, params.localizer.map, params.map_edges) {}
 
   /// @param oracle the true pose at the update's stamp for the oracle policy; else empty.
-  void request(const MemoryUpdate& update, const Pose2& T_odom_robot_now, const std::optional<Pose2>& oracle,
-               GazeClient& client, Trial& trial) {
-    PoseEstimate estimate = localizer.update(update, T_odom_robot_now);
+  void request(const MemoryUpdate& update, const std::optional<Pose2>& oracle, GazeClient& client,
+               Trial& trial) {
+    PoseEstimate estimate = localizer.update(update);
     if (oracle) estimate = withTruth(std::move(estimate), *oracle);
     const double before_s = CpuStages::now_s();
     const GazePlan plan = planner.plan(estimate, update);
@@ -166,7 +166,6 @@ struct TrialRun::Impl {
     if (options.gaze != TrialGaze::kSalience) requester.emplace(params, options.seed);
     StampUs newest_pan_tilt_us = -1;
     StampUs newest_odometry_us = -1;
-    Pose2 T_odom_robot_now;
     const StampUs end_us = toStampUs(options.events * options.event_s);
     while (simulation->now() < end_us) {
       const auto drive = driver->drive(simulation->truth().T_world_robot);
@@ -179,7 +178,6 @@ struct TrialRun::Impl {
       }
       for (const auto& sample : simulation->base().samplesSince(newest_odometry_us, kNoWait).samples) {
         newest_odometry_us = sample.stamp_us;
-        T_odom_robot_now = sample.T_odom_robot;
         assembler.add(sample);
       }
       if (auto frame = takeFrame()) assembler.add(std::move(*frame));
@@ -188,12 +186,11 @@ struct TrialRun::Impl {
         if (step.command) simulation->panTilt().command(*step.command);
         if (trial.updates.empty() || trial.updates.back().snapshot != step.update.snapshot) {
           trial.updates.push_back(step.update);
-          trial.T_odom_robot_now.push_back(T_odom_robot_now);
           if (requester) {
             const StampUs stamp_us = step.update.analysis->stamp_us;
             const auto oracle =
                 options.gaze == TrialGaze::kOracle ? poseAt(trial.truth, stamp_us) : std::nullopt;
-            requester->request(step.update, T_odom_robot_now, oracle, memory.memory().gazeClient(), trial);
+            requester->request(step.update, oracle, memory.memory().gazeClient(), trial);
             if (const auto command = memory.memory().preempt()) simulation->panTilt().command(*command);
           }
         }

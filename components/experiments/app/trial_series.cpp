@@ -57,53 +57,106 @@ std::vector<MethodMaker> chosen(std::vector<MethodMaker> methods, const std::vec
   return kept;
 }
 
+/// What is missing of a record: makers of methods without an outcome.
+std::vector<MethodMaker> missingOf(const std::vector<MethodMaker>& all, const TrialRecording& recording,
+                                   const RecordOutcome& record) {
+  std::vector<MethodMaker> missing;
+  for (const MethodMaker& maker : all) {
+    if (!recording.method.empty() && recording.method != maker.name) continue;
+    const bool is_done = std::any_of(record.methods.begin(), record.methods.end(),
+                                     [&](const MethodOutcome& done) { return done.method == maker.name; });
+    if (!is_done) missing.push_back(maker);
+  }
+  return missing;
+}
+
+/// Makes one record and gives it to the methods that lack an outcome.
+void fillRecord(const TrialSeries& series, const TrialRecording& recording, std::size_t index,
+                TrialOutcome& outcome, const TrialWatch& watch) {
+  const auto look = [&watch] {
+    if (watch.look) watch.look();
+  };
+  TrialOptions options = series.trial;
+  options.seed = outcome.seed;
+  if (recording.change) recording.change(options);
+  TrialRun run(options);
+  const auto makers = chosen(series.methods(run.params().localizer), series.only);
+  if (index == outcome.records.size()) outcome.records.emplace_back();
+  RecordOutcome& record = outcome.records[index];
+  const auto missing = missingOf(makers, recording, record);
+  if (missing.empty()) return;
+  const Trial trial = run.record([&look](const TrialRun::Step&, GazeClient&) { look(); });
+  record.gaze_plan_ms = trial.gaze_plan_ms;
+  record.gaze_requests = trial.gaze_requests;
+  record.truth = trial.truth;
+  record.events_us = trial.events_us;
+  const auto evidence = series.twins ? evidenceOf(trial, run.params().map_edges, run.params().localizer)
+                                     : std::vector<std::optional<double>>();
+  for (const MethodMaker& maker : missing) {
+    const bool is_start_known = recording.method.empty() &&
+                                std::find(series.known_start.begin(), series.known_start.end(), maker.name) !=
+                                    series.known_start.end();
+    record.methods.push_back(runMethod(maker, trial, run.params().map_edges, is_start_known, look));
+    noteEvidence(evidence, record.methods.back());
+    if (watch.part) watch.part(outcome);
+  }
+}
+
+/// Names of the methods in an outcome, in their order.
+std::vector<std::string> methodsIn(const TrialOutcome& outcome) {
+  std::vector<std::string> names;
+  for (const RecordOutcome& record : outcome.records) {
+    for (const MethodOutcome& method : record.methods) names.push_back(method.method);
+  }
+  return names;
+}
+
 }  // namespace
 
+TrialOutcome runTrial(const TrialSeries& series, std::uint64_t seed, TrialOutcome so_far,
+                      const TrialWatch& watch) {
+  so_far.seed = seed;
+  for (std::size_t i = 0; i < series.recordings.size() && !so_far.is_whole; ++i) {
+    fillRecord(series, series.recordings[i], i, so_far, watch);
+  }
+  so_far.is_whole = true;
+  return so_far;
+}
+
+std::vector<std::uint64_t> seedsOf(const TrialSeries& series) {
+  std::vector<std::uint64_t> seeds;
+  for (int i = 1; i <= series.trials; ++i) seeds.push_back(kSeedsApart * series.seed + i);
+  return seeds;
+}
+
 nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path& out,
+                         const TrialSource& source,
                          const std::function<void(const Comparison&, nlohmann::json&)>& add_figures) {
   const auto began = std::chrono::steady_clock::now();
   const auto spent_s = [&began] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   };
-  const std::uint64_t first = kSeedsApart * series.seed + 1;
-  const std::uint64_t last = first + static_cast<std::uint64_t>(series.trials) - 1;
+  const std::vector<std::uint64_t> seeds = seedsOf(series);
+  const std::string range = std::to_string(seeds.front()) + ".." + std::to_string(seeds.back());
   std::optional<Comparison> comparison;
   std::vector<double> plan_ms;
   int gaze_requests = 0;
-  for (std::uint64_t seed = first; seed <= last; ++seed) {
-    for (const TrialRecording& recording : series.recordings) {
-      TrialOptions options = series.trial;
-      options.seed = seed;
-      if (recording.change) recording.change(options);
-      TrialRun run(options);
-      if (!comparison) {
-        comparison.emplace(
-            series.name,
-            text("%s; seeds %llu..%llu", series.title.c_str(), static_cast<unsigned long long>(first),
-                 static_cast<unsigned long long>(last)),
-            chosen(series.methods(run.params().localizer), series.only));
-      }
-      const Trial trial = run.record();
-      plan_ms.insert(plan_ms.end(), trial.gaze_plan_ms.begin(), trial.gaze_plan_ms.end());
-      gaze_requests += trial.gaze_requests;
-      if (recording.method.empty()) {
-        comparison->add(trial, run.params().map_edges, series.known_start);
-      } else {
-        comparison->addTo(recording.method, trial, run.params().map_edges);
-      }
-      if (series.twins) {
-        comparison->noteEvidence(evidenceOf(trial, run.params().map_edges, run.params().localizer));
+  for (const std::uint64_t seed : seeds) {
+    const TrialOutcome trial = source ? source(series, seed) : runTrial(series, seed);
+    if (!comparison) {
+      comparison.emplace(series.name, series.title + "; seeds " + range, methodsIn(trial));
+      for (const std::string& method : series.drawn) {
+        drawErrorsOf(trial, method, out / (series.name + "_" + method + ".png"));
       }
     }
-    if (seed == first) {
-      for (const std::string& method : series.drawn) {
-        comparison->drawLast(method, out / (series.name + "_" + method + ".png"));
-      }
+    for (const RecordOutcome& record : trial.records) {
+      plan_ms.insert(plan_ms.end(), record.gaze_plan_ms.begin(), record.gaze_plan_ms.end());
+      gaze_requests += record.gaze_requests;
+      for (const MethodOutcome& method : record.methods) comparison->add(method);
     }
     comparison->write(out, series.summary);
-    std::cerr << text("  %s: seed %llu of %llu..%llu, %.0f s so far\n", series.name.c_str(),
-                      static_cast<unsigned long long>(seed), static_cast<unsigned long long>(first),
-                      static_cast<unsigned long long>(last), spent_s());
+    std::cerr << text("  %s: seed %llu of %s, %.0f s so far\n", series.name.c_str(),
+                      static_cast<unsigned long long>(seed), range.c_str(), spent_s());
   }
   nlohmann::json json = comparison->report(out, series.summary);
   if (series.published) addPublished(*series.published, *comparison, series.summary, json);
@@ -113,7 +166,7 @@ nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path&
     json["gaze_requests"] = gaze_requests;
   }
   if (add_figures) add_figures(*comparison, json);
-  json["seeds"] = {first, last};
+  json["seeds"] = {seeds.front(), seeds.back()};
   json["took_s"] = spent_s();
   std::cerr << text("  took %.0f s\n", spent_s());
   return json;

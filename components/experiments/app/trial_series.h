@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/app/experiments.h"
 #include "experiments/app/trial_report.h"
 #include "experiments/app/trial_run.h"
 #include "experiments/trials/published_results.h"
@@ -25,6 +26,7 @@ struct TrialRecording {
 
 struct TrialSeries {
   std::string name;    ///< of the files: "irregular"
+  std::string origin;  ///< makes the same series elsewhere: seriesFrom(), trial_variants.h
   std::string title;   ///< for people: "E6 irregular: ..."; the seeds are added
   TrialOptions trial;  ///< its seed is set
   std::uint64_t seed = 1;
@@ -45,11 +47,28 @@ struct TrialSeries {
 /// tuning.
 inline constexpr std::uint64_t kSeedsApart = 1000;
 
-/// Runs the trials. After each of them NAME_events.csv and NAME.json hold all results so far.
+/// The seeds of a series' trials.
+std::vector<std::uint64_t> seedsOf(const TrialSeries& series);
+
+/// What happens meanwhile; either may be empty.
+struct TrialWatch {
+  std::function<void()> look;  ///< after each image and update; what it throws ends the trial
+  std::function<void(const TrialOutcome&)> part;  ///< after each method
+};
+
+/// Runs one trial of a series.
+/// @param so_far an outcome of the same trial that lacks methods: only these are run.
+TrialOutcome runTrial(const TrialSeries& series, std::uint64_t seed, TrialOutcome so_far = {},
+                      const TrialWatch& watch = {});
+
+/// Compares the methods over all trials. After each of them NAME_events.csv and NAME.json hold all results so
+/// far.
+/// @param source empty: this process runs the trials.
 /// @param add_figures adds the figures of this series only to the JSON at the end; may be empty.
 /// @return the figures, with "seeds" and "took_s".
 /// @throws std::invalid_argument when `only` names an unknown method.
 nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path& out,
+                         const TrialSource& source = {},
                          const std::function<void(const Comparison&, nlohmann::json&)>& add_figures = {});
 
 }  // namespace vismem

@@ -1,6 +1,8 @@
 #include "experiments/app/trial_variants.h"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -8,6 +10,7 @@
 
 #include "common/config/config_reader.h"
 #include "common/config/project_file.h"
+#include "experiments/app/e6_gaze.h"
 
 namespace vismem {
 namespace {
@@ -101,11 +104,28 @@ std::vector<TrialVariant> readTrialVariants(const Properties& properties, const 
   return variants;
 }
 
+namespace {
+
+std::filesystem::path fileOfVariants(const std::string& experiment, const ExperimentOptions& options) {
+  return options.variants.empty() ? projectFile("cfg/experiments/" + experiment + ".variants")
+                                  : options.variants;
+}
+
+/// The content of a file that can be read; else empty, so that reading it reports why.
+std::string textOf(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
 std::vector<TrialVariant> chosenTrialVariants(const std::string& experiment,
                                               const ExperimentOptions& options) {
-  const auto file = options.variants.empty() ? projectFile("cfg/experiments/" + experiment + ".variants")
-                                             : options.variants;
-  auto variants = readTrialVariants(Properties::load(file.string()), experiment);
+  const auto file = fileOfVariants(experiment, options);
+  const std::string content = options.variants_text.empty() ? textOf(file) : options.variants_text;
+  auto variants = readTrialVariants(
+      content.empty() ? Properties::load(file.string()) : Properties::parse(content, file.string()),
+      experiment);
   std::string known;
   for (const TrialVariant& variant : variants) known += (known.empty() ? "" : ", ") + variant.name;
   if (!options.variant.empty()) {
@@ -119,6 +139,10 @@ std::vector<TrialVariant> chosenTrialVariants(const std::string& experiment,
     variant.series.seed = options.seed;
     variant.series.only = options.methods;
     if (options.trials > 0) variant.series.trials = options.trials;
+    const nlohmann::json origin{{"experiment", experiment},   {"variant", variant.name},
+                                {"methods", options.methods}, {"gaze", options.gaze},
+                                {"file", file.string()},      {"text", content}};
+    variant.series.origin = origin.dump();
   }
   return variants;
 }
@@ -128,9 +152,25 @@ nlohmann::json runTrialVariants(const std::string& experiment, const std::string
   nlohmann::json json;
   for (TrialVariant& variant : chosenTrialVariants(experiment, options)) {
     variant.series.name = files + variant.name;
-    json[variant.name] = runSeries(variant.series, options.out);
+    json[variant.name] = runSeries(variant.series, options.out, options.source);
   }
   return json;
+}
+
+TrialSeries seriesFrom(const std::string& origin) {
+  const auto json = nlohmann::json::parse(origin);
+  ExperimentOptions options;
+  options.variant = json.at("variant").get<std::string>();
+  options.methods = json.at("methods").get<std::vector<std::string>>();
+  options.gaze = json.at("gaze").get<std::string>();
+  options.variants = json.at("file").get<std::string>();
+  options.variants_text = json.at("text").get<std::string>();
+  // Whoever gives out work must not read this machine's files by their error messages.
+  if (options.variants_text.empty()) throw std::invalid_argument("no text of variants");
+  const auto experiment = json.at("experiment").get<std::string>();
+  auto variants =
+      experiment == kGazeExperiment ? gazeVariants(options) : chosenTrialVariants(experiment, options);
+  return std::move(variants.front().series);
 }
 
 }  // namespace vismem

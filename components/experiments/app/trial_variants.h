@@ -27,6 +27,10 @@ std::vector<TrialVariant> readTrialVariants(const Properties& properties, const 
 std::vector<TrialVariant> chosenTrialVariants(const std::string& experiment,
                                               const ExperimentOptions& options);
 
+/// The series of a variant as its `origin` describes it, for one trial: without seed and number of trials.
+/// @throws ConfigError, std::invalid_argument, nlohmann::json::exception for another text.
+TrialSeries seriesFrom(const std::string& origin);
+
 /// Runs them, each with every method on the same trials.
 /// @param files begins the names of their files.
 nlohmann::json runTrialVariants(const std::string& experiment, const std::string& files,

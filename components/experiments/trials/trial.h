@@ -15,9 +15,7 @@ namespace vismem {
 struct Trial {
   std::uint64_t seed = 0;
   std::vector<MemoryUpdate> updates;  ///< stamps increase
-  /// Odometry at the arrival of each update, which is later than its stamp when images have latency.
-  std::vector<Pose2> T_odom_robot_now;
-  Trajectory truth;  ///< world -> robot
+  Trajectory truth;                   ///< world -> robot
   /// Begin of each event: the first is the start of the run, the others are kidnappings. An event ends at the
   /// begin of the next one, the last event with the truth.
   std::vector<StampUs> events_us;

@@ -9,9 +9,7 @@ class LocalizerMethod : public TrialMethod {
  public:
   LocalizerMethod(const LocalizerParams& params, const SegmentMap& map_edges, std::uint64_t seed)
       : localizer_(params, map_edges, seed) {}
-  PoseEstimate step(const MemoryUpdate& update, const Pose2& T_odom_robot_now) override {
-    return localizer_.update(update, T_odom_robot_now);
-  }
+  PoseEstimate step(const MemoryUpdate& update) override { return localizer_.update(update); }
   void setPose(const Pose2& T_world_robot) override { localizer_.setPose(T_world_robot); }
 
  private:
@@ -22,7 +20,7 @@ class MonteCarloMethod : public TrialMethod {
  public:
   MonteCarloMethod(const MonteCarloParams& params, const SegmentMap& map_edges, std::uint64_t seed)
       : monte_carlo_(params, map_edges, seed) {}
-  PoseEstimate step(const MemoryUpdate& update, const Pose2&) override { return monte_carlo_.step(update); }
+  PoseEstimate step(const MemoryUpdate& update) override { return monte_carlo_.step(update); }
   void setPose(const Pose2& T_world_robot) override { monte_carlo_.setPose(T_world_robot); }
 
  private:
@@ -51,22 +49,17 @@ std::vector<Ablation> ablations(const LocalizerParams& base) {
   };
   without("no_direction_gate", [](auto& p) { p.robust.likelihood.direction_gate = false; });
   without("no_bound", [](auto& p) { p.robust.likelihood.bounded = false; });
-  without("no_negative_information", [](auto& p) { p.robust.negative.enabled = false; });
   without("no_refinement", [](auto& p) { p.robust.filter.refinement_steps = 0; });
   without("no_ends", [](auto& p) { p.robust.observation.end_metres = 0.0; });
   without("no_kalman", [](auto& p) { p.robust.filter.kalman = false; });
   without("no_odometry_calibration", [](auto& p) { p.odometry.enabled = false; });
   without("no_score_history", [](auto& p) { p.robust.history.forgetting = 0.0; });
-  without("no_novelty", [](auto& p) { p.robust.novelty.half_novelty_views = 0.0; });
   without("no_hysteresis", [](auto& p) { p.robust.evidence.lead = 0.0; });
   without("no_validity", [](auto& p) { p.robust.reliability.validity = false; });
   without("no_constructed", [](auto& p) { p.robust.explorers.constructed_share = 0.0; });
-  without("no_landmarks", [](auto& p) { p.robust.explorers.landmark_share = 0.0; });
-  without("no_kld", [](auto& p) { p.robust.explorers.kld_error = 0.0; });
   without("no_age_weight", [](auto& p) { p.robust.observation.half_life_s = 0.0; });
   without("no_camera_tilt",
           [](auto& p) { p.robust.likelihood.tilt_bias_rad = p.robust.likelihood.frame_tilt_rad = 0.0; });
-  without("rated_on_arrival", [](auto& p) { p.rate_at_image_stamp = false; });
   without("image_only", [](auto& p) { p.robust.observation.source = ObservationSource::kImage; });
   without("memory_only", [](auto& p) { p.robust.observation.source = ObservationSource::kMemory; });
   return all;

@@ -19,8 +19,7 @@ namespace vismem {
 class TrialMethod {
  public:
   virtual ~TrialMethod() = default;
-  /// @param T_odom_robot_now odometry at the arrival of the update.
-  virtual PoseEstimate step(const MemoryUpdate& update, const Pose2& T_odom_robot_now) = 0;
+  virtual PoseEstimate step(const MemoryUpdate& update) = 0;
   /// Sets the robot's pose at the stamp of the last update.
   virtual void setPose(const Pose2& T_world_robot) = 0;
 };

@@ -28,7 +28,7 @@ std::optional<double> evidenceAfter(const Trial& trial, std::size_t event, const
     double here_m = 0.0;
     for (const FloorPoint& point : observeImage(*update.analysis, map, observation).points) {
       if (distanceAt(point, *pose) > params.on_map_m || distanceAt(point, twin) <= params.off_map_m) continue;
-      here_m += point.weight / observation.points_per_metre;
+      here_m += point.weight / kPointsPerMetre;
     }
     seen_m += std::min(here_m, params.most_per_image_m);
     if (seen_m >= params.enough_m) return toSeconds(stamp_us - truth.front().stamp_us);

@@ -63,50 +63,77 @@ class GuiServer : public Component {
   std::jthread thread_;
 };
 
-/// Reads a proxy, notes its socket for the policy, and names the object as pages reach it.
-std::string readProxy(ConfigReader& config, const std::string& name, const std::string& category,
+/// How pages reach the objects.
+struct Access {
+  RobotKeys robot;
+  /// Only reading operations.
+  bool viewer = false;
+  /// Proxy of a Glacier2 router; empty: pages connect to the components themselves.
+  std::string gateway;
+  /// Of the faces; empty behind a gateway for operators, who use the objects' own identities.
+  std::string category;
+};
+
+/// Notes the socket of a proxy for the policy.
+/// @return whether a browser can use it; a problem if not.
+bool noteSocket(ConfigReader& config, const std::string& name, const std::string& proxy,
+                std::vector<std::string>& sockets) {
+  const auto socket = webSocketSource(proxy);
+  if (socket)
+    sockets.push_back(*socket);
+  else
+    config.problem(name,
+                   "must have an endpoint of protocol ws or wss with -h and -p: a browser speaks no other");
+  return socket.has_value();
+}
+
+/// Reads a proxy and names the object as pages reach it. Behind a gateway its endpoints are those that the
+/// gateway reaches.
+std::string readProxy(ConfigReader& config, const std::string& name, const Access& access,
                       std::vector<std::string>& sockets) {
   const auto proxy = config.text(name, "");
   if (proxy.empty()) return proxy;
-  const auto socket = webSocketSource(proxy);
-  if (!socket) {
-    config.problem(name, "must have an endpoint of protocol ws with -h and -p: a browser speaks no other");
-    return proxy;
-  }
-  sockets.push_back(*socket);
-  return faceProxy(proxy, category);
+  if (access.gateway.empty() && !noteSocket(config, name, proxy, sockets)) return proxy;
+  return access.category.empty() ? ownProxy(proxy, access.robot)
+                                 : faceProxy(proxy, access.robot, access.category);
 }
 
-/// The category of the faces that this server's pages use; a problem without the token for it.
-std::string readCategory(ConfigReader& root, ConfigReader& config, bool viewer) {
-  const auto robot = readRobotKeys(root);
-  const auto category = viewer ? robot.viewTokenCategory() : robot.tokenCategory();
-  if (category.empty()) {
-    config.problem("ReadOnly", viewer ? "needs Robot.ViewToken: components answer web pages only with a token"
-                                      : "needs Robot.Token: components answer web pages only with a token");
+/// A problem without the token that pages need.
+Access readAccess(ConfigReader& root, ConfigReader& config, std::vector<std::string>& sockets) {
+  Access access;
+  access.robot = readRobotKeys(root);
+  access.viewer = config.boolean("ReadOnly", false);
+  access.gateway = config.text("Gateway.Router", "");
+  if (!access.gateway.empty()) {
+    noteSocket(config, "Gateway.Router", access.gateway, sockets);
+    if (access.viewer) access.category = access.robot.viewCategory();
+    return access;
   }
-  return category;
+  access.category = access.viewer ? access.robot.viewTokenCategory() : access.robot.tokenCategory();
+  if (access.category.empty()) {
+    config.problem("ReadOnly", access.viewer
+                                   ? "needs Robot.ViewToken: components answer web pages only with a token"
+                                   : "needs Robot.Token: components answer web pages only with a token");
+  }
+  return access;
 }
 
 /// What /config.json says: the objects, under the names that hold the token.
 nlohmann::json readObjects(ConfigReader& root, ConfigReader& config, std::vector<std::string>& sockets) {
-  const bool viewer = config.boolean("ReadOnly", false);
-  const auto category = readCategory(root, config, viewer);
+  const Access access = readAccess(root, config, sockets);
   nlohmann::json objects = nlohmann::json::object();
   for (const auto name : kObjects) {
-    const auto proxy = readProxy(config, std::string(name) + ".Proxy", category, sockets);
+    const auto proxy = readProxy(config, std::string(name) + ".Proxy", access, sockets);
     if (!proxy.empty()) objects[std::string(name)] = proxy;
   }
   nlohmann::json components = nlohmann::json::array();
   for (const auto& name : config.children("Components")) {
-    const auto proxy = readProxy(config, "Components." + name + ".Proxy", category, sockets);
+    const auto proxy = readProxy(config, "Components." + name + ".Proxy", access, sockets);
     if (!proxy.empty()) components.push_back({{"name", name}, {"proxy", proxy}});
   }
-  return {{"version", VISMEM_VERSION},
-          {"robot", root.text("Robot.Name", "")},
-          {"viewer", viewer},
-          {"proxies", objects},
-          {"components", components}};
+  return {{"version", VISMEM_VERSION}, {"robot", root.text("Robot.Name", "")},
+          {"viewer", access.viewer},   {"gateway", access.gateway},
+          {"proxies", objects},        {"components", components}};
 }
 
 std::unique_ptr<Component> configure(ConfigReader& reader) {
@@ -117,6 +144,12 @@ std::unique_ptr<Component> configure(ConfigReader& reader) {
     options.endpoint = *endpoint;
   else
     config.problem("Http.Endpoints", "must be http -h HOST -p PORT, such as http -h 127.0.0.1 -p 8770");
+  if (!isLoopback(options.endpoint.host) && !config.boolean("PlainRemote", false)) {
+    config.problem(
+        "Http.Endpoints",
+        "must be http -h 127.0.0.1 -p PORT, since pages are served without TLS and may hold a token; "
+        "GuiServer.PlainRemote = yes serves them to everybody");
+  }
   const auto hosts = config.text("Http.Hosts", "");
   for (const auto host : words(hosts)) options.hosts.emplace_back(host);
   options.pages = config.existingPath("Pages");

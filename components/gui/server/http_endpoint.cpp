@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <regex>
 
-#include "common/process/robot_identity.h"
-
 namespace vismem {
 
 std::optional<HttpEndpoint> parseHttpEndpoint(const std::string& text) {
@@ -35,9 +33,14 @@ std::optional<std::string> webSocketSource(const std::string& proxy) {
   return endpoint[1].str() + "://" + host[1].str() + ":" + port[1].str();
 }
 
-std::string faceProxy(const std::string& proxy, const std::string& category) {
+std::string faceProxy(const std::string& proxy, const RobotKeys& robot, const std::string& category) {
   const auto end = std::min(proxy.find_first_of(": "), proxy.size());
-  return category + "/" + faceName(proxy.substr(0, end)) + proxy.substr(end);
+  return category + "/" + faceName(withoutRobot(robot, proxy.substr(0, end))) + proxy.substr(end);
+}
+
+std::string ownProxy(const std::string& proxy, const RobotKeys& robot) {
+  const auto end = std::min(proxy.find_first_of(": "), proxy.size());
+  return ownIdentity(robot, withoutRobot(robot, proxy.substr(0, end))) + proxy.substr(end);
 }
 
 }  // namespace vismem

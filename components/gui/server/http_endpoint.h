@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "common/process/robot_identity.h"
+
 namespace vismem {
 
 inline constexpr const char* kDefaultHttpEndpoint = "http -h 127.0.0.1 -p 8770";
@@ -28,6 +30,11 @@ std::optional<std::string> webSocketSource(const std::string& proxy);
 
 /// A proxy of a configuration as a web page uses it: with the category and the name of a face
 /// (docs/remote-access.md). "robot.TOKEN/simulator.component:ws ..." for "simulator/component:ws ...".
-std::string faceProxy(const std::string& proxy, const std::string& category);
+/// @param proxy with or without the robot's name: "cameraA:ws ..." or "robot7/cameraA:ws ...".
+std::string faceProxy(const std::string& proxy, const RobotKeys& robot, const std::string& category);
+
+/// A proxy of a configuration under the object's own identity: "robot7/cameraA:tcp ..." for "cameraA:tcp
+/// ...".
+std::string ownProxy(const std::string& proxy, const RobotKeys& robot);
 
 }  // namespace vismem

@@ -4,6 +4,7 @@ import "dockview/dist/styles/dockview.css";
 import "./style/page.css";
 import {Dock} from "./layout/dock";
 import type {PaneMaker} from "./layout/dock";
+import {makeLogin} from "./layout/login";
 import {presetNames} from "./layout/presets";
 import type {PresetName} from "./layout/presets";
 import {TimeBar} from "./layout/time_bar";
@@ -65,6 +66,7 @@ async function start(): Promise<void> {
   const dockHost = h("main", {class: "dock"}), app = document.getElementById("app")!;
   const dock = new Dock(dockHost, makersOf(store), titles), top = new TopBar(store, dock, titles);
   app.replaceChildren(top.element, dockHost, new TimeBar(store).element);
+  if (store.config.gateway) app.append(makeLogin(store));
   showNotices(store, app);
   top.load(presetOf(store.config));
   document.addEventListener("visibilitychange", () => store.send({kind: "visible", page: !document.hidden, camera: true}));

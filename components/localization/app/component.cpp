@@ -11,6 +11,7 @@
 #include "localization/app/gaze_sender.h"
 #include "localization/app/health_map_worker.h"
 #include "localization/app/localization_loop.h"
+#include "localization/app/map_watch.h"
 #include "localization/ice/localization_ice.h"
 #include "localization/ice/map_ice.h"
 
@@ -33,10 +34,10 @@ class LocalizationComponent final : public Component, public LocalizationControl
         map_edges_(std::move(loaded.edges)),
         map_warnings_(std::move(loaded.warnings)),
         map_(std::move(map)),
-        localizer_(config_.params, map_edges_, config_.seed) {
-    if (!config_.gaze_proxy.empty()) {
-      planner_.emplace(config_.gaze, config_.params.robust.likelihood, config_.params.map, map_edges_);
-    }
+        localizer_(config_.params, map_edges_, config_.seed),
+        gaze_params_(config_.gaze),
+        watch_({config_.map, config_.palette}) {
+    if (!config_.gaze_proxy.empty()) planner_.emplace(makePlanner(map_edges_));
     if (!config_.start) return;
     if (const std::string problem = localizer_.problemOf(*config_.start); !problem.empty())
       throw ConfigError({"Localization.Start.Position_m: " + problem});
@@ -56,6 +57,7 @@ class LocalizationComponent final : public Component, public LocalizationControl
                                                      }
                                                    });
     loop_ = std::make_unique<LocalizationLoop>(std::move(localizer_), *memory_);
+    planner_wanted_ = planner_.has_value();
     if (planner_) {
       gaze_ = std::make_unique<GazeSender>(host.communicator()->stringToProxy(config_.gaze_proxy),
                                            host.status(), host.log());
@@ -68,8 +70,9 @@ class LocalizationComponent final : public Component, public LocalizationControl
     }
     health_maps_ = std::make_unique<HealthMapWorker>(healthMapParams(config_.params), map_edges_,
                                                      [this] { return loop_->newest(); });
-    host.serve("Localization", std::make_shared<LocalizationServant>(*this, estimates_, *health_maps_, map_,
-                                                                     config_.pose3d_scale));
+    servant_ =
+        std::make_shared<LocalizationServant>(*this, estimates_, *health_maps_, map_, config_.pose3d_scale);
+    host.serve("Localization", servant_);
     if (gaze_) listGazeParameters(host.parameters());
     loop_->start(
         [this, &host](const PoseEstimate& estimate, double step_s) {
@@ -94,6 +97,7 @@ class LocalizationComponent final : public Component, public LocalizationControl
         [this, &host] {
           host.status().alive("localization");
           if (gaze_) gaze_->keepInTouch();
+          if (watch_.hasChanged(MapWatch::Clock::now())) reloadMap(host);
         });
   }
 
@@ -112,19 +116,47 @@ class LocalizationComponent final : public Component, public LocalizationControl
   PortReply relocalize() override { return loop_->relocalize(); }
 
  private:
+  GazePlanner makePlanner(const SegmentMap& map_edges) const {
+    return GazePlanner(gaze_params_, config_.params.robust.likelihood, config_.params.map, map_edges);
+  }
+
+  /// In the loop's thread. A map that cannot be used changes nothing.
+  void reloadMap(ComponentHost& host) {
+    const std::string name = config_.map.filename().string();
+    try {
+      const LoadedMap loaded = loadMapEdges(config_.map, config_.palette);
+      for (const std::string& warning : loaded.warnings) host.log().warning(warning);
+      loop_->replaceMap(
+          Localizer(config_.params, loaded.edges, config_.seed),
+          planner_wanted_ ? std::optional<GazePlanner>(makePlanner(loaded.edges)) : std::nullopt);
+      health_maps_->setMap(loaded.edges);
+      servant_->setMap(toIce(loaded.rows, name));
+      host.status().healthy("map");
+      host.log().info("the map " + name + " has changed: localizing with it");
+    } catch (const ConfigError& error) {
+      host.status().fault("map",
+                          name + " has changed and cannot be used, the last one stays: " + error.what());
+    }
+  }
+
   void listGazeParameters(ParameterTable& table) {
-    const auto add = [&](RuntimeParameter parameter, void (GazePlanner::*change)(double)) {
-      table.add(std::move(parameter), [this, change](double value) {
-        return loop_->changePlanner([change, value](GazePlanner& planner) { (planner.*change)(value); })
+    const auto add = [&](RuntimeParameter parameter, void (GazePlanner::*change)(double),
+                         double GazePlannerParams::*field) {
+      table.add(std::move(parameter), [this, change, field](double value) {
+        return loop_
+            ->changePlanner([this, change, field, value](GazePlanner& planner) {
+              (planner.*change)(value);
+              gaze_params_.*field = value;  // for the planner of the next map
+            })
             .message;
       });
     };
     add({"Gaze.UncertaintyAbove", "", 0.0, 1.0, false, config_.gaze.uncertainty_above,
          "Gaze is requested while the reliability is below 1 minus this"},
-        &GazePlanner::setUncertaintyAbove);
+        &GazePlanner::setUncertaintyAbove, &GazePlannerParams::uncertainty_above);
     add({"Gaze.Confirm_s", "s", 0.0, 60.0, false, config_.gaze.confirm_s,
          "Gaze is requested for so long after the pose became reliable"},
-        &GazePlanner::setConfirmation);
+        &GazePlanner::setConfirmation, &GazePlannerParams::confirm_s);
   }
 
   const LocalizationConfig config_;
@@ -132,11 +164,15 @@ class LocalizationComponent final : public Component, public LocalizationControl
   const std::vector<std::string> map_warnings_;
   const avm::MapContents map_;          ///< as clients get it
   Localizer localizer_;                 ///< until start(), then the loop's
+  GazePlannerParams gaze_params_;       ///< as changed at run time; the loop's thread after start()
+  MapWatch watch_;                      ///< the loop's thread after start()
   std::optional<GazePlanner> planner_;  ///< until start(), then the loop's
+  bool planner_wanted_ = false;
   EstimateBroadcaster estimates_;
   std::unique_ptr<VisualMemoryClient> memory_;
-  std::unique_ptr<GazeSender> gaze_;              ///< null: no gaze requests
-  std::unique_ptr<LocalizationLoop> loop_;        ///< its thread uses all of the above
+  std::unique_ptr<GazeSender> gaze_;        ///< null: no gaze requests
+  std::unique_ptr<LocalizationLoop> loop_;  ///< its thread uses all of the above
+  std::shared_ptr<LocalizationServant> servant_;
   std::unique_ptr<HealthMapWorker> health_maps_;  ///< last member: its thread uses the loop
 };
 

@@ -15,8 +15,8 @@ constexpr HealthMapLimits kLimits{120'000.0, 5e6};
 HealthMapWorker::HealthMapWorker(const HealthMapParams& params, SegmentMap map_edges,
                                  std::function<MemoryUpdate()> newest)
     : params_(params),
-      map_edges_(std::move(map_edges)),
       newest_(std::move(newest)),
+      map_edges_(std::move(map_edges)),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 HealthMapWorker::~HealthMapWorker() {
@@ -24,7 +24,14 @@ HealthMapWorker::~HealthMapWorker() {
 }
 
 std::string HealthMapWorker::check(const HealthMapRequest& request) const {
+  const std::lock_guard lock(mutex_);
   return checkRequest(request, map_edges_, kLimits);
+}
+
+void HealthMapWorker::setMap(SegmentMap map_edges) {
+  const std::lock_guard lock(mutex_);
+  map_edges_ = std::move(map_edges);
+  map_changed_ = true;
 }
 
 PortReply HealthMapWorker::draw(const HealthMapRequest& request, Done done) {
@@ -71,7 +78,10 @@ void HealthMapWorker::answer(const std::stop_token& stop, const Job& job) {
     why = "no observation yet";
   } else {
     try {
-      if (!mapper_) mapper_.emplace(params_, map_edges_);
+      {
+        const std::lock_guard lock(mutex_);
+        if (std::exchange(map_changed_, false)) mapper_.emplace(params_, map_edges_);
+      }
       map = mapper_->map(update, job.request, [&stop] { return stop.stop_requested(); });
       if (!map) {
         why = stop.stop_requested() ? "localization stops"

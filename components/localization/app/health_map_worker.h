@@ -24,6 +24,8 @@ class HealthMapWorker : public HealthMapSource {
 
   std::string check(const HealthMapRequest& request) const override;
   PortReply draw(const HealthMapRequest& request, Done done) override;
+  /// The map of all later answers.
+  void setMap(SegmentMap map_edges);
   /// Answers all waiting and all later requests without a map.
   void stop();
 
@@ -38,10 +40,11 @@ class HealthMapWorker : public HealthMapSource {
   void answer(const std::stop_token& stop, const Job& job);
 
   const HealthMapParams params_;
-  const SegmentMap map_edges_;
   const std::function<MemoryUpdate()> newest_;
   std::optional<HealthMapper> mapper_;  ///< the thread's
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
+  SegmentMap map_edges_;
+  bool map_changed_ = true;  ///< since the mapper was made
   std::condition_variable_any changed_;
   std::deque<Job> jobs_;  ///< the first is in progress
   bool stopped_ = false;

@@ -48,10 +48,25 @@ void LocalizationLoop::stop() {
 }
 
 PortReply LocalizationLoop::setPose(const Pose2& T_world_robot) {
-  // Constant since its construction: no lock.
-  if (const std::string problem = localizer_.problemOf(T_world_robot); !problem.empty())
-    return PortReply::rejected(problem);
+  {
+    const std::lock_guard lock(mutex_);  // the map may be replaced
+    if (const std::string problem = localizer_.problemOf(T_world_robot); !problem.empty()) {
+      return PortReply::rejected(problem);
+    }
+  }
   return enqueue(T_world_robot);
+}
+
+void LocalizationLoop::replaceMap(Localizer localizer, std::optional<GazePlanner> planner) {
+  const PoseEstimate last = localizer_.latest();
+  // The new one begins at the same observation and place.
+  if (newest_.snapshot) localizer.update(newest_);
+  if (last.T_world_robot && localizer.problemOf(*last.T_world_robot).empty()) {
+    localizer.setPose(*last.T_world_robot);
+  }
+  if (planner) planner_.emplace(std::move(*planner));
+  const std::lock_guard lock(mutex_);
+  localizer_ = std::move(localizer);
 }
 
 PortReply LocalizationLoop::relocalize() {

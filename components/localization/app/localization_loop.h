@@ -38,6 +38,11 @@ class LocalizationLoop {
   void start(Publish publish, SourceChanged source_changed, Failed failed, std::function<void()> alive);
   void stop();
 
+  /// Localizes with another map from now on; the pose is kept where the map allows it. To be called from the
+  /// loop's thread alone: by `alive`.
+  /// @param planner  of the new map; only after seekGaze.
+  void replaceMap(Localizer localizer, std::optional<GazePlanner> planner);
+
   /// Queued until before the loop's next update. Rejected if not finite or with a full queue.
   PortReply setPose(const Pose2& T_world_robot);
   PortReply relocalize();

@@ -24,6 +24,10 @@ constexpr double kFullJump_m = 2.0;
 constexpr double kGivenStd_m = 0.1;
 constexpr double kGivenStd_rad = 0.1;
 
+/// Smallest reliability of a reference pose of the odometry calibration.
+constexpr double kTrust = 0.7;
+/// The tick while the winner is suspect.
+constexpr double kSuspectTick_s = 0.1;
 /// An observation is inconsistent if it supports less than this share of the winner's reliability.
 constexpr double kInconsistent = 0.7;
 
@@ -61,6 +65,16 @@ LocalizerParams localizerPreset(LocalizationMode mode) {
   return params;
 }
 
+void LocalizerParams::visit(ParameterVisitor& v) {
+  v.real(expert("Tick_s", "stamps between iterations"), tick_s, 0.001, 60.0);
+  map.visit(v);
+  v.group("Races", races);
+  v.group("Explorers", explorers);
+  v.group("Health", health);
+  v.group("Robust", robust);
+  v.group("Odometry", odometry);
+}
+
 HealthMapParams healthMapParams(const LocalizerParams& params) {
   return {params.map, params.health, params.robust.observation, params.robust.likelihood};
 }
@@ -92,8 +106,8 @@ PoseEstimate Localizer::update(const MemoryUpdate& update) {
   epoch_ = snapshot.epoch;
   last_stamp_us_ = snapshot.stamp_us;
   last_T_odom_robot_ = snapshot.T_odom_robot;
-  const bool is_suspect = tracking_.isSuspect(last_stamp_us_, params_.suspect_time_s);
-  const double tick_s = is_suspect ? std::min(params_.suspect_tick_s, params_.tick_s) : params_.tick_s;
+  const double tick_s =
+      isSuspect(tracking_, last_stamp_us_) ? std::min(kSuspectTick_s, params_.tick_s) : params_.tick_s;
   const auto tick_us = static_cast<StampUs>(tick_s * kSecondUs);
   if (!last_tick_us_ || snapshot.stamp_us >= *last_tick_us_ + tick_us) {
     // Ticks stay on their grid while images come often enough: 30 Hz gives 5 ticks per second.
@@ -103,13 +117,6 @@ PoseEstimate Localizer::update(const MemoryUpdate& update) {
   }
   report();
   return estimate_;
-}
-
-PoseEstimate Localizer::update(const MemoryUpdate& update, const Pose2& T_odom_robot_now) {
-  if (params_.rate_at_image_stamp) return this->update(update);
-  auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
-  snapshot->T_odom_robot = T_odom_robot_now;
-  return this->update(MemoryUpdate{std::move(snapshot), update.analysis});
 }
 
 void Localizer::follow(const MemorySnapshot& snapshot) {
@@ -149,21 +156,17 @@ void Localizer::iterate(const MemoryUpdate& update, double elapsed_s) {
   for (Race& race : table_.races()) strategy_->weight(race);
   const auto agreement = strategy_->agreement(table_);
   const bool is_inconsistent = agreement && *agreement < kInconsistent * reliability_;
-  if (tracking_.addObservation(is_inconsistent, last_stamp_us_)) {
-    strategy_->resetNovelty();
-    for (Race& race : table_.races()) strategy_->weight(race);
-  }
   propose(agreement, is_inconsistent);
   prune();
   table_.mergeSamePlaces();
   for (Race& race : table_.races()) strategy_->refine(race, engine_);
-  select(before, elapsed_s);
+  select(before, is_inconsistent, elapsed_s);
 }
 
 void Localizer::propose(const std::optional<double>& agreement, bool is_inconsistent) {
   // Reliability is low-pass filtered; an inconsistent observation starts the full search at once.
   int explorers = explorerCount(params_.explorers, is_inconsistent ? *agreement : reliability_, iteration_);
-  const bool is_idle = tracking_.isIdle() && !is_inconsistent;
+  const bool is_idle = tracking_.mode == Tracking::kTracking && !is_inconsistent;
   const auto period = static_cast<std::uint64_t>(std::max(1, params_.explorers.period_reliable));
   if (is_idle && iteration_ % period != 0) explorers = 0;
   if (explorers <= 0) return;
@@ -181,18 +184,19 @@ void Localizer::prune() {
   });
 }
 
-void Localizer::select(const Race& before, double elapsed_s) {
+void Localizer::select(const Race& before, bool is_inconsistent, double elapsed_s) {
   strategy_->select(table_, reliability_);
   reliability_ = strategy_->updatedReliability(reliability_, table_, elapsed_s);
   const Race* winner = table_.winner();
   const bool is_same = winner && winner->id == before.id;
-  tracking_.addSelection(is_same && strategy_->isUnambiguous(table_));
+  const bool is_unambiguous = is_same && strategy_->isUnambiguous(table_);
+  tracking_ = nextTracking(tracking_, {last_stamp_us_, winner != nullptr, is_inconsistent, is_unambiguous});
   if (winner && before.id != 0 && !is_same) {
     const double jump = (winner->T_world_robot.position() - before.T_world_robot.position()).norm();
     reliability_ *= std::max(0.0, 1.0 - jump / kFullJump_m);
   }
   if (!odometry_) return;
-  if (is_same && reliability_ >= params_.odometry.trust && tracking_.isUnambiguous()) {
+  if (is_same && reliability_ >= kTrust && is_unambiguous) {
     odometry_->addReferencePose(winner->T_world_robot, winner->id);
   } else {
     odometry_->interrupt();
@@ -201,7 +205,7 @@ void Localizer::select(const Race& before, double elapsed_s) {
 
 void Localizer::beginEpoch() {
   if (odometry_) odometry_->interrupt();
-  tracking_.reset();
+  tracking_ = restartedTracking(tracking_, table_.winner() != nullptr);
   reliability_ = std::min(reliability_, kReliabilityAfterEpoch);
   strategy_->discountEvidence(table_);
   last_tick_us_.reset();
@@ -229,7 +233,7 @@ void Localizer::setPose(const Pose2& T_world_robot) {
   race.P_reported = race.P;
   table_.replaceAll(std::move(race));
   if (odometry_) odometry_->interrupt();
-  tracking_.reset();
+  tracking_ = restartedTracking(tracking_, true);
   strategy_->resetHistory(table_);
   table_.award(table_.winner()->id);
   table_.recordBest(table_.winner()->id);
@@ -243,7 +247,7 @@ void Localizer::relocalize() {
   table_.clear();
   strategy_->resetHistory(table_);
   reliability_ = 0.0;
-  tracking_.reset();
+  tracking_ = restartedTracking(tracking_, false);
   report();
 }
 

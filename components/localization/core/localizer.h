@@ -8,13 +8,14 @@
 #include <optional>
 #include <string>
 
+#include "common/config/parameter_visitor.h"
 #include "common/segment_map/segment_map.h"
 #include "common/visual_memory/memory_snapshot.h"
 #include "localization/core/hypotheses/evolution.h"
 #include "localization/core/hypotheses/explorers.h"
 #include "localization/core/hypotheses/race_strategy.h"
 #include "localization/core/hypotheses/robust_races.h"
-#include "localization/core/hypotheses/state.h"
+#include "localization/core/hypotheses/tracking.h"
 #include "localization/core/likelihood/chapter_health.h"
 #include "localization/core/likelihood/health_map.h"
 #include "localization/core/odometry_calibration.h"
@@ -27,11 +28,6 @@ enum class LocalizationMode { kDefault, kChapter };
 struct LocalizerParams {
   LocalizationMode mode = LocalizationMode::kDefault;
   double tick_s = 0.2;  ///< of stamps between iterations; every update predicts the races by odometry
-  /// Default mode: the same while the winner is suspect, and the longest suspicion (TrackingState).
-  double suspect_tick_s = 0.1;
-  double suspect_time_s = 3.0;
-  /// False: an image counts as taken when it arrives (Localizer::update with the odometry of that moment).
-  bool rate_at_image_stamp = true;
   MapParams map;
   RaceParams races;
   ExplorerParams explorers;
@@ -39,6 +35,8 @@ struct LocalizerParams {
   HealthParams health;                 ///< chapter mode
   RobustParams robust;                 ///< default mode
   OdometryCalibrationParams odometry;  ///< default mode
+
+  void visit(ParameterVisitor& v);
 };
 
 /// The presets: `chapter` as published, with the authors' program where the text is silent; `default` ours.
@@ -66,10 +64,6 @@ class Localizer {
   /// @param update both pointers set. An update that is not newer than the last one (except after a restart
   /// of the source's time) returns the last estimate again.
   PoseEstimate update(const MemoryUpdate& update);
-  /// The same with the odometry at the moment of arrival, which replaces the image's if
-  /// LocalizerParams::rate_at_image_stamp is off. For the ablation only.
-  PoseEstimate update(const MemoryUpdate& update, const Pose2& T_odom_robot_now);
-
   /// Replaces all races by one at this pose at the last update's stamp. Its reliability is what the last
   /// observation supports, or 1 with too little evidence or in chapter mode. This and relocalize() make a new
   /// estimate at the last stamp; before the first update latest() has no stamp.
@@ -92,7 +86,7 @@ class Localizer {
   void propose(const std::optional<double>& agreement, bool is_inconsistent);
   void prune();
   /// @param before the winner before this iteration; id 0: none.
-  void select(const Race& before, double elapsed_s);
+  void select(const Race& before, bool is_inconsistent, double elapsed_s);
   void beginEpoch();
   void report();
 

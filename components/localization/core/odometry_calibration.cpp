@@ -7,6 +7,15 @@
 namespace vismem {
 namespace {
 
+constexpr double kPiece_m = 0.5;  // a measurement covers this distance or this turn
+constexpr double kPiece_rad = 0.8;
+constexpr double kPoseStd_m = 0.01;  // standard deviation of a reference pose
+constexpr double kPoseStd_rad = degToRad(0.5);
+constexpr double kNoise_rad_per_root_m = 0.03;  // random errors of odometry
+constexpr double kNoise_rad_per_root_rad = 0.02;
+constexpr double kNoise_m_per_root_m = 0.01;
+constexpr double kGateSigmas = 3.0;  // measurements with a larger innovation are rejected
+
 enum Error { kTurnPerMetre = 0, kTurnShare = 1, kTravelShare = 2 };
 
 }  // namespace
@@ -43,16 +52,16 @@ void OdometryCalibration::begin(const Pose2& T_world_robot, std::uint64_t id) {
 
 void OdometryCalibration::addReferencePose(const Pose2& T_world_robot, std::uint64_t id) {
   if (!start_ || start_->id != id) return begin(T_world_robot, id);
-  if (travelled_ < params_.piece_m && swung_ < params_.piece_rad) return;
+  if (travelled_ < kPiece_m && swung_ < kPiece_rad) return;
   const Pose2 T_start_now = inverse(start_->T_world_robot) * T_world_robot;
-  const double ends_rad2 = 2.0 * params_.pose_std_rad * params_.pose_std_rad;
-  const double ends_m2 = 2.0 * params_.pose_std_m * params_.pose_std_m;
-  const double noise_rad2 = params_.noise_rad_per_root_m * params_.noise_rad_per_root_m * travelled_ +
-                            params_.noise_rad_per_root_rad * params_.noise_rad_per_root_rad * swung_;
+  const double ends_rad2 = 2.0 * kPoseStd_rad * kPoseStd_rad;
+  const double ends_m2 = 2.0 * kPoseStd_m * kPoseStd_m;
+  const double noise_rad2 = kNoise_rad_per_root_m * kNoise_rad_per_root_m * travelled_ +
+                            kNoise_rad_per_root_rad * kNoise_rad_per_root_rad * swung_;
   update(angleDifference(T_start_now.theta, moved_.theta), {forward_, turned_, 0.0}, ends_rad2 + noise_rad2);
   const double chord = moved_.position().norm();
-  if (chord > 0.5 * params_.piece_m) {
-    const double noise_m2 = params_.noise_m_per_root_m * params_.noise_m_per_root_m * travelled_;
+  if (chord > 0.5 * kPiece_m) {
+    const double noise_m2 = kNoise_m_per_root_m * kNoise_m_per_root_m * travelled_;
     update(T_start_now.position().norm() - chord, {0.0, 0.0, chord}, ends_m2 + noise_m2);
   }
   const Eigen::Vector3d walk =
@@ -65,7 +74,7 @@ void OdometryCalibration::update(double z, const Eigen::RowVector3d& H, double v
   const double innovation = z - H * bias_.errors;
   const double s = H * bias_.P * H.transpose() + variance;
   // Slip, a push or being carried are not lasting errors.
-  if (innovation * innovation > params_.gate_sigmas * params_.gate_sigmas * s) return;
+  if (innovation * innovation > kGateSigmas * kGateSigmas * s) return;
   const Eigen::Vector3d gain = bias_.P * H.transpose() / s;
   bias_.errors += gain * innovation;
   bias_.P -= gain * H * bias_.P;

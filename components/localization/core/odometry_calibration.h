@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/config/parameter_visitor.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/pose.h"
 #include "localization/core/pose_estimate.h"
@@ -19,15 +20,13 @@ struct OdometryCalibrationParams {
   double turn_share = 0.03;
   double travel_share = 0.03;
   double walk_share = 0.02;  ///< random walk per square root of a metre, relative to these
-  double piece_m = 0.5;      ///< a measurement covers this distance or this turn
-  double piece_rad = 0.8;
-  double pose_std_m = 0.01;  ///< standard deviation of a reference pose
-  double pose_std_rad = degToRad(0.5);
-  double noise_rad_per_root_m = 0.03;  ///< random errors of odometry
-  double noise_rad_per_root_rad = 0.02;
-  double noise_m_per_root_m = 0.01;
-  double gate_sigmas = 3.0;  ///< measurements with a larger innovation are rejected
-  double trust = 0.7;        ///< smallest reliability of a reference pose
+
+  void visit(ParameterVisitor& v) {
+    v.alias("Learn", "Calibrate");
+    v.flag(basic("Calibrate",
+                 "estimate and remove lasting errors of odometry: yaw bias, yaw scale, distance scale"),
+           enabled);
+  }
 };
 
 /// Kalman filter of three lasting errors: yaw bias per metre (unequal wheels or legs), yaw scale (wrong wheel

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -84,7 +85,15 @@ class LocalizationServant : public avm::Localization {
   avm::CommandReply relocalize(const Ice::Current&) override;
   void healthMapAsync(avm::HealthMapRequest request, std::function<void(const avm::HealthGrid&)> response,
                       std::function<void(std::exception_ptr)> exception, const Ice::Current&) override;
-  avm::MapContents getMap(const Ice::Current&) override { return map_; }
+  avm::MapContents getMap(const Ice::Current&) override {
+    const std::lock_guard lock(map_mutex_);
+    return map_;
+  }
+  /// What clients get from now on.
+  void setMap(avm::MapContents map) {
+    const std::lock_guard lock(map_mutex_);
+    map_ = std::move(map);
+  }
 
   /// @throws Ice::UnknownException without a pose: JdeRobot declares no failure here.
   std::shared_ptr<jderobot::Pose3DData> getPose3DData(const Ice::Current&) override;
@@ -94,7 +103,8 @@ class LocalizationServant : public avm::Localization {
   LocalizationControl& control_;
   EstimateBroadcaster& estimates_;
   HealthMapSource& health_maps_;
-  const avm::MapContents map_;
+  std::mutex map_mutex_;
+  avm::MapContents map_;
   double pose3d_scale_;
 };
 

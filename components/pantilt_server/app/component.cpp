@@ -58,11 +58,13 @@ class PanTiltServer : public Component {
   std::shared_ptr<PanTiltServant> servant_;
 };
 
-std::unique_ptr<Component> configure(ConfigReader& reader) {
+std::unique_ptr<Component> configure(ConfigReader& reader,
+                                     const std::function<void(DriverRegistry<PanTiltUnit>&)>& more) {
   ConfigReader config = reader.group("PanTiltServer");
   const auto axes = config.reals("Position_m", {0.0, 0.0, 0.0}, -10.0, 10.0);
   DriverRegistry<PanTiltUnit> drivers;
   registerPanTiltDrivers(drivers);
+  if (more) more(drivers);
   auto unit = drivers.make(config);
   if (!config.good() || !unit) return nullptr;
   return std::make_unique<PanTiltServer>(std::move(unit), Eigen::Vector3d(axes[0], axes[1], axes[2]));
@@ -70,14 +72,14 @@ std::unique_ptr<Component> configure(ConfigReader& reader) {
 
 }  // namespace
 
-ComponentSpec panTiltServerSpec() {
+ComponentSpec panTiltServerSpec(std::function<void(DriverRegistry<PanTiltUnit>&)> more) {
   ComponentSpec spec;
   spec.name = "pantilt_server";
   spec.prefix = "PanTiltServer";
   spec.summary = "Serves a pan-tilt unit.";
   spec.default_endpoints = "tcp -h 127.0.0.1 -p 9977";
   spec.default_web_endpoints = "ws -h 127.0.0.1 -p 11003";
-  spec.configure = configure;
+  spec.configure = [more = std::move(more)](ConfigReader& reader) { return configure(reader, more); };
   return spec;
 }
 

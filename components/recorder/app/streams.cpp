@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/process/log.h"
+#include "common/process/robot_identity.h"
 #include "common/process/status.h"
 #include "recorder/ice/estimate_messages.h"
 
@@ -247,8 +248,7 @@ void Streams::followGaze(ComponentHost& host, const std::stop_token& stop) {
 }
 
 void Streams::followComponent(ComponentHost& host, const std::string& proxy, const std::stop_token& stop) {
-  // "simulator/component:tcp ..." is called by the component's name.
-  const std::string name = proxy.substr(0, proxy.find_first_of("/: "));
+  const std::string name = componentOfStatus(proxy.substr(0, proxy.find_first_of(": ")));
   const auto peer = host.peer<avm::ComponentPrx>(name, proxy);
   const milliseconds period(static_cast<int>(1e3 * config_.status_period_s));
   bool known = false;

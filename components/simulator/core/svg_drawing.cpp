@@ -98,6 +98,19 @@ class Reader {
     report_.wrong(e, "viewBox", text, "four numbers, the last two above 0");
     return std::nullopt;
   }
+  /// Of maps that were written as drawings.
+  std::optional<Vector2d> originOf(const XMLElement& root) {
+    const char* text = root.Attribute("data-origin");
+    if (text == nullptr) return std::nullopt;
+    std::vector<double> n;
+    try {
+      n = parseSvgNumbers(text);
+    } catch (const std::invalid_argument&) {
+    }
+    if (n.size() == 2) return Vector2d(n[0], n[1]);
+    report_.wrong(root, "data-origin", text, "two numbers: x and y of the world's origin");
+    return std::nullopt;
+  }
   Affine2d transformOf(const XMLElement& e) {
     const std::string value = svgText(e, "transform");
     if (value.empty() || value == "none") return Affine2d::Identity();
@@ -145,12 +158,15 @@ class Reader {
                     "\" (must be lengths in mm, cm or in, or the metres of a unit must be stated)");
       return std::nullopt;
     }
-    if (!options_.origin && !box) {
+    const auto stated = originOf(root);
+    if (!report_.problems().empty()) return std::nullopt;
+    if (!options_.origin && !stated && !box) {
       report_.problem(
           root, "has neither a viewBox nor a width and height: where the world's origin lies must be stated");
       return std::nullopt;
     }
-    const Vector2d origin = options_.origin ? *options_.origin : Vector2d(box->min().x(), box->max().y());
+    const Vector2d origin =
+        options_.origin ? *options_.origin : (stated ? *stated : Vector2d(box->min().x(), box->max().y()));
     if (box) hundred_percent_ = box->sizes();
     Affine2d T = Affine2d::Identity();
     T.linear().diagonal() = Vector2d(scale.x(), -scale.y());

@@ -17,7 +17,8 @@ struct SvgOptions {
   /// Metres per user unit of the outermost element. Empty: from its physical width and height and `scale`.
   std::optional<double> metres_per_unit;
   double scale = 1.0;  ///< of a drawing on paper: 50 for one of 1:50
-  /// The world's (0, 0), in user units of the file (y down). Empty: the drawing's lower left corner.
+  /// The world's (0, 0), in user units of the file (y down). Empty: the attribute `data-origin="X Y"` of the
+  /// outermost element, else the drawing's lower left corner.
   std::optional<Eigen::Vector2d> origin;
   double flatness_m = 0.002;  ///< maximum distance of straight pieces from a curve
   /// Maximum number of corners of all outlines, which bounds time and memory.

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <system_error>
 
 #include "common/config/config_error.h"
 #include "common/process/ready_line.h"
+#include "common/process/robot_identity.h"
 #include "common/process/setup.h"
 
 namespace vismem {
@@ -35,7 +37,17 @@ std::string endpointsSaid(const fs::path& folder, const std::string& name) {
   return endpoints;
 }
 
-std::vector<ComponentRow> rowsOfStarted(const fs::path& list, const std::string& setup) {
+/// The names of the robot by component, from the configurations that scripts/start has read.
+std::map<std::string, std::string> robotsOf(const fs::path& folder) {
+  std::map<std::string, std::string> robots;
+  if (!fs::is_directory(folder)) return robots;
+  for (const auto& component : componentsOfSetup(folder)) robots[component.name] = component.robot;
+  return robots;
+}
+
+std::vector<ComponentRow> rowsOfStarted(const fs::path& list, const std::string& setup,
+                                        const fs::path& folder) {
+  const auto robots = robotsOf(folder);
   std::ifstream lines(list);
   std::vector<ComponentRow> rows;
   for (std::string line; std::getline(lines, line);) {
@@ -44,6 +56,7 @@ std::vector<ComponentRow> rowsOfStarted(const fs::path& list, const std::string&
     ComponentRow row;
     if (!(fields >> process >> row.name)) continue;
     row.setup = setup;
+    if (const auto robot = robots.find(row.name); robot != robots.end()) row.robot = robot->second;
     row.endpoints = endpointsSaid(list.parent_path(), row.name);
     if (row.endpoints.empty()) row.failure = "it has not become ready";
     rows.push_back(std::move(row));
@@ -67,8 +80,9 @@ std::vector<std::string> startedSetups(const fs::path& root) {
 std::vector<ComponentRow> rowsOfSetup(const fs::path& root, const fs::path& configurations,
                                       const std::string& setup, int port_offset) {
   const fs::path list = processListOf(root, setup);
-  if (port_offset == 0 && hasProcesses(list)) return rowsOfStarted(list, setup);
-  const fs::path folder = configurations / setup;
+  // scripts/start --port-offset 5 calls a run of sim "sim+5".
+  const fs::path folder = configurations / setup.substr(0, setup.find('+'));
+  if (port_offset == 0 && hasProcesses(list)) return rowsOfStarted(list, setup, folder);
   if (!fs::is_directory(folder)) {
     throw ConfigError({"setup " + setup + " (must be a folder of " + configurations.string() +
                        "/, or one that scripts/start has started)"});
@@ -78,6 +92,7 @@ std::vector<ComponentRow> rowsOfSetup(const fs::path& root, const fs::path& conf
     ComponentRow row;
     row.setup = setup;
     row.name = component.name;
+    row.robot = component.robot;
     row.endpoints = shiftPorts(component.endpoints, port_offset);
     row.may_be_left_out = mayBeLeftOut(component.name);
     if (row.endpoints.empty()) row.failure = component.file.string() + " names no endpoints";
@@ -88,8 +103,10 @@ std::vector<ComponentRow> rowsOfSetup(const fs::path& root, const fs::path& conf
 }
 
 std::string statusProxyOf(const ComponentRow& row) {
+  RobotKeys robot;
+  robot.name = row.robot;
   const auto end = row.endpoints.find(':');
-  return row.name + "/component:" + row.endpoints.substr(0, end);
+  return ownIdentity(robot, row.name + "/component") + ":" + row.endpoints.substr(0, end);
 }
 
 }  // namespace vismem

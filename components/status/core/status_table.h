@@ -24,6 +24,8 @@ struct ComponentRow {
   bool absent = false;
   /// True if the setup is whole without it: absent it is no row.
   bool may_be_left_out = false;
+  /// Robot.Name of its configuration; empty without.
+  std::string robot = {};
 };
 
 /// "running", "waiting", "degraded", "starting", "stopping"; "absent" without a server, "silent" for a server

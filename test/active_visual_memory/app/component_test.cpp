@@ -145,7 +145,7 @@ TEST(ActiveVisualMemoryProcess, RemembersWhatARemoteCameraShowsAndTurnsTheHead) 
 
   const auto report =
       client.proxy<avm::ComponentPrx>("active_visual_memory/component", component.port())->getStatus();
-  ASSERT_EQ(report.gauges.size(), 5u) << "camera tilt, and the CPU";
+  ASSERT_EQ(report.gauges.size(), 6u) << "camera tilt, a knock, and the CPU";
   const auto pitch = std::find_if(report.gauges.begin(), report.gauges.end(),
                                   [](const auto& gauge) { return gauge.name == "mount pitch error"; });
   ASSERT_NE(pitch, report.gauges.end());
@@ -188,12 +188,12 @@ TEST(ActiveVisualMemoryProcess, SaysForWhomItWaitsAndEndsCleanly) {
 
 TEST(ActiveVisualMemoryProcess, ReportsAllProblemsOfAConfigurationAtOnce) {
   auto wrong = arguments(1);
-  wrong.push_back("--ActiveVisualMemory.Gaze.Track_s=-1");
-  wrong.push_back("--ActiveVisualMemory.Gazee.Track_s=1");
+  wrong.push_back("--ActiveVisualMemory.Attention.ForcedSearch_s=-1");
+  wrong.push_back("--ActiveVisualMemory.Gazee.Mode=off");
   ComponentProcess component("active_visual_memory", wrong);
   EXPECT_EQ(component.waitForExit(10s), 2);
-  EXPECT_THAT(component.error(), HasSubstr("ActiveVisualMemory.Gaze.Track_s"));
-  EXPECT_THAT(component.error(), HasSubstr("ActiveVisualMemory.Gazee.Track_s"));
+  EXPECT_THAT(component.error(), HasSubstr("ActiveVisualMemory.Attention.ForcedSearch_s"));
+  EXPECT_THAT(component.error(), HasSubstr("ActiveVisualMemory.Gazee.Mode"));
 }
 
 TEST(ActiveVisualMemoryProcess, ShippedConfigurationsAreAccepted) {

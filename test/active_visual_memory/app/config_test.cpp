@@ -8,6 +8,7 @@
 
 #include "common/config/config_error.h"
 #include "common/geometry/angles.h"
+#include "support/build_paths.h"
 
 namespace vismem {
 namespace {
@@ -53,31 +54,25 @@ TEST(ActiveVisualMemoryConfig, DefaultsAreThePresets) {
 TEST(ActiveVisualMemoryConfig, AKeyOverridesThePreset) {
   const auto config = parse(kPeers +
                             "ActiveVisualMemory.Mode = chapter\n"
-                            "ActiveVisualMemory.Gaze.Track_s = 1.5\n"
+                            "ActiveVisualMemory.Gaze.Rate.Pan_degps = 45\n"
                             "ActiveVisualMemory.Gaze.Pan.Maximum_deg = 90\n"
                             "ActiveVisualMemory.Mount.PanTilt.Position_m = 0.1 0 0.4\n"
-                            "ActiveVisualMemory.Memory.Life.Maximum = 50\n");
-  EXPECT_DOUBLE_EQ(config.pipeline.memory.gaze.track_s, 1.5);
+                            "ActiveVisualMemory.Memory.GapVotes = 4\n");
+  EXPECT_NEAR(config.pipeline.memory.gaze.pan.rate_radps, degToRad(45.0), 1e-12);
   EXPECT_NEAR(config.pipeline.memory.rig.max_pan_rad, degToRad(90.0), 1e-12);
   EXPECT_DOUBLE_EQ(config.assembler.mount.T_robot_pantilt.translation().x(), 0.1);
-  EXPECT_DOUBLE_EQ(config.pipeline.memory.memory.life.maximum, 50.0);
+  EXPECT_EQ(config.pipeline.memory.memory.gap_votes, 4);
 }
 
-TEST(ActiveVisualMemoryConfig, ReadsTheKeysOfSlipDetection) {
-  const SegmentMemory::Params p = parse(kPeers +
-                                        "ActiveVisualMemory.Memory.Align.TurnNoise_deg = 2\n"
-                                        "ActiveVisualMemory.Memory.Align.Slip.LeastImages = 4\n"
-                                        "ActiveVisualMemory.Memory.Align.Slip.Images = 8\n"
-                                        "ActiveVisualMemory.Memory.Align.Slip.Sigmas = 5\n"
-                                        "ActiveVisualMemory.Memory.Align.Slip.Least_deg = 3\n")
-                                      .pipeline.memory.memory;
-  EXPECT_DOUBLE_EQ(p.map_filter.odometry.turn_noise, degToRad(2.0));
-  EXPECT_EQ(p.slip.least_images, 4);
-  EXPECT_EQ(p.slip.images, 8);
-  EXPECT_DOUBLE_EQ(p.slip.sigmas, 5.0);
-  EXPECT_DOUBLE_EQ(p.slip.least_rad, degToRad(3.0));
-  EXPECT_THAT(problemsOf(kPeers + "ActiveVisualMemory.Memory.Align.Slip.LeastImages = 11\n"),
-              Contains(AllOf(HasSubstr("Align.Slip.LeastImages"), HasSubstr("Align.Slip.Images"))));
+TEST(ActiveVisualMemoryConfig, FarLinesSetsWhatDistantNarrowLinesNeed) {
+  const auto shapes = [](const std::string& text) {
+    return parse(kPeers + text).pipeline.memory.shape_edges;
+  };
+  EXPECT_FALSE(shapes("").crosses.enabled);
+  const auto far = shapes("ActiveVisualMemory.ShapeEdges.FarLines = yes\n");
+  EXPECT_TRUE(far.crosses.enabled);
+  EXPECT_TRUE(far.junctions.by_one_side);
+  EXPECT_DOUBLE_EQ(far.corners.reach_sigmas, 2.0);
 }
 
 TEST(ActiveVisualMemoryConfig, WithoutAPanTiltUnitTheGazeIsOff) {
@@ -92,33 +87,33 @@ TEST(ActiveVisualMemoryConfig, WithoutAPanTiltUnitTheGazeIsOff) {
 TEST(ActiveVisualMemoryConfig, ReportsAllProblemsTogether) {
   const auto problems = problemsOf(
       "ActiveVisualMemory.Camera.Proxy = cameraA:tcp -p 9999\n"
-      "ActiveVisualMemory.Gaze.Track_s = -1\n"
-      "ActiveVisualMemory.Gaze.Trak_s = 1\n"
+      "ActiveVisualMemory.Attention.ForcedSearch_s = -1\n"
+      "ActiveVisualMemory.Attention.ForcedSerch_s = 1\n"
       "ActiveVisualMemory.Gaze.Pan.Minimum_deg = 170\n"
-      "ActiveVisualMemory.Memory.Fusion = newest\n");
-  EXPECT_THAT(problems,
-              Contains(AllOf(HasSubstr("test.cfg:2"), HasSubstr("ActiveVisualMemory.Gaze.Track_s"))));
+      "ActiveVisualMemory.Gaze.Mode = stare\n");
+  EXPECT_THAT(problems, Contains(AllOf(HasSubstr("test.cfg:2"),
+                                       HasSubstr("ActiveVisualMemory.Attention.ForcedSearch_s"))));
   EXPECT_THAT(problems, Contains(AllOf(HasSubstr("test.cfg:3"), HasSubstr("did you mean"))));
   EXPECT_THAT(problems, Contains(AllOf(HasSubstr("Gaze.Pan.Minimum_deg"), HasSubstr("must be less than"))));
-  EXPECT_THAT(problems, Contains(AllOf(HasSubstr("Memory.Fusion"), HasSubstr("covariance"))));
+  EXPECT_THAT(problems, Contains(AllOf(HasSubstr("Gaze.Mode"), HasSubstr("attend, hold, off"))));
   EXPECT_THAT(problems, Contains(HasSubstr("ActiveVisualMemory.Odometry.Proxy")));
 }
 
 TEST(ActiveVisualMemoryConfig, OldNamesOfKeysAreAcceptedWithAWarningThatNamesTheNewOne) {
   const std::string prefix = "ActiveVisualMemory.Memory.";
-  const std::pair<std::string, std::string> renamed[] = {
-      {"Lean.Mount_deg = 0.25", "CameraTilt.Mount_deg"},
-      {"Lean.Camera_deg = 0.3", "CameraTilt.Camera_deg"},
-      {"Lean.Sway_deg = 0.75", "CameraTilt.PerFrame_deg"},
-      {"Lean.Course_deg = 3", "CameraTilt.DominantDirection_deg"},
-      {"Align.Compass = yes", "Align.DominantDirection"},
-      {"TellInCourse = yes", "SnapToDominantDirection"},
-      {"Life.Covered_per_s = 7", "Life.Occluded_per_s"}};
+  const std::pair<std::string, std::string> renamed[] = {{"Lean.Mount_deg = 0.25", "CameraTilt.Mount_deg"},
+                                                         {"Lean.Camera_deg = 0.3", "CameraTilt.Camera_deg"},
+                                                         {"Lean.Sway_deg = 0.75", "CameraTilt.PerFrame_deg"},
+                                                         {"Align.Compass = yes", "Align.DominantDirection"},
+                                                         {"TellInCourse = yes", "SnapToDominantDirection"}};
   std::string text = kPeers +
                      "ActiveVisualMemory.Ground.ThinLineBlur_px = 2.5\n"      // old name
                      "ActiveVisualMemory.ShapeEdges.PartAtJunctions = no\n";  // old name
   for (const auto& [setting, name] : renamed) text += prefix + setting + "\n";
-  for (const char* retired : {"Align.Joint = yes", "Align.MapFilter = no", "CameraTilt.PerFrameInflation = 2"}) {
+  // A value that no release accepted is no problem either.
+  for (const char* retired : {"Align.Joint = yes", "Align.MapFilter = no", "CameraTilt.PerFrameInflation = 2",
+                              "Lean.Course_deg = 3", "Life.Covered_per_s = 7",  // old names
+                              "Fusion = newest"}) {
     text += prefix + retired + "\n";
   }
   const Properties properties = Properties::parse(text, "test.cfg");
@@ -126,23 +121,39 @@ TEST(ActiveVisualMemoryConfig, OldNamesOfKeysAreAcceptedWithAWarningThatNamesThe
   ConfigReader reader = root.group("ActiveVisualMemory");
   const AttentiveVisualMemoryParams params = readActiveVisualMemoryConfig(reader).pipeline.memory;
   reader.finish();
-  EXPECT_NEAR(params.memory.tilt_prior.mount_rad, degToRad(0.25), 1e-12);
-  EXPECT_NEAR(params.memory.tilt_prior.camera_rad, degToRad(0.3), 1e-12);
-  EXPECT_NEAR(params.memory.tilt_prior.per_frame_rad, degToRad(0.75), 1e-12);
-  EXPECT_NEAR(params.memory.dominant_direction.sigma_rad, degToRad(3.0), 1e-12);
-  EXPECT_TRUE(params.memory.use_dominant_direction);
-  EXPECT_TRUE(params.memory.snap_to_dominant_direction);
-  EXPECT_EQ(params.memory.life.occluded_per_s, 7.0);
+  EXPECT_NEAR(params.memory.estimation.tilt_prior.mount_rad, degToRad(0.25), 1e-12);
+  EXPECT_NEAR(params.memory.estimation.tilt_prior.camera_rad, degToRad(0.3), 1e-12);
+  EXPECT_NEAR(params.memory.estimation.tilt_prior.per_frame_rad, degToRad(0.75), 1e-12);
+  EXPECT_TRUE(params.memory.estimation.use_dominant_direction);
+  EXPECT_TRUE(params.memory.confirmation.snap_to_dominant_direction);
+  EXPECT_EQ(params.memory.fusion, SegmentMemory::Fusion::kCovariance) << "Memory.Fusion has no effect";
   EXPECT_EQ(params.edge_blur.sigma_px, 2.5);
   EXPECT_FALSE(params.shape_edges.junctions.enabled);
   std::string warnings;
   for (const auto& warning : root.renamedKeys()) warnings += warning.text() + "\n";
   for (const auto& [setting, name] : renamed) EXPECT_THAT(warnings, HasSubstr(prefix + name));
   EXPECT_THAT(warnings, HasSubstr("ActiveVisualMemory.Ground.LineBlur_px"));
-  for (const char* retired : {"Align.Joint", "Align.MapFilter", "CameraTilt.PerFrameInflation"}) {
+  for (const char* retired : {"Align.Joint", "Align.MapFilter", "CameraTilt.PerFrameInflation", "Fusion",
+                              "Lean.Course_deg", "Life.Covered_per_s"}) {  // old names
     EXPECT_THAT(warnings, HasSubstr("key \"" + prefix + retired + "\" has no effect any more"));
   }
   EXPECT_THAT(warnings, HasSubstr("ActiveVisualMemory.ShapeEdges.SplitAtJunctions"));
+}
+
+TEST(ActiveVisualMemoryConfig, TheSimulatorsSetupShowsEveryBasicKeyWithItsValue) {
+  const Properties properties =
+      Properties::load(std::string(VISMEM_SOURCE_DIR) + "/cfg/sim/active_visual_memory.cfg");
+  ConfigReader root(properties);
+  ConfigReader reader = root.group("ActiveVisualMemory");
+  readActiveVisualMemoryConfig(reader);
+  int basic_keys = 0;
+  for (const KeyDescription& one : reader.keys()) {
+    EXPECT_FALSE(one.meaning.empty()) << one.key << " says nothing of itself";
+    if (!one.is_basic) continue;
+    ++basic_keys;
+    EXPECT_NE(properties.find(one.key), nullptr) << one.key << " is not in cfg/sim";
+  }
+  EXPECT_GT(basic_keys, 20);
 }
 
 TEST(ActiveVisualMemoryConfig, LineWidthsAreOneRangeForAllEdgesOfShapes) {

@@ -228,7 +228,7 @@ TEST_F(PerceptionLoopTest, ReportsTheCameraTilt) {
                            tilt_prior.camera_rad};
   const std::string names[] = {"mount roll error", "mount pitch error", "camera pitch error",
                                "camera roll error"};
-  ASSERT_EQ(gauges.size(), 4u);
+  ASSERT_EQ(gauges.size(), 5u) << "and how far the camera was knocked";
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(gauges[i].name, names[i]);
     EXPECT_EQ(gauges[i].unit, "deg");

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -18,7 +19,7 @@ namespace {
 class ConstantPose : public TrialMethod {
  public:
   explicit ConstantPose(const Pose2& pose) : pose_(pose) {}
-  PoseEstimate step(const MemoryUpdate& update, const Pose2&) override {
+  PoseEstimate step(const MemoryUpdate& update) override {
     PoseEstimate estimate;
     estimate.stamp_us = update.snapshot->stamp_us;
     estimate.T_world_robot = pose_;
@@ -45,7 +46,6 @@ Trial standing(std::uint64_t seed) {
     auto snapshot = std::make_shared<MemorySnapshot>();
     snapshot->stamp_us = t;
     trial.updates.push_back({snapshot, std::make_shared<ImageAnalysis>()});
-    trial.T_odom_robot_now.emplace_back();
   }
   return trial;
 }
@@ -68,10 +68,11 @@ class ComparisonFiles : public testing::Test {
 };
 
 TEST_F(ComparisonFiles, HoldAllTrialsSoFarAfterEachOfThem) {
-  Comparison comparison("both", "two who never move",
-                        {constantPose("ahead", {0, 0, 0}), constantPose("left", {0, 0, 1.57})});
+  Comparison comparison("both", "two who never move", {"ahead", "left"});
   for (int trials = 1; trials <= 3; ++trials) {
-    comparison.add(standing(static_cast<std::uint64_t>(trials)), {});
+    const Trial trial = standing(static_cast<std::uint64_t>(trials));
+    comparison.add(runMethod(constantPose("ahead", {0, 0, 0}), trial, {}, false));
+    comparison.add(runMethod(constantPose("left", {0, 0, 1.57}), trial, {}, false));
     comparison.write(out_);
     // A head, and two events of two methods a trial.
     EXPECT_EQ(linesOf(out_ / "both_events.csv").size(), 1u + 4u * static_cast<unsigned>(trials));
@@ -86,16 +87,47 @@ TEST_F(ComparisonFiles, HoldAllTrialsSoFarAfterEachOfThem) {
   }
 }
 
-TEST_F(ComparisonFiles, AMethodMayHaveTrialsOfItsOwn) {
-  Comparison comparison("own", "", {constantPose("ahead", {0, 0, 0}), constantPose("left", {0, 0, 1.57})});
-  comparison.addTo("ahead", standing(1), {});
-  comparison.noteEvidence({std::nullopt, 2.0});
-  comparison.addTo("left", standing(1), {});
+TEST_F(ComparisonFiles, EachMethodHasItsOwnEvents) {
+  Comparison comparison("own", "", {"ahead", "left"});
+  MethodOutcome ahead = runMethod(constantPose("ahead", {0, 0, 0}), standing(1), {}, false);
+  noteEvidence({std::nullopt, 2.0}, ahead);
+  comparison.add(ahead);
+  comparison.add(runMethod(constantPose("left", {0, 0, 1.57}), standing(1), {}, false));
   ASSERT_EQ(comparison.records()[0].events.size(), 2u);
   ASSERT_EQ(comparison.records()[1].events.size(), 2u);
   EXPECT_EQ(comparison.records()[0].events[1].evidence_after_s, 2.0);
   EXPECT_FALSE(comparison.records()[1].events[1].evidence_after_s);
-  EXPECT_THROW(comparison.addTo("right", standing(1), {}), std::invalid_argument);
+  MethodOutcome right;
+  right.method = "right";
+  EXPECT_THROW(comparison.add(right), std::invalid_argument);
+}
+
+TEST(TrialOutcome, IsTheSameAfterItsJson) {
+  TrialOutcome outcome;
+  outcome.seed = 1003;
+  RecordOutcome record;
+  record.methods.push_back(runMethod(constantPose("left", {0, 0, 1.57}), standing(1003), {}, true));
+  EventScore& event = record.methods[0].events[1];
+  event.settled_after_s = 0.1 + 0.2;  // not exact in few digits
+  event.error_over_reported = std::numeric_limits<double>::infinity();
+  event.evidence_after_s = std::nullopt;
+  record.gaze_plan_ms = {1.0 / 3.0};
+  record.gaze_requests = 7;
+  record.truth = standing(1003).truth;
+  record.events_us = standing(1003).events_us;
+  outcome.records = {record};
+  const auto json = toJson(outcome, true);
+  const TrialOutcome read = trialOutcomeFrom(nlohmann::json::parse(json.dump()));
+  EXPECT_EQ(toJson(read, true), json);
+  const EventScore& same = read.records[0].methods[0].events[1];
+  EXPECT_EQ(same.settled_after_s, event.settled_after_s);
+  EXPECT_EQ(same.error_over_reported, event.error_over_reported);
+  EXPECT_FALSE(same.evidence_after_s);
+  EXPECT_EQ(read.records[0].truth.size(), record.truth.size());
+  EXPECT_EQ(read.records[0].methods[0].poses.size(), 101u);
+  EXPECT_FALSE(read.is_whole);
+  EXPECT_TRUE(trialOutcomeFrom(toJson(outcome, false)).records[0].truth.empty());
+  EXPECT_THROW(trialOutcomeFrom({{"seed", 1}}), nlohmann::json::exception);
 }
 
 TEST_F(ComparisonFiles, AFileThatCannotBeWrittenIsNamed) {

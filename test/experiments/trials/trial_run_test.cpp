@@ -27,7 +27,7 @@ std::vector<PoseEstimate> estimatesOf(const Trial& trial, const MethodMaker& mak
   const auto method = maker.make(edges, trial.seed);
   std::vector<PoseEstimate> estimates;
   for (std::size_t i = 0; i < trial.updates.size(); ++i) {
-    estimates.push_back(method->step(trial.updates[i], trial.T_odom_robot_now[i]));
+    estimates.push_back(method->step(trial.updates[i]));
   }
   return estimates;
 }
@@ -132,7 +132,7 @@ TEST(TrialRun, TheOracleAsksWhileThePoseIsWrong) {
   run.record([&](const TrialRun::Step& step, GazeClient&) {
     const bool asks = std::any_of(step.gaze.points.begin(), step.gaze.points.end(),
                                   [](const auto& point) { return point.kind == AttentionKind::kClient; });
-    const PoseEstimate estimate = method->step(step.update, step.update.snapshot->T_odom_robot);
+    const PoseEstimate estimate = method->step(step.update);
     const Pose2 truth = run.simulation().truth().T_world_robot;
     const bool is_right = estimate.T_world_robot && isRight(*estimate.T_world_robot, truth);
     wrong_since = is_right ? 0 : wrong_since + 1;

@@ -38,7 +38,7 @@ export async function eventually(what, check, timeoutMs = 10_000, everyMs = 50) 
 }
 
 /** Free ports, all different. */
-async function freePorts(count) {
+export async function freePorts(count) {
   const servers = await Promise.all(Array.from({length: count}, () => new Promise((done, fail) => {
     const server = createServer().once("error", fail).listen(0, "127.0.0.1", () => done(server));
   })));

@@ -314,6 +314,42 @@ TEST_F(LocalizationProcessTest, SurvivesTheLossOfTheGazeAndFindsItAgain) {
   EXPECT_TRUE(child->waitForLine("Gaze is back", kPatience)) << child->error();
 }
 
+TEST_F(LocalizationProcessTest, TakesAnEditedMapWithoutARestart) {
+  MemoryServer server;
+  const auto child = process(server.proxy());
+  ASSERT_GT(child->port(), 0) << child->error();
+  const auto proxy = Ice::uncheckedCast<avm::LocalizationPrx>(object("Localization", child->port()));
+  RemoteLocalization localization(proxy);
+  test::CorridorWorld world({}, 1);
+  drive(world, server, localization, 2.0);
+  const std::string first = proxy->getMap().id;
+  // A broken map changes nothing.
+  std::ofstream(map_) << "x1_m,y1_m\n";
+  const auto component = Ice::checkedCast<avm::ComponentPrx>(object("localization/component", child->port()));
+  EXPECT_TRUE(eventually([&] {
+    return component->getStatus().reason.find("cannot be used, the last one stays") != std::string::npos;
+  })) << component->getStatus().reason;
+  EXPECT_EQ(proxy->getMap().id, first);
+  drive(world, server, localization, 3.0);
+  // The whole place is drawn 10 m further on.
+  const Eigen::Vector3d shift(10.0, 0.0, 0.0);
+  SegmentMap moved = test::corridorMap();
+  for (MapSegment& segment : moved.segments) {
+    segment.world.a += shift;
+    segment.world.b += shift;
+  }
+  saveSegmentMap(moved, map_);
+  EXPECT_TRUE(child->waitForLine("has changed: localizing with it", kPatience)) << child->error();
+  EXPECT_TRUE(eventually([&] { return proxy->getMap().id != first; }));
+  EXPECT_TRUE(localization.relocalize().ok());
+  drive(world, server, localization, 18.0);
+  const auto estimate = localization.latest();
+  ASSERT_TRUE(estimate && estimate->T_world_robot);
+  EXPECT_LT((estimate->T_world_robot->position() - world.truth().position() - shift.head<2>()).norm(), 0.3);
+  EXPECT_TRUE(eventually([&] { return component->getStatus().reason.empty(); }))
+      << component->getStatus().reason;
+}
+
 TEST_F(LocalizationProcessTest, ReportsThatItRequestsNoGaze) {
   MemoryServer server;
   const auto child = process(server.proxy());

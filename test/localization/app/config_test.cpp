@@ -63,23 +63,22 @@ TEST(LocalizationConfig, GazeIsRequestedOnlyWithAProxy) {
   EXPECT_EQ(config.gaze_proxy, "Gaze:tcp -p 9970");
   EXPECT_DOUBLE_EQ(config.gaze.uncertainty_above, 0.4);
   EXPECT_NEAR(config.gaze.advisor.maximum_pan_rad, degToRad(90), 1e-12);
-  EXPECT_THAT(problemsOf(kNeeded + "Localization.Gaze.LeastPriority = 60\n"
-                                   "Localization.Gaze.MostPriority = 50\n"
-                                   "Localization.Gaze.Tilt.Minimum_deg = 5\n"),
-              ElementsAre(HasSubstr("Localization.Gaze.MostPriority"),
-                          HasSubstr("must not be more than Localization.Gaze.Tilt.Maximum_deg")));
+  EXPECT_THAT(problemsOf(kNeeded + "Localization.Gaze.UncertaintyAbove = 2\n"
+                                   "Localization.Gaze.Pan.Minimum_deg = 170\n"),
+              ElementsAre(HasSubstr("Localization.Gaze.UncertaintyAbove"),
+                          HasSubstr("must not be more than Localization.Gaze.Pan.Maximum_deg")));
 }
 
 TEST(LocalizationConfig, AKeyOverridesThePreset) {
   const LocalizationConfig config = parse(kNeeded +
-                                          "Localization.Races.SamePlace_deg = 20\n"
-                                          "Localization.Health.Source = image\n"
-                                          "Localization.Robust.Kalman = no\n"
+                                          "Localization.Robust.CameraSigma_deg = 2\n"
+                                          "Localization.Health.Source = memory\n"
+                                          "Localization.Odometry.Calibrate = no\n"
                                           "Localization.Start.Position_m = 1.5 -2\n"
                                           "Localization.Start.Heading_deg = 90\n");
-  EXPECT_NEAR(config.params.races.same_place_rad, degToRad(20), 1e-12);
-  EXPECT_EQ(config.params.health.source, ObservationSource::kImage);
-  EXPECT_FALSE(config.params.robust.filter.kalman);
+  EXPECT_NEAR(config.params.robust.observation.camera_sigma_rad, degToRad(2), 1e-12);
+  EXPECT_EQ(config.params.health.source, ObservationSource::kMemory);
+  EXPECT_FALSE(config.params.odometry.enabled);
   ASSERT_TRUE(config.start);
   EXPECT_DOUBLE_EQ(config.start->y, -2.0);
   EXPECT_NEAR(config.start->theta, degToRad(90), 1e-12);
@@ -99,28 +98,16 @@ Renamed alias(const char* old_name, const char* new_name, double value,
 }
 
 const Renamed kRenamed[] = {
-    alias("DoubtTick_s", "SuspectTick_s", 0.15, [](const auto& c) { return c.params.suspect_tick_s; }),
-    alias("Doubt_s", "SuspectTime_s", 4.0, [](const auto& c) { return c.params.suspect_time_s; }),
-    alias("Races.SparedAhead", "Races.ProtectedLogOdds", 0.75,
-          [](const auto& c) { return c.params.races.protected_log_odds; }),
     alias("Robust.LeanBias_deg", "Robust.CameraTilt.Bias_deg", 1.5,
           [](const auto& c) { return radToDeg(c.params.robust.likelihood.tilt_bias_rad); }),
     alias("Robust.LeanSway_deg", "Robust.CameraTilt.PerFrame_deg", 1.25,
           [](const auto& c) { return radToDeg(c.params.robust.likelihood.frame_tilt_rad); }),
-    alias("Robust.NewsShare", "Robust.NoveltyShare", 0.25,
-          [](const auto& c) { return c.params.robust.evidence.novelty_share; }),
     alias("Robust.BirthPenalty", "Robust.JumpLogPrior", 3.5,
           [](const auto& c) { return c.params.robust.history.jump_log_prior; }),
-    alias("Robust.Repeats", "Robust.HalfNoveltyViews", 4.0,
-          [](const auto& c) { return c.params.robust.novelty.half_novelty_views; }),
-    alias("Robust.RepeatTime_s", "Robust.NoveltyDecay_s", 12.0,
-          [](const auto& c) { return c.params.robust.novelty.novelty_decay_s; }),
     alias("Odometry.Learn", "Odometry.Calibrate", 0.0,
           [](const auto& c) { return c.params.odometry.enabled ? 1.0 : 0.0; }),
     alias("Gaze.DoubtAbove", "Gaze.UncertaintyAbove", 0.4,
           [](const auto& c) { return c.gaze.uncertainty_above; }),
-    alias("Gaze.Repeat_s", "Gaze.HalfNovelty_s", 0.7,
-          [](const auto& c) { return c.gaze.advisor.half_novelty_s; }),
 };
 
 TEST(LocalizationConfig, TakesRenamedKeysUnderBothNamesAndWarnsOfTheOldOne) {
@@ -147,16 +134,50 @@ TEST(LocalizationConfig, TakesRenamedKeysUnderBothNamesAndWarnsOfTheOldOne) {
   }
 }
 
+TEST(LocalizationConfig, RemovedKeysAreAcceptedWithAWarningAndHaveNoEffect) {
+  const Properties properties = Properties::parse(kNeeded +
+                                                      "Localization.Races.SamePlace_m = 5\n"
+                                                      "Localization.Robust.Kalman = no\n"
+                                                      "Localization.Doubt_s = 4\n",  // old name
+                                                  "test.cfg");
+  ConfigReader root(properties);
+  ConfigReader reader = root.group("Localization");
+  const LocalizationConfig config = readLocalizationConfig(reader);
+  EXPECT_NO_THROW(reader.finish());
+  const LocalizerParams preset = localizerPreset(LocalizationMode::kDefault);
+  EXPECT_EQ(config.params.races.same_place_m, preset.races.same_place_m);
+  EXPECT_TRUE(config.params.robust.filter.kalman);
+  const auto warnings = reader.renamedKeys();
+  ASSERT_EQ(warnings.size(), 3u);
+  for (const Problem& warning : warnings)
+    EXPECT_THAT(warning.message, HasSubstr("its value is fixed by the mode"));
+}
+
+TEST(LocalizationConfig, TheSimulatorsSetupShowsEveryBasicKeyWithItsValue) {
+  const Properties properties = Properties::load(kSource + "/cfg/sim/localization.cfg");
+  ConfigReader root(properties);
+  ConfigReader reader = root.group("Localization");
+  readLocalizationConfig(reader);
+  int basic_keys = 0;
+  for (const KeyDescription& one : reader.keys()) {
+    EXPECT_FALSE(one.meaning.empty()) << one.key << " says nothing of itself";
+    if (!one.is_basic) continue;
+    ++basic_keys;
+    EXPECT_NE(properties.find(one.key), nullptr) << one.key << " is not in cfg/sim";
+  }
+  EXPECT_GT(basic_keys, 5);
+}
+
 TEST(LocalizationConfig, AllProblemsAreReportedWithTheirLines) {
   const std::vector<std::string> problems = problemsOf(
       "Localization.Races.Maximum = 0\n"
       "Localization.Mode = best\n"
-      "Localization.Evolution.Elitsm = 0.2\n"
-      "Localization.Robust.ExplainedLow = 0.9\n");
+      "Localization.Robust.Foretting = 0.2\n"
+      "Localization.Robust.OutlierShare = 0.95\n");
   EXPECT_THAT(problems, Contains(HasSubstr("test.cfg:1: Localization.Races.Maximum = 0")));
   EXPECT_THAT(problems, Contains(HasSubstr("test.cfg:2: Localization.Mode = best")));
-  EXPECT_THAT(problems, Contains(HasSubstr("Localization.Evolution.Elitsm")));
-  EXPECT_THAT(problems, Contains(HasSubstr("Localization.Robust.ExplainedLow")));
+  EXPECT_THAT(problems, Contains(HasSubstr("Localization.Robust.Foretting")));
+  EXPECT_THAT(problems, Contains(HasSubstr("Localization.Robust.OutlierShare")));
   EXPECT_THAT(problems, Contains(HasSubstr("Localization.VisualMemory.Proxy")));
   EXPECT_THAT(problems, Contains(HasSubstr("Localization.Map")));
 }

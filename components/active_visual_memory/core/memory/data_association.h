@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "common/config/parameter_visitor.h"
 #include "common/visual_memory/memory_snapshot.h"
 
 namespace vismem {
@@ -18,6 +19,13 @@ struct AssociationParams {
   // with it.
   double fragment_px = 2.0;    ///< distance of the ends of a fragment from the line of the match: this ..
   double fragment_rad = 0.05;  ///< .. plus this per pixel beyond its ends
+
+  void visit(ParameterVisitor& v) {
+    v.angle(expert("Angle_deg", "V5: angle between an expected and an observed segment"), max_angle_rad, 0.1,
+            90.0);
+    v.real(expert("Normal_px", "V5: distance of an observed segment across the expected one"), max_normal_px,
+           0.1, 200.0);
+  }
 };
 
 /// A prediction with its contrast.

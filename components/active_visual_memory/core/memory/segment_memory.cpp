@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "active_visual_memory/core/memory/duplicates.h"
 #include "active_visual_memory/core/memory/segment_memory_view.h"
@@ -53,28 +52,10 @@ ImageAnalysis analysisOf(const RobotObservation& observation, const std::vector<
 
 }  // namespace
 
-SegmentMemory::Params SegmentMemory::Params::chapter() {
-  Params p;
-  p.fusion = Fusion::kChapter;
-  p.align = false;
-  p.confirm_by_parallax = false;
-  p.min_sightings = 1;
-  p.unverified_decay = 1.0;
-  // +20 per tick of 200 ms when observed, -1 when not, whatever the reason.
-  p.life.tick_us = 200'000;
-  p.life.gain_per_s = 100.0;
-  p.life.fade_per_s = 5.0;
-  p.life.absent_per_s = 5.0;
-  p.life.occluded_per_s = 5.0;
-  p.association.use_polarity = false;
-  p.association.fragment_px = p.association.max_normal_px;
-  return p;
-}
-
 SegmentMemory::SegmentMemory(const Params& params)
     : params_(params),
-      clock_(params.life.tick_us),
-      map_filter_(params.align ? params.tilt_prior : TiltPrior{0.0, 0.0, 0.0}) {}
+      clock_(params.retention.life.tick_us),
+      map_filter_(params.estimation.enabled ? params.estimation.tilt_prior : TiltPrior{0.0, 0.0, 0.0}) {}
 
 void SegmentMemory::clear() {
   elements_.clear();
@@ -89,7 +70,8 @@ void SegmentMemory::predict(const Pose2& T_odom_robot) {
   if (last_pose_) {
     travel_m_ += (T_odom_robot.position() - last_pose_->position()).norm();
     turn_rad_ += std::abs(angleDifference(T_odom_robot.theta, last_pose_->theta));
-    if (params_.align) transformAll(map_filter_.predict(*last_pose_, T_odom_robot, mapFilterParams()));
+    if (params_.estimation.enabled)
+      transformAll(map_filter_.predict(*last_pose_, T_odom_robot, mapFilterParams()));
   }
   last_pose_ = T_odom_robot;
 }
@@ -97,7 +79,8 @@ void SegmentMemory::predict(const Pose2& T_odom_robot) {
 std::vector<int> SegmentMemory::cache(const Pose2& T_odom_robot) const {
   std::vector<int> near;
   for (int i = 0; i < static_cast<int>(elements_.size()); ++i) {
-    if (distanceToSegment(T_odom_robot.position(), elements_[i].line.segment()) <= params_.cache_radius_m) {
+    if (distanceToSegment(T_odom_robot.position(), elements_[i].line.segment()) <=
+        params_.gates.cache_radius_m) {
       near.push_back(i);
     }
   }
@@ -109,7 +92,7 @@ std::vector<Expectation> SegmentMemory::expect(const View& view, std::vector<int
   for (const int i : cache(view.observation.T_odom_robot)) {
     const MemoryElement& element = elements_[i];
     const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, element.value.odom);
-    if (!px || px->length() < params_.min_visible_px) continue;
+    if (!px || px->length() < kMinVisible_px) continue;
     expected.push_back({{element.value.id, *px, element.value.label}, element.strength});
     index_of.push_back(i);
   }
@@ -119,11 +102,10 @@ std::vector<Expectation> SegmentMemory::expect(const View& view, std::vector<int
 bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment& observed,
                                 double distance_m) const {
   if (params_.fusion == Fusion::kChapter) return true;  // the chapter fuses without a gate
-  const double unseen_m = params_.drift_per_m * (travel_m_ - element.seen_travel_m);
-  const double unseen_rad = params_.drift_per_rad * (turn_rad_ - element.seen_turn_rad);
-  const double slack =
-      params_.slack_m + params_.slack_share * distance_m + unseen_m + unseen_rad * distance_m;
-  const double gate = params_.gate_sigmas;
+  const double unseen_m = params_.gates.drift_per_m * (travel_m_ - element.seen_travel_m);
+  const double unseen_rad = params_.gates.drift_per_rad * (turn_rad_ - element.seen_turn_rad);
+  const double slack = params_.gates.slack_m + kSlackShare * distance_m + unseen_m + unseen_rad * distance_m;
+  const double gate = kGateSigmas;
   if (inFilter(element)) {
     // The filter knows the variance of the line relative to the robot.
     const auto more = [&](const Eigen::Vector2d& p) {
@@ -131,7 +113,7 @@ bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment
              element.line.offsetVariance(element.line.tOf(p));
     };
     const double drift = std::max({0.0, more(observed.odom.a), more(observed.odom.b)});
-    const double least = params_.slack_m + params_.slack_share * distance_m;
+    const double least = params_.gates.slack_m + kSlackShare * distance_m;
     return element.line.disagreement(observed, std::hypot(least, std::sqrt(drift)), cameraTiltCovariance()) <=
            gate * gate;
   }
@@ -139,8 +121,8 @@ bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment
 }
 
 void SegmentMemory::renewAnchor(MemoryElement& element, const FloorSegment& observed, const View& view) {
-  const bool stale = turn_rad_ - element.anchor_turn_rad > params_.max_anchor_turn_rad ||
-                     (view.camera - element.anchor_camera).norm() > params_.max_anchor_travel_m;
+  const bool stale = turn_rad_ - element.anchor_turn_rad > kMaxAnchorTurn_rad ||
+                     (view.camera - element.anchor_camera).norm() > kMaxAnchorTravel_m;
   if (stale) {
     // Odometry has drifted too far for a comparison with the anchor.
     element.parallax = ParallaxEstimate{};
@@ -148,71 +130,75 @@ void SegmentMemory::renewAnchor(MemoryElement& element, const FloorSegment& obse
     element.anchor_camera = view.camera;
     element.anchor_turn_rad = turn_rad_;
   }
-  if ((view.camera - element.anchor_camera).norm() < params_.parallax.min_step_m) {
+  if ((view.camera - element.anchor_camera).norm() < params_.confirmation.parallax.min_step_m) {
     // Views from the place of the anchor improve it and have no parallax.
     element.anchor_line = element.line;
     element.parallax = ParallaxEstimate{};
   }
 }
 
-void SegmentMemory::verifyOnFloor(MemoryElement& element, const FloorSegment& observed, const View& view) {
-  // An edge seen only along the viewing ray may still be vertical.
-  if (!params_.confirm_by_parallax || (element.on_floor && element.not_vertical)) return;
-  renewAnchor(element, observed, view);
-  const FloorLine& anchor = element.anchor_line;
-  const Eigen::Vector2d baseline = view.camera - element.anchor_camera;
-  const double along = anchor.along().dot(baseline);
-  const double across = anchor.normal().dot(baseline);
-  const double distance = (observed.odom.middle() - view.camera).norm();
+double SegmentMemory::driftSinceAnchor(const MemoryElement& element, double distance_m) const {
   // An aligned memory has the error of the alignment, which does not grow with the way.
-  const double drift = params_.align
-                           ? params_.alignment_sigma_m + params_.alignment_sigma_rad * distance
-                           : params_.drift_per_rad * (turn_rad_ - element.anchor_turn_rad) * distance;
-  const auto add = [&](ParallaxEstimate::Channel channel, double b, double shift,
-                       const TiltJacobianRow& d_tilt, double variance) {
-    element.parallax.add(channel, b, shift, d_tilt, variance + drift * drift, params_.parallax);
-  };
+  if (params_.estimation.enabled) return kAlignmentSigma_m + kAlignmentSigma_rad * distance_m;
+  return params_.gates.drift_per_rad * (turn_rad_ - element.anchor_turn_rad) * distance_m;
+}
+
+void SegmentMemory::addOffsetParallax(MemoryElement& element, const FloorSegment& observed, const View& view,
+                                      double drift_m) const {
+  const FloorLine& anchor = element.anchor_line;
+  const double across = anchor.normal().dot(view.camera - element.anchor_camera);
   // A constant offset of the anchor cancels, an error of its direction does not.
-  const Eigen::Vector2d middle = observed.odom.middle();
   const Eigen::Vector2d n = anchor.normal();
   // A vertical edge turns about its foot: its far end shows most parallax.
   const bool b_is_far = (observed.odom.b - view.camera).norm() > (observed.odom.a - view.camera).norm();
-  const Eigen::Vector2d at = element.not_vertical ? middle : (b_is_far ? observed.odom.b : observed.odom.a);
+  const Eigen::Vector2d at =
+      element.not_vertical ? observed.odom.middle() : (b_is_far ? observed.odom.b : observed.odom.a);
   const double t = anchor.tOf(at);
-  const double share = params_.parallax_noise_share;
   const double f = (at - observed.odom.a).norm() / std::max(1e-6, observed.odom.length());
   const TiltJacobianRow d_at = n.transpose() * ((1.0 - f) * observed.D_a + f * observed.D_b);
-  add(ParallaxEstimate::kOffset, across, anchor.offsetOf(at), d_at - anchor.offsetTiltJacobian(t),
-      0.25 * share * n.dot((observed.P_a + observed.P_b) * n) + anchor.turnVariance(t));
-  // Parallax of the ends, while they are the ends of the anchor.
+  const double variance =
+      0.25 * kParallaxNoiseShare * n.dot((observed.P_a + observed.P_b) * n) + anchor.turnVariance(t);
+  element.parallax.add(ParallaxEstimate::kOffset, across, anchor.offsetOf(at),
+                       d_at - anchor.offsetTiltJacobian(t), variance + drift_m * drift_m,
+                       params_.confirmation.parallax);
+}
+
+void SegmentMemory::addEndParallax(MemoryElement& element, const FloorSegment& observed, bool at_b,
+                                   const View& view, double drift_m) const {
+  const ExtentEnd& known = at_b ? element.line.endB() : element.line.endA();
+  if ((at_b ? observed.censored_b : observed.censored_a) || known.censored) return;
+  const FloorLine& anchor = element.anchor_line;
   const Eigen::Vector2d u = anchor.along();
-  const auto addEnd = [&](ParallaxEstimate::Channel channel, const Eigen::Vector2d& p,
-                          const Eigen::Matrix2d& P, const TiltJacobian& D, bool censored,
-                          const ExtentEnd& known) {
-    if (censored || known.censored) return;
-    const double variance = u.dot(P * u);
-    const double gate = std::max(params_.line.end_gate_m,
-                                 params_.line.end_gate_sigmas * std::sqrt(variance + known.variance_m2));
-    const double off = element.line.tOf(p) - known.t_m;
-    if (std::abs(off) > gate) {
-      const bool outside = channel == ParallaxEstimate::kEndA ? off < 0.0 : off > 0.0;
-      if (outside) element.parallax.forget(channel);  // the old end was not a true end
-      return;
-    }
-    add(channel, along, anchor.tOf(p), u.transpose() * D, share * variance);
-  };
-  addEnd(ParallaxEstimate::kEndA, observed.odom.a, observed.P_a, observed.D_a, observed.censored_a,
-         element.line.endA());
-  addEnd(ParallaxEstimate::kEndB, observed.odom.b, observed.P_b, observed.D_b, observed.censored_b,
-         element.line.endB());
-  // A vertical edge is projected onto a ray from the point below the camera.
-  const Eigen::Vector2d ray = (middle - view.camera).normalized();
-  const Eigen::Vector2d seen_along = (observed.odom.b - observed.odom.a).normalized();
-  if (std::abs(cross2(ray, seen_along)) > params_.not_radial) {
-    element.not_vertical = true;
+  const Eigen::Vector2d& p = at_b ? observed.odom.b : observed.odom.a;
+  const double variance = u.dot((at_b ? observed.P_b : observed.P_a) * u);
+  const auto channel = at_b ? ParallaxEstimate::kEndB : ParallaxEstimate::kEndA;
+  // Only while it is the end of the anchor.
+  const double gate = std::max(params_.line.end_gate_m,
+                               params_.line.end_gate_sigmas * std::sqrt(variance + known.variance_m2));
+  const double off = element.line.tOf(p) - known.t_m;
+  if (std::abs(off) > gate) {
+    const bool outside = at_b ? off > 0.0 : off < 0.0;
+    if (outside) element.parallax.forget(channel);  // the old end was not a true end
+    return;
   }
-  const auto verdict =
-      element.parallax.verdict(view.height, element.not_vertical, cameraTiltCovariance(), params_.parallax);
+  element.parallax.add(channel, u.dot(view.camera - element.anchor_camera), anchor.tOf(p),
+                       u.transpose() * (at_b ? observed.D_b : observed.D_a),
+                       kParallaxNoiseShare * variance + drift_m * drift_m, params_.confirmation.parallax);
+}
+
+void SegmentMemory::verifyOnFloor(MemoryElement& element, const FloorSegment& observed, const View& view) {
+  // An edge seen only along the viewing ray may still be vertical.
+  if (!params_.confirmation.by_parallax || (element.on_floor && element.not_vertical)) return;
+  renewAnchor(element, observed, view);
+  const double drift = driftSinceAnchor(element, (observed.odom.middle() - view.camera).norm());
+  addOffsetParallax(element, observed, view, drift);
+  for (const bool at_b : {false, true}) addEndParallax(element, observed, at_b, view, drift);
+  // A vertical edge is projected onto a ray from the point below the camera.
+  const Eigen::Vector2d ray = (observed.odom.middle() - view.camera).normalized();
+  const Eigen::Vector2d seen_along = (observed.odom.b - observed.odom.a).normalized();
+  if (std::abs(cross2(ray, seen_along)) > kNotRadial) element.not_vertical = true;
+  const auto verdict = element.parallax.verdict(view.height, element.not_vertical, cameraTiltCovariance(),
+                                                params_.confirmation.parallax);
   element.stands = verdict == ParallaxEstimate::Verdict::kOffFloor;
   if (verdict == ParallaxEstimate::Verdict::kOnFloor) element.on_floor = true;
   if (verdict == ParallaxEstimate::Verdict::kOffFloor) element.on_floor = false;
@@ -226,8 +212,8 @@ void SegmentMemory::fuse(MemoryElement& element, const FloorSegment& seen, const
   const bool in_filter = inFilter(element);
   if (!in_filter && (travelled > 0.0 || turned > 0.0)) {
     const double range = (observed.odom.middle() - view.camera).norm();
-    const double heading = params_.drift_per_rad * turned;
-    element.line.drift(std::hypot(params_.drift_per_m * travelled, heading * range), heading);
+    const double heading = params_.gates.drift_per_rad * turned;
+    element.line.drift(std::hypot(params_.gates.drift_per_m * travelled, heading * range), heading);
   }
   element.seen_travel_m = travel_m_;
   element.seen_turn_rad = turn_rad_;
@@ -258,16 +244,16 @@ void SegmentMemory::vote(MemoryElement& element, const Label& label, double dist
   }
   const double weight = 1.0 / std::max(0.25, distance_m * distance_m);
   element.votes.add(label, weight);
-  element.value.label = element.votes.winner(params_.label_share);
+  element.value.label = element.votes.winner(kLabelShare);
 }
 
 void SegmentMemory::addElement(const FloorSegment& observed, const View& view) {
   MemoryElement element;
   element.value.id = next_id_++;
   element.value.label = observed.label;
-  element.value.life = params_.life.initial;
+  element.value.life = params_.retention.life.initial;
   element.value.first_seen_us = element.value.last_seen_us = view.observation.frame.stamp_us;
-  element.on_floor = !params_.confirm_by_parallax;
+  element.on_floor = !params_.confirmation.by_parallax;
   vote(element, observed.label, (observed.odom.middle() - view.camera).norm());
   element.line = FloorLine(observed, params_.line);
   element.strength = observed.strength;
@@ -281,11 +267,11 @@ void SegmentMemory::addElement(const FloorSegment& observed, const View& view) {
   verifyOnFloor(element, observed, view);
   publish(element);
   updateColours(element, view);
-  if (params_.align) {
+  if (params_.estimation.enabled) {
     const double distance = (observed.odom.middle() - view.camera).norm();
     map_filter_.addLine(element.value.id, observed, {view.T_odom_camera, view.observation.T_odom_robot.theta},
-                        params_.correlation_inflation * params_.correlation_inflation,
-                        params_.slack_m + params_.slack_share * distance);
+                        kCorrelationInflation * kCorrelationInflation,
+                        params_.gates.slack_m + kSlackShare * distance);
   }
   elements_.push_back(std::move(element));
 }
@@ -302,22 +288,26 @@ void SegmentMemory::updateColours(MemoryElement& element, const View& view) cons
   element.colours->right += 0.2 * (sides->right - element.colours->right);
 }
 
+bool SegmentMemory::isNew(const MemoryElement& element, StampUs stamp_us) {
+  return toSeconds(stamp_us - element.value.first_seen_us) < kNew_s;
+}
+
 bool SegmentMemory::isWellKnown(const MemoryElement& element, StampUs stamp_us) const {
   return !isTentative(element) && element.value.confirmed && !isNewHere(element, stamp_us) &&
-         toSeconds(stamp_us - element.value.last_seen_us) <= params_.well_known_s &&
-         travel_m_ - element.seen_travel_m <= params_.well_known_travel_m;
+         toSeconds(stamp_us - element.value.last_seen_us) <= kWellKnown_s &&
+         travel_m_ - element.seen_travel_m <= kWellKnownTravel_m;
 }
 
 Sighting SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view) {
   Sighting sighting = Sighting::kOutOfView;
   const auto& k = view.observation.frame.intrinsics;
-  const double m = params_.view_margin_px;
+  const double m = kViewMargin_px;
   const auto inside = clipToBox(px, {m, m}, {k.width - 1 - m, k.height - 1 - m});
-  const bool clear = inside && inside->length() >= params_.min_visible_px;
+  const bool clear = inside && inside->length() >= kMinVisible_px;
   if (clear && isTentative(element)) {
     // A tentative element needs no evidence of absence.
     sighting = Sighting::kAbsent;
-  } else if (clear && element.colours && view.turn_rate <= params_.max_absence_turn_radps) {
+  } else if (clear && element.colours && view.turn_rate <= params_.gates.max_absence_turn_radps) {
     switch (view.evidence.classify(*inside, *element.colours)) {
       case PlaceShows::kFree:
         sighting = Sighting::kAbsent;
@@ -338,49 +328,42 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
                                     const std::vector<ImageSegment>& observed,
                                     std::vector<FloorSegment> floor, double turn_rate_radps) {
   predict(observation.T_odom_robot);
-  const Pose3 T_odom_camera = toPose3(observation.T_odom_robot) * observation.T_robot_camera;
-  View view{observation,
-            T_odom_camera,
-            T_odom_camera.translation().head<2>(),
-            T_odom_camera.translation().z(),
-            turn_rate_radps,
-            {observation.frame.image, observation.frame.intrinsics, params_.evidence}};
-  camera_height_m_ = view.height;
-  if (params_.align) removeStaleLines();
+  View view = viewOf(observation, turn_rate_radps);
   censorHiddenEnds(floor, observed, view.evidence);
   correctSlip(view, floor);
-  // The tilt of a walking body displaces segments by several pixels: unmatched ones would be added as
-  // duplicates.
-  const Associations associations =
-      isLegged() ? associateIterated(view, observed, floor) : associate(view, observed, floor, floor);
+  const Associations associations = associate(view, observed, floor);
   ImageAnalysis analysis = analysisOf(observation, observed, associations.expected);
   analysis.matches = associations.matches;
-  if (params_.align) {
-    applyCorrection(associations, floor, view);
-    cutBeyondRange(floor, view.camera);
-  }
-  updateExpected(associations, observed, floor, view);
-  if (turn_rate_radps <= params_.max_mapping_turn_radps) {
-    addUnmatched(associations, floor, view);
-    const std::vector<int> cached = cache(observation.T_odom_robot);
-    preventMerge(cached);
-    mergeDuplicates(cached);
-  }
-  countLife(observation.frame.stamp_us);
+  correct(associations, floor, view);
+  updateExpected(associations, floor, view);
+  insert(associations, floor, view);
+  split(associations, observed, view);
+  merge(view);
+  age(observation.frame.stamp_us);
   publishAll();
   return analysis;
+}
+
+SegmentMemory::View SegmentMemory::viewOf(const RobotObservation& observation, double turn_rate_radps) {
+  const Pose3 T_odom_camera = toPose3(observation.T_odom_robot) * observation.T_robot_camera;
+  camera_height_m_ = T_odom_camera.translation().z();
+  return {observation,
+          T_odom_camera,
+          T_odom_camera.translation().head<2>(),
+          camera_height_m_,
+          turn_rate_radps,
+          {observation.frame.image, observation.frame.intrinsics, params_.evidence}};
 }
 
 void SegmentMemory::cutBeyondRange(std::vector<FloorSegment>& floor, const Eigen::Vector2d& camera) const {
   for (FloorSegment& segment : floor) {
     const double far = std::max((segment.odom.a - camera).norm(), (segment.odom.b - camera).norm());
-    if (far > params_.range_slack * params_.max_range_m) cutToRange(segment, camera, params_.max_range_m);
+    if (far > kRangeSlack * params_.gates.max_range_m) cutToRange(segment, camera, params_.gates.max_range_m);
   }
 }
 
-void SegmentMemory::updateExpected(const Associations& associations,
-                                   const std::vector<ImageSegment>& observed,
-                                   const std::vector<FloorSegment>& floor, const View& view) {
+void SegmentMemory::updateExpected(const Associations& associations, const std::vector<FloorSegment>& floor,
+                                   const View& view) {
   const StampUs stamp_us = view.observation.frame.stamp_us;
   agreement_ = {};
   for (std::size_t p = 0; p < associations.expected.size(); ++p) {
@@ -388,7 +371,7 @@ void SegmentMemory::updateExpected(const Associations& associations,
     const auto& pieces = associations.seen[p];
     // Absence is not judged while the camera turns, so matches are no evidence either.
     const bool informative =
-        view.turn_rate <= params_.max_absence_turn_radps && isWellKnown(element, stamp_us);
+        view.turn_rate <= params_.gates.max_absence_turn_radps && isWellKnown(element, stamp_us);
     if (pieces.empty()) {
       const Sighting sighting = judgeUnobserved(element, associations.expected[p].predicted.px, view);
       if (informative && sighting == Sighting::kAbsent) ++agreement_.absent;
@@ -398,10 +381,7 @@ void SegmentMemory::updateExpected(const Associations& associations,
     if (informative) ++agreement_.matched;
     if (isNewHere(element, stamp_us)) ++agreement_.fresh;
     for (const FloorSegment* piece : pieces) fuse(element, *piece, view);
-    if (params_.fusion == Fusion::kCovariance) {
-      updateEndpoints(element, pieces, floor, view);
-      updateGaps(element, pieces, observed, view);
-    }
+    if (params_.fusion == Fusion::kCovariance) updateEndpoints(element, pieces, floor, view);
     publish(element);
     updateColours(element, view);
   }
@@ -410,21 +390,19 @@ void SegmentMemory::updateExpected(const Associations& associations,
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     if (!expected_now[i]) elements_[i].sighting = std::max(elements_[i].sighting, Sighting::kOutOfView);
   }
-  std::move(split_off_.begin(), split_off_.end(), std::back_inserter(elements_));
-  split_off_.clear();
 }
 
 MemoryElement* SegmentMemory::nearest(const FloorSegment& segment, const View& view) {
   const double distance = (segment.odom.middle() - view.camera).norm();
   MemoryElement* best = nullptr;
-  double best_distance = params_.near_distance_m + params_.far_distance_share * distance;
+  double best_distance = params_.gates.near_distance_m + kFarDistanceShare * distance;
   for (const int i : cache(view.observation.T_odom_robot)) {
     MemoryElement& element = elements_[i];
     if (!labelsCompatible(element.value.label, segment.label)) continue;
     const Segment2 stored = element.line.segment();
     if (!samePolarity(stored, element.strength, segment.odom, segment.strength)) continue;
     const Neighbourhood near = neighbourhood(stored, segment.odom);
-    if (near.angle_rad > params_.near_angle_rad || near.gap_m > params_.max_gap_m) continue;
+    if (near.angle_rad > kNearAngle_rad || near.gap_m > kMaxGap_m) continue;
     if (near.distance_m > best_distance || !fitsOnFloor(element, segment, distance)) continue;
     if (areSplit(element.line, FloorLine(segment, params_.line))) continue;
     best_distance = near.distance_m;
@@ -433,15 +411,16 @@ MemoryElement* SegmentMemory::nearest(const FloorSegment& segment, const View& v
   return best;
 }
 
-void SegmentMemory::addUnmatched(const Associations& associations, const std::vector<FloorSegment>& floor,
-                                 const View& view) {
+void SegmentMemory::insert(const Associations& associations, const std::vector<FloorSegment>& floor,
+                           const View& view) {
+  if (view.turn_rate > kMaxMappingTurn_radps) return;
   std::vector<FloorSegment> fresh;
   for (const FloorSegment& segment : floor) {
     if (!associations.used[segment.observed]) fresh.push_back(segment);
   }
   fresh =
-      cleanDuplicates(fresh, kDuplicateGateShare * params_.near_angle_rad,
-                      kDuplicateGateShare * params_.near_distance_m, kDuplicateGateShare * params_.max_gap_m);
+      cleanDuplicates(fresh, kDuplicateGateShare * kNearAngle_rad,
+                      kDuplicateGateShare * params_.gates.near_distance_m, kDuplicateGateShare * kMaxGap_m);
   for (const FloorSegment& segment : fresh) {
     if (MemoryElement* element = nearest(segment, view)) {
       fuse(*element, segment, view);

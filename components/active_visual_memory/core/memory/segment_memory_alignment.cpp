@@ -6,10 +6,10 @@
 
 namespace vismem {
 
-SegmentMemory::Associations SegmentMemory::associate(const View& view,
-                                                     const std::vector<ImageSegment>& observed,
-                                                     const std::vector<FloorSegment>& floor,
-                                                     const std::vector<FloorSegment>& placed) const {
+SegmentMemory::Associations SegmentMemory::associatePlaced(const View& view,
+                                                           const std::vector<ImageSegment>& observed,
+                                                           const std::vector<FloorSegment>& floor,
+                                                           const std::vector<FloorSegment>& placed) const {
   std::vector<int> floor_of(observed.size(), -1);
   for (std::size_t i = 0; i < floor.size(); ++i) floor_of[floor[i].observed] = static_cast<int>(i);
 
@@ -35,16 +35,19 @@ SegmentMemory::Associations SegmentMemory::associate(const View& view,
   return associations;
 }
 
-SegmentMemory::Associations SegmentMemory::associateIterated(const View& view,
-                                                             const std::vector<ImageSegment>& observed,
-                                                             const std::vector<FloorSegment>& floor) const {
-  const Associations first = associate(view, observed, floor, floor);
+SegmentMemory::Associations SegmentMemory::associate(const View& view,
+                                                     const std::vector<ImageSegment>& observed,
+                                                     const std::vector<FloorSegment>& floor) const {
+  Associations first = associatePlaced(view, observed, floor, floor);
+  if (!isLegged()) return first;
+  // The tilt of a walking body displaces segments by several pixels: unmatched ones would be added as
+  // duplicates.
   const auto correction = updateMapFilter(first, view, nullptr);
   if (!correction) return first;
   View tilted_view = view;
   std::vector<FloorSegment> placed = floor;
   reproject(*correction, placed, tilted_view);
-  return associate(tilted_view, observed, floor, placed);
+  return associatePlaced(tilted_view, observed, floor, placed);
 }
 
 void SegmentMemory::reproject(const Correction& correction, std::vector<FloorSegment>& floor, View& view) {
@@ -60,26 +63,31 @@ void SegmentMemory::reproject(const Correction& correction, std::vector<FloorSeg
   view.T_odom_camera = T_odom_camera;
 }
 
-void SegmentMemory::applyCorrection(const Associations& associations, std::vector<FloorSegment>& floor,
+void SegmentMemory::correct(const Associations& associations, std::vector<FloorSegment>& floor, View& view) {
+  if (!params_.estimation.enabled) return;
+  if (const auto correction = updateMapFilter(associations, view, &map_filter_))
+    applyCorrection(*correction, floor, view);
+  cutBeyondRange(floor, view.camera);
+}
+
+void SegmentMemory::applyCorrection(const Correction& correction, std::vector<FloorSegment>& floor,
                                     View& view) {
-  const auto correction = updateMapFilter(associations, view, &map_filter_);
-  if (!correction) return;
-  transformAll(correction->motion);
+  transformAll(correction.motion);
   applyLineCorrections();
   for (MemoryElement& element : elements_) {
     if (inFilter(element)) {
-      element.line.tiltExtent(correction->camera_tilt);
+      element.line.tiltExtent(correction.camera_tilt);
     } else {
-      element.line.applyTiltChange(correction->camera_tilt);
+      element.line.applyTiltChange(correction.camera_tilt);
     }
-    element.anchor_line.applyTiltChange(correction->camera_tilt);
-    element.parallax.applyTiltChange(correction->camera_tilt);
+    element.anchor_line.applyTiltChange(correction.camera_tilt);
+    element.parallax.applyTiltChange(correction.camera_tilt);
   }
   // The segments of this image move, too.
   for (FloorSegment& segment : floor) {
-    conditionOnFrameTilt(segment, correction->P_frame_tilt, params_.tilt_prior.per_frame_rad);
+    conditionOnFrameTilt(segment, correction.P_frame_tilt, params_.estimation.tilt_prior.per_frame_rad);
   }
-  reproject(*correction, floor, view);
+  reproject(correction, floor, view);
 }
 
 }  // namespace vismem

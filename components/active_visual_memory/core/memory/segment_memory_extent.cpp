@@ -1,6 +1,7 @@
 // SegmentMemory: ends of remembered lines, and gaps that split them.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "active_visual_memory/core/ground/line_gaps.h"
@@ -50,7 +51,7 @@ double bearingDifference(const Eigen::Vector2d& at, const Eigen::Vector2d& one,
 bool SegmentMemory::isFree(const Segment2& place, const MemoryElement& element, const View& view) const {
   const Segment3 odom{{place.a.x(), place.a.y(), 0.0}, {place.b.x(), place.b.y(), 0.0}};
   const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, odom);
-  return px && px->length() >= params_.min_visible_px && element.colours &&
+  return px && px->length() >= kMinVisible_px && element.colours &&
          view.evidence.classify(*px, *element.colours) == PlaceShows::kFree;
 }
 
@@ -61,7 +62,7 @@ bool SegmentMemory::isOfAnotherKind(const Segment2& place, const MemoryElement& 
     if (labelsCompatible(other.label, element.value.label)) return false;
     const Neighbourhood near = neighbourhood(place, other.odom);
     // Most of the place, or up to the border of the image.
-    return near.angle_rad <= params_.near_angle_rad && near.distance_m <= params_.near_distance_m &&
+    return near.angle_rad <= kNearAngle_rad && near.distance_m <= params_.gates.near_distance_m &&
            -near.gap_m >= std::min(0.5 * length, 0.3);
   });
 }
@@ -105,7 +106,7 @@ void SegmentMemory::updateEndpoints(MemoryElement& element, const std::vector<co
     if (!isFree(beyond, element, view) && !isOfAnotherKind(beyond, element, floor)) return;
     votes.t_m = (votes.t_m * votes.count + at.t_m) / (votes.count + 1);
     votes.variance_m2 = at.variance_m2;
-    if (++votes.count < params_.short_votes) return;
+    if (++votes.count < kShortVotes) return;
     element.line.shorten(at_b, {votes.t_m, votes.variance_m2, false, votes.variance_m2, 1, at.d_tilt});
     element.short_a = element.short_b = {};
   };
@@ -113,9 +114,20 @@ void SegmentMemory::updateEndpoints(MemoryElement& element, const std::vector<co
   review(element.short_b, element.line.endB(), high, true);
 }
 
+void SegmentMemory::split(const Associations& associations, const std::vector<ImageSegment>& observed,
+                          const View& view) {
+  if (params_.gap_votes <= 0 || params_.fusion != Fusion::kCovariance) return;
+  for (std::size_t p = 0; p < associations.expected.size(); ++p) {
+    const auto& pieces = associations.seen[p];
+    if (!pieces.empty()) updateGaps(elements_[associations.index_of[p]], pieces, observed, view);
+  }
+  std::move(split_off_.begin(), split_off_.end(), std::back_inserter(elements_));
+  split_off_.clear();
+}
+
 void SegmentMemory::updateGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
                                const std::vector<ImageSegment>& observed, const View& view) {
-  if (params_.gap_votes <= 0 || element.line.length() < kMinSplitLength_m) return;
+  if (element.line.length() < kMinSplitLength_m) return;
   const Eigen::Vector2d u = element.line.along();
   std::vector<FloorSegment> pieces;
   for (const FloorSegment* piece : seen) {
@@ -134,7 +146,7 @@ void SegmentMemory::updateGaps(MemoryElement& element, const std::vector<const F
     const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, between);
     if (!px) continue;
     const bool hidden = before.censored_b || behind.censored_a;
-    if (!hidden && !view.evidence.isEdgeless(*px, params_.gap_contrast_share * element.strength)) continue;
+    if (!hidden && !view.evidence.isEdgeless(*px, kGapContrastShare * element.strength)) continue;
     const bool stands = hidden && view.evidence.gap(*px, 0.0, px->length()) == GapShows::kStandsThere;
     if (voteForGap(element, {from, to}, before, behind, hidden && !stands, view)) return;
   }
@@ -157,9 +169,9 @@ void SegmentMemory::updateGaps(MemoryElement& element, const std::vector<const F
       const GapShows shows = view.evidence.gap(px, gap.from_px, gap.to_px);
       if (shows == GapShows::kOccluded) continue;
       const auto a =
-          backProjectToGround(k, view.T_odom_camera, px.a + gap.from_px * along, params_.max_range_m);
+          backProjectToGround(k, view.T_odom_camera, px.a + gap.from_px * along, params_.gates.max_range_m);
       const auto b =
-          backProjectToGround(k, view.T_odom_camera, px.a + gap.to_px * along, params_.max_range_m);
+          backProjectToGround(k, view.T_odom_camera, px.a + gap.to_px * along, params_.gates.max_range_m);
       if (!a || !b) continue;
       Segment2 place{a->head<2>(), b->head<2>()};
       if (i >= of_gaps && place.length() > kMaxSpot_m) continue;
@@ -185,7 +197,7 @@ void SegmentMemory::preventMerge(const std::vector<int>& cached) {
       const double gap = one.line.along().dot(behind.a - before.b);
       if (gap < params_.line.end_gate_m || gap > kMaxSplitGap_m) continue;
       if (gap * gap < one.line.endB().best_m2 + other.line.endA().best_m2) continue;
-      if (distanceToLine(behind.a, before) > params_.near_distance_m) continue;
+      if (distanceToLine(behind.a, before) > params_.gates.near_distance_m) continue;
       if (!labelsCompatible(one.value.label, other.value.label)) continue;
       one.line.markSplit(true);
       other.line.markSplit(false);
@@ -205,7 +217,7 @@ bool SegmentMemory::voteForGap(MemoryElement& element, const Segment2& place, co
   // Each gap of a line has its own votes.
   auto& gaps = element.gaps;
   auto gap = std::find_if(gaps.begin(), gaps.end(), [&](const MemoryElement::GapVotes& known) {
-    return (known.from - from).norm() <= params_.gap_place_m && (known.to - to).norm() <= params_.gap_place_m;
+    return (known.from - from).norm() <= kGapPlace_m && (known.to - to).norm() <= kGapPlace_m;
   });
   if (gap == gaps.end()) {
     if (gaps.size() >= kMaxGaps) gaps.erase(gaps.begin());
@@ -241,7 +253,7 @@ bool SegmentMemory::voteForGap(MemoryElement& element, const Segment2& place, co
   less.votes = {};
   vote(less, piece.label, (piece.odom.middle() - view.camera).norm());
   publish(other);
-  if (params_.align) map_filter_.copyLine(other.value.id, element.value.id);
+  if (params_.estimation.enabled) map_filter_.copyLine(other.value.id, element.value.id);
   split_off_.push_back(std::move(other));
   return true;
 }

@@ -7,8 +7,8 @@
 namespace vismem {
 
 MapFilter::Params SegmentMemory::mapFilterParams() const {
-  MapFilter::Params params = params_.map_filter;
-  params.together_rad = params_.dominant_direction.together_rad;
+  MapFilter::Params params = params_.estimation.map_filter;
+  params.together_rad = params_.estimation.dominant_direction.together_rad;
   return params;
 }
 
@@ -24,25 +24,25 @@ std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& ass
     const double moved = (view.camera - element.anchor_camera).norm();
     // A new element may be another robot that drives ahead and would drag the memory along. Without any
     // element known to rest there is no better evidence.
-    if (anything_rests && !element.on_floor && moved > params_.parallax.min_step_m &&
+    if (anything_rests && !element.on_floor && moved > params_.confirmation.parallax.min_step_m &&
         isNew(element, view.observation.frame.stamp_us)) {
       continue;
     }
     const double inflation =
-        element.on_floor || moved < params_.parallax.min_step_m ? 1.0 : params_.unconfirmed_inflation;
-    const double noise = std::pow(params_.correlation_inflation * inflation, 2);
+        element.on_floor || moved < params_.confirmation.parallax.min_step_m ? 1.0 : kUnconfirmedInflation;
+    const double noise = std::pow(kCorrelationInflation * inflation, 2);
     for (const FloorSegment* piece : associations.seen[p]) {
       const double distance = (piece->odom.middle() - view.camera).norm();
       addLineResiduals(element.value.id, element.line, *piece, view_tilt,
-                       params_.slack_m + params_.slack_share * distance, noise, params_.end_inflation,
-                       params_.max_end_shift_m, residuals);
+                       params_.gates.slack_m + kSlackShare * distance, noise, kEndInflation, kMaxEndShift_m,
+                       residuals);
     }
   }
-  const auto direction = params_.use_dominant_direction ? dominantDirection() : std::nullopt;
+  const auto direction = params_.estimation.use_dominant_direction ? dominantDirection() : std::nullopt;
   std::vector<LineDirection> directions;
   for (const MemoryElement& element : elements_) {
     if (!direction || isTentative(element) || element.stands || !element.not_vertical) continue;
-    if (element.line.length() < params_.dominant_direction.least_m) continue;
+    if (element.line.length() < params_.estimation.dominant_direction.least_m) continue;
     directions.push_back({element.value.id, element.line.direction()});
   }
   const Eigen::Vector2d robot = view.observation.T_odom_robot.position();
@@ -51,14 +51,15 @@ std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& ass
 }
 
 void SegmentMemory::correctSlip(const View& view, const std::vector<FloorSegment>& floor) {
+  if (params_.estimation.enabled) removeStaleLines();
   if (!map_filter_.dominantDirection()) return;
   const TiltView view_tilt(view.T_odom_camera, view.observation.T_odom_robot.theta);
   const auto deviation =
-      directionDeviation(floor, view_tilt, params_.dominant_direction, *map_filter_.dominantDirection(),
-                         params_.tilt_prior.per_frame_rad);
+      directionDeviation(floor, view_tilt, params_.estimation.dominant_direction,
+                         *map_filter_.dominantDirection(), params_.estimation.tilt_prior.per_frame_rad);
   if (!deviation) return;
   const StampUs stamp_us = view.observation.frame.stamp_us;
-  const auto slip = slips_.add(stamp_us, deviation->turn_rad, deviation->variance, params_.slip);
+  const auto slip = slips_.add(stamp_us, deviation->turn_rad, deviation->variance, params_.estimation.slip);
   if (!slip) return;
   // Elements first seen after the slip were placed with its heading.
   std::erase_if(elements_, [&](const MemoryElement& e) { return e.value.first_seen_us >= slip->since_us; });
@@ -76,9 +77,9 @@ void SegmentMemory::removeStaleLines() {
   });
 }
 
-void SegmentMemory::merge(MemoryElement& element, const MemoryElement& other) {
+void SegmentMemory::join(MemoryElement& element, const MemoryElement& other) {
   // The better known line is kept in the filter.
-  if (params_.align && other.line.offsetVariance(0.0) < element.line.offsetVariance(0.0)) {
+  if (params_.estimation.enabled && other.line.offsetVariance(0.0) < element.line.offsetVariance(0.0)) {
     map_filter_.replaceLine(other.value.id, element.value.id);
   }
   absorb(element, other, params_.line);

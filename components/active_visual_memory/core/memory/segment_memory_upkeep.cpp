@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "active_visual_memory/core/memory/duplicates.h"
-#include "active_visual_memory/core/memory/segment_memory.h"
+#include "active_visual_memory/core/memory/segment_memory_view.h"
 #include "common/visual_memory/labels.h"
 
 namespace vismem {
@@ -32,7 +32,7 @@ void SegmentMemory::transformAll(const PlanarIncrement& motion) {
 }
 
 std::optional<double> SegmentMemory::dominantDirection() const {
-  DominantDirection place(params_.dominant_direction);
+  DominantDirection place(params_.estimation.dominant_direction);
   for (const MemoryElement& element : elements_) {
     if (!isTentative(element) && !element.stands && element.not_vertical) {
       place.add(element.line.direction(), element.line.length());
@@ -54,7 +54,7 @@ void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
       }
       if (!samePolarity(whole->line.segment(), whole->strength, element.line.segment(), element.strength))
         continue;
-      merge(*whole, element);
+      join(*whole, element);
       absorbed.push_back(element.value.id);
     }
     if (whole) publish(*whole);
@@ -62,6 +62,13 @@ void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
   std::erase_if(elements_, [&](const MemoryElement& element) {
     return std::count(absorbed.begin(), absorbed.end(), element.value.id) > 0;
   });
+}
+
+void SegmentMemory::merge(const View& view) {
+  if (view.turn_rate > kMaxMappingTurn_radps) return;
+  const std::vector<int> cached = cache(view.observation.T_odom_robot);
+  preventMerge(cached);
+  mergeDuplicates(cached);
 }
 
 void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
@@ -80,15 +87,16 @@ void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
       if (!samePolarity(sa, a.strength, sb, b.strength)) continue;
       const bool a_longer = a.line.length() >= b.line.length();
       const Neighbourhood near = neighbourhood(a_longer ? sa : sb, a_longer ? sb : sa);
-      if (near.angle_rad > params_.near_angle_rad || near.gap_m > params_.max_gap_m) continue;
+      if (near.angle_rad > kNearAngle_rad || near.gap_m > kMaxGap_m) continue;
       const double sigma = std::sqrt(a.line.offsetVariance(0.0) + b.line.offsetVariance(0.0));
       // Lines of one filter share their errors, so copies may lie further apart.
-      const double reach = (params_.align ? kMapFilterReach : 1.0) * params_.near_distance_m;
+      const double reach =
+          (params_.estimation.enabled ? kMapFilterReach : 1.0) * params_.gates.near_distance_m;
       if (near.distance_m > std::min(reach, 0.02 + 3.0 * sigma)) continue;
       if (areSplit(a.line, b.line)) continue;
       // Pieces that only touch end to end must have nearly one direction.
-      if (near.gap_m > 0.0 && near.angle_rad > kDuplicateGateShare * params_.near_angle_rad) continue;
-      merge(a, b);
+      if (near.gap_m > 0.0 && near.angle_rad > kDuplicateGateShare * kNearAngle_rad) continue;
+      join(a, b);
       gone[cached[n]] = true;
     }
   }
@@ -101,7 +109,7 @@ void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
   elements_.resize(kept);
 }
 
-void SegmentMemory::countLife(StampUs stamp_us) {
+void SegmentMemory::age(StampUs stamp_us) {
   const double dt = clock_.advance(stamp_us);
   if (dt > 0.0) {
     for (MemoryElement& element : elements_) {
@@ -109,24 +117,26 @@ void SegmentMemory::countLife(StampUs stamp_us) {
       // may be vertical, and its floor place moves: out of view it decays faster.
       const bool suspect = !element.on_floor && !element.not_vertical;
       const bool unseen = element.sighting == Sighting::kOutOfView;
-      element.value.life = agedLife(element.value.life, element.sighting,
-                                    suspect && unseen ? params_.unverified_decay * dt : dt, params_.life);
+      element.value.life =
+          agedLife(element.value.life, element.sighting,
+                   suspect && unseen ? params_.retention.unverified_decay * dt : dt, params_.retention.life);
       element.sighting = Sighting::kAbsent;
     }
-    std::erase_if(elements_, [&](const MemoryElement& e) { return e.value.life < params_.life.threshold; });
+    std::erase_if(elements_,
+                  [&](const MemoryElement& e) { return e.value.life < params_.retention.life.threshold; });
   }
-  if (static_cast<int>(elements_.size()) > params_.max_elements) {
+  if (static_cast<int>(elements_.size()) > params_.retention.max_elements) {
     std::stable_sort(elements_.begin(), elements_.end(), [](const MemoryElement& a, const MemoryElement& b) {
       return a.value.life > b.value.life;
     });
-    elements_.resize(static_cast<std::size_t>(params_.max_elements));
+    elements_.resize(static_cast<std::size_t>(params_.retention.max_elements));
     std::sort(elements_.begin(), elements_.end(),
               [](const MemoryElement& a, const MemoryElement& b) { return a.value.id < b.value.id; });
   }
 }
 
 void SegmentMemory::publish(MemoryElement& element) const {
-  const bool named = params_.confirm_unlabelled || element.value.label != kUnknownLabel;
+  const bool named = params_.confirmation.unlabelled || element.value.label != kUnknownLabel;
   const double length = element.line.length();
   const double off = dominant_direction_rad_
                          ? offDominantDirection(element.line.direction(), *dominant_direction_rad_)
@@ -134,8 +144,9 @@ void SegmentMemory::publish(MemoryElement& element) const {
   // A pixel at an end turns a line by this.
   const double inflation = std::min(kMaxOffDirection_rad, element.pixel_m / length);
   const bool snaps = dominant_direction_rad_ && std::abs(off) <= inflation;
-  const double least = snaps ? std::min(kMinSnapped_m, params_.min_confirmed_m) : params_.min_confirmed_m;
-  const bool large = !params_.confirm_by_parallax || length >= least;
+  const double least =
+      snaps ? std::min(kMinSnapped_m, params_.confirmation.min_length_m) : params_.confirmation.min_length_m;
+  const bool large = !params_.confirmation.by_parallax || length >= least;
   vismem::publish(element, element.on_floor && named && large, cameraTiltCovariance());
   if (!snaps) return;
   const Eigen::Vector2d middle = 0.5 * (element.value.odom.a + element.value.odom.b).head<2>();
@@ -145,18 +156,18 @@ void SegmentMemory::publish(MemoryElement& element) const {
 }
 
 void SegmentMemory::publishAll() {
-  if (params_.snap_to_dominant_direction) dominant_direction_rad_ = dominantDirection();
+  if (params_.confirmation.snap_to_dominant_direction) dominant_direction_rad_ = dominantDirection();
   for (MemoryElement& element : elements_) publish(element);
-  if (!params_.confirm_by_parallax) return;
-  confirmBetweenCorners(elements_, params_.corners);
-  confirmContinuations(elements_, camera_height_m_, params_.corners);
+  if (!params_.confirmation.by_parallax) return;
+  confirmBetweenCorners(elements_, params_.confirmation.corners);
+  confirmContinuations(elements_, camera_height_m_, params_.confirmation.corners);
 }
 
 void SegmentMemory::advanceLife(StampUs stamp_us) {
   // An image that is not analysed is no evidence.
   for (MemoryElement& element : elements_)
     element.sighting = std::max(element.sighting, Sighting::kOutOfView);
-  countLife(stamp_us);
+  age(stamp_us);
   publishAll();
 }
 

@@ -7,6 +7,46 @@
 
 namespace vismem {
 
+// Expectation and absence.
+inline constexpr double kMinVisible_px = 10.0;  // shorter visible parts are not expected to be observed
+inline constexpr double kViewMargin_px = 4.0;  // expectations nearer to the border are no evidence of absence
+inline constexpr double kMaxMappingTurn_radps =
+    3.0;  // turn rate of the camera up to which new elements are added
+inline constexpr double kRangeSlack =
+    1.03;  // segments that a frame tilt moved beyond this times the range are cut again
+// Gates on the floor (M3; M2 multiplies them by kDuplicateGateShare).
+inline constexpr double kNearAngle_rad = 0.12;
+inline constexpr double kMaxGap_m = 0.06;          // between the extents of pieces of one line
+inline constexpr double kFarDistanceShare = 0.02;  // added to the near distance per metre from the camera
+inline constexpr double kSlackShare = 0.003;       // added to the slack of a match per metre from the camera
+inline constexpr double kGateSigmas = 3.0;
+inline constexpr double kLabelShare = 0.4;  // of the votes that a label needs
+// Parallax.
+inline constexpr double kNotRadial = 0.2;  // least sine to the viewing ray that excludes a vertical edge
+inline constexpr double kParallaxNoiseShare =
+    0.1;  // share of the variance of an end that is independent between views
+inline constexpr double kAlignmentSigma_m = 0.003;    // error of the alignment: of places ..
+inline constexpr double kAlignmentSigma_rad = 0.004;  // .. and of the heading
+inline constexpr double kMaxAnchorTurn_rad = 20.0;    // turn of the robot after which parallax begins anew
+inline constexpr double kMaxAnchorTravel_m = 4.0;
+// Residuals of the filter.
+inline constexpr double kCorrelationInflation =
+    2.0;  // factor of sigmas: errors of successive images are correlated
+inline constexpr double kUnconfirmedInflation =
+    5.0;  // the same against elements not known to lie on the floor
+// Factor of the sigmas of ends along their line. The detector ends short by a pixel in every image: as
+// independent errors that would bias the tilt of an approaching camera and the scale of its way.
+inline constexpr double kEndInflation = 16.0;
+inline constexpr double kMaxEndShift_m = 0.15;  // ends further apart are not compared
+// Ends and gaps.
+inline constexpr int kShortVotes = 6;  // images that must see an end further in, with free floor behind it
+inline constexpr double kGapContrastShare = 0.35;  // of the contrast of the line: less in the gap is no edge
+inline constexpr double kGapPlace_m = 0.05;        // distance within which votes are for one gap
+// M10.
+inline constexpr double kNew_s = 8.0;              // age up to which an element is new
+inline constexpr double kWellKnown_s = 40.0;       // an element is well known if seen within this time ..
+inline constexpr double kWellKnownTravel_m = 3.0;  // .. and this way
+
 struct SegmentMemory::View {
   const RobotObservation& observation;
   Pose3 T_odom_camera;

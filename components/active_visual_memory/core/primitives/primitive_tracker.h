@@ -9,6 +9,7 @@
 
 #include "active_visual_memory/core/memory/side_completion.h"
 #include "active_visual_memory/core/primitives/primitive_finder.h"
+#include "common/config/parameter_visitor.h"
 
 namespace vismem {
 
@@ -25,6 +26,10 @@ class PrimitiveTracker {
     double loss_per_s = 25.0;  ///< while it is not found and its segments are gone
     double published_life = 15.0;
     double smoothing = 0.3;  ///< weight of a new finding, once the first few are averaged
+
+    void visit(ParameterVisitor& v) {
+      v.flag(expert("ConfirmedOnly", "M8: unconfirmed segments alone make no shape"), finder.confirmed_only);
+    }
   };
 
   explicit PrimitiveTracker(const Params& params) : params_(params) {}

@@ -3,6 +3,7 @@
 declare module "virtual:slice" {
   // eslint-disable-next-line @typescript-eslint/no-explicit-any
   export const IceRuntime: any;
+  export const Glacier2Module: any;
   export const avmModule: any;
   export const jderobotModule: any;
 }

@@ -309,11 +309,11 @@ export class Streams {
     };
     this.components.set(name, info);
     const peer = this.link.add(`component ${name}`, proxyText, avm.ComponentPrx);
-    const proxy = peer.proxy.ice_invocationTimeout(900);
+    const proxy = () => peer.proxy.ice_invocationTimeout(900);
     let afterLog = longOf(0), hasLog = true;
     void this.link.loop(peer, async () => {
       try {
-        const status = statusOf(await proxy.getStatus());
+        const status = statusOf(await proxy().getStatus());
         if (!info.alive) info.since = nowMs();
         Object.assign(info, status, {alive: true, message: ""});
       } catch (failure) {
@@ -326,7 +326,7 @@ export class Streams {
       }
       if (this.logWatched && hasLog) {
         try {
-          const batch = await proxy.getLog(afterLog, avm.LogLevel.Debug, 200);
+          const batch = await proxy().getLog(afterLog, avm.LogLevel.Debug, 200);
           afterLog = batch.lastSequence;
           if (batch.entries.length > 0) this.publish({kind: "log", lines: batch.entries.map((e: any) => logLineOf(name, e)), lost: num(batch.lost)});
         } catch (failure) {

@@ -9,9 +9,14 @@ export interface GuiConfig {
   setup: string;
   /** True: read-only faces; the page offers no actions. */
   viewer: boolean;
+  /** Proxy of a router at which people log in; empty: the page reaches the components themselves. */
+  gateway: string;
   proxies: Record<string, string>;
   components: {name: string; proxy: string}[];
 }
+
+/** Of a gateway. "away": it was lost or is not reached; the worker tries again. */
+export interface SessionInfo { state: "none" | "needed" | "trying" | "open" | "away"; message: string }
 
 export interface OverlayOptions {
   observed: boolean; predicted: boolean; matched: boolean; labels: boolean; horizon: boolean; map: boolean; gaze: boolean;
@@ -27,6 +32,7 @@ export interface ImagePlace { x: number; y: number; scale: number; width: number
 
 export type ToWorker =
   | {kind: "start"; config: GuiConfig}
+  | {kind: "logIn"; user: string; password: string}
   | {kind: "canvas"; canvas: OffscreenCanvas}
   | {kind: "canvasSize"; width: number; height: number; ratio: number}
   | {kind: "overlays"; options: OverlayOptions; theme: "dark" | "light"}
@@ -42,6 +48,7 @@ export type FromWorker =
   | {kind: "moment"; moment: Partial<Moment>; generation: number}
   | {kind: "video"; video: VideoInfo; place: ImagePlace}
   | {kind: "links"; links: LinkInfo[]}
+  | {kind: "session"; session: SessionInfo}
   | {kind: "components"; components: ComponentInfo[]}
   | {kind: "map"; map: MapState}
   | {kind: "simulation"; simulation: SimulationInfo}

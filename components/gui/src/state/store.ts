@@ -1,7 +1,7 @@
 // What the page knows, as signals that panes follow, and the one way to the worker.
 import {effect, signal} from "@preact/signals-core";
 import {defaultOverlays, nowMs} from "../shared/messages";
-import type {FromWorker, GuiConfig, ImagePlace, OverlayOptions, ToWorker} from "../shared/messages";
+import type {FromWorker, GuiConfig, ImagePlace, OverlayOptions, SessionInfo, ToWorker} from "../shared/messages";
 import type {Theme} from "../shared/palette";
 import {emptyMoment} from "../shared/state";
 import type {
@@ -57,6 +57,7 @@ export class Store {
   readonly notice = signal<Notice | null>(null);
   readonly healthGrid = signal<HealthGrid | null>(null);
   readonly bestFit = signal<{value: number; at: number} | null>(null);
+  readonly session = signal<SessionInfo>({state: "none", message: ""});
   readonly overlays = kept<OverlayOptions>("overlays", defaultOverlays);
   readonly theme = kept<Theme>("theme", matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark");
   readonly columns = new Columns();
@@ -119,6 +120,7 @@ export class Store {
         this.imagePlace = message.place;
         break;
       case "links": this.links.value = message.links; break;
+      case "session": this.session.value = message.session; break;
       case "components":
         this.components.value = message.components;
         this.columns.addComponents(nowMs(), message.components, this.video.value);

@@ -9,6 +9,18 @@
 namespace vismem {
 namespace {
 
+constexpr double kDirectionStep_rad = degToRad(15.0);  // between candidate directions
+constexpr double kRange_m = 4.0;                       // largest range of expected lines
+constexpr double kAim_m = 3.0;                         // largest distance of the gaze point from the camera
+constexpr double kSigma_m = 0.1;  // scale of the difference between two races' predictions of a line
+/// Least belief in a place without a race. It makes all lines informative, not only those that discriminate
+/// between races.
+constexpr double kNoneShare = 0.2;
+constexpr double kHorizon_s = 1.5;  // length of the predicted head motion; views on the way count
+constexpr double kForget_s = 8.0;   // time constant of the decay of the time in view
+constexpr double kHeadAcceleration_radps2 = degToRad(1000.0);
+constexpr double kDelay_s = 0.02;  // from the image until a new request turns the head
+
 constexpr double kNegligibleBelief = 0.01;  // in a race
 /// Health of a race at the true pose, and of a refuted one.
 constexpr double kGoodHealth = 0.75;
@@ -86,7 +98,7 @@ void GazeAdvisor::addView(const MemoryUpdate& update) {
   const double since_s = last_view_us_ ? toSeconds(view.stamp_us - *last_view_us_) : kStep_s;
   if (since_s < 0.0) reset();
   last_view_us_ = view.stamp_us;
-  const double kept = std::exp(-std::max(0.0, since_s) / params_.forget_s);
+  const double kept = std::exp(-std::max(0.0, since_s) / kForget_s);
   const double view_s = std::clamp(since_s, 0.0, kLongestView_s);
   const double pan = axisOf(view.T_robot_camera).pan_rad;
   pan_speed_radps_ = last_pan_rad_ && since_s > 0.0 && since_s <= kLongestView_s
@@ -121,11 +133,11 @@ std::vector<GazeAdvisor::Target> GazeAdvisor::targets(const PoseEstimate& estima
   }
   for (Place& place : places) place.belief /= sum;
   std::erase_if(places, [](const Place& place) { return place.belief < kNegligibleBelief; });
-  const double none = std::clamp(1.0 - best_fit, std::min(params_.none_share, 1.0), 1.0);
+  const double none = std::clamp(1.0 - best_fit, std::min(kNoneShare, 1.0), 1.0);
   std::vector<Target> all;
   std::vector<VisiblePoint> points;
   for (const Place& place : places) {
-    visible_.around(place.T_world_robot, params_.range_m, {}, nullptr, points);
+    visible_.around(place.T_world_robot, kRange_m, points);
     for (const VisiblePoint& point : points) {
       // A place without a race is assumed not to show this line.
       double differs = none;
@@ -134,7 +146,7 @@ std::vector<GazeAdvisor::Target> GazeAdvisor::targets(const PoseEstimate& estima
         const Pose2& T = other.T_world_robot;
         const auto field =
             map_.nearest(point.label, transform(T, point.p_robot), point.direction_robot + T.theta);
-        const double d = field ? field->distance_m / params_.sigma_m : 1e9;
+        const double d = field ? field->distance_m / kSigma_m : 1e9;
         differs += (1.0 - none) * other.belief * (1.0 - std::exp(-0.5 * d * d));
       }
       all.push_back({point.p_robot, place.belief * differs * point.length_m});
@@ -170,14 +182,14 @@ double GazeAdvisor::informationOnTheWay(double from_rad, double to_rad, double h
   double sum = 0.0;
   double at = from_rad;
   double speed = pan_speed_radps_;
-  for (double t = kStep_s; t < params_.horizon_s + 0.5 * kStep_s; t += kStep_s) {
+  for (double t = kStep_s; t < kHorizon_s + 0.5 * kStep_s; t += kStep_s) {
     // Until a request takes effect the head keeps its speed; to turn back it brakes first.
-    if (t > params_.delay_s + 0.5 * kStep_s) {
+    if (t > kDelay_s + 0.5 * kStep_s) {
       const double ahead = to_rad - at;
-      const double braking = std::sqrt(2.0 * params_.head_acceleration_radps2 * std::abs(ahead));
+      const double braking = std::sqrt(2.0 * kHeadAcceleration_radps2 * std::abs(ahead));
       const double wanted =
           std::copysign(std::min({params_.head_speed_radps, braking, std::abs(ahead) / kStep_s}), ahead);
-      const double change = params_.head_acceleration_radps2 * kStep_s;
+      const double change = kHeadAcceleration_radps2 * kStep_s;
       speed += std::clamp(wanted - speed, -change, change);
     }
     at = std::clamp(at + speed * kStep_s, std::min(params_.minimum_pan_rad, from_rad),
@@ -201,9 +213,9 @@ std::vector<GazeAdvice> GazeAdvisor::advise(const PoseEstimate& estimate, const 
   const double heading = update.snapshot->T_odom_robot.theta;
   const double now = axisOf(view.T_robot_camera).pan_rad;
   const Eigen::Vector3d camera = view.T_robot_camera.translation();
-  for (const double tilt : spread(params_.minimum_tilt_rad, params_.maximum_tilt_rad, params_.step_rad)) {
+  for (const double tilt : spread(params_.minimum_tilt_rad, params_.maximum_tilt_rad, kDirectionStep_rad)) {
     const Bearings informative_m = informativeAt(tilt, seen, update);
-    for (const double pan : spread(params_.minimum_pan_rad, params_.maximum_pan_rad, params_.step_rad)) {
+    for (const double pan : spread(params_.minimum_pan_rad, params_.maximum_pan_rad, kDirectionStep_rad)) {
       GazeAdvice one;
       one.direction = {pan, tilt};
       // The unit stops at its limits, so the motion does not pass behind the robot.
@@ -216,9 +228,9 @@ std::vector<GazeAdvice> GazeAdvisor::advise(const PoseEstimate& estimate, const 
       });
       if (shown > 0) one.novelty /= shown;
       const Eigen::Vector3d axis = cameraTowards(camera, one.direction).linear().col(2);
-      const double to_floor = axis.z() < 0.0 ? -camera.z() / axis.z() : params_.aim_m;
+      const double to_floor = axis.z() < 0.0 ? -camera.z() / axis.z() : kAim_m;
       one.p_odom = transform(update.snapshot->T_odom_robot,
-                             Eigen::Vector3d(camera + std::min(to_floor, params_.aim_m) * axis));
+                             Eigen::Vector3d(camera + std::min(to_floor, kAim_m) * axis));
       advice.push_back(one);
     }
   }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/config/parameter_visitor.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/camera.h"
 #include "common/segment_map/segment_map.h"
@@ -24,20 +25,18 @@ struct GazeAdvisorParams {
   double maximum_pan_rad = degToRad(159.0);
   double minimum_tilt_rad = degToRad(-20.0);
   double maximum_tilt_rad = degToRad(-10.0);  ///< informative lines lie on the floor
-  double step_rad = degToRad(15.0);
-  double range_m = 4.0;  ///< largest range of expected lines
-  double aim_m = 3.0;    ///< largest distance of the gaze point from the camera
-  double sigma_m = 0.1;  ///< scale of the difference between two races' predictions of a line
-  /// Least belief in a place without a race. It makes all lines informative, not only those that discriminate
-  /// between races.
-  double none_share = 0.2;
-  double horizon_s = 1.5;       ///< length of the predicted head motion; views on the way count
-  double patience_s = 0.8;      ///< time constant of the discount of later views
-  double half_novelty_s = 0.6;  ///< time in view that halves the novelty of a bearing
-  double forget_s = 8.0;        ///< time constant of the decay of the time in view
+  double patience_s = 0.8;                    ///< time constant of the discount of later views
+  double half_novelty_s = 0.6;                ///< time in view that halves the novelty of a bearing
   double head_speed_radps = degToRad(150.0);
-  double head_acceleration_radps2 = degToRad(1000.0);
-  double delay_s = 0.02;  ///< from the image until a new request turns the head
+
+  void visit(ParameterVisitor& v) {
+    v.angle(expert("Pan.Minimum_deg", "candidate directions of the camera's axis, from"), minimum_pan_rad,
+            -180.0, 180.0);
+    v.angle(expert("Pan.Maximum_deg", "candidate directions of the camera's axis, to"), maximum_pan_rad,
+            -180.0, 180.0);
+    v.require("Pan.Minimum_deg", minimum_pan_rad <= maximum_pan_rad, "must not be more than",
+              "Pan.Maximum_deg");
+  }
 };
 
 /// One direction of the camera with its rating.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/config/parameter_visitor.h"
 #include "common/geometry/angles.h"
 #include "common/visual_memory/gaze.h"
 #include "localization/core/gaze/gaze_advisor.h"
@@ -23,6 +24,13 @@ struct GazePlannerParams {
   double deadline_s = 2.0;  ///< of a request; a direction not reached within it is abandoned for a while
   double seen_rad = degToRad(20.0);  ///< largest angle to the camera's axis of a reached one
   double move_rad = degToRad(10.0);  ///< a request moves if the best direction is further off
+
+  void visit(ParameterVisitor& v) {
+    v.alias("DoubtAbove", "UncertaintyAbove");
+    v.real(basic("UncertaintyAbove", "B4: uncertainty (0..1) from which gaze is requested"),
+           uncertainty_above, 0.0, 1.0);
+    advisor.visit(v);
+  }
 };
 
 /// Calls to a GazeClient; withdrawals come first.

@@ -49,11 +49,9 @@ class ChapterRaces : public RaceStrategy {
   std::vector<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) const override {
     std::vector<Individual> population;
     population.reserve(static_cast<std::size_t>(explorers));
-    CandidateBound bound(params_.explorers.candidates, params_.explorers.list_health, table.params());
     for (int i = 0; i < explorers; ++i) {
       const Pose2 pose = uniformExplorer(map_, params_.explorers.margin_m, engine);
-      population.push_back({pose, observation_.health(pose, bound.least())});
-      bound.add(population.back());
+      population.push_back({pose, observation_.health(pose)});
     }
     std::vector<Race> races;
     for (const Individual& place : bestPlaces(population, params_.explorers.candidates,
@@ -129,8 +127,7 @@ class ChapterRaces : public RaceStrategy {
 
  private:
   void rateNew(Race& race) const {
-    rateRace(race, params_.evolution,
-             [this](const Pose2& pose, double least) { return observation_.health(pose, least); });
+    rateRace(race, params_.evolution, [this](const Pose2& pose) { return observation_.health(pose); });
     race.P_reported.topLeftCorner<3, 3>() = eliteCovariance(race);
   }
 

@@ -63,8 +63,7 @@ void rateRace(Race& race, const EvolutionParams& params, const HealthOf& health_
   std::vector<Individual>& all = race.individuals;
   std::vector<std::size_t> elite;  // indices, best first
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const double least = elite.size() < most ? 0.0 : all[elite.back()].health;
-    if (!all[i].is_rated) all[i].health = health_of(all[i].T_world_robot, least);
+    if (!all[i].is_rated) all[i].health = health_of(all[i].T_world_robot);
     all[i].is_rated = true;
     const double health = all[i].health;
     // Behind individuals of equal health: a stable order makes runs repeatable.

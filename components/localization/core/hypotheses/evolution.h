@@ -31,8 +31,7 @@ Pose2 meanPose(const Pose2& a, const Pose2& b);
 Race createRace(const Individual& explorer, const EvolutionParams& params, RandomEngine& engine);
 
 /// Health of a pose.
-/// @param least a health below it may be returned as 0.
-using HealthOf = std::function<double(const Pose2&, double least)>;
+using HealthOf = std::function<double(const Pose2&)>;
 
 /// Rates the unrated individuals and sorts the elite to the front, best first. The race gets the elite's mean
 /// pose (headings averaged on the circle) and mean health. The others keep their order without a health.

@@ -72,44 +72,11 @@ std::optional<Pose2> ConstructedExplorers::propose(const FloorObservation& obser
   return Pose2{p_world.x() - arm.x(), p_world.y() - arm.y(), heading};
 }
 
-int kldBound(int places, double error) {
-  if (places < 2) return 1;
-  constexpr double kQuantile = 2.326;  // of the normal distribution, 99 %
-  const double k = places - 1;
-  const double a = 2.0 / (9.0 * k);
-  return static_cast<int>(std::ceil(k / (2.0 * error) * std::pow(1.0 - a + std::sqrt(a) * kQuantile, 3)));
-}
-
 int explorerCount(const ExplorerParams& params, double reliability, std::uint64_t iteration) {
   const bool is_reliable = reliability >= params.reliable_above;
   const auto period = static_cast<std::uint64_t>(std::max(1, params.period_reliable));
   if (is_reliable && iteration % period != 0) return 0;
   return is_reliable ? params.count_reliable : params.count_lost;
-}
-
-CandidateBound::CandidateBound(int count, double list_health, const RaceParams& races)
-    : count_(static_cast<std::size_t>(std::max(0, count))), least_(list_health), apart_(races) {
-  apart_.same_place_m *= 2.0;
-  apart_.same_place_rad *= 2.0;
-}
-
-// Keeps `count` explorers so far apart that each of bestPlaces is near one of them at most: the worst of them
-// bounds the health of bestPlaces from below.
-void CandidateBound::add(const Individual& explorer) {
-  if (explorer.health < least_ || count_ == 0) return;
-  const auto isNear = [&](const Individual& other) {
-    return samePlace(explorer.T_world_robot, other.T_world_robot, apart_);
-  };
-  const auto near = std::find_if(best_.begin(), best_.end(), isNear);
-  if (near == best_.end()) {
-    best_.push_back(explorer);
-  } else if (explorer.health > near->health && std::none_of(near + 1, best_.end(), isNear)) {
-    *near = explorer;
-  }
-  if (best_.size() < count_) return;
-  const auto byHealth = [](const Individual& a, const Individual& b) { return a.health < b.health; };
-  if (best_.size() > count_) best_.erase(std::min_element(best_.begin(), best_.end(), byHealth));
-  least_ = std::min_element(best_.begin(), best_.end(), byHealth)->health;
 }
 
 std::vector<Individual> bestPlaces(std::vector<Individual>& explorers, int count, double list_health,

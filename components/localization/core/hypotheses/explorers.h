@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/config/parameter_visitor.h"
 #include "localization/core/hypotheses/race.h"
 #include "localization/core/map/map_index.h"
 #include "localization/core/observation/floor_observation.h"
@@ -21,6 +22,10 @@ struct ExplorerParams {
   int candidates = 6;           ///< M
   double list_health = 0.3;     ///< smallest health of a candidate
   double margin_m = 0.0;        ///< extension of the search beyond the map's bounding box
+
+  void visit(ParameterVisitor& v) {
+    v.real(expert("Margin_m", "extension of the search beyond the map's bounding box"), margin_m, 0.0, 1e4);
+  }
 };
 
 /// A pose uniform over the map's bounding box, extended by the margin, and over all headings.
@@ -54,32 +59,9 @@ class ConstructedExplorers {
   std::vector<Lines> by_label_;
 };
 
-/// KLD sampling (Fox 2003, equation 13): number of samples with which the Kullback-Leibler divergence of a
-/// distribution over `places` occupied bins is at most `error`, with probability 0.99.
-/// @param places at least 1.
-/// @param error > 0 [nats].
-int kldBound(int places, double error);
-
 /// Number of explorers of this iteration.
 /// @param iteration increases by one per iteration.
 int explorerCount(const ExplorerParams& params, double reliability, std::uint64_t iteration);
-
-/// Lower bound of the health of bestPlaces, from the explorers rated so far; explorers below it need no full
-/// rating.
-class CandidateBound {
- public:
-  CandidateBound(int count, double list_health, const RaceParams& races);
-
-  /// An explorer below it is not among bestPlaces.
-  double least() const { return least_; }
-  void add(const Individual& explorer);
-
- private:
-  std::size_t count_;
-  double least_;
-  RaceParams apart_;
-  std::vector<Individual> best_;  // so far apart that no pose is at the place of two of them
-};
 
 /// The best `count` explorers at different places, best first, with a health of at least `list_health`.
 /// @param explorers is reordered.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/config/parameter_visitor.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/pose.h"
 #include "localization/core/likelihood/individual.h"
@@ -25,6 +26,10 @@ struct RaceParams {
   /// Default mode: a race keeps its place in a full table if its evidence exceeds the candidate's by more
   /// than this [nats].
   double protected_log_odds = 0.5;
+
+  void visit(ParameterVisitor& v) {
+    v.integer(expert("Maximum", "L7: largest number of races"), maximum, 1, 64);
+  }
 };
 
 /// A hypothesis. Chapter mode searches around it with individuals; the default mode keeps a covariance and

@@ -45,9 +45,6 @@ class RaceStrategy {
   /// Reliability after this iteration, before the discount for a jump of the winner.
   /// @param elapsed_s since the last iteration.
   virtual double updatedReliability(double last, const RaceTable& table, double elapsed_s) const = 0;
-  /// The robot may have been displaced before this observation: all of it counts as new. The races are to be
-  /// rated again.
-  virtual void resetNovelty() {}
   /// Reduces the races' evidence, after a new epoch of the memory or a jump of the source.
   virtual void discountEvidence(RaceTable& table) = 0;
   /// Drops past observations, after a pose given from outside (one race) or a relocalization (empty table).

@@ -2,9 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <set>
 
 #include "common/geometry/angles.h"
 
@@ -45,11 +43,8 @@ class RobustRaces : public RaceStrategy {
         explorers_(explorers),
         map_(map_edges, robustIndex(params.likelihood, map)),
         constructed_(map_),
-        landmarks_(map_, params.explorers.landmarks),
         likelihood_(map_, params_.likelihood),
         history_(likelihood_, params.history),
-        novelty_(params.novelty),
-        negative_(map_, params.negative, params.observation.image_range_m, map.opaque_labels),
         broad_prior_(broadPrior(params.likelihood)),
         uniform_share_(uniformShare(map_, explorers.margin_m, params.explorers.uniform_area_m2)) {}
 
@@ -61,27 +56,13 @@ class RobustRaces : public RaceStrategy {
     const auto& remembered = update.snapshot->segments;
     is_memory_current_ = observation_.remembered == observation_.points.size() &&
                          std::any_of(remembered.begin(), remembered.end(), isNew);
-    if (params_.negative.enabled && params_.observation.source != ObservationSource::kMemory &&
-        update.analysis) {
-      negative_.observe(*update.analysis, observation_);
-    }
-    FloorObservation all =
-        thinned(observation_, static_cast<std::size_t>(params_.observation.maximum_points));
+    FloorObservation all = thinned(observation_, kMaximumPoints);
     observation_.points = std::move(all.points);
     observation_.remembered = all.remembered;
     few_ = thinned(observation_, kExplorerPoints);
     if (observation_.points.empty()) return false;
-    T_odom_robot_ = update.snapshot->T_odom_robot;
-    stamp_us_ = update.snapshot->stamp_us;
-    novelty_.assess(observation_, T_odom_robot_, stamp_us_);
-    history_.begin(observation_, T_odom_robot_);
+    history_.begin(observation_, update.snapshot->T_odom_robot);
     return true;
-  }
-
-  void resetNovelty() override {
-    novelty_.reset();
-    novelty_.assess(observation_, T_odom_robot_, stamp_us_);
-    history_.reweigh(observation_);
   }
 
   void predict(Race& race, const Pose2& T_before_now) const override {
@@ -161,11 +142,10 @@ class RobustRaces : public RaceStrategy {
       race.P = (prior + refined.information).inverse();
       updateReported(race, refined, walk);
       race.health = refined.rating.explained;
-      race.log_likelihood = refined.rating.novel_log_likelihood;
+      race.log_likelihood = refined.rating.log_likelihood;
     } else {
       rate(race, placement);
     }
-    addNegativeInformation(race);
     race.evidence += history_.newestWeight() * (race.log_likelihood - race.evidence);
     history_.record({race.T_world_robot, race.camera_tilt}, race.scores);
   }
@@ -187,7 +167,8 @@ class RobustRaces : public RaceStrategy {
 
   std::vector<double> beliefShares(const RaceTable& table) const override {
     const double best = bestEvidence(table);
-    const double worth = std::max(1.0, params_.evidence.novelty_share / (1.0 - params_.history.forgetting));
+    const double worth =
+        std::max(1.0, params_.evidence.independent_share / (1.0 - params_.history.forgetting));
     std::vector<double> shares;
     double sum = 0.0;
     for (const Race& race : table.races()) {
@@ -227,10 +208,7 @@ class RobustRaces : public RaceStrategy {
     return last + gain * (target - last);
   }
 
-  void resetHistory(const RaceTable& table) override {
-    history_.clear(!table.races().empty());
-    novelty_.reset();
-  }
+  void resetHistory(const RaceTable& table) override { history_.clear(!table.races().empty()); }
 
   void discountEvidence(RaceTable& table) override {
     resetHistory(table);
@@ -259,7 +237,6 @@ class RobustRaces : public RaceStrategy {
   }
 
   void complete(Race& race) const {
-    addNegativeInformation(race);
     race.evidence = race.log_likelihood;
     const auto refined = likelihood_.refine(observation_, {race.T_world_robot}, broad_prior_, 1.0, 0, 0.0);
     race.P = (refined.information + broad_prior_).inverse();
@@ -282,7 +259,7 @@ class RobustRaces : public RaceStrategy {
     // The odometry error of a period without observations may exceed the width of the likelihood.
     const auto wide = likelihood_.refine(observation_, start, prior, share, steps, kExplorerBlur_m);
     const auto again = likelihood_.refine(observation_, wide.placement, prior, share, steps, 0.0);
-    if (again.rating.novel_log_likelihood > refined.rating.novel_log_likelihood) return again;
+    if (again.rating.log_likelihood > refined.rating.log_likelihood) return again;
     return refined;
   }
 
@@ -303,12 +280,7 @@ class RobustRaces : public RaceStrategy {
     race.P_reported = 0.5 * (P + P.transpose());
   }
 
-  void addNegativeInformation(Race& race) const {
-    if (params_.negative.enabled) race.log_likelihood += negative_.logPenalty(race.T_world_robot);
-  }
-
-  /// Rates explorers, at most `most`, until their number reaches the KLD bound of the occupied bins (Fox
-  /// 2003).
+  /// @return `most` rated explorers, fewer in a large map.
   std::vector<Individual> explore(int most, RandomEngine& engine) const {
     const RobustExplorerParams& search = params_.explorers;
     // In a large map a uniform explorer rarely comes near the robot.
@@ -318,48 +290,24 @@ class RobustRaces : public RaceStrategy {
       most = static_cast<int>(std::ceil(kept * most));
       constructed /= kept;
     }
-    const auto proposals = constructed > 0.0 && search.landmark_share > 0.0
-                               ? landmarks_.match(observation_, most, engine)
-                               : LandmarkExplorers::Proposals{};
     std::vector<Individual> population;
     population.reserve(static_cast<std::size_t>(most));
-    std::set<std::array<int, 3>> places;
-    int wanted = search.kld_error > 0.0 ? std::min(most, search.kld_least) : most;
-    while (static_cast<int>(population.size()) < wanted) {
-      const std::size_t rated = population.size();
-      while (static_cast<int>(population.size()) < wanted) {
-        population.push_back({propose(proposals, constructed, engine), 0.0});
-      }
-      const auto newest = std::span(population).subspan(rated);
-      likelihood_.explain(few_, newest, kExplorerBlur_m, explorers_.list_health);
-      if (search.kld_error <= 0.0) continue;
-      for (const Individual& one : newest) {
-        if (one.health < explorers_.list_health) continue;
-        const Pose2& pose = one.T_world_robot;
-        places.insert({static_cast<int>(std::floor(pose.x / search.kld_place_m)),
-                       static_cast<int>(std::floor(pose.y / search.kld_place_m)),
-                       static_cast<int>(std::floor(pose.theta / search.kld_place_rad))});
-      }
-      wanted = std::min(most, kldBound(static_cast<int>(places.size()), search.kld_error));
-    }
+    while (static_cast<int>(population.size()) < most)
+      population.push_back({propose(constructed, engine), 0.0});
+    likelihood_.explain(few_, population, kExplorerBlur_m, explorers_.list_health);
     return population;
   }
 
-  Pose2 propose(const LandmarkExplorers::Proposals& proposals, double constructed_share,
-                RandomEngine& engine) const {
+  Pose2 propose(double constructed_share, RandomEngine& engine) const {
     std::optional<Pose2> pose;
-    if (uniform(engine, 0.0, 1.0) < constructed_share) {
-      const bool by_landmark = uniform(engine, 0.0, 1.0) < params_.explorers.landmark_share;
-      pose = by_landmark && !proposals.isEmpty() ? proposals.pick(engine)
-                                                 : constructed_.propose(observation_, engine);
-    }
+    if (uniform(engine, 0.0, 1.0) < constructed_share) pose = constructed_.propose(observation_, engine);
     return pose ? *pose : uniformExplorer(map_, explorers_.margin_m, engine);
   }
 
   void rate(Race& race, const Placement& placement) const {
     const Rating rating = likelihood_.rate(observation_, placement);
     race.health = rating.explained;
-    race.log_likelihood = rating.novel_log_likelihood;
+    race.log_likelihood = rating.log_likelihood;
   }
 
   double bestEvidence(const RaceTable& table) const {
@@ -372,22 +320,38 @@ class RobustRaces : public RaceStrategy {
   ExplorerParams explorers_;
   MapIndex map_;
   ConstructedExplorers constructed_;
-  LandmarkExplorers landmarks_;
   RobustLikelihood likelihood_;
   ScoreHistory history_;
-  ObservationNovelty novelty_;
-  NegativeInformation negative_;
   Matrix5d broad_prior_;
   double uniform_share_;  ///< share of the uniform explorers that are sent out
   /// The last update's image has no points, and its memory was updated just now.
   bool is_memory_current_ = false;
   FloorObservation observation_;
-  Pose2 T_odom_robot_;  ///< of observation_
-  StampUs stamp_us_ = 0;
   FloorObservation few_;  ///< a part of observation_, for the coarse search
 };
 
 }  // namespace
+
+void RaceFilterParams::visit(ParameterVisitor& v) {
+  v.real(expert("OdometryShare", "error of odometry per metre (sigma)"), odometry_share, 0.0, 10.0);
+  v.real(expert("OdometryTurnShare", "error of the heading per radian turned (sigma)"), odometry_turn_share,
+         0.0, 10.0);
+  v.angle(expert("OdometryTurn_degpm", "error of the heading per metre (sigma)"), odometry_turn_per_m, 0.0,
+          180.0);
+  v.real(expert("Walk_m", "random walk of the position per root of an iteration (sigma)"), walk_m, 0.0, 1.0);
+  v.angle(expert("Walk_deg", "the same of the heading"), walk_rad, 0.0, 90.0);
+  v.real(expert("InformationShare", "share of an observation that is new since the last iteration"),
+         information_share, 1e-4, 1.0);
+}
+
+void RobustParams::visit(ParameterVisitor& v) {
+  observation.visit(v);
+  likelihood.visit(v);
+  filter.visit(v);
+  v.real(expert("Lead", "lead in evidence of a new race to win [nats]; an old one needs a third"),
+         evidence.lead, 0.0, 1e6);
+  history.visit(v);
+}
 
 std::unique_ptr<RaceStrategy> makeRobustRaces(const SegmentMap& map_edges, const MapParams& map,
                                               const ExplorerParams& explorers, const RobustParams& params) {

@@ -4,17 +4,15 @@
 
 #include <memory>
 
+#include "common/config/parameter_visitor.h"
 #include "common/geometry/angles.h"
 #include "common/segment_map/segment_map.h"
 #include "localization/core/hypotheses/explorers.h"
-#include "localization/core/hypotheses/landmark_explorers.h"
 #include "localization/core/hypotheses/race_strategy.h"
-#include "localization/core/likelihood/negative_information.h"
 #include "localization/core/likelihood/robust_likelihood.h"
 #include "localization/core/likelihood/score_history.h"
 #include "localization/core/map/map_index.h"
 #include "localization/core/observation/floor_observation.h"
-#include "localization/core/observation/novelty.h"
 
 namespace vismem {
 
@@ -28,13 +26,15 @@ struct RaceFilterParams {
   double walk_m = 0.004;              ///< random walk of the position per square root of an iteration
   double walk_rad = 0.01;             ///< the same of the heading
   double information_share = 1.0;     ///< share of an observation that is new since the last iteration
+
+  void visit(ParameterVisitor& v);
 };
 
 /// Comparison of the races.
 struct EvidenceParams {
-  /// Evidence is a mean over about 1 / (1 - forgetting) observations. Shares of belief multiply it by
-  /// novelty_share / (1 - forgetting), at least 1.
-  double novelty_share = 0.15;
+  /// Evidence is a mean over about 1 / (1 - forgetting) observations, of which this share is independent.
+  /// Shares of belief multiply it by independent_share / (1 - forgetting), at least 1.
+  double independent_share = 0.15;
   double lead = 1.5;            ///< lead in evidence [nats] of a new race to win; an old race needs a third
   double delete_behind = 12.0;  ///< evidence [nats] behind the best at which a race is pruned
 };
@@ -45,12 +45,6 @@ struct RobustExplorerParams {
   /// Uniform explorers are reduced in proportion in a map larger than this. An explorer finds a place from
   /// about 0.3 m and 15 degrees; 250 per iteration cover this area in half a minute. 0: never reduced.
   double uniform_area_m2 = 1000.0;
-  double landmark_share = 0.7;  ///< share of the constructed ones that use landmarks, where any match
-  LandmarkKinds landmarks;
-  double kld_error = 0.05;   ///< bound of KLD sampling (Fox 2003) [nats]; 0: no bound
-  double kld_place_m = 0.5;  ///< bin size of KLD sampling
-  double kld_place_rad = degToRad(30.0);
-  int kld_least = 100;         ///< smallest number of explorers
   int refined_explorers = 24;  ///< best explorers that are refined before candidates are chosen
 };
 
@@ -66,14 +60,14 @@ struct ReliabilityParams {
 /// Each part can be switched off alone.
 struct RobustParams {
   ObservationParams observation;
-  NoveltyParams novelty;
   LikelihoodParams likelihood;
-  NegativeInformationParams negative;
   ScoreHistoryParams history;
   RaceFilterParams filter;
   EvidenceParams evidence;
   RobustExplorerParams explorers;
   ReliabilityParams reliability;
+
+  void visit(ParameterVisitor& v);
 };
 
 /// @param explorers both modes' parameters of the search.

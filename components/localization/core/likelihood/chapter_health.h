@@ -1,15 +1,14 @@
 /// @file The chapter's two health functions. Pure. Implements L4, L5.
 #pragma once
 
-#include <memory>
+#include <algorithm>
 #include <vector>
 
+#include "common/config/parameter_visitor.h"
 #include "common/geometry/camera.h"
 #include "common/geometry/projection.h"
 #include "common/visual_memory/memory_snapshot.h"
-#include "localization/core/likelihood/pixel_footprint.h"
 #include "localization/core/map/map_index.h"
-#include "localization/core/map/segment_tree.h"
 #include "localization/core/observation/floor_observation.h"
 #include "localization/core/observation/sampling_grid.h"
 
@@ -26,10 +25,41 @@ struct HealthParams {
   double memory_range_m = 4.0;   ///< largest range of remembered segments (M5)
   double grid_top_px = 10.0;     ///< height of the sampling grid's cells at the top of a 240-row image
   double grid_bottom_px = 40.0;  ///< the same at its bottom
+
+  void visit(ParameterVisitor& v) {
+    v.choice(expert("Source", "chapter: health by the image (L4), the memory (L5), or the mean of both"),
+             source,
+             {{"memory", ObservationSource::kMemory},
+              {"image", ObservationSource::kImage},
+              {"both", ObservationSource::kBoth}});
+  }
 };
 
 /// How the map must be indexed for this health.
 MapIndex::Params chapterIndex(const HealthParams& params, const MapParams& map);
+
+/// A line in the image, prepared for distances.
+class ProjectedLine {
+ public:
+  explicit ProjectedLine(const Segment2& px)
+      : ax_(px.a.x()), ay_(px.a.y()), dx_(px.b.x() - px.a.x()), dy_(px.b.y() - px.a.y()) {
+    const double square = dx_ * dx_ + dy_ * dy_;
+    per_square_ = square > 0.0 ? 1.0 / square : 0.0;
+  }
+  /// Squared distance to a pixel [px^2].
+  double square(const Eigen::Vector2d& px) const {
+    const double rx = px.x() - ax_;
+    const double ry = px.y() - ay_;
+    const double fraction = std::min(std::max((rx * dx_ + ry * dy_) * per_square_, 0.0), 1.0);
+    const double x = rx - fraction * dx_;
+    const double y = ry - fraction * dy_;
+    return x * x + y * y;
+  }
+
+ private:
+  double ax_, ay_, dx_, dy_;  // begin and way [px]
+  double per_square_;         // 1 / its length squared; 0 for a point
+};
 
 /// Buffer of the map lines of one label projected into one image.
 class ProjectedLines {
@@ -46,8 +76,7 @@ class ProjectedLines {
 
 /// L4: `H = 1 - mean(d_i) / M`, clamped to 0..1. d_i is the distance in the image to the nearest map line of
 /// the label of which any part is in view. Lines are clipped at the near plane, not at the image border. A
-/// label without a line in view counts the image's diagonal. Exhaustive over the map: the reference for
-/// HealthObservation, which uses floor cells and trees.
+/// label without a line in view counts the image's diagonal. Exhaustive over the lines of the label.
 /// @param points must not be empty; points of one label should be adjacent, for speed.
 /// @param scale_px M for this image.
 /// @param buffer of this function, kept between calls.
@@ -64,9 +93,8 @@ struct RememberedLine {
 /// the floor).
 /// @param lines must not be empty.
 /// @param scale_m M.
-/// @param least a health below it may be returned as 0.
 double memoryHealth(const std::vector<RememberedLine>& lines, const Pose2& T_world_robot, const MapIndex& map,
-                    double scale_m, double least = 0.0);
+                    double scale_m);
 
 /// One observation prepared for rating poses: the memory's lines, the image's points, or both. Segments
 /// labelled unknown or with a label that the map lacks are left out. *Single-threaded* (owner: ChapterRaces).
@@ -80,49 +108,16 @@ class HealthObservation {
   /// Number of lines and points, the amount of evidence of the reliability rule.
   std::size_t size() const { return lines_.size() + points_.size(); }
   /// The mean of the health functions that have lines or points.
-  /// @param least a health below it is returned as 0, at less cost.
-  double health(const Pose2& T_world_robot, double least = 0.0) const;
+  double health(const Pose2& T_world_robot) const;
 
  private:
-  struct Group {  // of points with one label
-    int label = 0;
-    std::size_t first = 0;
-    std::size_t count = 0;
-  };
-  /// One level of the search: discs of the floor that contain all lines within a distance of the points.
-  struct Floor {
-    double within_px = 0.0;
-    std::vector<FloorDisc> discs;       // by group
-    std::vector<double> reach_squares;  // by point: lines outside the disc are further [px^2]
-  };
-  /// Points of a group for which a nearer line may exist.
-  struct Open {
-    std::vector<std::size_t> numbers;
-    std::vector<Eigen::Vector2d> pixels;
-    std::vector<double> squares;
-  };
-  class PlacedCamera;
   double imageScale() const;  // M of L4 for this image
-  void prepareFloors();
-  bool searchFloor(const Group& group, const FloorDisc& disc, PlacedCamera& place) const;
-  bool searchNear(const Group& group, const TreeCamera& camera, double within_px) const;
-  bool gatherOpen(const Group& group, std::span<const double> reach_squares) const;
-  void storeOpen() const;
-  double healthByIndex(const Pose2& T_world_robot, double least) const;
 
   const MapIndex& map_;
   HealthParams params_;
   std::vector<RememberedLine> lines_;
-  std::vector<ImagePoint> points_;       ///< by label
-  std::vector<Eigen::Vector2d> pixels_;  ///< of points_
-  std::vector<Group> groups_;            ///< of points_
-  std::vector<Floor> floors_;            ///< smallest first
-  double diagonal_px_ = 0.0;
+  std::vector<ImagePoint> points_;  ///< by label
   mutable ProjectedLines projected_;
-  mutable SegmentTree::Buffer tree_buffer_;
-  mutable std::vector<double> squares_;  ///< by point: to the nearest line found [px^2]
-  mutable std::vector<bool> in_view_;    ///< by group: any line
-  mutable Open open_;
   CameraIntrinsics intrinsics_;
   Pose3 T_robot_camera_ = Pose3::Identity();
 };

@@ -74,10 +74,7 @@ double RobustLikelihood::explainedVariance(const FloorPoint& point, double blur_
 void RobustLikelihood::add(Rating& rating, const FloorPoint& point, double distance_m, double blur_m) const {
   const double eps = params_.outlier_share;
   const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
-  const auto addTerm = [&](double log_likelihood) {
-    rating.log_likelihood += point.weight * log_likelihood;
-    rating.novel_log_likelihood += point.weight * point.novelty * log_likelihood;
-  };
+  const auto addTerm = [&](double log_likelihood) { rating.log_likelihood += point.weight * log_likelihood; };
   if (distance_m >= kTruncation_m) {
     addTerm(params_.bounded ? log_outlier_share_ : -0.5 * kTruncation_m * kTruncation_m / variance);
     return;
@@ -112,7 +109,6 @@ Rating RobustLikelihood::rate(const FloorObservation& observation, const Placeme
     points = points.subspan(count);
   }
   if (!observation.points.empty()) rating.explained /= weightOf(observation);
-  rating.novel_log_likelihood /= observation.novelty;
   return rating;
 }
 
@@ -269,9 +265,7 @@ RobustLikelihood::Refined RobustLikelihood::refine(const FloorObservation& obser
     Rating* const rating = step == steps ? &result.rating : nullptr;
     Curvature curve;
     if (observation.memory_influence > 0.0 || rating) {
-      // Repeated views of the memory contain no information about odometry's error: scaled by novelty.
-      curve = curvature(remembered, at, observation.memory_influence * share * observation.novelty, blur_m,
-                        rating);
+      curve = curvature(remembered, at, observation.memory_influence * share, blur_m, rating);
       marginalizeMemoryShift(curve);
     }
     const Curvature seen = curvature(points.subspan(observation.remembered), at, share, blur_m, rating);
@@ -304,8 +298,22 @@ RobustLikelihood::Refined RobustLikelihood::refine(const FloorObservation& obser
     if (move.head<2>().norm() < kSmallStep_m && std::abs(move[2]) < kSmallStep_rad) steps = step + 1;
   }
   if (!points.empty()) result.rating.explained /= weightOf(observation);
-  result.rating.novel_log_likelihood /= observation.novelty;
   return result;
+}
+
+void LikelihoodParams::visit(ParameterVisitor& v) {
+  v.real(expert("OutlierShare", "share of false points in the bounded likelihood"), outlier_share, 1e-6, 0.9);
+  v.alias("LeanBias_deg", "CameraTilt.Bias_deg");
+  v.angle(expert("CameraTilt.Bias_deg", "lasting camera tilt error (prior sigma); 0: fixed at 0"),
+          tilt_bias_rad, 0.0, 20.0);
+  v.alias("LeanSway_deg", "CameraTilt.PerFrame_deg");
+  v.angle(expert("CameraTilt.PerFrame_deg", "tilt of single images (sigma); 1 for legs"), frame_tilt_rad, 0.0,
+          20.0);
+  v.real(expert("MemoryShift_m", "shift of the memory as a whole relative to the pose (sigma)"),
+         memory_shift_m, 0.0, 10.0);
+  v.angle(expert("MemoryTurn_deg", "the same of its heading; 8 for legs"), memory_turn_rad, 0.0, 90.0);
+  v.real(expert("ExplainedSigma_m", "least error of a point in the explained share (sigma)"),
+         explained_sigma_m, 0.0, 10.0);
 }
 
 }  // namespace vismem

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "common/config/parameter_visitor.h"
 #include "common/geometry/angles.h"
 #include "localization/core/likelihood/individual.h"
 #include "localization/core/likelihood/placement.h"
@@ -33,6 +34,8 @@ struct LikelihoodParams {
   /// Smallest standard deviation for Rating::explained: map and calibration may err by centimetres at the
   /// true pose.
   double explained_sigma_m = 0.025;
+
+  void visit(ParameterVisitor& v);
 };
 
 /// How the map must be indexed for this likelihood.
@@ -42,8 +45,6 @@ struct Rating {
   /// Sum of weight * log((1 - eps) exp(-d^2 / 2 sigma^2) + eps), <= 0 [nats]. Unbounded: sum of weight *
   /// -d^2 / 2 sigma^2, with d truncated at the reach of the fields.
   double log_likelihood = 0.0;
-  /// The same with each point weighted by its novelty, divided by the observation's novelty.
-  double novel_log_likelihood = 0.0;
   /// Weighted share of points that agree with the map, 0..1: each by exp(-d^2 / 2 sigma^2), with a sigma of
   /// at least `explained_sigma_m`.
   double explained = 0.0;

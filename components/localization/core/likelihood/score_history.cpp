@@ -24,32 +24,24 @@ void ScoreHistory::begin(const FloorObservation& observation, const Pose2& T_odo
   }
   T_odom_robot_ = T_odom_robot;
   ++iteration_;
-  current_ = Kept{0.0, T_odom_robot, {}};
-  reweigh(observation);
-}
-
-void ScoreHistory::reweigh(const FloorObservation& observation) {
-  novelty_ = observation.novelty;
-  if (current_) current_->observation = thinned(observation, kPoints);
+  current_ = Kept{0.0, T_odom_robot, thinned(observation, kPoints)};
 }
 
 void ScoreHistory::record(const Placement& placement, std::vector<double>& scores) const {
   if (!current_) return;
   if (scores.size() >= kMost) scores.pop_back();
-  scores.insert(scores.begin(),
-                likelihood_.rate(current_->observation, placement, kBlur_m).novel_log_likelihood);
+  scores.insert(scores.begin(), likelihood_.rate(current_->observation, placement, kBlur_m).log_likelihood);
 }
 
 void ScoreHistory::clear(bool is_place_known) {
   kept_.clear();
   current_.reset();
   iteration_ = is_place_known ? kLong : 0;
-  novelty_ = 1.0;
 }
 
 double ScoreHistory::newestWeight() const {
   const double forgetting = params_.forgetting;
-  return novelty_ * (1.0 - forgetting) / (1.0 - std::pow(forgetting, std::max(1, iteration_)));
+  return (1.0 - forgetting) / (1.0 - std::pow(forgetting, std::max(1, iteration_)));
 }
 
 std::vector<double> ScoreHistory::scoresAt(const Pose2& T_world_robot) const {
@@ -57,7 +49,7 @@ std::vector<double> ScoreHistory::scoresAt(const Pose2& T_world_robot) const {
   scores.reserve(kMost);
   for (const Kept& one : kept_) {
     const Pose2 T_world_then = T_world_robot * (inverse(T_odom_robot_) * one.T_odom_robot);
-    scores.push_back(likelihood_.rate(one.observation, {T_world_then}, kBlur_m).novel_log_likelihood);
+    scores.push_back(likelihood_.rate(one.observation, {T_world_then}, kBlur_m).log_likelihood);
   }
   return scores;
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "common/config/parameter_visitor.h"
 #include "localization/core/likelihood/robust_likelihood.h"
 
 namespace vismem {
@@ -14,6 +15,13 @@ namespace vismem {
 struct ScoreHistoryParams {
   double forgetting = 0.95;     ///< factor on evidence per iteration; 0: the last observation alone
   double jump_log_prior = 2.5;  ///< log prior odds against a jump of the robot [nats]
+
+  void visit(ParameterVisitor& v) {
+    v.real(expert("Forgetting", "factor on evidence per iteration"), forgetting, 0.0, 0.9999);
+    v.alias("BirthPenalty", "JumpLogPrior");
+    v.real(expert("JumpLogPrior", "log prior odds against a jump of the robot [nats]"), jump_log_prior, 0.0,
+           1e6);
+  }
 };
 
 /// A race as the history compares it.
@@ -38,8 +46,6 @@ class ScoreHistory {
 
   /// Starts an iteration with its observation.
   void begin(const FloorObservation& observation, const Pose2& T_odom_robot);
-  /// Replaces this iteration's observation by one with another novelty.
-  void reweigh(const FloorObservation& observation);
   /// Adds a race's score of this iteration's observation in front. To be called for every race.
   void record(const Placement& placement, std::vector<double>& scores) const;
   /// Drops all observations, after a jump of odometry or a pose given from outside.
@@ -47,7 +53,7 @@ class ScoreHistory {
   void clear(bool is_place_known);
 
   /// Weight of this iteration's observation in the running mean that evidence is: equal weights at first,
-  /// exponential forgetting later; scaled by novelty.
+  /// exponential forgetting later.
   double newestWeight() const;
 
   /// The largest evidence over two explanations and all races:
@@ -72,7 +78,6 @@ class ScoreHistory {
   const RobustLikelihood& likelihood_;
   ScoreHistoryParams params_;
   int iteration_ = 0;
-  double novelty_ = 1.0;  ///< of this iteration's observation
   std::deque<Kept> kept_;
   std::optional<Kept> current_;  ///< of this iteration
   Pose2 T_odom_robot_;

@@ -23,10 +23,6 @@ std::optional<Segment2> touchingFloor(const Segment3& world) {
   return std::nullopt;
 }
 
-bool isOnFloor(const Segment3& segment) {
-  return segment.a.z() == 0.0 && segment.b.z() == 0.0;
-}
-
 FieldSample sampleOf(const Eigen::Vector2d& p, const Segment2& segment) {
   const double fraction = std::clamp(projectionFraction(p, segment), 0.0, 1.0);
   const Eigen::Vector2d away = p - (segment.a + fraction * (segment.b - segment.a));
@@ -82,15 +78,6 @@ MapIndex::MapIndex(const SegmentMap& map, const Params& params) {
       items.push_back(item);
     }
   }
-  if (params.build_trees) {
-    for (std::size_t label = 0; label < by_label_.size(); ++label) {
-      const auto& segments = by_label_[label];
-      trees_.emplace_back(segments);
-      cells_.emplace_back(floor_[label]);
-      is_above_.push_back(floor_[label].size() != segments.size() ||
-                          !std::all_of(segments.begin(), segments.end(), isOnFloor));
-    }
-  }
   if (params.build_fields) fields_.emplace(std::move(items), params.reach_m, params.cell_m);
 }
 
@@ -121,18 +108,7 @@ double MapIndex::distance(int label, const Eigen::Vector2d& p) const {
     if (const auto sample = nearest(label, p, 0.0)) return sample->distance_m;
   }
   double nearest_m = std::numeric_limits<double>::infinity();
-  const auto measure = [&](const Segment2& segment) {
-    nearest_m = std::min(nearest_m, distanceToSegment(p, segment));
-  };
-  if (cells_.empty() || floor(label).empty()) {
-    for (const Segment2& segment : floor(label)) measure(segment);
-    return nearest_m;
-  }
-  // In squares of growing size, until no line outside can be nearer.
-  double within_m = fields_ ? fields_->reach() : 1.0;
-  for (; nearest_m > within_m; within_m *= 2.0) {
-    cells_[static_cast<std::size_t>(label)].visitNear(p, 2.0 * within_m, measure);
-  }
+  for (const Segment2& segment : floor(label)) nearest_m = std::min(nearest_m, distanceToSegment(p, segment));
   return nearest_m;
 }
 

@@ -12,11 +12,10 @@
 #include <string>
 #include <vector>
 
+#include "common/config/parameter_visitor.h"
 #include "common/geometry/segment.h"
 #include "common/segment_map/segment_map.h"
-#include "localization/core/map/floor_cells.h"
 #include "localization/core/map/segment_grid.h"
-#include "localization/core/map/segment_tree.h"
 
 namespace vismem {
 
@@ -26,6 +25,13 @@ struct MapParams {
   /// Labels of upright map segments that occlude the floor behind them; "*_foot" matches every label with
   /// that ending.
   std::vector<std::string> opaque_labels{"skirting", "*_foot"};
+
+  void visit(ParameterVisitor& v) {
+    v.words(basic("OpaqueLabels",
+                  "labels of upright map segments that occlude the floor behind them; *_foot: every label "
+                  "with that ending"),
+            opaque_labels);
+  }
 };
 
 /// The map's segments by label, with a distance field over those that touch the floor. Segments labelled
@@ -41,7 +47,6 @@ class MapIndex {
     /// there.
     double minimum_plan_length_m = 0.0;
     bool build_fields = true;
-    bool build_trees = false;  ///< also trees and cells, for nearest lines in an image or far on the floor
   };
 
   /// @param map expanded to edges (no widths).
@@ -57,25 +62,11 @@ class MapIndex {
   const std::vector<Segment3>& segments(int label) const {
     return by_label_[static_cast<std::size_t>(label)];
   }
-  /// The same as a tree, for the nearest line in an image; null without Params::build_trees.
-  const SegmentTree* tree(int label) const {
-    return trees_.empty() ? nullptr : &trees_[static_cast<std::size_t>(label)];
-  }
-  /// The same by floor cells; null if some segments lie above the floor or without Params::build_trees.
-  const FloorCells* floorCells(int label) const {
-    return cells_.empty() || is_above_[static_cast<std::size_t>(label)]
-               ? nullptr
-               : &cells_[static_cast<std::size_t>(label)];
-  }
   /// Their parts on the floor: lines, and the feet of upright edges as segments of zero length.
   const std::vector<Segment2>& floor(int label) const { return floor_[static_cast<std::size_t>(label)]; }
   Eigen::Vector2d low() const { return low_; }
   Eigen::Vector2d high() const { return high_; }
 
-  /// Truncation distance of the fields [m]; empty without fields.
-  std::optional<double> fieldReach() const {
-    return fields_ ? std::optional<double>(fields_->reach()) : std::nullopt;
-  }
   /// A query of the fields.
   /// @param direction_rad direction of the observed line; ignored without a direction gate.
   SegmentGrid::Question question(int label, const Eigen::Vector2d& p, double direction_rad) const {
@@ -103,7 +94,7 @@ class MapIndex {
                                                double direction_rad) const {
     return nearestBruteForce(question(label, p, direction_rad));
   }
-  /// Distance without truncation: from the field within its reach, else from the cells or all segments.
+  /// Distance without truncation: from the field within its reach, else from all segments.
   /// @param label a result of floorLabelId.
   double distance(int label, const Eigen::Vector2d& p) const;
 
@@ -124,9 +115,6 @@ class MapIndex {
   std::vector<std::vector<Segment2>> floor_;
   std::vector<std::vector<Segment2>> binned_;  // [label * bins_ + bin]
   std::optional<SegmentGrid> fields_;
-  std::vector<SegmentTree> trees_;  // by label, or none
-  std::vector<FloorCells> cells_;   // of floor_, or none
-  std::vector<bool> is_above_;      // by label: some of by_label_ lies above the floor
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d high_ = Eigen::Vector2d::Zero();
 };

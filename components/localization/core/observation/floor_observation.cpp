@@ -9,6 +9,9 @@
 namespace vismem {
 namespace {
 
+constexpr double kPointStep_m = 0.10;       // spacing of sampling points along remembered segments
+constexpr double kUnconfirmedWeight = 0.4;  // factor of elements seen from one viewpoint only (M1)
+
 /// Length of the pieces of an image segment, and their largest number, which bounds the cost per segment.
 constexpr double kPiece_px = 6.0;
 constexpr int kMaximumPieces = 12;
@@ -83,9 +86,9 @@ FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& m
     if (!robot || robot->length() < kMinimumLength_m) continue;
     const double unseen_s =
         std::max(0.0, static_cast<double>(snapshot.stamp_us - segment.last_seen_us) / kSecondUs);
-    double weight = params.points_per_metre;
+    double weight = kPointsPerMetre;
     if (params.half_life_s > 0.0) weight *= std::exp2(-unseen_s / params.half_life_s);
-    if (!segment.confirmed) weight *= params.unconfirmed_weight;
+    if (!segment.confirmed) weight *= kUnconfirmedWeight;
     const double drift = params.drift_sigma_mps * unseen_s;
     const double base = params.remembered_sigma_m * params.remembered_sigma_m + drift * drift;
     const Eigen::Vector2d along = (odom.b - odom.a).normalized();
@@ -93,9 +96,9 @@ FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& m
                       base + variancesAcross(segment.P_b, along)});
     length += robot->length();
   }
-  const double step = std::max(params.point_step_m, length / params.maximum_points);
+  const double step = std::max(kPointStep_m, length / kMaximumPoints);
   const double least_variance = params.remembered_sigma_m * params.remembered_sigma_m;
-  const double largest_variance = std::max(least_variance, params.maximum_sigma_m * params.maximum_sigma_m);
+  const double largest_variance = std::max(least_variance, kMaximumSigma_m * kMaximumSigma_m);
   for (const Piece& piece : pieces) {
     const double piece_length = piece.robot.length();
     const int count = std::max(2, static_cast<int>(std::lround(piece_length / step)));
@@ -114,11 +117,6 @@ FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& m
     }
     observation.segments.push_back({piece.robot, piece.label, weight});
     observation.amount += weight;
-  }
-  for (const Primitive& primitive : snapshot.primitives) {
-    if (primitive.kind != PrimitiveKind::kParallelogram || primitive.vertices.size() != 4) continue;
-    auto& corners = observation.parallelograms.emplace_back();
-    for (std::size_t i = 0; i < 4; ++i) corners[i] = transform(T_robot_odom, primitive.vertices[i]);
   }
   observation.segment_weight = observation.amount;
   observation.remembered = observation.points.size();
@@ -169,9 +167,9 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
       const double along_ray = std::abs(along.dot(ray)) / range;
       const double std_range = (range * range + height * height) / height * params.camera_sigma_rad;
       const double std_bearing = range * params.camera_sigma_rad;
-      point.sigma_m = std::min(params.maximum_sigma_m,
+      point.sigma_m = std::min(kMaximumSigma_m,
                                std::hypot(params.sigma_m, across_ray * std_range, along_ray * std_bearing));
-      point.weight = params.points_per_metre * std::min(piece.length(), kLongestPiece_m);
+      point.weight = kPointsPerMetre * std::min(piece.length(), kLongestPiece_m);
       point.d_tilt = movedByTilt(ray, height);
       observation.amount += point.weight;
       weight += point.weight;
@@ -183,13 +181,13 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
         // An end fixes the position along its line; the camera's error is isotropic here.
         FloorPoint end = point;
         end.p_robot = first ? piece.a : piece.b;
-        end.sigma_m = std::min(params.maximum_sigma_m, std::hypot(params.sigma_m, std_range));
+        end.sigma_m = std::min(kMaximumSigma_m, std::hypot(params.sigma_m, std_range));
         end.d_tilt = movedByTilt(end.p_robot - camera, height);
         ends.push_back(end);
       }
     }
     for (FloorPoint& end : ends) {
-      end.weight = std::min(params.points_per_metre * params.end_metres, kEndShare * weight);
+      end.weight = std::min(kPointsPerMetre * params.end_metres, kEndShare * weight);
       observation.points.push_back(end);
     }
     if (weight == 0.0 || (last - begin).norm() < kMinimumLength_m) continue;
@@ -241,7 +239,6 @@ FloorObservation thinned(const FloorObservation& observation, std::size_t points
   FloorObservation few;
   few.amount = observation.amount;
   few.memory_influence = observation.memory_influence;
-  few.novelty = observation.novelty;
   for (std::size_t i = 0; i < observation.points.size(); i += stride) {
     few.remembered += i < observation.remembered ? 1 : 0;
     few.points.push_back(observation.points[i]);
@@ -249,6 +246,20 @@ FloorObservation thinned(const FloorObservation& observation, std::size_t points
   const double scale = weightOf(observation) / weightOf(few);
   for (FloorPoint& point : few.points) point.weight *= scale;
   return few;
+}
+
+void ObservationParams::visit(ParameterVisitor& v) {
+  v.real(expert("ImageShare", "share of the image in the observation where image and memory have points"),
+         image_share, 0.0, 1.0);
+  v.angle(expert("CameraSigma_deg", "error of the camera's direction, for each point on the floor (sigma)"),
+          camera_sigma_rad, 0.0, 20.0);
+  v.real(expert("HalfLife_s", "time unseen that halves the weight of a remembered segment; 0: never"),
+         half_life_s, 0.0, 1e6);
+  v.real(expert("Sigma_m", "least error of a point of the image across its line (sigma)"), sigma_m, 0.001,
+         kMaximumSigma_m);
+  v.real(expert("RememberedSigma_m", "the same of a remembered point"), remembered_sigma_m, 0.001,
+         kMaximumSigma_m);
+  v.real(expert("DriftSigma_mps", "growth of that error with time unseen"), drift_sigma_mps, 0.0, 10.0);
 }
 
 }  // namespace vismem

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <vector>
 
+#include "common/config/parameter_visitor.h"
 #include "common/visual_memory/memory_snapshot.h"
 #include "localization/core/map/map_index.h"
 
@@ -13,6 +13,13 @@ namespace vismem {
 
 /// What an observation is made of: the memory (L5), the analysed image (L4), or both.
 enum class ObservationSource { kMemory, kImage, kBoth };
+
+/// Weight per metre of a fresh, confirmed segment.
+inline constexpr double kPointsPerMetre = 5.0;
+/// Points per observation; more are thinned to every n-th.
+inline constexpr std::size_t kMaximumPoints = 100;
+/// Largest standard deviation of any point [m].
+inline constexpr double kMaximumSigma_m = 0.25;
 
 /// Points of the default mode's observation.
 struct ObservationParams {
@@ -25,20 +32,17 @@ struct ObservationParams {
   double memory_below_points = 6.0;
   double image_range_m = 4.0;       ///< largest range of floor points of the image
   double camera_sigma_rad = 0.003;  ///< standard deviation of the camera's direction, per floor point
-  double point_step_m = 0.10;       ///< spacing of sampling points along remembered segments
-  int maximum_points = 100;         ///< per observation; more are thinned to every n-th
   double range_m = 5.0;             ///< largest range of remembered points
   double half_life_s = 4.0;         ///< weight is halved per this time unseen; 0: never
-  double unconfirmed_weight = 0.4;  ///< factor for elements seen from one viewpoint only (M1)
   double effective_points = 30.0;   ///< upper bound of an observation's sum of weights
-  double points_per_metre = 5.0;    ///< weight per metre of fresh, confirmed segment
   /// Weight, in metres of segment, of an image segment's end that the image border does not cut. Ends fix the
   /// position along a wall. 0: ends are not used.
   double end_metres = 0.2;
   double sigma_m = 0.012;             ///< smallest standard deviation across the line, seen now
   double remembered_sigma_m = 0.033;  ///< the same of remembered points, including odometry error
-  double maximum_sigma_m = 0.25;      ///< largest standard deviation of any point
   double drift_sigma_mps = 0.01;      ///< growth of the standard deviation with time unseen
+
+  void visit(ParameterVisitor& v);
 };
 
 /// A point on an observed segment, in the robot's frame at the observation's stamp.
@@ -48,7 +52,6 @@ struct FloorPoint {
   int label = 0;
   double sigma_m = 0.0;  ///< standard deviation across the segment
   double weight = 0.0;   ///< number of independent points it stands for
-  double novelty = 1.0;  ///< share of it that earlier observations did not contain (ObservationNovelty)
   /// Derivative of p_robot by the camera tilt error [m/rad] (see Placement); zero for remembered points.
   Eigen::Matrix2d d_tilt = Eigen::Matrix2d::Zero();
 };
@@ -64,12 +67,9 @@ struct FloorObservation {
   std::vector<FloorPoint> points;         ///< remembered points first
   std::size_t remembered = 0;             ///< number of remembered points
   std::vector<ObservedSegment> segments;  ///< of the memory and of the image
-  /// Corners of remembered parallelograms in the robot's frame, counter-clockwise.
-  std::vector<std::array<Eigen::Vector2d, 4>> parallelograms;
-  double segment_weight = 0.0;    ///< sum over the segments
-  double amount = 0.0;            ///< sum of the points' weights before the bound `effective_points`
-  double novelty = 1.0;           ///< weighted mean of the points' novelty
-  double memory_influence = 1.0;  ///< factor on the remembered points' gradient in refinement
+  double segment_weight = 0.0;            ///< sum over the segments
+  double amount = 0.0;                    ///< sum of the points' weights before the bound `effective_points`
+  double memory_influence = 1.0;          ///< factor on the remembered points' gradient in refinement
 };
 
 /// The memory as weighted points. Labels without a map segment and segments without extent in plan view are

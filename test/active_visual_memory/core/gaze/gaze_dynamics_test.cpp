@@ -35,8 +35,8 @@ class GazeBench {
       if (command->kind == PanTiltCommand::Kind::kPosition) {
         EXPECT_LE(std::abs(command->pan_rad), degToRad(159.0) + 1e-9);
         EXPECT_LE(std::abs(command->tilt_rad), degToRad(31.0) + 1e-9);
-        EXPECT_LE(command->pan_rate_radps, params.gaze.max_pan_rate_radps + 1e-9);
-        EXPECT_LE(command->tilt_rate_radps, params.gaze.max_tilt_rate_radps + 1e-9);
+        EXPECT_LE(command->pan_rate_radps, params.gaze.pan.rate_radps + 1e-9);
+        EXPECT_LE(command->tilt_rate_radps, params.gaze.tilt.rate_radps + 1e-9);
       }
       unit.command(*command);
     }

@@ -10,8 +10,8 @@
 namespace vismem {
 namespace {
 
-const LifeParams kChapter = AttentiveVisualMemoryParams::chapter().memory.life;
-const LifeParams kDefault = AttentiveVisualMemoryParams::standard().memory.life;
+const LifeParams kChapter = AttentiveVisualMemoryParams::chapter().memory.retention.life;
+const LifeParams kDefault = AttentiveVisualMemoryParams::standard().memory.retention.life;
 
 TEST(Life, ChapterGainsTwentyPerTickAndLosesOne) {
   EXPECT_DOUBLE_EQ(agedLife(50, Sighting::kObserved, 0.2, kChapter), 70.0);

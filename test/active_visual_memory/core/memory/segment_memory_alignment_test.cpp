@@ -12,8 +12,10 @@ namespace {
 TEST(SegmentMemoryAlignment, StaysStillInTheWorldWhileTheRobotDrivesTowardsWhatItSees) {
   // Exact images and exact odometry on arcs of 0.6 m to either side: neither fusion nor the correction of
   // odometry's drift may move anything by more than a millimetre, in any image.
-  const std::vector<Segment3> world{
-      {{2.0, -0.4, 0}, {2.0, 0.4, 0}}, {{1.6, 0.5, 0}, {2.4, 0.6, 0}}, {{1.5, -0.7, 0}, {2.5, -0.5, 0}}, {{2.9, -1.0, 0}, {2.8, 1.0, 0}}};
+  const std::vector<Segment3> world{{{2.0, -0.4, 0}, {2.0, 0.4, 0}},
+                                    {{1.6, 0.5, 0}, {2.4, 0.6, 0}},
+                                    {{1.5, -0.7, 0}, {2.5, -0.5, 0}},
+                                    {{2.9, -1.0, 0}, {2.8, 1.0, 0}}};
   for (const double turn_per_m : {-0.5, -0.2, 0.0, 0.3, 0.5}) {
     AttentiveVisualMemory memory(standard());
     Pose2 pose;
@@ -59,7 +61,7 @@ double matchedWhileNodding(AttentiveVisualMemory& memory) {
 }
 
 std::size_t elementsOfOneAssociation(AttentiveVisualMemoryParams params) {
-  params.memory.min_legged_tilt_rad = 1.0;  // never
+  params.memory.estimation.min_legged_tilt_rad = 1.0;  // never
   AttentiveVisualMemory memory(params);
   matchedWhileNodding(memory);
   return memory.elements().size();
@@ -67,9 +69,9 @@ std::size_t elementsOfOneAssociation(AttentiveVisualMemoryParams params) {
 
 TEST(SegmentMemoryAlignment, ALeggedRobotAssociatesAgainAfterTheFirstCorrection) {
   AttentiveVisualMemoryParams params = standard();
-  params.memory.tilt_prior.per_frame_rad = degToRad(1.0);
+  params.memory.estimation.tilt_prior.per_frame_rad = degToRad(1.0);
   params.projector.pitch_sigma_rad = degToRad(1.0);
-  params.memory.map_filter.gait_height_m = 0.0;  // the camera nods about itself
+  params.memory.estimation.map_filter.gait_height_m = 0.0;  // the camera nods about itself
   AttentiveVisualMemory memory(params);
   EXPECT_GT(matchedWhileNodding(memory), 6.9);
   EXPECT_EQ(memory.elements().size(), kLadder.size()) << "nothing is remembered twice";
@@ -78,7 +80,8 @@ TEST(SegmentMemoryAlignment, ALeggedRobotAssociatesAgainAfterTheFirstCorrection)
       return (e.value.odom.a - truth.a).norm() < 0.05 && (e.value.odom.b - truth.b).norm() < 0.05;
     })) << truth.a.transpose();
   }
-  EXPECT_EQ(elementsOfOneAssociation(params), kLadder.size() + 1) << "these images need the second association";
+  EXPECT_EQ(elementsOfOneAssociation(params), kLadder.size() + 1)
+      << "these images need the second association";
 }
 
 }  // namespace

@@ -25,11 +25,11 @@ AttentiveVisualMemoryParams legged() {
   p.rig.mount = mount();
   p.gaze.initial_mode = GazeMode::kOff;
   p.projector.pitch_sigma_rad = degToRad(1.0);
-  p.memory.use_dominant_direction = true;
-  p.memory.tilt_prior.per_frame_rad = degToRad(1.0);
-  p.memory.map_filter.odometry.turn_per_rad = 0.05;
-  p.memory.map_filter.odometry.turn_per_m = degToRad(3.5);
-  p.memory.map_filter.odometry.turn_noise = degToRad(2.9);
+  p.memory.estimation.use_dominant_direction = true;
+  p.memory.estimation.tilt_prior.per_frame_rad = degToRad(1.0);
+  p.memory.estimation.map_filter.odometry.turn_per_rad = 0.05;
+  p.memory.estimation.map_filter.odometry.turn_per_m = degToRad(3.5);
+  p.memory.estimation.map_filter.odometry.turn_noise = degToRad(2.9);
   return p;
 }
 
@@ -167,7 +167,7 @@ TEST(SegmentMemoryFilter, FollowsASlipOfTheFeet) {
 TEST(SegmentMemoryFilter, TurnsByASlipAtOnceWhenTheWalkIsOver) {
   // What is seen of it afterwards is too little for the filter alone.
   AttentiveVisualMemoryParams without_slip = legged();
-  without_slip.memory.slip.sigmas = 1e9;
+  without_slip.memory.estimation.slip.sigmas = 1e9;
   constexpr int kWalks = 40;
   double with = 0.0;
   double without = 0.0;

@@ -100,7 +100,7 @@ TEST(SegmentMemory, ANewEpochSetsTheMemoryAside) {
 
 TEST(SegmentMemory, OnlyTheCacheAroundTheRobotIsPredictedAndTheWholeCollectionStays) {
   AttentiveVisualMemoryParams params = standard();
-  params.memory.cache_radius_m = 1.5;
+  params.memory.gates.cache_radius_m = 1.5;
   AttentiveVisualMemory memory(params);
   const std::vector<Segment3> both{{{1.0, -0.3, 0}, {1.0, 0.3, 0}}, {{1.4, -0.3, 0}, {1.4, 0.3, 0}}};
   StampUs t = 0;

@@ -28,7 +28,7 @@ TEST(SegmentMemoryUpkeep, PiecesSeenFirstAreJoinedWhenTheWholeIsSeen) {
 
 TEST(SegmentMemoryUpkeep, StaysWithinItsBound) {
   AttentiveVisualMemoryParams p = standard();
-  p.memory.max_elements = 5;
+  p.memory.retention.max_elements = 5;
   AttentiveVisualMemory memory(p);
   std::vector<Segment3> many;
   for (int i = 0; i < 10; ++i) many.push_back({{0.8 + 0.15 * i, -0.2, 0}, {0.8 + 0.15 * i, 0.2, 0}});

@@ -14,7 +14,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 /// Falls with the distance from (1, 2, pi), on the circle.
-double healthOf(const Pose2& pose, double = 0.0) {
+double healthOf(const Pose2& pose) {
   return std::max(0.0,
                   1.0 - std::hypot(pose.x - 1.0, pose.y - 2.0) - std::abs(angleDifference(pose.theta, kPi)));
 }
@@ -57,10 +57,9 @@ TEST(EvolutionProperty, TheEliteSurvivesAGenerationUnchanged) {
   EXPECT_GT(best, 0.95);
 }
 
-TEST(EvolutionProperty, HealthsBelowTheEliteMayBeZero) {
+TEST(EvolutionProperty, TheEliteAreTheHealthiestInOrder) {
   const EvolutionParams params;
   RandomEngine engine(7);
-  int spared = 0;
   for (int round = 0; round < 200; ++round) {
     const Pose2 around{uniform(engine, 0.5, 1.5), uniform(engine, 1.5, 2.5), kPi};
     Race whole = createRace({around}, params, engine);
@@ -68,29 +67,16 @@ TEST(EvolutionProperty, HealthsBelowTheEliteMayBeZero) {
     for (Individual& one : whole.individuals) {
       if (uniform(engine, 0, 1) < 0.3) one = whole.individuals[pick(engine, whole.individuals.size())];
     }
-    Race thrifty = whole;
     std::vector<Individual> reference = whole.individuals;
     for (Individual& one : reference) one.health = healthOf(one.T_world_robot);
     std::stable_sort(reference.begin(), reference.end(),
                      [](const Individual& a, const Individual& b) { return a.health > b.health; });
     rateRace(whole, params, healthOf);
-    rateRace(thrifty, params, [&](const Pose2& pose, double least) {
-      const double health = healthOf(pose);
-      spared += health < least ? 1 : 0;
-      return health < least ? 0.0 : health;
-    });
-    ASSERT_EQ(whole.individuals.size(), thrifty.individuals.size());
-    for (std::size_t i = 0; i < whole.individuals.size(); ++i) {
-      ASSERT_EQ(whole.individuals[i].T_world_robot, thrifty.individuals[i].T_world_robot);
-      ASSERT_EQ(whole.individuals[i].health, thrifty.individuals[i].health);
-    }
-    EXPECT_EQ(whole.health, thrifty.health);
     for (std::size_t i = 0; i < 6; ++i) {
       EXPECT_EQ(whole.individuals[i].T_world_robot, reference[i].T_world_robot);
       EXPECT_EQ(whole.individuals[i].health, reference[i].health);
     }
   }
-  EXPECT_GT(spared, 2000);
 }
 
 TEST(Evolution, TheEliteIsNotRatedTwiceByOneObservation) {
@@ -98,7 +84,7 @@ TEST(Evolution, TheEliteIsNotRatedTwiceByOneObservation) {
   RandomEngine engine(8);
   Race race = createRace({{1, 2, kPi}}, params, engine);
   int rated = 0;
-  const auto count = [&](const Pose2& pose, double) {
+  const auto count = [&](const Pose2& pose) {
     ++rated;
     return healthOf(pose);
   };

@@ -49,38 +49,6 @@ TEST(Explorers, BestPlacesAreDistinctAndInOrder) {
   EXPECT_DOUBLE_EQ(best[1].health, 0.8);
 }
 
-TEST(ExplorersProperty, ExplorersBelowTheBoundAreNotAmongTheBestPlaces) {
-  RandomEngine engine(9);
-  int spared = 0;
-  for (int round = 0; round < 300; ++round) {
-    // From so crowded that many are at one place to far apart.
-    const double side_m = std::pow(10.0, uniform(engine, -0.7, 1.5));
-    const int count = 1 + static_cast<int>(pick(engine, 7));
-    std::vector<Individual> all;
-    std::vector<Individual> rated;
-    CandidateBound bound(count, 0.3, {});
-    for (int i = 0; i < 200; ++i) {
-      Individual one{{uniform(engine, 0, side_m), uniform(engine, 0, side_m), uniform(engine, -kPi, kPi)},
-                     0.05 * std::floor(uniform(engine, 0, 20))};  // equal ones too
-      all.push_back(one);
-      if (one.health < bound.least()) {
-        ++spared;
-        one.health = 0.0;
-      }
-      rated.push_back(one);
-      bound.add(one);
-    }
-    const auto expected = bestPlaces(all, count, 0.3, {});
-    const auto best = bestPlaces(rated, count, 0.3, {});
-    ASSERT_EQ(best.size(), expected.size());
-    for (std::size_t i = 0; i < best.size(); ++i) {
-      ASSERT_EQ(best[i].T_world_robot, expected[i].T_world_robot) << "round " << round;
-      ASSERT_EQ(best[i].health, expected[i].health);
-    }
-  }
-  EXPECT_GT(spared, 20'000);
-}
-
 TEST(Explorers, ConstructedOnesAlignAnObservedSegmentWithTheMap) {
   SegmentMap one;
   one.segments = {{{{2, 1, 0}, {6, 1, 0}}, "skirting", 0.0}};

@@ -18,7 +18,7 @@ SegmentMap oneWall() {
 /// Shares of two races whose mean evidence differs by half a nat.
 std::vector<double> sharesWith(double forgetting) {
   RobustParams params;
-  params.evidence.novelty_share = 0.15;
+  params.evidence.independent_share = 0.15;
   params.history.forgetting = forgetting;
   const auto strategy = makeRobustRaces(oneWall(), {}, {}, params);
   RaceTable table{RaceParams{}};

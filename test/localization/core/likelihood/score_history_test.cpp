@@ -83,28 +83,6 @@ class ScoreHistoryTest : public testing::Test {
   Winner winner_;
 };
 
-TEST_F(ScoreHistoryTest, AReweighedObservationCountsAsIfItHadThatNoveltyAtFirst) {
-  ScoreHistory at_once(likelihood_, params_);
-  const auto bothSee = [&](const FloorObservation& seen) {
-    history_.begin(seen, {});
-    at_once.begin(seen, {});
-  };
-  for (int i = 0; i < 5; ++i) {
-    bothSee(seenFrom(kFirst, {0, 1}));
-    history_.record({kFirst}, winner_.scores);
-  }
-  const FloorObservation fresh = seenFrom(kFirst, {0, 1});
-  FloorObservation repeated = fresh;
-  repeated.novelty = 0.2;
-  history_.begin(repeated, {});
-  at_once.begin(fresh, {});
-  EXPECT_NEAR(history_.newestWeight(), 0.2 * at_once.newestWeight(), 1e-12);
-  history_.reweigh(fresh);
-  EXPECT_DOUBLE_EQ(history_.newestWeight(), at_once.newestWeight());
-  bothSee(fresh);
-  EXPECT_DOUBLE_EQ(initialAt(kTwin).evidence, initialAt(kTwin, at_once).evidence);
-}
-
 TEST_F(ScoreHistoryTest, APoseThatExplainsThePastAsWellHasTheWinnersEvidence) {
   seeCorner(40);
   EXPECT_NEAR(initialAt(kTwin).evidence, winner_.evidence, 1e-6);

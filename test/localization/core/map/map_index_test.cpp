@@ -72,15 +72,13 @@ TEST(MapIndexProperty, TheFieldAgreesWithExhaustiveSearch) {
 TEST(MapIndexProperty, DistancesBeyondTheFieldsAreExact) {
   RandomEngine engine(18);
   const SegmentMap map = manyLines(engine);
-  MapIndex::Params params = withFields(true);
-  params.build_trees = true;
-  const MapIndex cells(map, params);
+  const MapIndex fields(map, withFields(true));
   const MapIndex brute(map, withFields(false));
   for (int i = 0; i < 500; ++i) {
     const double side_m = i % 2 == 0 ? 100.0 : 3000.0;
     const Eigen::Vector2d p(uniform(engine, -side_m, side_m), uniform(engine, -side_m, side_m));
     for (int label = 0; label < 2; ++label) {
-      ASSERT_NEAR(cells.distance(label, p), brute.distance(label, p), 1e-9) << p.transpose();
+      ASSERT_NEAR(fields.distance(label, p), brute.distance(label, p), 1e-9) << p.transpose();
     }
   }
 }

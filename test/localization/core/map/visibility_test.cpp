@@ -1,4 +1,4 @@
-// Tests L12, B4.
+// Tests B4.
 #include "localization/core/map/visibility.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ TEST(Visibility, OpaqueSegmentsOccludeOthersAndNotThemselves) {
   const MapIndex index(map, {});
   const Visibility visible(index, std::vector<std::string>{"skirting", "*_foot"});
   std::vector<VisiblePoint> points;
-  visible.around({0, 0, 0}, 5.0, {}, nullptr, points);
+  visible.around({0, 0, 0}, 5.0, points);
   double nearer = 0.0;
   double hidden = 0.0;
   double marking = 0.0;
@@ -32,67 +32,32 @@ TEST(Visibility, OpaqueSegmentsOccludeOthersAndNotThemselves) {
   EXPECT_NEAR(marking, 0.4, 1e-9);
   EXPECT_NEAR(nearer, 6.0, 1e-9);  // a marking does not occlude the wall
   EXPECT_EQ(hidden, 0.0);
-  // An obstacle 0.5 m ahead occludes a part of the wall and the marking.
-  const std::vector<Segment2> obstacle{{{0.5, -0.1}, {0.5, 0.1}}};
-  visible.around({0, 0, 0}, 5.0, obstacle, nullptr, points);
-  for (const VisiblePoint& point : points) {
-    EXPECT_GT(std::abs(std::atan2(point.p_robot.y(), point.p_robot.x())), degToRad(10));
-  }
 }
 
-TEST(Visibility, AViewLimitsThePointsToTheImage) {
+TEST(Visibility, RangeCountsFromTheRobot) {
   SegmentMap map;
-  map.segments = {wall(-3, 1, 3, 1)};
+  map.segments = {wall(-6, 1, 6, 1)};
   const MapIndex index(map, {});
   const Visibility visible(index, std::vector<std::string>{});
-  const ImageAnalysis view = test::emptyView(degToRad(90), degToRad(-20));
-  const CameraView camera(view.intrinsics, view.T_robot_camera);
   std::vector<VisiblePoint> points;
-  visible.around({0, 0, 0}, 5.0, {}, &camera, points);
+  // Half of the chord of a circle of 2 m at 1 m from its middle: sqrt(2 * 2 - 1) = 1.73 m.
+  visible.around({1, 0, degToRad(90)}, 2.0, points);
   ASSERT_FALSE(points.empty());
+  double length = 0.0;
   for (const VisiblePoint& point : points) {
-    EXPECT_LT(std::abs(point.p_robot.x()), std::tan(degToRad(31)) * std::hypot(1.0, 0.45));
+    EXPECT_NEAR(point.p_robot.x(), 1.0, 1e-9) << "ahead of the robot";
+    EXPECT_NEAR(std::abs(std::sin(point.direction_robot)), 1.0, 1e-9);
+    length += point.length_m;
   }
+  EXPECT_NEAR(length, 2.0 * 1.732, 0.2 + 1e-9) << "within one piece";
 }
 
-/// A view limits the search for occluders, not the result.
-TEST(VisibilityProperty, AViewGivesTheVisiblePointsInsideIt) {
-  RandomEngine engine(23);
-  SegmentMap map;
-  for (int i = 0; i < 300; ++i) {
-    const double x = uniform(engine, -10, 10);
-    const double y = uniform(engine, -10, 10);
-    const double length = uniform(engine, 0.1, 4.0);
-    const double direction = uniform(engine, -3, 3);
-    map.segments.push_back(wall(x, y, x + length * std::cos(direction), y + length * std::sin(direction),
-                                i % 3 == 0 ? "marking" : "skirting"));
-  }
-  const MapIndex index(map, {});
-  const Visibility visible(index, std::vector<std::string>{"skirting"});
-  std::size_t shown = 0;
-  std::size_t hidden = 0;
-  for (int i = 0; i < 300; ++i) {
-    const ImageAnalysis image = test::emptyView(uniform(engine, -3, 3), degToRad(uniform(engine, -90, 0)));
-    const CameraView camera(image.intrinsics, image.T_robot_camera);
-    const Pose2 pose{uniform(engine, -10, 10), uniform(engine, -10, 10), uniform(engine, -3, 3)};
-    const std::vector<Segment2> obstacle{{{1.0, -0.2}, {1.0, 0.2}}};
-    std::vector<VisiblePoint> around;
-    visible.around(pose, 4.0, obstacle, nullptr, around);
-    std::erase_if(around, [&](const VisiblePoint& point) { return !camera.shows(point.p_robot); });
-    std::vector<VisiblePoint> in_view;
-    visible.around(pose, 4.0, obstacle, &camera, in_view);
-    ASSERT_EQ(in_view.size(), around.size()) << i;
-    for (std::size_t k = 0; k < around.size(); ++k) {
-      EXPECT_EQ(in_view[k].p_robot, around[k].p_robot);
-      EXPECT_EQ(in_view[k].segment, around[k].segment);
-    }
-    shown += around.size();
-    std::vector<VisiblePoint> open;
-    Visibility(index, std::vector<std::string>{}).around(pose, 4.0, {}, &camera, open);
-    hidden += open.size() - around.size();
-  }
-  EXPECT_GT(shown, 500u);
-  EXPECT_GT(hidden, 500u);
+TEST(CameraView, ShowsTheFloorInTheImageOnly) {
+  const ImageAnalysis view = test::emptyView(degToRad(90), degToRad(-20));
+  const CameraView camera(view.intrinsics, view.T_robot_camera);
+  EXPECT_TRUE(camera.shows({0.0, 1.5})) << "to the left, where the camera looks";
+  EXPECT_FALSE(camera.shows({1.5, 0.0}));
+  EXPECT_FALSE(camera.shows({0.0, 0.05})) << "under the camera";
 }
 
 TEST(MatchesAny, ComparesNamesAndEndings) {

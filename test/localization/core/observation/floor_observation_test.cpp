@@ -30,8 +30,7 @@ TEST(ObserveMemory, UnconfirmedElementsWeighLess) {
   MemorySegment segment = remembered(0, 1, 1, 1);
   segment.confirmed = false;
   const ObservationParams params;
-  EXPECT_NEAR(observeMemory(snapshotOf({segment}), map, params).amount, 5.0 * params.unconfirmed_weight,
-              1e-9);
+  EXPECT_NEAR(observeMemory(snapshotOf({segment}), map, params).amount, 5.0 * 0.4, 1e-9);
 }
 
 TEST(ObserveMemory, WeightsSumToAtMostTheEffectivePoints) {

@@ -1,0 +1,5 @@
+#include "gateway_access/app/component.h"
+
+int main(int argc, char** argv) {
+  return vismem::runComponent(argc, argv, vismem::gatewayAccessSpec());
+}

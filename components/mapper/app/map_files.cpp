@@ -1,0 +1,201 @@
+#include "mapper/app/map_files.h"
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "common/geometry/angles.h"
+#include "common/vision/app/image_file.h"
+#include "evaluation/core/map_score.h"
+#include "evaluation/core/trajectory_io.h"
+#include "evaluation/figures/board.h"
+#include "mapper/core/drive_record_io.h"
+#include "mapper/core/map_output.h"
+
+namespace vismem {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPicture_px = 1200;
+
+/// The rows in the frame of the map, and the poses in it.
+struct Output {
+  Pose2 T_map_world;
+  std::vector<MappedRow> rows;
+  std::vector<Pose2> poses;
+  SegmentMap map;
+};
+
+Output outputOf(const RecordedDrive& drive, const DriveMap& map) {
+  Output output;
+  const MapOutputParams params;
+  output.T_map_world = mapFrameOf(map.state);
+  output.rows = rowsOf(map.state, output.T_map_world, params);
+  addStripeEnds(output.rows, params);
+  applyMoves(drive.params.edits, output.rows);
+  joinIntoStripes(output.rows, drive.stripes, params);
+  output.map = segmentMapOf(output.rows);
+  for (const Pose2& pose : map.state.poses) output.poses.push_back(output.T_map_world * pose);
+  return output;
+}
+
+nlohmann::json rowJson(const MappedRow& row) {
+  const auto millimetre = [](double metres) { return std::round(metres * 1e5) / 1e5; };
+  return {{"id", row.id},
+          {"label", row.row.label},
+          {"a_m", {millimetre(row.map.a.x()), millimetre(row.map.a.y())}},
+          {"b_m", {millimetre(row.map.b.x()), millimetre(row.map.b.y())}},
+          {"width_m", row.row.width_m},
+          {"closed", {row.closed_a, row.closed_b}},
+          {"across_sigma_m", millimetre(row.across_sigma_m)},
+          {"direction_sigma_rad", millimetre(row.direction_sigma_rad)},
+          {"end_sigma_m", {millimetre(row.sigma_a_m), millimetre(row.sigma_b_m)}},
+          {"times_seen", row.times_seen},
+          {"sessions", row.sessions},
+          {"derived", row.derived}};
+}
+
+nlohmann::json estimatesJson(const DriveMap& map) {
+  nlohmann::json json;
+  for (const double angle : map.state.camera_tilt) json["camera_tilt_deg"].push_back(radToDeg(angle));
+  json["odometry"] = {{"travel_scale", map.state.odometry[0]},
+                      {"turn_scale", map.state.odometry[1]},
+                      {"turn_degpm", radToDeg(map.state.odometry[2])}};
+  return json;
+}
+
+fs::path sourceOf(const MapMakingOptions& options) {
+  if (!options.saved_drive.empty()) return options.saved_drive;
+  return options.drive.bag.empty() ? options.drive.world : options.drive.bag;
+}
+
+void drawPicture(const Output& output, const RecordedDrive& drive, const MapMakingOptions& options,
+                 const DriveMap& map, const fs::path& file) {
+  Plan plan;
+  Eigen::Vector2d low = output.map.low();
+  Eigen::Vector2d high = output.map.high();
+  std::map<Label, int> index_of;
+  for (const MappedRow& row : output.rows) {
+    const int index = index_of.try_emplace(row.row.label, static_cast<int>(index_of.size())).first->second;
+    plan.lines.push_back(
+        {row.row.world.floor(), categoryColor(index), row.row.width_m > 0.0 ? 3.0 : 2.0, false});
+  }
+  std::vector<Eigen::Vector2d> path;
+  for (const Pose2& pose : output.poses) {
+    path.push_back(pose.position());
+    low = low.cwiseMin(pose.position());
+    high = high.cwiseMax(pose.position());
+  }
+  plan.paths.push_back(std::move(path));
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(0.5);
+  plan.low = low - margin;
+  plan.high = high + margin;
+  Board board;
+  board.title = "A map from a drive";
+  board.subtitle = (drive.truth.empty() ? "" : "the path of the robot is the estimated one; ") +
+                   sourceOf(options).filename().string();
+  BoardPanel panel;
+  panel.title = std::to_string(output.rows.size()) + " edges, " + std::to_string(map.closings.size()) +
+                " places found again";
+  panel.plan = std::move(plan);
+  board.rows = {{std::move(panel)}};
+  for (const auto& [label, index] : index_of) board.legend.push_back({label, categoryColor(index)});
+  writeImageFile(drawBoard(board, kPicture_px), file);
+}
+
+/// Distance of the keyframes from the true way after rigid alignment.
+nlohmann::json againstTruth(const RecordedDrive& drive, const Output& output) {
+  std::vector<Eigen::Vector2d> mapped;
+  std::vector<Eigen::Vector2d> truth;
+  for (std::size_t k = 0; k < output.poses.size(); ++k) {
+    const auto pose = poseAt(drive.truth, drive.record.keyframes[k].stamp_us);
+    if (!pose) continue;
+    mapped.push_back(output.poses[k].position());
+    truth.push_back(pose->position());
+  }
+  if (mapped.size() < 3) return nullptr;
+  const Pose2 T = rigidFit(mapped, truth);
+  double sum = 0.0;
+  double worst = 0.0;
+  for (std::size_t k = 0; k < mapped.size(); ++k) {
+    const double off = (transform(T, mapped[k]) - truth[k]).norm();
+    sum += off * off;
+    worst = std::max(worst, off);
+  }
+  return {{"path_rms_m", std::sqrt(sum / static_cast<double>(mapped.size()))},
+          {"path_worst_m", worst},
+          {"T_world_map", {T.x, T.y, T.theta}}};
+}
+
+nlohmann::json summaryOf(const RecordedDrive& drive, const DriveMap& map, const Output& output) {
+  nlohmann::json json{{"keyframes", drive.record.keyframes.size()},
+                      {"way_m", drive.record.keyframes.empty() ? 0.0 : drive.record.keyframes.back().way_m},
+                      {"landmarks", map.state.landmarks.size()},
+                      {"merged", map.merged},
+                      {"segments", output.rows.size()},
+                      {"closings", map.closings.size()},
+                      {"refused_closings", map.refused.size()},
+                      {"solver_s", map.seconds}};
+  json.update(estimatesJson(map));
+  std::map<Label, int> labels;
+  for (const MappedRow& row : output.rows) ++labels[row.row.label];
+  json["labels"] = labels;
+  if (!drive.truth.empty()) json["truth"] = againstTruth(drive, output);
+  json["notes"] = map.notes;
+  if (map.closings.empty()) {
+    json["notes"].push_back(
+        "no place was found again: drive on until the robot has seen its start from the same side for 3 m, "
+        "or the map keeps the drift of one way");
+  }
+  return json;
+}
+
+void writeTrajectory(const RecordedDrive& drive, const Output& output, const fs::path& file) {
+  std::ostringstream tum;
+  tum << kTumHeader;
+  for (std::size_t k = 0; k < output.poses.size(); ++k) {
+    writeTumRow({drive.record.keyframes[k].stamp_us, output.poses[k]}, tum);
+  }
+  writeTextFile(file, tum.str());
+}
+
+}  // namespace
+
+nlohmann::json writeMapFiles(const RecordedDrive& drive, const DriveMap& map,
+                             const MapMakingOptions& options) {
+  const fs::path& out = options.drive.out;
+  fs::create_directories(out);
+  const Output output = outputOf(drive, map);
+  nlohmann::json summary = summaryOf(drive, map, output);
+  if (drive.broken) summary["problems"].push_back("the odometry jumped: the map ends there");
+  if (!map.problem.empty()) summary["problems"].push_back(map.problem);
+  if (output.map.segments.empty()) {
+    summary["problems"].push_back("no labelled edge on the floor was confirmed: no map");
+    return summary;
+  }
+  const auto file = [&](const char* ending) { return out / (options.name + ending); };
+  saveSegmentMap(output.map, file(".csv"));
+  fs::copy_file(drive.palette_file, file(".palette"), fs::copy_options::overwrite_existing);
+  writeTextFile(file(".svg"), svgOf(output.map));
+  writeTextFile(file(".dxf"), dxfOf(output.map));
+  GridParams grid_params;
+  grid_params.resolution_m = options.resolution_m;
+  grid_params.obstacles = drive.params.closing.localizer.map.opaque_labels;
+  const GridImage grid = gridOf(output.map, drive.record, output.poses, grid_params);
+  writeTextFile(file(".pgm"), pgmOf(grid));
+  writeTextFile(file(".yaml"), gridYamlOf(grid, options.name + ".pgm"));
+  writeTrajectory(drive, output, out / "trajectory.tum");
+  nlohmann::json segments{{"segments", nlohmann::json::array()}};
+  segments.update(estimatesJson(map));
+  for (const MappedRow& row : output.rows) segments["segments"].push_back(rowJson(row));
+  writeTextFile(file(".json"), segments.dump(1) + "\n");
+  writeTextFile(file(".drive"), writeDriveRecord({drive.record, map.closings}));
+  drawPicture(output, drive, options, map, file(".png"));
+  summary["file"] = file(".csv").string();
+  return summary;
+}
+
+}  // namespace vismem

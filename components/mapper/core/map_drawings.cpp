@@ -1,0 +1,108 @@
+// Maps as drawings of other programs: SVG and DXF.
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+
+#include "common/config/config_error.h"
+#include "mapper/core/map_output.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kMargin_mm = 500.0;
+constexpr double kPen_mm = 10.0;
+
+std::string format(const char* pattern, auto... values) {
+  std::array<char, 300> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), pattern, values...);
+  return buffer.data();
+}
+
+/// A colour by label, the same in every drawing.
+std::string colourOf(const Label& label) {
+  constexpr std::array<const char*, 8> kColours{"#1f5fd0", "#c0392b", "#1e8449", "#8e44ad",
+                                                "#d68910", "#117a8b", "#7b241c", "#34495e"};
+  unsigned hash = 2166136261U;
+  for (const char c : label) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
+  return kColours[hash % kColours.size()];
+}
+
+}  // namespace
+
+std::string svgOf(const SegmentMap& map) {
+  const auto millimetres = [](double metres) { return std::round(metres * 1e3); };
+  const Eigen::Vector2d low = map.low() * 1e3;
+  const Eigen::Vector2d high = map.high() * 1e3;
+  const double left = std::floor(low.x()) - kMargin_mm;
+  const double top = std::ceil(high.y()) + kMargin_mm;
+  const double width = std::ceil(high.x()) + kMargin_mm - left;
+  const double height = top - std::floor(low.y()) + kMargin_mm;
+  std::string svg = format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0fmm\" height=\"%.0fmm\" viewBox=\"0 0 %.0f "
+      "%.0f\" "
+      "data-origin=\"%.0f %.0f\">\n",
+      width, height, width, height, -left, top);
+  for (const MapSegment& segment : map.segments) {
+    if (segment.world.a.z() != 0.0 || segment.world.b.z() != 0.0) continue;
+    const double pen = segment.width_m > 0.0 ? millimetres(segment.width_m) : kPen_mm;
+    svg += format("<line data-label=\"%s\" x1=\"%.0f\" y1=\"%.0f\" x2=\"%.0f\" y2=\"%.0f\" ",
+                  segment.label.c_str(), millimetres(segment.world.a.x()) - left,
+                  top - millimetres(segment.world.a.y()), millimetres(segment.world.b.x()) - left,
+                  top - millimetres(segment.world.b.y()));
+    svg += format("stroke=\"%s\" stroke-width=\"%.0f\"/>\n", colourOf(segment.label).c_str(), pen);
+  }
+  return svg + "</svg>\n";
+}
+
+std::string dxfOf(const SegmentMap& map) {
+  std::string dxf = "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
+  for (const MapSegment& segment : map.segments) {
+    dxf += format("0\nLINE\n8\n%s\n", segment.label.c_str());
+    if (segment.width_m > 0.0) dxf += format("39\n%.3f\n", segment.width_m);
+    const Eigen::Vector3d& a = segment.world.a;
+    const Eigen::Vector3d& b = segment.world.b;
+    dxf += format("10\n%.3f\n20\n%.3f\n30\n%.3f\n", a.x(), a.y(), a.z());
+    dxf += format("11\n%.3f\n21\n%.3f\n31\n%.3f\n", b.x(), b.y(), b.z());
+  }
+  return dxf + "0\nENDSEC\n0\nEOF\n";
+}
+
+SegmentMap parseDxf(const std::string& text, const std::string& file_name) {
+  SegmentMap map;
+  std::istringstream in(text);
+  std::string code;
+  std::string value;
+  int line = 0;
+  bool in_line = false;
+  while (std::getline(in, code) && std::getline(in, value)) {
+    line += 2;
+    if (code == "0") {
+      in_line = value == "LINE";
+      if (in_line) map.segments.emplace_back();
+      continue;
+    }
+    if (!in_line) continue;
+    MapSegment& segment = map.segments.back();
+    if (code == "8") {
+      segment.label = value;
+      continue;
+    }
+    char* end = nullptr;
+    const double number = std::strtod(value.c_str(), &end);
+    if (end == value.c_str() || *end != '\0') {
+      throw ConfigError({file_name + ":" + std::to_string(line) + ": \"" + value + "\" (must be a number)"});
+    }
+    const int group = std::atoi(code.c_str());
+    if (group == 39) segment.width_m = number;
+    const int axis = group / 10 - 1;
+    const int end_of = group % 10;
+    if (axis >= 0 && axis < 3 && end_of < 2 && group != 39) {
+      (end_of == 0 ? segment.world.a : segment.world.b)[axis] = number + 0.0;
+    }
+  }
+  return map;
+}
+
+}  // namespace vismem

@@ -1,0 +1,164 @@
+// The graph of a drive against a drive with known truth. Tests B6.
+#include "mapper/core/map_graph.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/geometry/angles.h"
+#include "drive_score.h"
+#include "mapper/core/drive_mapper.h"
+#include "synthetic_drive.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kRing_m = 30.0;
+
+OdometryErrors wheels() {
+  OdometryErrors errors;
+  errors.turn_noise = 0.008;
+  return errors;
+}
+
+DriveMapperParams mapperParams() {
+  DriveMapperParams params;
+  params.graph.odometry = wheels();
+  return params;
+}
+
+/// RMS of the robot's places after rigid alignment [m].
+double placeError(const MapState& state, const SyntheticDrive& drive) {
+  const Pose2 T = placesOnTruth(state, drive);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < drive.truth.size(); ++k) {
+    sum += (transform(T, state.poses[k].position()) - drive.truth[k].position()).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(drive.truth.size()));
+}
+
+/// RMS of the closed ends of the map from the true ends of the edges, after rigid alignment [m].
+double endError(const MapState& state, const std::vector<TrueFloorEdge>& edges, const SyntheticDrive& drive) {
+  const MapScore score = scoreOf(state, edges, drive);
+  EXPECT_GT(score.ends, 40);
+  return score.ends_rms_m;
+}
+
+TEST(MapGraph, FindsTheLastingErrorsOfTheWheels) {
+  SyntheticDriveParams params;
+  params.scale_error = 0.02;
+  params.turn_per_rad = -0.015;
+  params.turn_per_m = 0.02;
+  const SyntheticDrive ring = drive(ringOfCorridors(), ringWay(kRing_m), params);
+  MapState state = initialState(ring.record, {});
+  ASSERT_TRUE(solveGraph(ring.record, mapperParams().graph, {}, state).usable);
+  // Corrections: the inverse of the errors. The noise of 120 increments leaves the tolerances.
+  EXPECT_NEAR(state.odometry[0], -0.0196, 0.006);
+  EXPECT_NEAR(state.odometry[1], 0.0152, 0.012);
+  EXPECT_NEAR(state.odometry[2], -0.02, 0.006);
+}
+
+TEST(MapGraph, OneLapWithoutAnyEdgeSeenAgainIsStraightened) {
+  const SyntheticDrive ring = drive(ringOfCorridors(), ringWay(kRing_m), {});
+  MapState odometry = initialState(ring.record, {});
+  EXPECT_GT(placeError(odometry, ring), 0.3);
+  const DriveMap map = mapDrive(ring.record, {}, mapperParams());
+  EXPECT_EQ(map.problem, "");
+  EXPECT_LT(placeError(map.state, ring), 0.10);
+  EXPECT_LT(endError(map.state, ringOfCorridors(), ring), 0.05);
+}
+
+// Research, 4.3: a kernel on line residuals before the graph is near takes the drift for outliers.
+TEST(MapGraph, AKernelOnLinesFromTheStartIsWorseThanAfterALeastSquaresSolve) {
+  SyntheticDriveParams params;
+  params.turn_per_m = 0.03;
+  const SyntheticDrive ring = drive(ringOfCorridors(), ringWay(kRing_m), params);
+  MapState early = initialState(ring.record, {});
+  GraphParams graph = mapperParams().graph;
+  solveGraph(ring.record, graph, {.kernel = 0.5}, early);
+  MapState late = initialState(ring.record, {});
+  solveGraph(ring.record, graph, {}, late);
+  solveGraph(ring.record, graph, {.kernel = 0.5}, late);
+  EXPECT_LT(placeError(late, ring), 0.12);
+  EXPECT_LT(placeError(late, ring), placeError(early, ring));
+}
+
+TEST(MapGraph, RightAnglesDoNotBendAPlaceThatHasNone) {
+  const std::vector<TrueFloorEdge> edges = slantedWing();
+  const double s = std::sqrt(0.5);
+  const std::vector<Pose2> way = wayThrough({{-5.0, 0.0}, {0.33, 0.0}, {0.33 + 5.0 * s, 5.0 * s}}, 10.0);
+  const SyntheticDrive wing = drive(edges, way, {});
+  DriveMapperParams params = mapperParams();
+  const double with = placeError(mapDrive(wing.record, {}, params).state, wing);
+  params.right_angles = false;
+  const double without = placeError(mapDrive(wing.record, {}, params).state, wing);
+  EXPECT_LT(with, without + 0.01);
+  EXPECT_LT(with, 0.06);
+}
+
+TEST(MapGraph, SolvesTheTiltOfTheCameraWithTheMap) {
+  SyntheticDriveParams tilted;
+  tilted.mount_pitch_rad = degToRad(0.5);
+  const SyntheticDrive ring = drive(ringOfCorridors(), ringWay(kRing_m), tilted);
+  const DriveMap map = mapDrive(ring.record, {}, mapperParams());
+  // Mount and camera share a pitch that the head's turns tell apart only weakly: their sum counts ahead.
+  EXPECT_NEAR(radToDeg(map.state.camera_tilt[1] - map.state.camera_tilt[2]), 0.5, 0.12);
+  EXPECT_LT(endError(map.state, ringOfCorridors(), ring), 0.06);
+  // Without it the map is wrong.
+  DriveMapperParams stiff = mapperParams();
+  stiff.graph.tilt.mount_rad = stiff.graph.tilt.camera_rad = 0.0;
+  EXPECT_GT(endError(mapDrive(ring.record, {}, stiff).state, ringOfCorridors(), ring),
+            1.5 * endError(map.state, ringOfCorridors(), ring));
+}
+
+// Research, section 9: without ends nothing measures the way along a corridor but the wheels.
+TEST(MapGraph, EndsKeepTheLengthOfACorridor) {
+  SyntheticDriveParams params;
+  params.scale_error = 0.05;
+  const SyntheticDrive ring = drive(straightCorridor(), wayThrough({{-6.0, 0.0}, {6.0, 0.0}}, 12.0), params);
+  MapState with = initialState(ring.record, {});
+  solveGraph(ring.record, mapperParams().graph, {.ends = true}, with);
+  MapState without = initialState(ring.record, {});
+  solveGraph(ring.record, mapperParams().graph, {.ends = false}, without);
+  const auto length = [&](const MapState& state) {
+    return (state.poses.back().position() - state.poses.front().position()).norm();
+  };
+  const double truth = (ring.truth.back().position() - ring.truth.front().position()).norm();
+  EXPECT_NEAR(length(with), truth, 0.05);
+  EXPECT_GT(std::abs(length(without) - truth), 0.15);
+}
+
+TEST(MapGraph, TheSameRecordGivesTheSameMap) {
+  const SyntheticDrive ring = drive(ringOfCorridors(), ringWay(12.0), {});
+  const DriveMap one = mapDrive(ring.record, {}, mapperParams());
+  const DriveMap two = mapDrive(ring.record, {}, mapperParams());
+  ASSERT_EQ(one.state.landmarks.size(), two.state.landmarks.size());
+  for (std::size_t k = 0; k < one.state.poses.size(); ++k) EXPECT_EQ(one.state.poses[k], two.state.poses[k]);
+}
+
+TEST(MapGraph, StatesAnHonestSigmaOfEnds) {
+  double chi2 = 0.0;
+  int ends = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    SyntheticDriveParams params;
+    params.seed = seed;
+    const SyntheticDrive hall = drive(ringOfCorridors(), ringWay(6.0), params);
+    const DriveMap map = mapDrive(hall.record, {}, mapperParams());
+    for (const LineLandmark& landmark : map.state.landmarks) {
+      if (!landmark.a.closed || !landmark.b.closed || landmark.sigma_a_m <= 0.0) continue;
+      // The length of an edge needs no alignment.
+      double nearest = 1e9;
+      for (const TrueFloorEdge& edge : ringOfCorridors()) {
+        const double off = landmark.segment().length() - edge.world.length();
+        if (std::abs(off) < std::abs(nearest)) nearest = off;
+      }
+      chi2 += nearest * nearest / (std::pow(landmark.sigma_a_m, 2) + std::pow(landmark.sigma_b_m, 2));
+      ++ends;
+    }
+  }
+  ASSERT_GT(ends, 30);
+  EXPECT_LT(chi2 / ends, 4.0);
+}
+
+}  // namespace
+}  // namespace vismem
