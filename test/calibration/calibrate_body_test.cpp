@@ -6,38 +6,18 @@
 #include <nlohmann/json.hpp>
 
 #include "calibration/app/body_files.h"
+#include "calibration/calibrate_run.h"
 #include "calibration/simulated_board_robot.h"
 #include "common/geometry/angles.h"
-#include "support/component_process.h"
 #include "support/temporary_folder.h"
 
 namespace vismem {
 namespace {
 
-using namespace std::chrono_literals;
 using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 namespace fs = std::filesystem;
-
-struct ToolRun {
-  int code = -1;
-  std::string out;
-  std::string error;
-
-  json summary() const {
-    const auto end = out.find_last_not_of('\n');
-    const auto begin = out.rfind('\n', end);
-    return json::parse(out.substr(begin == std::string::npos ? 0 : begin + 1));
-  }
-};
-
-ToolRun calibrate(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), std::string(VISMEM_BIN_DIR) + "/calibrate");
-  ChildProcess child(arguments);
-  EXPECT_TRUE(child.waitForExit(110s));
-  return {child.exitCode().value_or(-1), child.out(), child.error()};
-}
 
 std::string textOf(const fs::path& file) {
   std::ifstream stream(file);
@@ -75,7 +55,7 @@ class CalibrateBodyTool : public testing::Test {
 
 TEST_F(CalibrateBodyTool, ShowsChangesAndWritesThemOnRequestOnly) {
   const std::string before = textOf(config());
-  const ToolRun shown = calibrate(arguments());
+  const ToolRun shown = runCalibrate(arguments());
   ASSERT_EQ(shown.code, 0) << shown.out << shown.error;
   EXPECT_THAT(shown.out,
               HasSubstr("-5: ActiveVisualMemory.Mount.PanTilt.Position_m = 0 0 0.45  # with a tape"));
@@ -88,7 +68,7 @@ TEST_F(CalibrateBodyTool, ShowsChangesAndWritesThemOnRequestOnly) {
 
   std::vector<std::string> write = arguments();
   write.push_back("--write");
-  const ToolRun written = calibrate(write);
+  const ToolRun written = runCalibrate(write);
   ASSERT_EQ(written.code, 0) << written.out << written.error;
   const std::string after = textOf(config());
   EXPECT_THAT(after, HasSubstr("# Measured by hand."));
@@ -104,28 +84,28 @@ TEST_F(CalibrateBodyTool, ShowsChangesAndWritesThemOnRequestOnly) {
 TEST_F(CalibrateBodyTool, NamesWhatIsWrong) {
   std::vector<std::string> known = arguments();
   known.insert(known.end(), {"--known", "height=3"});
-  const ToolRun unknown = calibrate(known);
+  const ToolRun unknown = runCalibrate(known);
   EXPECT_EQ(unknown.code, 2);
   EXPECT_THAT(unknown.error, HasSubstr("--known height=3 (must be NAME=VALUE,DEVIATION"));
 
   std::ofstream(folder_.path() / "out" / "body.json") << "{}";
-  const ToolRun damaged = calibrate(arguments());
+  const ToolRun damaged = runCalibrate(arguments());
   EXPECT_EQ(damaged.code, 2);
   EXPECT_THAT(damaged.error, HasSubstr("body.json"));
 
   fs::remove(folder_.path() / "out" / "body.json");
-  const ToolRun without = calibrate(arguments());
+  const ToolRun without = runCalibrate(arguments());
   EXPECT_EQ(without.code, 2);
   EXPECT_THAT(without.error, HasSubstr("--board is missing"));
 
-  const ToolRun nowhere = calibrate({"body", "--setup", folder_ / "nothing", "--out", folder_ / "out"});
+  const ToolRun nowhere = runCalibrate({"body", "--setup", folder_ / "nothing", "--out", folder_ / "out"});
   EXPECT_EQ(nowhere.code, 2);
   EXPECT_THAT(nowhere.error, HasSubstr("nothing"));
 }
 
 TEST_F(CalibrateBodyTool, TheDailyCheckNeedsARunningRobot) {
   std::ofstream(config(), std::ios::app) << "ActiveVisualMemory.Endpoints = tcp -h 127.0.0.1 -p 9\n";
-  const ToolRun run = calibrate({"check", "--setup", folder_ / "cfg", "--timeout", "1"});
+  const ToolRun run = runCalibrate({"check", "--setup", folder_ / "cfg", "--timeout", "1"});
   EXPECT_EQ(run.code, 1);
   EXPECT_THAT(run.error, HasSubstr("active_visual_memory"));
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "calibration/calibrate_run.h"
 #include "calibration/core/target/board_file.h"
 #include "camera_server/core/camera_info.h"
 #include "support/component_process.h"
@@ -19,23 +20,9 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-struct ToolRun {
-  int code = -1;
-  std::string out;
-  std::string error;
-
-  json summary() const {
-    const auto end = out.find_last_not_of('\n');
-    const auto begin = out.rfind('\n', end);
-    return json::parse(out.substr(begin == std::string::npos ? 0 : begin + 1));
-  }
-};
-
 ToolRun calibrateLensWith(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), {std::string(VISMEM_BIN_DIR) + "/calibrate", "lens"});
-  ChildProcess child(arguments);
-  EXPECT_TRUE(child.waitForExit(110s));
-  return {child.exitCode().value_or(-1), child.out(), child.error()};
+  arguments.insert(arguments.begin(), "lens");
+  return runCalibrate(std::move(arguments));
 }
 
 std::string textOf(const std::string& file) {

@@ -1,5 +1,3 @@
-#include <signal.h>
-
 #include <chrono>
 #include <iostream>
 
@@ -8,30 +6,13 @@
 #include "common/process/ice_setup.h"
 #include "common/process/log.h"
 #include "common/robot_ice/camera_ice.h"
+#include "common/tool/end_signals.h"
 
 namespace vismem {
 namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
-
-/// Signals end the stream, not the process, so that what was collected is used. Blocked before Ice starts
-/// threads.
-class EndSignals {
- public:
-  EndSignals() {
-    sigemptyset(&set_);
-    for (const int number : {SIGINT, SIGTERM}) sigaddset(&set_, number);
-    pthread_sigmask(SIG_BLOCK, &set_, nullptr);
-  }
-  bool arrived() {
-    const timespec now{0, 0};
-    return sigtimedwait(&set_, nullptr, &now) > 0;
-  }
-
- private:
-  sigset_t set_{};
-};
 
 class CameraImages : public ImageStream {
  public:
@@ -72,7 +53,7 @@ class CameraImages : public ImageStream {
     }
   }
 
-  EndSignals signals_;
+  EndSignals signals_;  ///< end the stream, not the process: what was collected is used
   Logger log_;
   Ice::CommunicatorHolder ice_;
   RemoteFrameSource camera_;

@@ -5,22 +5,6 @@ namespace {
 
 constexpr double kMsPerSecond = 1e3;
 
-avm::ComponentState toSlice(RunState state) {
-  switch (state) {
-    case RunState::kStarting:
-      return avm::ComponentState::Starting;
-    case RunState::kWaiting:
-      return avm::ComponentState::WaitingForPeers;
-    case RunState::kRunning:
-      return avm::ComponentState::Running;
-    case RunState::kDegraded:
-      return avm::ComponentState::Degraded;
-    case RunState::kStopping:
-      return avm::ComponentState::Stopping;
-  }
-  return avm::ComponentState::Starting;
-}
-
 RunState fromSlice(avm::ComponentState state) {
   switch (state) {
     case avm::ComponentState::Starting:
@@ -38,6 +22,22 @@ RunState fromSlice(avm::ComponentState state) {
 }
 
 }  // namespace
+
+avm::ComponentState toSlice(RunState state) {
+  switch (state) {
+    case RunState::kStarting:
+      return avm::ComponentState::Starting;
+    case RunState::kWaiting:
+      return avm::ComponentState::WaitingForPeers;
+    case RunState::kRunning:
+      return avm::ComponentState::Running;
+    case RunState::kDegraded:
+      return avm::ComponentState::Degraded;
+    case RunState::kStopping:
+      return avm::ComponentState::Stopping;
+  }
+  return avm::ComponentState::Starting;
+}
 
 avm::ComponentStatus toSlice(const StatusReport& report) {
   avm::ComponentStatus status;

@@ -9,6 +9,7 @@
 
 namespace vismem {
 
+avm::ComponentState toSlice(RunState state);
 avm::ComponentStatus toSlice(const StatusReport& report);
 /// The received status as a value; an absent peer counts as lost, even before its first connection.
 StatusReport fromSlice(const avm::ComponentStatus& status);

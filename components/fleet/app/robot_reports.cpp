@@ -2,27 +2,9 @@
 
 #include <utility>
 
+#include "common/process/component_servant.h"
+
 namespace vismem {
-namespace {
-
-avm::ComponentState toIce(RunState state) {
-  switch (state) {
-    case RunState::kStarting:
-      return avm::ComponentState::Starting;
-    case RunState::kWaiting:
-      return avm::ComponentState::WaitingForPeers;
-    case RunState::kRunning:
-      return avm::ComponentState::Running;
-    case RunState::kDegraded:
-      return avm::ComponentState::Degraded;
-    case RunState::kStopping:
-      break;
-  }
-  return avm::ComponentState::Stopping;
-}
-
-}  // namespace
-
 avm::RobotReport RobotReports::next(const std::optional<avm::PoseEstimate>& estimate,
                                     const std::map<std::string, StatusAnswer>& parts, std::int64_t host_us,
                                     std::chrono::steady_clock::time_point now) {
@@ -40,7 +22,7 @@ avm::RobotReport RobotReports::next(const std::optional<avm::PoseEstimate>& esti
   }
   for (const auto& [name, answer] : parts) {
     if (answer.report) {
-      report.parts.push_back({name, toIce(answer.report->state), answer.report->reason});
+      report.parts.push_back({name, toSlice(answer.report->state), answer.report->reason});
     } else {
       report.parts.push_back({name, avm::ComponentState::Stopping, answer.failure});
     }

@@ -4,6 +4,7 @@ namespace vismem {
 namespace {
 
 constexpr const char* kFixed = "its value is fixed by the mode";
+constexpr const char* kGone = "the part that it belonged to is gone";
 
 }  // namespace
 
@@ -18,15 +19,17 @@ void acceptRetiredLocalizationKeys(ConfigReader& reader) {
   reader.group("Health").retired(
       "UseField MemoryScale_m ImageScale_px MemoryRange_m GridTop_px GridBottom_px", kFixed);
   reader.group("Robust").retired(
-      "HalfNoveltyViews Repeats MemoryBelow_points ImageRange_m PointStep_m Range_m UnconfirmedWeight "
-      "EffectivePoints "
+      "MemoryBelow_points ImageRange_m PointStep_m Range_m UnconfirmedWeight EffectivePoints "
       "EndMetres PointsPerMetre MaximumSigma_m MaximumPoints Bounded DirectionGate "
-      "DirectionGate_deg UseField Kalman RefinementSteps NoveltyShare DeleteBehind NoveltyDecay_s "
-      "NewsShare RepeatTime_s ConstructedShare UniformArea_m2 LandmarkShare Corners Doors "
-      "Parallelograms KldError KldPlace_m KldPlace_deg KldLeast RefinedExplorers Validity "
-      "ReliabilityTime_s EnoughPoints ExplainedLow ExplainedHigh NegativeInformation "
-      "DetectionProbability RateAtImageStamp Source",
+      "DirectionGate_deg UseField Kalman RefinementSteps DeleteBehind ConstructedShare "
+      "UniformArea_m2 RefinedExplorers Validity ReliabilityTime_s EnoughPoints ExplainedLow "
+      "ExplainedHigh Source",
       kFixed);
+  reader.group("Robust").retired(
+      "HalfNoveltyViews Repeats NoveltyShare NewsShare NoveltyDecay_s RepeatTime_s "
+      "LandmarkShare Corners Doors Parallelograms KldError KldPlace_m KldPlace_deg KldLeast "
+      "NegativeInformation DetectionProbability RateAtImageStamp",
+      kGone);
   reader.group("Odometry")
       .retired(
           "Turn_degpm TurnShare TravelShare WalkShare Piece_m Piece_deg Pose_m Pose_deg Noise_deg "

@@ -1,6 +1,5 @@
 /// @file show_status: status of the running components. See its --help; scripts/status calls it.
 #include <Ice/Ice.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "common/process/setup.h"
 #include "common/process/status_client.h"
 #include "common/tool/command_line_tool.h"
+#include "common/tool/end_signals.h"
 #include "status/app/setup_search.h"
 
 namespace {
@@ -57,25 +57,6 @@ void declare(CLI::App& app, Options& options) {
       "2 for a "
       "wrong command line.");
 }
-
-/// Ends --watch at Ctrl-C. Blocks the signals in all threads, so it is made before the first.
-class EndSignals {
- public:
-  EndSignals() {
-    sigemptyset(&set_);
-    for (const int number : {SIGINT, SIGTERM}) sigaddset(&set_, number);
-    pthread_sigmask(SIG_BLOCK, &set_, nullptr);
-  }
-  /// @return whether the end was requested within this time.
-  bool wait(double seconds) {
-    const auto whole = static_cast<time_t>(seconds);
-    const timespec limit{whole, static_cast<long>((seconds - static_cast<double>(whole)) * 1e9)};
-    return sigtimedwait(&set_, nullptr, &limit) > 0;
-  }
-
- private:
-  sigset_t set_{};
-};
 
 class Viewer {
  public:

@@ -166,6 +166,9 @@ async function checkSelection(page) {
 async function checkSetting(page, robot) {
   const field = await eventually("parameters", async () => await page.locator("input[type=number][aria-label^='Overlay.Rate_hz']").count() > 0 && page.locator("input[type=number][aria-label^='Overlay.Rate_hz']"));
   await field.fill("7");
+  await page.getByRole("button", {name: "read again"}).click();
+  await sleep(1000);
+  assert.equal(await field.inputValue(), "7", "reading again keeps a value that is being typed");
   await field.press("Enter");
   const component = robot.proxy("Component", "active_visual_memory/component", 9970);
   await eventually("the component has the value", async () => (await component.parameters()).find(p => p.name === "Overlay.Rate_hz").value === 7);

@@ -153,6 +153,16 @@ TEST(LocalizationConfig, RemovedKeysAreAcceptedWithAWarningAndHaveNoEffect) {
     EXPECT_THAT(warning.message, HasSubstr("its value is fixed by the mode"));
 }
 
+TEST(LocalizationConfig, KeysOfPartsThatAreGoneSaySo) {
+  const Properties properties = Properties::parse(kNeeded + "Localization.Robust.KldError = 0\n", "test.cfg");
+  ConfigReader root(properties);
+  ConfigReader reader = root.group("Localization");
+  readLocalizationConfig(reader);
+  const auto warnings = reader.renamedKeys();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0].message, HasSubstr("the part that it belonged to is gone"));
+}
+
 TEST(LocalizationConfig, TheSimulatorsSetupShowsEveryBasicKeyWithItsValue) {
   const Properties properties = Properties::load(kSource + "/cfg/sim/localization.cfg");
   ConfigReader root(properties);

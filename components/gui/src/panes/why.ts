@@ -63,8 +63,9 @@ export class WhyPane extends Pane {
     this.asking = true;
     try {
       const grid = await store.call<HealthGrid>("healthMap", "Explained", null, 16, 0.5, null);
+      // The grid is coarse; a race that was refined fits better than the cell around it.
       let best = 0;
-      for (const value of grid.health) best = Math.max(best, value);
+      for (const value of [...grid.health, ...e.races.map(race => race.health)]) best = Math.max(best, value);
       store.bestFit.value = {value: best, at: nowMs()};
     } catch {
       // The localization has nothing to rate places by when the map has none of the labels that are seen.
