@@ -212,5 +212,27 @@ TEST_F(RecorderProcessTest, WaitsForItsPeersAndNamesAFullFolder) {
   EXPECT_THAT(second.error(), HasSubstr("recordings/run: exists already"));
 }
 
+// A oneway call of an operation with a result cannot be answered.
+TEST_F(RecorderProcessTest, OnewayCommandsAreCarriedOut) {
+  const auto simulator = startSimulator();
+  const auto recorder = startRecorder(*simulator);
+  const auto control = ice_.find<avm::RecorderPrx>(*recorder, "Recorder");
+  Ice::OutputStream name(control->ice_getCommunicator());
+  name.startEncapsulation();
+  name.write(std::string("oneway"), false);
+  name.endEncapsulation();
+  Ice::ByteSeq parameters;
+  name.finished(parameters);
+  Ice::ByteSeq nothing;
+  for (const char* state : {"Idle", "Recording"}) {
+    const bool starts = state == std::string("Recording");
+    control->ice_oneway()->ice_invoke(starts ? "start" : "stop", Ice::OperationMode::Normal,
+                                      starts ? parameters : Ice::ByteSeq{}, nothing);
+    const auto wanted = starts ? avm::RecorderState::Recording : avm::RecorderState::Idle;
+    EXPECT_TRUE(eventually([&] { return control->status().state == wanted; })) << "never " << state;
+  }
+  EXPECT_TRUE(recorder->running());
+}
+
 }  // namespace
 }  // namespace vismem

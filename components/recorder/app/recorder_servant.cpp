@@ -55,10 +55,12 @@ avm::RecorderStatus RecorderServant::status(const Ice::Current&) {
 void RecorderServant::run(RecorderService::Command command, Respond respond, Except except) {
   service_.execute(std::move(command),
                    [respond = std::move(respond), except = std::move(except)](const PortReply& reply) {
-                     if (reply.ok()) {
+                     // A client that called oneway cannot be answered: that is its failure, not this thread's.
+                     try {
+                       if (!reply.ok()) throw avm::Refused(reply.message);
                        respond(reply.message);
-                     } else {
-                       except(std::make_exception_ptr(avm::Refused(reply.message)));
+                     } catch (...) {
+                       except(std::current_exception());
                      }
                    });
 }

@@ -61,6 +61,10 @@ async function pastMoments(page) {
   for (let k = 0; k < 9; ++k) {
     await page.locator(".time-bar button:has-text('-1')").click();
     await sleep(500);
+    await eventually("image, memory and estimate of that moment", () => page.evaluate(() => {
+      const {frame, memory, estimate} = globalThis.avmPage.moment();
+      return Boolean(frame && memory && estimate);
+    }));
     moments.push(await page.evaluate(() => {
       const {frame, memory, estimate} = globalThis.avmPage.moment();
       return {
