@@ -11,6 +11,12 @@ export async function loss(robot) {
   const page = await openPage(robot);
   page.expected.push(/WebSocket|ERR_CONNECTION/);
   await waitForVideo(page);
+  await showPane(page, "settings");
+  const settings = () => page.evaluate(() => [...document.querySelector(".settings").children].map(e => e.querySelector(".name")?.textContent ?? `${e.textContent}:`));
+  const before = await eventually("parameters of both components", async () => {
+    const now = await settings();
+    return now.includes("localization:") && now.includes("active_visual_memory:") && now;
+  });
   for (const name of ["localization", "active_visual_memory"]) {
     robot.kill(name);
     const begin = Date.now();
@@ -25,6 +31,7 @@ export async function loss(robot) {
     console.log(`  ${name}: shown after ${shown} ms, back ${Date.now() - again} ms after its start, ${loadText()}`);
     assert.ok(shown <= 2000 + loadMargin(), `${shown} ms`);
   }
+  await eventually("every parameter stands below its component again", async () => (await settings()).join() === before.join());
   page.checkErrors();
   await page.context().close();
 }
