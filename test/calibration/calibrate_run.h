@@ -1,4 +1,4 @@
-/// The program calibrate, run to its end.
+/// @file The program calibrate, run to its end.
 #pragma once
 
 #include <gtest/gtest.h>

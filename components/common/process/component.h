@@ -132,7 +132,4 @@ inline constexpr std::chrono::seconds kStopWithin{4};
 /// the actual port for -p 0.
 int runComponent(int argc, char** argv, const ComponentSpec& spec);
 
-/// Declares the keys that runComponent itself reads, for tests that load a configuration without running it.
-void declareProcessKeys(ConfigReader& config, const ComponentSpec& spec);
-
 }  // namespace vismem

@@ -175,8 +175,4 @@ void printHelp(const ComponentSpec& spec) {
     std::cout << "  " << setting.key << " = " << setting.value << "\n";
 }
 
-void declareProcessKeys(ConfigReader& config, const ComponentSpec& spec) {
-  readProcessKeys(config, spec);
-}
-
 }  // namespace vismem

@@ -5,6 +5,7 @@
 #include "common/process/component_servant.h"
 
 namespace vismem {
+
 avm::RobotReport RobotReports::next(const std::optional<avm::PoseEstimate>& estimate,
                                     const std::map<std::string, StatusAnswer>& parts, std::int64_t host_us,
                                     std::chrono::steady_clock::time_point now) {
