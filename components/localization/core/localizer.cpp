@@ -156,6 +156,7 @@ void Localizer::iterate(const MemoryUpdate& update, double elapsed_s) {
   for (Race& race : table_.races()) strategy_->weight(race);
   const auto agreement = strategy_->agreement(table_);
   const bool is_inconsistent = agreement && *agreement < kInconsistent * reliability_;
+  if (is_inconsistent) strategy_->resetNovelty();
   propose(agreement, is_inconsistent);
   prune();
   table_.mergeSamePlaces();

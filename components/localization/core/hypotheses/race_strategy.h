@@ -45,6 +45,8 @@ class RaceStrategy {
   /// Reliability after this iteration, before the discount for a jump of the winner.
   /// @param elapsed_s since the last iteration.
   virtual double updatedReliability(double last, const RaceTable& table, double elapsed_s) const = 0;
+  /// The robot may have been moved: what it sees now is new, wherever odometry has it.
+  virtual void resetNovelty() {}
   /// Reduces the races' evidence, after a new epoch of the memory or a jump of the source.
   virtual void discountEvidence(RaceTable& table) = 0;
   /// Drops past observations, after a pose given from outside (one race) or a relocalization (empty table).

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/geometry/angles.h"
+#include "localization/core/observation/novelty.h"
 
 namespace vismem {
 namespace {
@@ -61,7 +62,9 @@ class RobustRaces : public RaceStrategy {
     observation_.remembered = all.remembered;
     few_ = thinned(observation_, kExplorerPoints);
     if (observation_.points.empty()) return false;
-    history_.begin(observation_, update.snapshot->T_odom_robot);
+    T_odom_robot_ = update.snapshot->T_odom_robot;
+    stamp_us_ = update.snapshot->stamp_us;
+    history_.begin(observation_, T_odom_robot_, novelty_.assess(observation_, T_odom_robot_, stamp_us_));
     return true;
   }
 
@@ -208,7 +211,16 @@ class RobustRaces : public RaceStrategy {
     return last + gain * (target - last);
   }
 
-  void resetHistory(const RaceTable& table) override { history_.clear(!table.races().empty()); }
+  void resetNovelty() override {
+    novelty_.reset();
+    novelty_.assess(observation_, T_odom_robot_, stamp_us_);
+    history_.countAsNew();
+  }
+
+  void resetHistory(const RaceTable& table) override {
+    history_.clear(!table.races().empty());
+    novelty_.reset();
+  }
 
   void discountEvidence(RaceTable& table) override {
     resetHistory(table);
@@ -322,10 +334,13 @@ class RobustRaces : public RaceStrategy {
   ConstructedExplorers constructed_;
   RobustLikelihood likelihood_;
   ScoreHistory history_;
+  ObservationNovelty novelty_;
   Matrix5d broad_prior_;
   double uniform_share_;  ///< share of the uniform explorers that are sent out
   /// The last update's image has no points, and its memory was updated just now.
   bool is_memory_current_ = false;
+  Pose2 T_odom_robot_;
+  StampUs stamp_us_ = 0;
   FloorObservation observation_;
   FloorObservation few_;  ///< a part of observation_, for the coarse search
 };

@@ -6,29 +6,36 @@
 namespace vismem {
 namespace {
 
-constexpr std::size_t kMost = 24;    // iterations: nearly five seconds
-constexpr int kLong = 1'000'000;     // iterations: the start of the mean no longer matters
-constexpr std::size_t kPoints = 40;  // of each observation
+constexpr std::size_t kMost = 24;      // iterations: nearly five seconds
+constexpr double kLeastNovelty = 0.5;  // of an observation that is kept
+constexpr int kLong = 1'000'000;       // iterations: the start of the mean no longer matters
+constexpr std::size_t kPoints = 40;    // of each observation
 /// Odometry errs on the way back into the past, and scores compare places rather than centimetres.
 constexpr double kBlur_m = 0.10;
 
 }  // namespace
 
-void ScoreHistory::begin(const FloorObservation& observation, const Pose2& T_odom_robot) {
+void ScoreHistory::begin(const FloorObservation& observation, const Pose2& T_odom_robot, double novelty) {
   if (current_) {
     for (Kept& one : kept_) one.weight *= 1.0 - newestWeight();
     current_->weight = newestWeight();
-    kept_.push_front(std::move(*current_));
-    if (kept_.size() > kMost) kept_.pop_back();
+    if (is_repeat_) {
+      kept_.front().weight += current_->weight;
+    } else {
+      kept_.push_front(std::move(*current_));
+      if (kept_.size() > kMost) kept_.pop_back();
+    }
     current_.reset();
   }
   T_odom_robot_ = T_odom_robot;
   ++iteration_;
+  novelty_ = novelty;
+  is_repeat_ = novelty < kLeastNovelty && !kept_.empty();
   current_ = Kept{0.0, T_odom_robot, thinned(observation, kPoints)};
 }
 
 void ScoreHistory::record(const Placement& placement, std::vector<double>& scores) const {
-  if (!current_) return;
+  if (!current_ || is_repeat_) return;
   if (scores.size() >= kMost) scores.pop_back();
   scores.insert(scores.begin(), likelihood_.rate(current_->observation, placement, kBlur_m).log_likelihood);
 }
@@ -36,12 +43,13 @@ void ScoreHistory::record(const Placement& placement, std::vector<double>& score
 void ScoreHistory::clear(bool is_place_known) {
   kept_.clear();
   current_.reset();
+  countAsNew();
   iteration_ = is_place_known ? kLong : 0;
 }
 
 double ScoreHistory::newestWeight() const {
   const double forgetting = params_.forgetting;
-  return (1.0 - forgetting) / (1.0 - std::pow(forgetting, std::max(1, iteration_)));
+  return novelty_ * (1.0 - forgetting) / (1.0 - std::pow(forgetting, std::max(1, iteration_)));
 }
 
 std::vector<double> ScoreHistory::scoresAt(const Pose2& T_world_robot) const {

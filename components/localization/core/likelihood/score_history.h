@@ -45,7 +45,13 @@ class ScoreHistory {
       : likelihood_(likelihood), params_(params) {}
 
   /// Starts an iteration with its observation.
-  void begin(const FloorObservation& observation, const Pose2& T_odom_robot);
+  /// @param novelty of the observation, 0..1; scales its weight (ObservationNovelty).
+  void begin(const FloorObservation& observation, const Pose2& T_odom_robot, double novelty);
+  /// Gives this iteration's observation its full weight, for a robot that may have been moved.
+  void countAsNew() {
+    novelty_ = 1.0;
+    is_repeat_ = false;
+  }
   /// Adds a race's score of this iteration's observation in front. To be called for every race.
   void record(const Placement& placement, std::vector<double>& scores) const;
   /// Drops all observations, after a jump of odometry or a pose given from outside.
@@ -53,7 +59,7 @@ class ScoreHistory {
   void clear(bool is_place_known);
 
   /// Weight of this iteration's observation in the running mean that evidence is: equal weights at first,
-  /// exponential forgetting later.
+  /// exponential forgetting later; scaled by novelty.
   double newestWeight() const;
 
   /// The largest evidence over two explanations and all races:
@@ -78,6 +84,9 @@ class ScoreHistory {
   const RobustLikelihood& likelihood_;
   ScoreHistoryParams params_;
   int iteration_ = 0;
+  double novelty_ = 1.0;  ///< of this iteration's observation
+  /// This iteration's observation is not kept: the kept ones shall tell of other places than the present one.
+  bool is_repeat_ = false;
   std::deque<Kept> kept_;
   std::optional<Kept> current_;  ///< of this iteration
   Pose2 T_odom_robot_;

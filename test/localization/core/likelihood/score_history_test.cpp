@@ -52,7 +52,7 @@ class ScoreHistoryTest : public testing::Test {
   }
   /// One iteration of a standing robot: an observation of map segments from a pose.
   void see(const Pose2& from, const std::vector<std::size_t>& segments) {
-    history_.begin(seenFrom(from, segments), {});
+    history_.begin(seenFrom(from, segments), {}, novelty_);
     history_.record({kFirst}, winner_.scores);
   }
   void seeCorner(int iterations) {
@@ -81,6 +81,7 @@ class ScoreHistoryTest : public testing::Test {
   RobustLikelihood likelihood_;
   ScoreHistory history_;
   Winner winner_;
+  double novelty_ = 1.0;  ///< of what see() sees
 };
 
 TEST_F(ScoreHistoryTest, APoseThatExplainsThePastAsWellHasTheWinnersEvidence) {
@@ -159,13 +160,25 @@ TEST_F(ScoreHistoryTest, ScoresFollowOdometryIntoThePast) {
       point.weight = 1.0;
       seen.points.push_back(point);
     }
-    history_.begin(seen, odom);
+    history_.begin(seen, odom, 1.0);
   }
   const InitialEvidence right = history_.initialEvidence({2.0, 1.0, 0.0}, 0.0, {});
   ASSERT_GE(right.scores.size(), 20u);
   EXPECT_NEAR(right.scores.back(), 0.0, 0.01);
   // The pose at the start of the drive: 1 m off now.
   EXPECT_LT(history_.initialEvidence({1.0, 1.0, 0.0}, 0.0, {}).scores.back(), -20.0);
+}
+
+TEST_F(ScoreHistoryTest, ARobotThatStandsDoesNotForgetWhereItCameFrom) {
+  // First with a wall in view that the twin lacks, then a long stop.
+  for (int i = 0; i < 10; ++i) see(kFirst, {0, 1, 2});
+  const double before = initialAt(kTwin).evidence;
+  novelty_ = 0.05;
+  seeCorner(200);
+  EXPECT_LT(initialAt(kTwin).evidence, winner_.evidence - 0.5 * (winner_.evidence - before));
+  novelty_ = 1.0;
+  seeCorner(200);
+  EXPECT_NEAR(initialAt(kTwin).evidence, winner_.evidence, 1e-6);
 }
 
 }  // namespace
