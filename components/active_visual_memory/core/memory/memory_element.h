@@ -47,7 +47,7 @@ struct MemoryElement {
   Sighting sighting = Sighting::kObserved;  ///< highest since life was last counted
   struct ShortVotes {
     int count = 0;
-    double t_m = 0.0;
+    Eigen::Vector2d at = Eigen::Vector2d::Zero();  ///< mean, in odom: fusion moves the origin of the line's t
     double variance_m2 = 0.0;
   };
   ShortVotes short_a;

@@ -104,10 +104,11 @@ void SegmentMemory::updateEndpoints(MemoryElement& element, const std::vector<co
     const Eigen::Vector2d stop = known + (at.t_m - end.t_m) * u;
     const Segment2 beyond = at_b ? Segment2{stop, known} : Segment2{known, stop};
     if (!isFree(beyond, element, view) && !isOfAnotherKind(beyond, element, floor)) return;
-    votes.t_m = (votes.t_m * votes.count + at.t_m) / (votes.count + 1);
+    votes.at = (votes.at * votes.count + stop) / (votes.count + 1);
     votes.variance_m2 = at.variance_m2;
     if (++votes.count < kShortVotes) return;
-    element.line.shorten(at_b, {votes.t_m, votes.variance_m2, false, votes.variance_m2, 1, at.d_tilt});
+    element.line.shorten(
+        at_b, {element.line.tOf(votes.at), votes.variance_m2, false, votes.variance_m2, 1, at.d_tilt});
     element.short_a = element.short_b = {};
   };
   review(element.short_a, element.line.endA(), low, false);

@@ -86,6 +86,23 @@ TEST(SegmentMemoryExtent, PreventsTheMergeOfTwoEdgesThatABlurredImageRunsTogethe
   }
 }
 
+// Fusion moves the origin of a line's coordinate to its middle.
+TEST(SegmentMemoryExtent, ShortensALineThatGrowsAtItsOtherEnd) {
+  AttentiveVisualMemory memory(standard());
+  StampUs t = 0;
+  const auto show = [&](double from_m, double to_m) {
+    auto o = at(t += 33'333);
+    o.frame.image = cv::Mat(240, 320, CV_8UC1, cv::Scalar(200));
+    memory.update(o, images(o, {{{1.3, from_m, 0}, {1.3, to_m, 0}}}));
+  };
+  for (int i = 0; i < 10; ++i) show(-0.5, -0.1);
+  for (int i = 0; i < 6; ++i) show(-0.3, -0.1 + 0.12 * i);
+  ASSERT_EQ(memory.elements().size(), 1U);
+  const Segment2 known = memory.elements()[0].value.odom.floor();
+  EXPECT_NEAR(std::min(known.a.y(), known.b.y()), -0.3, 0.01);
+  EXPECT_NEAR(std::max(known.a.y(), known.b.y()), 0.5, 0.01);
+}
+
 /// How many elements a line becomes of which something hides a piece from either of two places.
 std::size_t elementsWhenHidden(double from_left_m, double from_right_m) {
   AttentiveVisualMemoryParams params = standard();
