@@ -121,8 +121,8 @@ TEST_F(ComponentTest, ReportsEverythingWrongWithTheConfigurationAndNothingElse) 
   EXPECT_EQ(child->error(),
             file + ":1: unknown key \"Probe.Sise\" (did you mean \"Probe.Size\"?)\n" +  //
                 file +
-                ":2: Probe.Work = dance (must be one of: serve, finish, fail_to_start, fail, throw, "
-                "hang, hang_on_stop)\n" +
+                ":2: Probe.Work = dance (must be one of: serve, finish, fail_to_start, fail, fail_slowly, "
+                "throw, hang, hang_on_stop)\n" +
                 file + ":3: key \"Probe.Work\" is set twice (first in line 2)\n" +  //
                 file + ":4: \"rubbish\" (must be KEY = VALUE)\n" + file +
                 ":5: unknown key \"Ice.MesageSizeMax\" (did you mean \"Ice.MessageSizeMax\"?)\n" + file +
@@ -204,6 +204,15 @@ TEST_F(ComponentTest, EndsInTimeThoughItsOwnStopHangs) {
   EXPECT_EQ(child->waitForExit(3 * kPatience), 1);
   EXPECT_GT(std::chrono::steady_clock::now() - begin, 3s);
   EXPECT_THAT(child->error(), HasSubstr("probe_component ERROR did not stop within "));
+}
+
+TEST_F(ComponentTest, ASignalWhileItEndsForAnotherReasonLosesNothing) {
+  const auto child = probe({"--Probe.Work=fail_slowly"});
+  ASSERT_TRUE(
+      eventually([&] { return child->error().find("stopping: it has failed") != std::string::npos; }));
+  ASSERT_TRUE(child->signal(SIGTERM));
+  EXPECT_EQ(child->waitForExit(kPatience), 1);
+  EXPECT_THAT(child->error(), HasSubstr("the loop has failed"));
 }
 
 TEST_F(ComponentTest, MayEndByItself) {

@@ -12,7 +12,7 @@
 
 namespace {
 
-enum class Work { kServe, kFinish, kFailToStart, kFail, kThrow, kHang, kHangOnStop };
+enum class Work { kServe, kFinish, kFailToStart, kFail, kFailSlowly, kThrow, kHang, kHangOnStop };
 
 struct Settings {
   Work work = Work::kServe;
@@ -31,6 +31,7 @@ class Probe : public vismem::Component {
 
   void stop() override {
     if (settings_.work == Work::kHangOnStop) std::this_thread::sleep_for(std::chrono::hours(1));
+    if (settings_.work == Work::kFailSlowly) std::this_thread::sleep_for(std::chrono::seconds(1));
     if (!loop_.joinable()) return;
     loop_.request_stop();
     loop_.join();
@@ -40,7 +41,8 @@ class Probe : public vismem::Component {
   void run(const std::stop_token& stop, vismem::ComponentHost& host) {
     try {
       if (settings_.work == Work::kFinish) host.requestStop();
-      if (settings_.work == Work::kFail) throw std::runtime_error("the loop has failed");
+      if (settings_.work == Work::kFail || settings_.work == Work::kFailSlowly)
+        throw std::runtime_error("the loop has failed");
     } catch (...) {
       host.fail(std::current_exception());
     }
@@ -71,6 +73,7 @@ std::unique_ptr<vismem::Component> configure(vismem::ConfigReader& root) {
                                  {"finish", Work::kFinish},
                                  {"fail_to_start", Work::kFailToStart},
                                  {"fail", Work::kFail},
+                                 {"fail_slowly", Work::kFailSlowly},
                                  {"throw", Work::kThrow},
                                  {"hang", Work::kHang},
                                  {"hang_on_stop", Work::kHangOnStop}});

@@ -14,6 +14,7 @@
 #include "common/process/setup.h"
 #include "common/process/status.h"
 #include "common/process/stream_health.h"
+#include "support/temporary_folder.h"
 
 namespace vismem {
 namespace {
@@ -29,6 +30,16 @@ TEST(NameByDate, SortsByTimeAsText) {
   const std::string name = nameByDate();
   EXPECT_THAT(name, testing::MatchesRegex("20[0-9]{6}-[0-9]{6}"));
   EXPECT_LE(name, nameByDate());
+}
+
+TEST(NameByDate, PassesOverNamesThatAreTaken) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = unusedNameByDate(folder.path(), "run-");
+    EXPECT_THAT(name, testing::MatchesRegex("run-20[0-9]{6}-[0-9]{6}(-[23])?"));
+    ASSERT_TRUE(std::filesystem::create_directory(std::filesystem::path(folder / name)))
+        << name << " was there already";
+  }
 }
 
 TEST(RateCounter, CountsPerSecondOverItsWindow) {

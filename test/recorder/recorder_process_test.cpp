@@ -212,6 +212,18 @@ TEST_F(RecorderProcessTest, WaitsForItsPeersAndNamesAFullFolder) {
   EXPECT_THAT(second.error(), HasSubstr("recordings/run: exists already"));
 }
 
+// A service that is restarted at once shall record on.
+TEST_F(RecorderProcessTest, StartsSeveralTimesWithinASecond) {
+  for (int i = 0; i < 4; ++i) {
+    const auto recorder =
+        start("recorder", {"--Recorder.Endpoints=tcp -h 127.0.0.1 -p 0",
+                           "--Recorder.Folder=" + (folder_ / "recordings"), "--Recorder.StartNow=yes"});
+    const auto control = ice_.find<avm::RecorderPrx>(*recorder, "Recorder");
+    EXPECT_TRUE(eventually([&] { return control->status().state == avm::RecorderState::Recording; }));
+    EXPECT_EQ(recorder->stop(kPatience), 0) << recorder->error();
+  }
+}
+
 // A oneway call of an operation with a result cannot be answered.
 TEST_F(RecorderProcessTest, OnewayCommandsAreCarriedOut) {
   const auto simulator = startSimulator();

@@ -12,6 +12,7 @@
 #include <iostream>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "common/config/config_error.h"
 #include "common/process/allocation_limit.h"
@@ -49,16 +50,15 @@ class StopRequest {
  public:
   explicit StopRequest(std::string name) : name_(std::move(name)) {}
 
-  /// @return whether this was the first request.
-  bool request(const std::string& why, std::exception_ptr failure = nullptr) {
+  /// Only the first request counts.
+  void request(const std::string& why, std::exception_ptr failure = nullptr) {
     const std::scoped_lock lock(mutex_);
-    if (requested_) return false;
+    if (requested_) return;
     requested_ = true;
     why_ = why;
     failure_ = std::move(failure);
     changed_.notify_all();
     endInTime();
-    return true;
   }
 
   /// Waits for a request and calls `look` every half second meanwhile.
@@ -287,9 +287,11 @@ void reportWrongConfiguration(Logger& log, const ConfigError& error) {
 
 int runComponent(int argc, char** argv, const ComponentSpec& spec) {
   StopRequest stop(spec.name);
+  bool is_signalled = false;
   const Ice::CtrlCHandler signals([&](int number) {
     // A second signal ends the process at once.
-    if (!stop.request("signal " + std::to_string(number))) _exit(128 + number);
+    if (std::exchange(is_signalled, true)) _exit(128 + number);
+    stop.request("signal " + std::to_string(number));
   });
   Logger log(spec.name);
   // A file that reaches `ulimit -f` is a failed write, not the end of the process.

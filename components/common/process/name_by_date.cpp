@@ -13,4 +13,13 @@ std::string nameByDate() {
   return text;
 }
 
+std::string unusedNameByDate(const std::filesystem::path& folder, const std::string& prefix) {
+  const std::string first = prefix + nameByDate();
+  std::string name = first;
+  std::error_code error;  // a folder that cannot be read has no such name
+  for (int copy = 2; std::filesystem::exists(folder / name, error); ++copy)
+    name = first + "-" + std::to_string(copy);
+  return name;
+}
+
 }  // namespace vismem

@@ -7,7 +7,6 @@
 
 #include "common/config/config_error.h"
 #include "common/process/log.h"
-#include "common/process/name_by_date.h"
 #include "common/process/status.h"
 #include "recorder/app/config.h"
 #include "recorder/app/file_store.h"
@@ -23,6 +22,7 @@ namespace {
 RecorderService::Params serviceParams(const RecorderConfig& config) {
   RecorderService::Params params;
   params.core = config.core;
+  params.folder = config.folder;
   params.queue_bytes = config.queue_bytes;
   if (config.ring_on_loss && config.core.ring_us > 0)
     params.save_after_loss_us = toStampUs(config.ring_after_s);
@@ -48,7 +48,7 @@ class RecorderComponent : public Component {
     if (map_) service_.take(mapMarkers(*map_));
     host.serve("Recorder", std::make_shared<RecorderServant>(service_));
     if (config_.start_now) {
-      const std::string name = config_.name.empty() ? nameByDate() : config_.name;
+      const std::string name = config_.name.empty() ? service_.unusedName() : config_.name;
       service_.execute([name](RecorderCore& core) { return core.start(name); },
                        [&host](const PortReply& reply) {
                          if (reply.ok()) {

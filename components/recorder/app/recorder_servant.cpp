@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "common/process/name_by_date.h"
-
 namespace vismem {
 namespace {
 
@@ -19,9 +17,8 @@ avm::RecorderState toIce(RecorderReport::State state) {
   return avm::RecorderState::Idle;
 }
 
-/// The name that was asked for, or one by date. @throws avm::InvalidArgument.
-std::string checkedName(const std::string& name, const std::string& prefix = "") {
-  if (name.empty()) return prefix + nameByDate();
+/// @throws avm::InvalidArgument.
+std::string checkedName(const std::string& name) {
   if (const std::string wrong = checkRecordingName(name); !wrong.empty()) throw avm::InvalidArgument(wrong);
   return name;
 }
@@ -55,7 +52,8 @@ avm::RecorderStatus RecorderServant::status(const Ice::Current&) {
 void RecorderServant::run(RecorderService::Command command, Respond respond, Except except) {
   service_.execute(std::move(command),
                    [respond = std::move(respond), except = std::move(except)](const PortReply& reply) {
-                     // A client that called oneway cannot be answered: that is its failure, not this thread's.
+                     // A client that called oneway cannot be answered: that is its failure, not this
+                     // thread's.
                      try {
                        if (!reply.ok()) throw avm::Refused(reply.message);
                        respond(reply.message);
@@ -66,8 +64,9 @@ void RecorderServant::run(RecorderService::Command command, Respond respond, Exc
 }
 
 void RecorderServant::startAsync(std::string name, Respond response, Except exception, const Ice::Current&) {
-  run([name = checkedName(name)](RecorderCore& core) { return core.start(name); }, std::move(response),
-      std::move(exception));
+  run([name = name.empty() ? service_.unusedName()
+                           : checkedName(name)](RecorderCore& core) { return core.start(name); },
+      std::move(response), std::move(exception));
 }
 
 void RecorderServant::stopAsync(Respond response, Except exception, const Ice::Current&) {
@@ -76,7 +75,8 @@ void RecorderServant::stopAsync(Respond response, Except exception, const Ice::C
 
 void RecorderServant::saveRingAsync(std::string name, Respond response, Except exception,
                                     const Ice::Current&) {
-  run([name = checkedName(name, "ring-")](RecorderCore& core) { return core.saveRing(name); },
+  run([name = name.empty() ? service_.unusedName("ring-")
+                           : checkedName(name)](RecorderCore& core) { return core.saveRing(name); },
       std::move(response), std::move(exception));
 }
 

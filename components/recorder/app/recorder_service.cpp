@@ -26,6 +26,10 @@ RecorderService::RecorderService(const Params& params, RecordingStore& store)
       loss_(params.loss_lost, params.loss_sure),
       core_(params.core, store) {}
 
+std::string RecorderService::unusedName(const std::string& prefix) const {
+  return unusedNameByDate(params_.folder, prefix);
+}
+
 void RecorderService::start(Watch watch, Note note) {
   watch_ = std::move(watch);
   note_ = std::move(note);
@@ -122,7 +126,7 @@ void RecorderService::saveRingAfterLoss() {
     if (!due) return;
     save_at_us_.reset();
   }
-  const PortReply reply = core_.saveRing("lost-" + nameByDate());
+  const PortReply reply = core_.saveRing(unusedName("lost-"));
   note_(reply.ok() ? "localization was lost: the last seconds are saved in " + reply.message
                    : "localization was lost, but the last seconds cannot be saved: " + reply.message);
 }

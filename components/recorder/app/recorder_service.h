@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -22,6 +23,7 @@ class RecorderService {
  public:
   struct Params {
     RecorderParams core;
+    std::filesystem::path folder;  ///< of the recordings, for names that it has not yet
     std::size_t queue_bytes = 64u << 20;
     /// Saves the ring buffer so long after localization was lost; empty: it does not.
     std::optional<StampUs> save_after_loss_us;
@@ -55,6 +57,8 @@ class RecorderService {
   void addMissed(const LogTopic& topic, std::uint64_t images);
   /// Of PoseEstimate; saves the ring buffer when the robot has just been lost.
   void updateReliability(double reliability, StampUs stamp_us);
+  /// @return a name by date for a recording that is made now.
+  std::string unusedName(const std::string& prefix = "") const;
   /// Runs on the writer's thread, behind the messages that wait now; `done` is called there.
   void execute(Command command, Done done);
 
