@@ -45,10 +45,11 @@ struct MemoryElement {
   double seen_travel_m = 0.0;  ///< odometer when last fused
   double seen_turn_rad = 0.0;
   Sighting sighting = Sighting::kObserved;  ///< highest since life was last counted
+  /// Votes of images for an end further in.
   struct ShortVotes {
     int count = 0;
-    double t_m = 0.0;
-    double variance_m2 = 0.0;
+    double t_m = 0.0;          ///< their mean place along `line`
+    double variance_m2 = 0.0;  ///< of the latest vote
   };
   ShortVotes short_a;
   ShortVotes short_b;
