@@ -18,17 +18,17 @@ struct ExtentEnd {
   double variance_m2 = 0.0;                          ///< of t_m
   bool censored = false;                             ///< only a bound: the line may continue
   double best_m2 = 0.0;                              ///< variance of the best single view of this end
-  int views = 1;                                     ///< that agreed on it
+  int views = 1;                                     ///< observations that agreed on it
   TiltJacobianRow d_tilt = TiltJacobianRow::Zero();  ///< derivative of t_m by the camera tilt [m/rad]
   bool split = false;                                ///< behind a gap the line continues as another element
 };
 
 /// A supporting line (offset and direction with a 2x2 covariance) and the extent on it. The direction a -> b
 /// carries the polarity. *Pure value.* Invariant: end a lies before end b, covariances are positive.
-/// Default fusion: a Kalman update by the offsets of the observed ends; the extent is the union of the
-/// observations, where true ends are averaged and censored ends only move outwards.
-/// The camera tilt is common to all lines: the state is conditional on the present estimate of the tilt, its
-/// derivatives by the tilt are kept, and the covariance is that for a known tilt. `P_tilt` adds the rest.
+/// MapFilter estimates the supporting line of most landmarks; `fuse` is for those outside it, and for
+/// merging. The ends are always estimated here, by fuseEnds. The camera tilt is common to all lines: the
+/// state is conditional on the present estimate of the tilt, its derivatives by the tilt are kept, and the
+/// covariance is that for a known tilt. `P_tilt` adds the rest.
 class FloorLine {
  public:
   struct Params {
@@ -37,12 +37,12 @@ class FloorLine {
     double offset_noise_m = 0.0015;  ///< added per fusion: errors of successive images are correlated
     double angle_noise_rad = 0.0010;
     double end_floor_m = 0.005;
-    double end_noise_m = 0.003;
+    double end_noise_m = 0.003;  ///< process noise per fusion of an end
     double end_outward_m =
-        0.010;  ///< noise of an end that is observed further out: an occluder may have moved
+        0.010;  ///< the same of an end that is observed further out: an occluder may have moved
     double end_gate_sigmas = 3.0;    ///< two true ends nearer than this are one
     double end_gate_m = 0.03;        ///< or nearer than this
-    int known_views = 3;             ///< a true end seen this often moves outwards only by good views
+    int known_views = 3;             ///< a true end seen this often moves out of the gate only by good views
     double worse_view = 4.0;         ///< a good view has at most this many times its best variance
     double measure_floor_m = 0.004;  ///< least sigma of an observed offset
   };
@@ -87,7 +87,8 @@ class FloorLine {
   double disagreement(const FloorSegment& observed, double slack_m,
                       const CameraTiltCovariance& P_tilt = CameraTiltCovariance::Zero()) const;
 
-  /// Default fusion with an observation of the same line (directions within 90 degrees).
+  /// Kalman update of the supporting line by the offsets of both observed ends, and fusion of the extent.
+  /// @param observed  of the same line, directions within 90 degrees.
   void fuse(const FloorSegment& observed, const Params& params);
   /// Fuses the extent alone: MapFilter estimates the supporting line.
   void fuseExtent(const FloorSegment& observed, const Params& params);
@@ -105,7 +106,7 @@ class FloorLine {
   /// Fuses another estimate of the same line.
   void absorb(const FloorLine& other, const Params& params);
 
-  /// Moves an end inwards to where the line was seen to stop.
+  /// Replaces an end by a place further in, where the line was seen to stop.
   void shorten(bool at_b, const ExtentEnd& end);
   /// Marks an end as split: observations beyond it belong to another element.
   void markSplit(bool at_b) { (at_b ? b_ : a_).split = true; }
@@ -138,8 +139,10 @@ class FloorLine {
 /// Whether a split separates both lines; false if one covers more than half of the other.
 bool areSplit(const FloorLine& one, const FloorLine& other);
 
-/// Fusion of one end. True ends that agree are averaged. An observation further out moves the end, except
-/// that a worse view does not move a well-known true end: blurred views join neighbouring edges.
+/// Fusion of one end. True ends within the gate have a Kalman update. A true or censored observation beyond
+/// the gate replaces a true end, unless that is split, or well known and this view is worse: blurred views
+/// join neighbouring edges. A censored end is replaced by a true one not further in than the gate, or by a
+/// censored one further out. SegmentMemory::updateEndpoints moves ends inwards.
 /// @param outward  +1 for end b, -1 for end a.
 ExtentEnd fuseEnds(const ExtentEnd& known, const ExtentEnd& seen, double outward,
                    const FloorLine::Params& params);

@@ -45,10 +45,12 @@ struct MemoryElement {
   double seen_travel_m = 0.0;  ///< odometer when last fused
   double seen_turn_rad = 0.0;
   Sighting sighting = Sighting::kObserved;  ///< highest since life was last counted
+  /// Votes of images for an end further in.
   struct ShortVotes {
     int count = 0;
-    Eigen::Vector2d at = Eigen::Vector2d::Zero();  ///< mean, in odom: fusion moves the origin of the line's t
-    double variance_m2 = 0.0;
+    /// Their mean place, in odom: fusion moves the origin of the line's t.
+    Eigen::Vector2d at = Eigen::Vector2d::Zero();
+    double variance_m2 = 0.0;  ///< of the latest vote
   };
   ShortVotes short_a;
   ShortVotes short_b;

@@ -75,7 +75,8 @@ class SegmentMemory {
                          const std::vector<FloorSegment>& floor) const;
   /// Updates the filter and moves memory, segments and view by its correction.
   void correct(const Associations& associations, std::vector<FloorSegment>& floor, View& view);
-  /// Fuses the matched elements and judges the others that were expected.
+  /// Fuses the matched elements (line: FloorLine or MapFilter; ends: fuseEnds, updateEndpoints) and judges
+  /// the others that were expected.
   void updateExpected(const Associations& associations, const std::vector<FloorSegment>& floor,
                       const View& view);
   /// Fuses unmatched segments with an element near them on the floor (M3), or adds them; duplicates first
@@ -134,8 +135,11 @@ class SegmentMemory {
   void addElement(const FloorSegment& observed, const View& view);
   void updateColours(MemoryElement& element, const View& view) const;
   Sighting judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view);
+  /// Moves ends inwards that enough images saw further in.
+  /// @param seen  all pieces of the element in this image.
   void updateEndpoints(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
                        const std::vector<FloorSegment>& floor, const View& view);
+  /// Collects votes for gaps between pieces, or inside one, and splits the element at a gap with enough.
   void updateGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
                   const std::vector<ImageSegment>& observed, const View& view);
   /// Marks the facing ends of two edges in one line as split if each was seen often enough: a blurred view
@@ -156,6 +160,7 @@ class SegmentMemory {
   bool isFree(const Segment2& place, const MemoryElement& element, const View& view) const;
   bool isOfAnotherKind(const Segment2& place, const MemoryElement& element,
                        const std::vector<FloorSegment>& floor) const;
+  /// Joins pairs within the gates, except across ends marked as split.
   void mergeDuplicates(const std::vector<int>& cached);
   void publish(MemoryElement& element) const;
 

@@ -39,7 +39,8 @@ inline constexpr double kUnconfirmedInflation =
 inline constexpr double kEndInflation = 16.0;
 inline constexpr double kMaxEndShift_m = 0.15;  // ends further apart are not compared
 // Ends and gaps.
-inline constexpr int kShortVotes = 6;  // images that must see an end further in, with free floor behind it
+// Images that must see an end further in, with free floor or an edge of another label behind it.
+inline constexpr int kShortVotes = 6;
 inline constexpr double kGapContrastShare = 0.35;  // of the contrast of the line: less in the gap is no edge
 inline constexpr double kGapPlace_m = 0.05;        // distance within which votes are for one gap
 // M10.

@@ -20,7 +20,7 @@ class PrimitiveTracker {
  public:
   struct Params {
     PrimitiveParams finder;
-    StampUs interval_us = 200'000;  ///< shapes are previewed for this often
+    StampUs interval_us = 200'000;  ///< shapes are searched for this often
     double max_life = 100.0;
     double gain_per_s = 40.0;  ///< while it is found
     double loss_per_s = 25.0;  ///< while it is not found and its segments are gone
@@ -35,7 +35,7 @@ class PrimitiveTracker {
   explicit PrimitiveTracker(const Params& params) : params_(params) {}
 
   /// @param segments the published memory at `stamp_us`.
-  /// @return true if shapes were previewed for.
+  /// @return true if shapes were searched for.
   bool update(StampUs stamp_us, std::span<const MemorySegment> segments);
 
   /// The published shapes, oldest first.
