@@ -52,14 +52,14 @@ BagImageHeader headerOf(const RosImage& message, std::int64_t recorded_ns) {
   return header;
 }
 
-struct Place {
-  std::size_t reader = 0;
-  BagEntry entry;
-};
-
 }  // namespace
 
 struct BagFile::Impl {
+  struct Place {
+    std::size_t reader = 0;
+    BagEntry entry;
+  };
+
   std::string file;
   std::vector<BagReader> readers;
   std::vector<BagTopic> topics;
@@ -232,8 +232,8 @@ std::vector<BagImageHeader> BagFile::imageHeaders(const std::string& topic) {
                                         : headerOf(parseImageHeader(bytes), recorded_ns);
   };
   std::vector<BagImageHeader> headers;
-  std::vector<Place> found;
-  impl_->forEach(topic, type, [&](const Place& place) {
+  std::vector<Impl::Place> found;
+  impl_->forEach(topic, type, [&](const Impl::Place& place) {
     const Bytes begin = impl_->read(place, kImageBegin);
     try {
       headers.push_back(headerIn(begin, place.entry.time_ns));
@@ -248,7 +248,7 @@ std::vector<BagImageHeader> BagFile::imageHeaders(const std::string& topic) {
 }
 
 BagImage BagFile::readImage(const std::string& topic, std::size_t index) {
-  const Place& place = impl_->images.at(topic).at(index);
+  const Impl::Place& place = impl_->images.at(topic).at(index);
   try {
     const Bytes bytes = impl_->read(place);
     BagImage image;
@@ -270,7 +270,7 @@ BagImage BagFile::readImage(const std::string& topic, std::size_t index) {
 
 std::vector<BagCameraInfo> BagFile::cameraInfos(const std::string& topic) {
   std::vector<BagCameraInfo> infos;
-  impl_->forEach(topic, kCameraInfoType, [&](const Place& place) {
+  impl_->forEach(topic, kCameraInfoType, [&](const Impl::Place& place) {
     const RosCameraInfo message = parseCameraInfo(impl_->read(place));
     BagCameraInfo info;
     info.stamp_us = stampOr(message.header.stamp_us, place.entry.time_ns);
@@ -286,7 +286,7 @@ std::vector<BagCameraInfo> BagFile::cameraInfos(const std::string& topic) {
 
 std::vector<BagOdometry> BagFile::odometry(const std::string& topic) {
   std::vector<BagOdometry> samples;
-  impl_->forEach(topic, kOdometryType, [&](const Place& place) {
+  impl_->forEach(topic, kOdometryType, [&](const Impl::Place& place) {
     const RosOdometry message = parseOdometry(impl_->read(place));
     const RosQuaternion& q = message.pose.orientation;
     samples.push_back({stampOr(message.header.stamp_us, place.entry.time_ns), message.pose.position.x,
@@ -298,7 +298,7 @@ std::vector<BagOdometry> BagFile::odometry(const std::string& topic) {
 
 std::vector<BagJoints> BagFile::joints(const std::string& topic) {
   std::vector<BagJoints> samples;
-  impl_->forEach(topic, kJointStateType, [&](const Place& place) {
+  impl_->forEach(topic, kJointStateType, [&](const Impl::Place& place) {
     RosJointState message = parseJointState(impl_->read(place));
     samples.push_back({stampOr(message.header.stamp_us, place.entry.time_ns), std::move(message.names),
                        std::move(message.positions)});
@@ -312,7 +312,7 @@ std::vector<RosPoseWithCovariance> BagFile::poses(const std::string& topic) {
   for (const BagTopic& known : impl_->topics) {
     if (known.name == topic && isPoseType(known.type)) type = known.type;
   }
-  impl_->forEach(topic, type, [&](const Place& place) {
+  impl_->forEach(topic, type, [&](const Impl::Place& place) {
     poses.push_back(parseAnyPose(type, impl_->read(place)));
     poses.back().header.stamp_us = stampOr(poses.back().header.stamp_us, place.entry.time_ns);
   });
@@ -322,7 +322,7 @@ std::vector<RosPoseWithCovariance> BagFile::poses(const std::string& topic) {
 std::vector<std::string> BagFile::strings(const std::string& topic) {
   std::vector<std::string> texts;
   impl_->forEach(topic, kStringType,
-                 [&](const Place& place) { texts.push_back(parseString(impl_->read(place))); });
+                 [&](const Impl::Place& place) { texts.push_back(parseString(impl_->read(place))); });
   return texts;
 }
 
@@ -331,7 +331,7 @@ std::vector<BagTransform> BagFile::transforms() {
   for (const BagTopic& topic : impl_->topics) {
     if (topic.type != kTransformType && topic.type != kOldTransformType) continue;
     const bool is_static = topic.name.find("tf_static") != std::string::npos;
-    impl_->forEach(topic.name, topic.type, [&](const Place& place) {
+    impl_->forEach(topic.name, topic.type, [&](const Impl::Place& place) {
       for (const RosTransform& item : parseTransforms(impl_->read(place))) {
         const RosPoint& p = item.pose.position;
         const RosQuaternion& q = item.pose.orientation;

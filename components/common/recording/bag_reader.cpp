@@ -32,17 +32,18 @@ std::string printable(ByteView bytes) {
   return text;
 }
 
-struct Chunk {
-  std::uint64_t pos = 0;  ///< of its record
-  std::uint64_t data_pos = 0;
-  std::uint32_t stored = 0;  ///< bytes in the file
-  std::uint32_t size = 0;    ///< bytes unpacked
-  BagCompression compression = BagCompression::kNone;
-};
-
 }  // namespace
 
 struct BagReader::Impl {
+  /// A chunk of the file.
+  struct Chunk {
+    std::uint64_t pos = 0;  ///< of its record
+    std::uint64_t data_pos = 0;
+    std::uint32_t stored = 0;  ///< bytes in the file
+    std::uint32_t size = 0;    ///< bytes unpacked
+    BagCompression compression = BagCompression::kNone;
+  };
+
   explicit Impl(const std::string& file) : name(file), bytes(file) {}
 
   std::string name;
@@ -117,8 +118,8 @@ std::optional<std::size_t> BagReader::Impl::addConnection(const RecordFields& he
   return connections.size() - 1;
 }
 
-std::optional<Chunk> BagReader::Impl::chunkOf(std::uint64_t pos, const FileRecord& record,
-                                              std::string& why) const {
+std::optional<BagReader::Impl::Chunk> BagReader::Impl::chunkOf(std::uint64_t pos, const FileRecord& record,
+                                                               std::string& why) const {
   const auto size = record.fields.u32("size");
   const auto name_of_compression = record.fields.text("compression");
   if (record.fields.op() != BagOp::kChunk || !size || !name_of_compression) {
@@ -424,7 +425,7 @@ std::vector<std::string> BagReader::compressions() const {
 }
 
 Bytes BagReader::read(const BagEntry& entry, std::size_t at_most) {
-  const Chunk& chunk = impl_->chunks.at(entry.chunk);
+  const Impl::Chunk& chunk = impl_->chunks.at(entry.chunk);
   const auto broken = [&]() {
     impl_->fail("chunk at byte " + std::to_string(chunk.pos) + ": the message at its byte " +
                 std::to_string(entry.offset) + " is damaged");

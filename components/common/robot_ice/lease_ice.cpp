@@ -45,8 +45,8 @@ std::string connectionOf(const Ice::Current& current) {
   if (current.con == nullptr) return "this process";
   try {
     for (auto info = current.con->getInfo(); info != nullptr; info = info->underlying) {
-      const auto address = std::dynamic_pointer_cast<Ice::IPConnectionInfo>(info);
-      if (address != nullptr) return address->remoteAddress + ":" + std::to_string(address->remotePort);
+      const auto ip = std::dynamic_pointer_cast<Ice::IPConnectionInfo>(info);
+      if (ip != nullptr) return ip->remoteAddress + ":" + std::to_string(ip->remotePort);
     }
     return current.con->type();
   } catch (const Ice::LocalException&) {
