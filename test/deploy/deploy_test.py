@@ -383,7 +383,7 @@ class Headers(unittest.TestCase):
             others = [word for name in ("eigen3", "opencv4", "libusb-1.0") for word in ("-isystem", "/usr/include/" + name)]
             done = subprocess.run(["c++", "-std=c++20", "-Wall", "-Wextra", "-fsyntax-only", "-DICE_CPP11_MAPPING", "-I", root,
                                    *others, "-x", "c++", "-"],
-                                  input=source, text=True, stderr=subprocess.PIPE)
+                                  input=source, text=True, stderr=subprocess.PIPE, cwd=folder)
             self.assertEqual(done.stderr, "")
 
 
