@@ -8,9 +8,13 @@ import {driven, loadMargin, loadText, openPage, pictures, setTool, showPane, tex
 export async function gaze(robot) {
   const page = await openPage(robot);
   await waitForVideo(page);
-  // In the middle of the corridor, so that the clicked points lie within the joints' limits.
+  // In the middle of the corridor, and the head ahead, so that the clicked points lie within the joints' limits.
   await robot.simulation.kidnap(new avm.Pose2(3, 2.25, Math.PI));
   await sleep(1500);
+  const {x, y, theta} = (await robot.memory.latest()).analysis.robotInOdom;
+  await robot.gaze.fixate(new avm.Vector3(x + 2 * Math.cos(theta), y + 2 * Math.sin(theta), 0));
+  await sleep(500);
+  await stillHead(robot);
   const errors = [];
   for (const [fx, fy] of [[0.7, 0.7], [0.3, 0.55], [0.6, 0.4]]) {
     await robot.gaze.setMode(avm.GazeMode.Hold);
