@@ -303,9 +303,6 @@ RobustLikelihood::Refined RobustLikelihood::refine(const FloorObservation& obser
 
 void LikelihoodParams::visit(ParameterVisitor& v) {
   v.real(expert("OutlierShare", "share of false points in the bounded likelihood"), outlier_share, 1e-6, 0.9);
-  v.alias("LeanBias_deg", "CameraTilt.Bias_deg");
-  v.angle(expert("CameraTilt.Bias_deg", "lasting camera tilt error (prior sigma); 0: fixed at 0"),
-          tilt_bias_rad, 0.0, 20.0);
   v.alias("LeanSway_deg", "CameraTilt.PerFrame_deg");
   v.angle(expert("CameraTilt.PerFrame_deg", "tilt of single images (sigma); 1 for legs"), frame_tilt_rad, 0.0,
           20.0);
