@@ -45,13 +45,7 @@ class ConstructedExplorers {
     double sum;  // cumulative length, its own included
     Segment2 plan;
   };
-  struct Lines {  // of a label
-    std::vector<Line> lines;
-    /// Start index by share of the whole length; replaces a binary search over a large map.
-    std::vector<std::uint32_t> guide;
-    const Line& at(double sum) const;
-  };
-  std::vector<Lines> by_label_;
+  std::vector<std::vector<Line>> by_label_;
 };
 
 /// Number of explorers of this iteration.
