@@ -1,5 +1,6 @@
 #include "active_visual_memory/app/config.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "active_visual_memory/app/retired_keys.h"
@@ -89,6 +90,9 @@ MemoryPipelineParams readMemoryPipeline(ConfigReader& reader) {
   visit(vision, p.vision);
   ParameterReader memory(reader);
   p.memory.visit(memory);
+  // The projector's error of single images is the tilt of single images.
+  p.memory.projector.pitch_sigma_rad =
+      std::max(p.memory.projector.pitch_sigma_rad, p.memory.memory.estimation.tilt_prior.per_frame_rad);
   acceptRetiredMemoryKeys(reader);
   return p;
 }

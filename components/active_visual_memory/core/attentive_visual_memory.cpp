@@ -25,7 +25,6 @@ ShapeEdges::Params shapeParams(const AttentiveVisualMemoryParams& params) {
 void AttentiveVisualMemoryParams::visit(ParameterVisitor& v) {
   v.group("FrameGate", gate);
   v.group("Ground", projector);
-  v.group("Ground", edge_blur);
   v.group("Memory", memory);
   v.group("Primitives", primitives);
   v.group("ShapeEdges", shape_edges);

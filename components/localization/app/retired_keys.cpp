@@ -14,7 +14,7 @@ void acceptRetiredLocalizationKeys(ConfigReader& reader) {
       "ProtectedAfterBest MaximumVictories SparedAhead",
       kFixed);
   reader.group("Explorers")
-      .retired("ReliableAbove ListHealth CountLost CountReliable PeriodReliable Candidates", kFixed);
+      .retired("ReliableAbove ListHealth CountLost CountReliable PeriodReliable Candidates Margin_m", kFixed);
   reader.group("Evolution").retired("Elitism Crossover Noise_m Noise_deg Individuals", kFixed);
   reader.group("Health").retired(
       "UseField MemoryScale_m ImageScale_px MemoryRange_m GridTop_px GridBottom_px", kFixed);
@@ -23,7 +23,7 @@ void acceptRetiredLocalizationKeys(ConfigReader& reader) {
       "EndMetres PointsPerMetre MaximumSigma_m MaximumPoints Bounded DirectionGate "
       "DirectionGate_deg UseField Kalman RefinementSteps DeleteBehind ConstructedShare "
       "UniformArea_m2 RefinedExplorers Validity ReliabilityTime_s EnoughPoints ExplainedLow "
-      "ExplainedHigh Source",
+      "ExplainedHigh Source CameraTilt.Bias_deg LeanBias_deg",
       kFixed);
   reader.group("Robust").retired(
       "HalfNoveltyViews Repeats NoveltyShare NewsShare NoveltyDecay_s RepeatTime_s "
@@ -37,7 +37,8 @@ void acceptRetiredLocalizationKeys(ConfigReader& reader) {
           kFixed);
   reader.retired("SuspectTick_s SuspectTime_s Cell_m DoubtTick_s Doubt_s", kFixed);
   reader.group("Gaze").retired(
-      "LeastPriority MostPriority Confirm_s Deadline_s Seen_deg Move_deg Tilt.Minimum_deg "
+      "LeastPriority MostPriority Confirm_s Deadline_s Seen_deg Move_deg Pan.Minimum_deg Pan.Maximum_deg "
+      "Tilt.Minimum_deg "
       "Tilt.Maximum_deg Step_deg Range_m Sigma_m NoneShare Horizon_s Patience_s HalfNovelty_s "
       "Forget_s HeadSpeed_degps HeadAcceleration_degps2 Delay_s Repeat_s",
       kFixed);

@@ -38,14 +38,14 @@ std::unique_ptr<RaceStrategy> makeStrategy(const LocalizerParams& params, const 
   return makeRobustRaces(map_edges, params.map, params.explorers, params.robust);
 }
 
-Eigen::AlignedBox2d placesOf(const SegmentMap& map_edges, double margin_m) {
+Eigen::AlignedBox2d placesOf(const SegmentMap& map_edges) {
   Eigen::AlignedBox2d box;
   for (const MapSegment& segment : map_edges.segments) {
     box.extend(segment.world.a.head<2>().eval());
     box.extend(segment.world.b.head<2>().eval());
   }
   if (box.isEmpty()) return box;
-  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(margin_m);
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kBesideMap_m);
   return {box.min() - margin, box.max() + margin};
 }
 
@@ -69,7 +69,6 @@ void LocalizerParams::visit(ParameterVisitor& v) {
   v.real(expert("Tick_s", "stamps between iterations"), tick_s, 0.001, 60.0);
   map.visit(v);
   v.group("Races", races);
-  v.group("Explorers", explorers);
   v.group("Health", health);
   v.group("Robust", robust);
   v.group("Odometry", odometry);
@@ -81,7 +80,7 @@ HealthMapParams healthMapParams(const LocalizerParams& params) {
 
 Localizer::Localizer(const LocalizerParams& params, const SegmentMap& map_edges, std::uint64_t seed)
     : params_(params),
-      places_(placesOf(map_edges, std::max(kBesideMap_m, params.explorers.margin_m))),
+      places_(placesOf(map_edges)),
       strategy_(makeStrategy(params, map_edges)),
       table_(params.races),
       engine_(seed) {

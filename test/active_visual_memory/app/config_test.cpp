@@ -106,14 +106,12 @@ TEST(ActiveVisualMemoryConfig, OldNamesOfKeysAreAcceptedWithAWarningThatNamesThe
                                                          {"Lean.Sway_deg = 0.75", "CameraTilt.PerFrame_deg"},
                                                          {"Align.Compass = yes", "Align.DominantDirection"},
                                                          {"TellInCourse = yes", "SnapToDominantDirection"}};
-  std::string text = kPeers +
-                     "ActiveVisualMemory.Ground.ThinLineBlur_px = 2.5\n"      // old name
-                     "ActiveVisualMemory.ShapeEdges.PartAtJunctions = no\n";  // old name
+  std::string text = kPeers + "ActiveVisualMemory.ShapeEdges.PartAtJunctions = no\n";  // old name
   for (const auto& [setting, name] : renamed) text += prefix + setting + "\n";
   // A value that no release accepted is no problem either.
   for (const char* retired : {"Align.Joint = yes", "Align.MapFilter = no", "CameraTilt.PerFrameInflation = 2",
                               "Lean.Course_deg = 3", "Life.Covered_per_s = 7",  // old names
-                              "Fusion = newest"}) {
+                              "Confirm.LeastLength_m = 0.1", "Fusion = newest"}) {
     text += prefix + retired + "\n";
   }
   const Properties properties = Properties::parse(text, "test.cfg");
@@ -127,17 +125,23 @@ TEST(ActiveVisualMemoryConfig, OldNamesOfKeysAreAcceptedWithAWarningThatNamesThe
   EXPECT_TRUE(params.memory.estimation.use_dominant_direction);
   EXPECT_TRUE(params.memory.confirmation.snap_to_dominant_direction);
   EXPECT_EQ(params.memory.fusion, SegmentMemory::Fusion::kCovariance) << "Memory.Fusion has no effect";
-  EXPECT_EQ(params.edge_blur.sigma_px, 2.5);
   EXPECT_FALSE(params.shape_edges.junctions.enabled);
   std::string warnings;
   for (const auto& warning : root.renamedKeys()) warnings += warning.text() + "\n";
   for (const auto& [setting, name] : renamed) EXPECT_THAT(warnings, HasSubstr(prefix + name));
-  EXPECT_THAT(warnings, HasSubstr("ActiveVisualMemory.Ground.LineBlur_px"));
   for (const char* retired : {"Align.Joint", "Align.MapFilter", "CameraTilt.PerFrameInflation", "Fusion",
                               "Lean.Course_deg", "Life.Covered_per_s"}) {  // old names
     EXPECT_THAT(warnings, HasSubstr("key \"" + prefix + retired + "\" has no effect any more"));
   }
   EXPECT_THAT(warnings, HasSubstr("ActiveVisualMemory.ShapeEdges.SplitAtJunctions"));
+}
+
+TEST(ActiveVisualMemoryConfig, TheTiltOfSingleImagesIsTheProjectorsErrorToo) {
+  const auto sigma = [](const std::string& text) {
+    return parse(kPeers + text).pipeline.memory.projector.pitch_sigma_rad;
+  };
+  EXPECT_DOUBLE_EQ(sigma(""), GroundProjector::Params().pitch_sigma_rad) << "its least value";
+  EXPECT_NEAR(sigma("ActiveVisualMemory.Memory.CameraTilt.PerFrame_deg = 1\n"), degToRad(1.0), 1e-12);
 }
 
 TEST(ActiveVisualMemoryConfig, TheSimulatorsSetupShowsEveryBasicKeyWithItsValue) {

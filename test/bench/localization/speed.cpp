@@ -1,7 +1,7 @@
 // scripts/bench localization: CPU time of one iteration of localization (5 a second), mean and 99th
 // percentile, on a synthetic memory and image of a ring corridor; in maps of up to 50 000 segments; and the
-// time to index a map. Goals: default mode 1 ms mean and 5 ms p99 with kidnappings, chapter mode with fields
-// 1 ms, large maps within 1.3 times small ones, 2 s per 10 000 m2 of map.
+// time to index a map. Goals: default mode 1 ms mean and 5 ms p99 with kidnappings, chapter mode 1 ms, large
+// maps within 1.3 times small ones, 2 s per 10 000 m2 of map.
 #include <benchmark/benchmark.h>
 #include <time.h>
 
@@ -99,10 +99,9 @@ void run(benchmark::State& state, const LocalizerParams& params, const SegmentMa
   report(state, seconds);
 }
 
-LocalizerParams chapter(ObservationSource source, bool use_field) {
+LocalizerParams chapter(ObservationSource source) {
   LocalizerParams params = localizerPreset(LocalizationMode::kChapter);
   params.health.source = source;
-  params.health.use_field = use_field;
   return params;
 }
 
@@ -135,14 +134,13 @@ int main(int argc, char** argv) {
   add("default/settled/1000_segments", ours, 1'000, false);
   add("default/kidnapped/1000_segments", ours, 1'000, true);
   add("default/kidnapped/50000_segments", ours, 50'000, true);
-  const LocalizerParams by_memory = chapter(ObservationSource::kMemory, true);
-  add("chapter_memory/fields/settled", by_memory, 1, false);
-  add("chapter_memory/fields/kidnapped", by_memory, 1, true);
-  add("chapter_memory/brute_force/settled", chapter(ObservationSource::kMemory, false), 1, false);
-  add("chapter_memory/fields/settled/50_segments", by_memory, 50, false);
-  add("chapter_memory/fields/kidnapped/50_segments", by_memory, 50, true);
-  add("chapter_memory/fields/kidnapped/1000_segments", by_memory, 1'000, true);
-  const LocalizerParams by_image = chapter(ObservationSource::kImage, true);
+  const LocalizerParams by_memory = chapter(ObservationSource::kMemory);
+  add("chapter_memory/settled", by_memory, 1, false);
+  add("chapter_memory/kidnapped", by_memory, 1, true);
+  add("chapter_memory/settled/50_segments", by_memory, 50, false);
+  add("chapter_memory/kidnapped/50_segments", by_memory, 50, true);
+  add("chapter_memory/kidnapped/1000_segments", by_memory, 1'000, true);
+  const LocalizerParams by_image = chapter(ObservationSource::kImage);
   add("chapter_image/settled", by_image, 1, false);
   add("chapter_image/kidnapped", by_image, 1, true);
   add("chapter_image/settled/50_segments", by_image, 50, false);

@@ -58,15 +58,11 @@ TEST(LocalizationConfig, GazeIsRequestedOnlyWithAProxy) {
   EXPECT_TRUE(parse(kNeeded).gaze_proxy.empty());
   const LocalizationConfig config = parse(kNeeded +
                                           "Localization.Gaze.Proxy = Gaze:tcp -p 9970\n"
-                                          "Localization.Gaze.UncertaintyAbove = 0.4\n"
-                                          "Localization.Gaze.Pan.Maximum_deg = 90\n");
+                                          "Localization.Gaze.UncertaintyAbove = 0.4\n");
   EXPECT_EQ(config.gaze_proxy, "Gaze:tcp -p 9970");
   EXPECT_DOUBLE_EQ(config.gaze.uncertainty_above, 0.4);
-  EXPECT_NEAR(config.gaze.advisor.maximum_pan_rad, degToRad(90), 1e-12);
-  EXPECT_THAT(problemsOf(kNeeded + "Localization.Gaze.UncertaintyAbove = 2\n"
-                                   "Localization.Gaze.Pan.Minimum_deg = 170\n"),
-              ElementsAre(HasSubstr("Localization.Gaze.UncertaintyAbove"),
-                          HasSubstr("must not be more than Localization.Gaze.Pan.Maximum_deg")));
+  EXPECT_THAT(problemsOf(kNeeded + "Localization.Gaze.UncertaintyAbove = 2\n"),
+              ElementsAre(HasSubstr("Localization.Gaze.UncertaintyAbove")));
 }
 
 TEST(LocalizationConfig, AKeyOverridesThePreset) {
@@ -98,8 +94,6 @@ Renamed alias(const char* old_name, const char* new_name, double value,
 }
 
 const Renamed kRenamed[] = {
-    alias("Robust.LeanBias_deg", "Robust.CameraTilt.Bias_deg", 1.5,
-          [](const auto& c) { return radToDeg(c.params.robust.likelihood.tilt_bias_rad); }),
     alias("Robust.LeanSway_deg", "Robust.CameraTilt.PerFrame_deg", 1.25,
           [](const auto& c) { return radToDeg(c.params.robust.likelihood.frame_tilt_rad); }),
     alias("Robust.BirthPenalty", "Robust.JumpLogPrior", 3.5,

@@ -40,14 +40,6 @@ double trackingError(const LocalizerParams& params, double false_share, std::uin
   return sum / count;
 }
 
-// The distance field equals exhaustive search.
-TEST(Ablation, DistanceFieldsAffectOnlyTheSpeed) {
-  const double with = trackingError(defaultsBut([](LocalizerParams&) {}), 0.0, 5);
-  const double without =
-      trackingError(defaultsBut([](LocalizerParams& p) { p.robust.likelihood.use_field = false; }), 0.0, 5);
-  EXPECT_NEAR(with, without, 0.02);
-}
-
 // Unbounded squared distances give false segments full influence.
 TEST(Ablation, WithoutTheBoundFalseSegmentsBiasThePose) {
   SegmentMap corner;

@@ -1,16 +1,15 @@
-/// @file A large map of lines, and the parameters of its index.
+/// @file A large map of lines, and the nearest of them by exhaustive search.
 #pragma once
 
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
+#include "common/geometry/angles.h"
 #include "localization/core/map/map_index.h"
 #include "localization/core/random_engine.h"
 
 namespace vismem {
-
-inline MapIndex::Params withFields(bool build_fields) {
-  MapIndex::Params params;
-  params.build_fields = build_fields;
-  return params;
-}
 
 /// Lines all over the floor; those of the second label stand among posts, of which only the feet are there.
 inline SegmentMap manyLines(RandomEngine& engine) {
@@ -24,6 +23,19 @@ inline SegmentMap manyLines(RandomEngine& engine) {
                             0.0});
   }
   return map;
+}
+
+/// Distance to the nearest part of the label on the floor whose direction is within an angle.
+inline double exhaustiveDistance(const MapIndex& index, int label, const Eigen::Vector2d& p,
+                                 double direction_rad = 0.0, double within_rad = std::numbers::pi) {
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const Segment2& line : index.floor(label)) {
+    if (within_rad < std::numbers::pi && lineAngleDifference(line.direction(), direction_rad) > within_rad) {
+      continue;
+    }
+    nearest_m = std::min(nearest_m, distanceToSegment(p, line));
+  }
+  return nearest_m;
 }
 
 }  // namespace vismem

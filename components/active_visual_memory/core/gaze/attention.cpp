@@ -49,10 +49,6 @@ void AttentionPool::Params::visit(ParameterVisitor& v) {
          1000.0);
   v.real(expert("ForcedSearch_s", "A3: time between searches, times (1 + objects / 5)"), forced_search_s, 0.1,
          3600.0);
-  v.angle(expert("ScanTilt.Minimum_deg", "tilts of scanning points, from"), scan_min_tilt_rad, -90.0, 90.0);
-  v.angle(expert("ScanTilt.Maximum_deg", "tilts of scanning points, to"), scan_max_tilt_rad, -90.0, 90.0);
-  v.require("ScanTilt.Minimum_deg", scan_min_tilt_rad <= scan_max_tilt_rad, "must not be more than",
-            "ScanTilt.Maximum_deg");
 }
 
 AttentionPool::Params AttentionPool::Params::chapter() {

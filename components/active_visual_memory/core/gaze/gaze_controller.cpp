@@ -64,10 +64,6 @@ void GazeController::Params::visit(ParameterVisitor& v) {
            {{"attend", GazeMode::kAttend}, {"hold", GazeMode::kHold}, {"off", GazeMode::kOff}});
   v.angle(expert("Rate.Pan_degps", "largest rate of the pan axis"), pan.rate_radps, 1.0, 2000.0);
   v.angle(expert("Rate.Tilt_degps", "largest rate of the tilt axis"), tilt.rate_radps, 1.0, 2000.0);
-  v.angle(expert("Acceleration.Pan_degps2", "largest acceleration of the pan axis"), pan.acceleration_radps2,
-          10.0, 50'000.0);
-  v.angle(expert("Acceleration.Tilt_degps2", "largest acceleration of the tilt axis"),
-          tilt.acceleration_radps2, 10.0, 50'000.0);
 }
 
 GazeController::Params GazeController::Params::chapter(const Rig& rig) {

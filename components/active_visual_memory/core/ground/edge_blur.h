@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "common/config/parameter_visitor.h"
 #include "common/vision/image_segment.h"
 
 namespace vismem {
@@ -16,13 +15,6 @@ struct EdgeBlurParams {
   double max_width_px = 5.0;    ///< wider lines are not corrected
   double max_angle_rad = 0.07;  ///< between both edges
   double min_overlap = 0.5;     ///< of the shorter edge
-
-  void visit(ParameterVisitor& v) {
-    v.alias("ThinLineBlur_px", "LineBlur_px");
-    v.real(expert("LineBlur_px",
-                  "blur of image and detector, corrected at the edges of narrow lines (sigma); 0: none"),
-           sigma_px, 0.0, 10.0);
-  }
 };
 
 /// Half the width h of a line whose edges are detected at the distance x = `half_seen_px` from its middle.

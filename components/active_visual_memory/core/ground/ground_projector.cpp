@@ -133,8 +133,6 @@ void GroundProjector::Params::visit(ParameterVisitor& v) {
   v.words(basic("OffFloorLabels", "labels of edges that do not lie on the floor, such as door jambs"),
           off_floor_labels);
   v.real(basic("Noise.Height_m", "error of the camera's height (sigma)"), height_sigma_m, 0.0, 1.0);
-  v.angle(expert("Noise.Pitch_deg", "error of the camera's pitch and roll (sigma)"), pitch_sigma_rad, 0.0,
-          20.0);
 }
 
 }  // namespace vismem

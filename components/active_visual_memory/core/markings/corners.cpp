@@ -6,13 +6,11 @@ namespace vismem {
 
 void joinAtCorners(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
                    const CornerParams& params) {
-  if (!params.enabled) return;
   std::vector<CornerEdge> edges;
   for (MemorySegment& segment : segments) {
     if (!segment.confirmed) continue;
-    const auto element = std::find_if(elements.begin(), elements.end(),
-                                      [&](const MemoryElement& e) { return e.value.id == segment.id; });
-    if (element == elements.end()) continue;
+    const MemoryElement* element = findElement(elements, segment.id);
+    if (!element) continue;
     edges.push_back(cornerEdge(segment, *element));
   }
   std::vector<EdgeCorner> corners;

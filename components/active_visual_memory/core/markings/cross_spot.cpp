@@ -181,9 +181,8 @@ void replaceCrossSpots(std::vector<MemorySegment>& segments, std::span<const Mem
       const Segment2 floor = segment.odom.floor();
       if (floor.length() >= params.alone_m)
         longer.push_back({to_direction * floor.a, to_direction * floor.b});
-      const auto element = std::find_if(elements.begin(), elements.end(),
-                                        [&](const MemoryElement& e) { return e.value.id == segment.id; });
-      if (element == elements.end() || element->stands) continue;
+      const MemoryElement* element = findElement(elements, segment.id);
+      if (!element || element->stands) continue;
       if (element->line.length() > params.most_edge_m) continue;
       pieces.push_back(pieceOf(*element, to_direction, bright, params));
     }

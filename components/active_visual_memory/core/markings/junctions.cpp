@@ -156,16 +156,15 @@ void splitAtJunctions(std::vector<MemorySegment>& segments, std::span<const Memo
   std::vector<Edge> edges;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     if (segments[i].label == kUnknownLabel) continue;
-    const auto element = std::find_if(elements.begin(), elements.end(),
-                                      [&](const MemoryElement& e) { return e.value.id == segments[i].id; });
-    if (!segments[i].confirmed && (!params.by_one_side || element == elements.end() || element->stands)) {
+    const MemoryElement* element = findElement(elements, segments[i].id);
+    if (!segments[i].confirmed && (!params.by_one_side || !element || element->stands)) {
       continue;
     }
     const Segment2 floor = segments[i].odom.floor();
     Edge edge;
     edge.confirmed = segments[i].confirmed;
     edge.segment = i;
-    edge.element = element != elements.end() ? &*element : nullptr;
+    edge.element = element;
     edge.a = floor.a;
     edge.length = floor.length();
     edge.along = (floor.b - floor.a) / edge.length;

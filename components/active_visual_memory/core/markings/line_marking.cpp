@@ -84,9 +84,8 @@ std::vector<PublishedEdge> markingEdges(std::vector<MemorySegment>& segments,
   std::vector<PublishedEdge> edges;
   for (MemorySegment& segment : segments) {
     if (segment.label == kUnknownLabel) continue;
-    const auto element = std::find_if(elements.begin(), elements.end(),
-                                      [&](const MemoryElement& e) { return e.value.id == segment.id; });
-    if (element == elements.end() || element->stands) continue;
+    const MemoryElement* element = findElement(elements, segment.id);
+    if (!element || element->stands) continue;
     const bool near = isNear(*element, params);
     const Segment2 line = segment.odom.floor();
     const double blur = std::min(params.range.max_m, params.blur_px * element->pixel_m);

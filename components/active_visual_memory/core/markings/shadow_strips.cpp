@@ -27,12 +27,10 @@ bool encloseDarkStrip(const Segment2& one, const Segment2& other, const ShadowPa
 
 void withdrawShadows(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
                      const ShadowParams& params) {
-  if (!params.enabled) return;
   for (MemorySegment& segment : segments) {
     if (!segment.confirmed) continue;
-    const auto element = std::find_if(elements.begin(), elements.end(),
-                                      [&](const MemoryElement& e) { return e.value.id == segment.id; });
-    if (element == elements.end() || !element->colours) continue;
+    const MemoryElement* element = findElement(elements, segment.id);
+    if (!element || !element->colours) continue;
     const bool of_shadow = std::any_of(elements.begin(), elements.end(), [&](const MemoryElement& foot) {
       return foot.value.confirmed && foot.value.label == segment.label && foot.colours &&
              element->strength <= params.strength_share * foot.strength &&

@@ -13,7 +13,6 @@ namespace vismem {
 /// and its far edge has floor and box beside it, the label of the foot. A dark line marking differs from it:
 /// one floor on both sides, and edges of equal contrast.
 struct ShadowParams {
-  bool enabled = true;
   double width_m = 0.25;         ///< of the strip, at most
   double max_angle_rad = 0.15;   ///< between its two edges
   double strength_share = 0.7;   ///< contrast of its far edge over that of the foot, at most

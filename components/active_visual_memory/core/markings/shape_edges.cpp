@@ -244,9 +244,8 @@ void ShapeEdges::addLineEnds(std::vector<MemorySegment>& segments, std::span<con
                              const NewId& new_id) {
   std::vector<const MemoryElement*> sides;
   for (const MemorySegment& segment : segments) {
-    const auto element = std::find_if(elements.begin(), elements.end(),
-                                      [&](const MemoryElement& e) { return e.value.id == segment.id; });
-    if (element != elements.end() && segment.confirmed) sides.push_back(&*element);
+    const MemoryElement* element = findElement(elements, segment.id);
+    if (element && segment.confirmed) sides.push_back(element);
   }
   std::vector<MarkingEdge> lines;
   for (const MemoryElement* side : sides) lines.push_back(markingEdge(*side));

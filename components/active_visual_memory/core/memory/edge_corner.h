@@ -14,7 +14,6 @@ namespace vismem {
 /// The line of an edge is known much better than its ends, which the detector moves by a pixel or two. So a
 /// corner is the intersection of two lines whose ends lie near it.
 struct CornerParams {
-  bool enabled = true;
   double min_angle_rad = 0.4;  ///< between both edges, and to a fold
   double reach_m = 0.03;       ///< distance of an end from its corner: this ..
   double reach_sigmas = 1.0;   ///< .. plus this many sigmas of its best view ..

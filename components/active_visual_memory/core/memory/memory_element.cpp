@@ -28,6 +28,12 @@ Label LabelVotes::winner(double least_share) const {
   return best && best->second >= least_share * all ? best->first : kUnknownLabel;
 }
 
+const MemoryElement* findElement(std::span<const MemoryElement> elements, std::uint64_t id) {
+  const auto found = std::find_if(elements.begin(), elements.end(),
+                                  [id](const MemoryElement& element) { return element.value.id == id; });
+  return found != elements.end() ? &*found : nullptr;
+}
+
 void absorb(MemoryElement& element, const MemoryElement& other, const FloorLine::Params& params) {
   if (element.line.along().dot(other.line.along()) < 0.0) {
     element.line.absorb(FloorLine(reversed(other.line.asObservation()), params), params);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -64,6 +65,9 @@ struct MemoryElement {
   };
   std::vector<GapVotes> gaps;  ///< one for each place
 };
+
+/// The element with an id; null if there is none.
+const MemoryElement* findElement(std::span<const MemoryElement> elements, std::uint64_t id);
 
 /// Joins another element that is a piece or a copy of the same edge; the id stays (M2, M9).
 void absorb(MemoryElement& element, const MemoryElement& other, const FloorLine::Params& params);

@@ -47,12 +47,10 @@ void SegmentMemoryParams::visit(ParameterVisitor& v) {
   gates.visit(v);
   estimation.visit(v);
   v.group("Association", association);
-  v.real(expert("Confirm.LeastLength_m", "least length of confirmed elements; 0: any"),
-         confirmation.min_length_m, 0.0, 2.0);
   v.alias("TellInCourse", "SnapToDominantDirection");
   v.flag(expert("SnapToDominantDirection",
-                "publish lines within a pixel of the dominant direction with that direction, "
-                "and confirm them however short"),
+                "publish lines within a pixel of the dominant direction with that direction; "
+                "confirm others from 0.1 m"),
          confirmation.snap_to_dominant_direction);
   v.integer(expert("GapVotes", "images that must see a gap in a line to split it; 0: lines are not split"),
             gap_votes, 0, 1000);

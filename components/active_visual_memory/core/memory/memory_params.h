@@ -51,11 +51,8 @@ struct MemoryEstimationParams {
 struct MemoryConfirmationParams {
   bool by_parallax = true;  ///< false: all is confirmed at once, as in the chapter
   bool unlabelled = true;   ///< false: elements without label (a shadow, a pattern) are never confirmed
-  /// Least length of a confirmed element. The outline of a smaller spot has no straight edges in the image;
-  /// ends of line markings follow from their edges.
-  double min_length_m = 0.0;
   /// Publishes lines that deviate from the dominant direction by at most a pixel at their ends with that
-  /// direction; such lines may be shorter than min_length_m.
+  /// direction. Others are confirmed from 0.1 m: the outline of a smaller spot has no straight edges.
   bool snap_to_dominant_direction = false;
   ParallaxEstimate::Params parallax;
   CornerParams corners;  ///< of confirmed edges, which confirm the edges between them

@@ -62,7 +62,6 @@ bool turnsAway(const CornerEdge& edge, const CornerEdge& next, bool at_b, double
 }  // namespace
 
 void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams& params) {
-  if (!params.enabled) return;
   std::vector<CornerEdge> confirmed;
   for (MemoryElement& element : elements) {
     if (element.value.confirmed) confirmed.push_back(cornerEdge(element.value, element));
@@ -84,7 +83,7 @@ void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams
 
 void confirmContinuations(std::span<MemoryElement> elements, double camera_height_m,
                           const CornerParams& params) {
-  if (!params.enabled || camera_height_m <= params.least_height_m) return;
+  if (camera_height_m <= params.least_height_m) return;
   const double limit = params.least_height_m / (camera_height_m - params.least_height_m);
   std::vector<CornerEdge> confirmed;
   std::vector<CornerEdge> others;

@@ -13,7 +13,8 @@ namespace {
 constexpr double kMaxOffDirection_rad = 0.2;
 constexpr double kMapFilterReach =
     2.0;  // factor of the merge distance in MapFilter, whose lines share their errors
-constexpr double kMinSnapped_m = 0.03;  // shorter edges are corners
+constexpr double kMinSnapped_m = 0.03;  // of a confirmed edge in the dominant direction; shorter: a corner
+constexpr double kMinFree_m = 0.1;      // of others, where edges snap to that direction
 
 }  // namespace
 
@@ -144,9 +145,9 @@ void SegmentMemory::publish(MemoryElement& element) const {
   // A pixel at an end turns a line by this.
   const double inflation = std::min(kMaxOffDirection_rad, element.pixel_m / length);
   const bool snaps = dominant_direction_rad_ && std::abs(off) <= inflation;
-  const double least =
-      snaps ? std::min(kMinSnapped_m, params_.confirmation.min_length_m) : params_.confirmation.min_length_m;
-  const bool large = !params_.confirmation.by_parallax || length >= least;
+  const double least = snaps ? kMinSnapped_m : kMinFree_m;
+  const bool large = !params_.confirmation.by_parallax || !params_.confirmation.snap_to_dominant_direction ||
+                     length >= least;
   vismem::publish(element, element.on_floor && named && large, cameraTiltCovariance());
   if (!snaps) return;
   const Eigen::Vector2d middle = 0.5 * (element.value.odom.a + element.value.odom.b).head<2>();

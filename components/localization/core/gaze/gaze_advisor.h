@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "common/config/parameter_visitor.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/camera.h"
 #include "common/segment_map/segment_map.h"
@@ -28,15 +27,6 @@ struct GazeAdvisorParams {
   double patience_s = 0.8;                    ///< time constant of the discount of later views
   double half_novelty_s = 0.6;                ///< time in view that halves the novelty of a bearing
   double head_speed_radps = degToRad(150.0);
-
-  void visit(ParameterVisitor& v) {
-    v.angle(expert("Pan.Minimum_deg", "candidate directions of the camera's axis, from"), minimum_pan_rad,
-            -180.0, 180.0);
-    v.angle(expert("Pan.Maximum_deg", "candidate directions of the camera's axis, to"), maximum_pan_rad,
-            -180.0, 180.0);
-    v.require("Pan.Minimum_deg", minimum_pan_rad <= maximum_pan_rad, "must not be more than",
-              "Pan.Maximum_deg");
-  }
 };
 
 /// One direction of the camera with its rating.

@@ -29,7 +29,6 @@ struct GazePlannerParams {
     v.alias("DoubtAbove", "UncertaintyAbove");
     v.real(basic("UncertaintyAbove", "B4: uncertainty (0..1) from which gaze is requested"),
            uncertainty_above, 0.0, 1.0);
-    advisor.visit(v);
   }
 };
 

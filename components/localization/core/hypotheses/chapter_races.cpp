@@ -27,9 +27,7 @@ constexpr double kLargestLead = 0.1;
 class ChapterRaces : public RaceStrategy {
  public:
   ChapterRaces(const SegmentMap& map_edges, const ChapterParams& params)
-      : params_(params),
-        map_(map_edges, chapterIndex(params.health, params.map)),
-        observation_(map_, params.health) {}
+      : params_(params), map_(map_edges, chapterIndex(params.map)), observation_(map_, params.health) {}
 
   bool observe(const MemoryUpdate& update) override {
     observation_.set(update);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "common/geometry/angles.h"
@@ -22,28 +23,10 @@ double uniformShare(const MapIndex& map, double margin_m, double area_m2) {
 
 ConstructedExplorers::ConstructedExplorers(const MapIndex& map) {
   for (int label = 0; label < map.labelCount(); ++label) {
-    Lines all;
+    std::vector<Line>& lines = by_label_.emplace_back();
     double sum = 0.0;
-    for (const Segment2& segment : map.floor(label)) all.lines.push_back({sum += segment.length(), segment});
-    const std::size_t size = all.lines.size();
-    std::size_t line = 0;
-    for (std::size_t i = 0; i < size; ++i) {
-      const double least = sum * static_cast<double>(i) / static_cast<double>(size);
-      while (line + 1 < size && all.lines[line].sum <= least) ++line;
-      all.guide.push_back(static_cast<std::uint32_t>(line));
-    }
-    by_label_.push_back(std::move(all));
+    for (const Segment2& segment : map.floor(label)) lines.push_back({sum += segment.length(), segment});
   }
-}
-
-/// The first line with a larger sum.
-const ConstructedExplorers::Line& ConstructedExplorers::Lines::at(double sum) const {
-  const std::size_t last = lines.size() - 1;
-  const double share = sum / lines.back().sum;
-  std::size_t i = guide[std::min(static_cast<std::size_t>(share * static_cast<double>(lines.size())), last)];
-  while (i > 0 && lines[i - 1].sum > sum) --i;  // after rounding
-  while (i < last && lines[i].sum <= sum) ++i;
-  return lines[i];
 }
 
 std::optional<Pose2> ConstructedExplorers::propose(const FloorObservation& observation,
@@ -55,9 +38,12 @@ std::optional<Pose2> ConstructedExplorers::propose(const FloorObservation& obser
     left -= observation.segments[chosen++].weight;
   }
   const ObservedSegment& seen = observation.segments[chosen];
-  const Lines& all = by_label_[static_cast<std::size_t>(seen.label)];
-  if (all.lines.empty() || !(all.lines.back().sum > 0.0)) return std::nullopt;
-  Segment2 line = all.at(uniform(engine, 0.0, all.lines.back().sum)).plan;
+  const std::vector<Line>& lines = by_label_[static_cast<std::size_t>(seen.label)];
+  if (lines.empty() || !(lines.back().sum > 0.0)) return std::nullopt;
+  const auto drawn =
+      std::upper_bound(lines.begin(), std::prev(lines.end()), uniform(engine, 0.0, lines.back().sum),
+                       [](double sum, const Line& one) { return sum < one.sum; });
+  Segment2 line = drawn->plan;
   const bool turned = uniform(engine, 0.0, 1.0) < 0.5;
   const bool by_end = uniform(engine, 0.0, 1.0) < 0.5;
   if (turned) std::swap(line.a, line.b);

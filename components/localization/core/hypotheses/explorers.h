@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "common/config/parameter_visitor.h"
 #include "localization/core/hypotheses/race.h"
 #include "localization/core/map/map_index.h"
 #include "localization/core/observation/floor_observation.h"
@@ -22,10 +21,6 @@ struct ExplorerParams {
   int candidates = 6;           ///< M
   double list_health = 0.3;     ///< smallest health of a candidate
   double margin_m = 0.0;        ///< extension of the search beyond the map's bounding box
-
-  void visit(ParameterVisitor& v) {
-    v.real(expert("Margin_m", "extension of the search beyond the map's bounding box"), margin_m, 0.0, 1e4);
-  }
 };
 
 /// A pose uniform over the map's bounding box, extended by the margin, and over all headings.
@@ -50,13 +45,7 @@ class ConstructedExplorers {
     double sum;  // cumulative length, its own included
     Segment2 plan;
   };
-  struct Lines {  // of a label
-    std::vector<Line> lines;
-    /// Start index by share of the whole length; replaces a binary search over a large map.
-    std::vector<std::uint32_t> guide;
-    const Line& at(double sum) const;
-  };
-  std::vector<Lines> by_label_;
+  std::vector<std::vector<Line>> by_label_;
 };
 
 /// Number of explorers of this iteration.

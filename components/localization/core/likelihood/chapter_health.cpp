@@ -14,39 +14,34 @@ constexpr double kIndexReach_m = 2.0;
 
 }  // namespace
 
-MapIndex::Params chapterIndex(const HealthParams& params, const MapParams& map) {
+MapIndex::Params chapterIndex(const MapParams& map) {
   MapIndex::Params index;
   index.cell_m = map.cell_m;
   index.reach_m = kIndexReach_m;
-  index.build_fields = params.use_field;
   return index;
-}
-
-void ProjectedLines::project(const std::vector<Segment3>& segments_world, const SegmentProjector& projector) {
-  lines_.clear();
-  for (const Segment3& segment : segments_world) {
-    const auto px = projector.unbounded(segment);
-    if (!px || !projector.isInImage(*px)) continue;
-    lines_.emplace_back(*px);
-  }
-}
-
-double ProjectedLines::distance(const Eigen::Vector2d& px) const {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const ProjectedLine& line : lines_) nearest = std::min(nearest, line.square(px));
-  return std::sqrt(nearest);
 }
 
 double imageHealth(const std::vector<ImagePoint>& points, const CameraIntrinsics& intrinsics,
                    const Pose3& T_world_camera, const MapIndex& map, double scale_px,
-                   ProjectedLines& buffer) {
+                   std::vector<Segment2>& buffer) {
   const SegmentProjector projector(intrinsics, T_world_camera);
   const double diagonal = std::hypot(intrinsics.width, intrinsics.height);
   double sum = 0.0;
   int label = -1;
   for (const ImagePoint& point : points) {
-    if (point.label != label) buffer.project(map.segments(label = point.label), projector);
-    sum += buffer.isEmpty() ? diagonal : buffer.distance(point.px);
+    if (point.label != label) {
+      label = point.label;
+      buffer.clear();
+      for (const Segment3& segment : map.segments(label)) {
+        const auto px = projector.unbounded(segment);
+        if (px && projector.isInImage(*px)) buffer.push_back(*px);
+      }
+    }
+    double square = buffer.empty() ? diagonal * diagonal : std::numeric_limits<double>::infinity();
+    for (const Segment2& line : buffer) {
+      square = std::min(square, awayFromSegment(point.px, line).squaredNorm());
+    }
+    sum += std::sqrt(square);
   }
   return std::clamp(1.0 - sum / static_cast<double>(points.size()) / scale_px, 0.0, 1.0);
 }
@@ -103,7 +98,7 @@ double HealthObservation::health(const Pose2& T_world_robot) const {
   }
   if (!points_.empty()) {
     sum += imageHealth(points_, intrinsics_, toPose3(T_world_robot) * T_robot_camera_, map_, imageScale(),
-                       projected_);
+                       in_view_);
     ++functions;
   }
   return functions > 0 ? sum / functions : 0.0;

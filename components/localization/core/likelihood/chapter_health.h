@@ -1,7 +1,6 @@
 /// @file The chapter's two health functions. Pure. Implements L4, L5.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include "common/config/parameter_visitor.h"
@@ -19,7 +18,6 @@ struct HealthParams {
   /// L4 is the default: its points are what the camera sees now. L5 needs a memory without false elements,
   /// because one off-floor edge costs as much as a wrong pose.
   ObservationSource source = ObservationSource::kImage;
-  bool use_field = true;         ///< false: exhaustive search over the map, the reference
   double memory_scale_m = 0.5;   ///< M of L5
   double image_scale_px = 50.0;  ///< M of L4 at 320 columns; scaled with the image's width
   double memory_range_m = 4.0;   ///< largest range of remembered segments (M5)
@@ -36,52 +34,17 @@ struct HealthParams {
 };
 
 /// How the map must be indexed for this health.
-MapIndex::Params chapterIndex(const HealthParams& params, const MapParams& map);
-
-/// A line in the image, prepared for distances.
-class ProjectedLine {
- public:
-  explicit ProjectedLine(const Segment2& px)
-      : ax_(px.a.x()), ay_(px.a.y()), dx_(px.b.x() - px.a.x()), dy_(px.b.y() - px.a.y()) {
-    const double square = dx_ * dx_ + dy_ * dy_;
-    per_square_ = square > 0.0 ? 1.0 / square : 0.0;
-  }
-  /// Squared distance to a pixel [px^2].
-  double square(const Eigen::Vector2d& px) const {
-    const double rx = px.x() - ax_;
-    const double ry = px.y() - ay_;
-    const double fraction = std::min(std::max((rx * dx_ + ry * dy_) * per_square_, 0.0), 1.0);
-    const double x = rx - fraction * dx_;
-    const double y = ry - fraction * dy_;
-    return x * x + y * y;
-  }
-
- private:
-  double ax_, ay_, dx_, dy_;  // begin and way [px]
-  double per_square_;         // 1 / its length squared; 0 for a point
-};
-
-/// Buffer of the map lines of one label projected into one image.
-class ProjectedLines {
- public:
-  /// Keeps the lines of which any part is in view, clipped at the near plane only.
-  void project(const std::vector<Segment3>& segments_world, const SegmentProjector& projector);
-  bool isEmpty() const { return lines_.empty(); }
-  /// Distance to the nearest line [px]. Must not be empty.
-  double distance(const Eigen::Vector2d& px) const;
-
- private:
-  std::vector<ProjectedLine> lines_;
-};
+MapIndex::Params chapterIndex(const MapParams& map);
 
 /// L4: `H = 1 - mean(d_i) / M`, clamped to 0..1. d_i is the distance in the image to the nearest map line of
 /// the label of which any part is in view. Lines are clipped at the near plane, not at the image border. A
 /// label without a line in view counts the image's diagonal. Exhaustive over the lines of the label.
 /// @param points must not be empty; points of one label should be adjacent, for speed.
 /// @param scale_px M for this image.
-/// @param buffer of this function, kept between calls.
+/// @param buffer of the lines in view, kept between calls.
 double imageHealth(const std::vector<ImagePoint>& points, const CameraIntrinsics& intrinsics,
-                   const Pose3& T_world_camera, const MapIndex& map, double scale_px, ProjectedLines& buffer);
+                   const Pose3& T_world_camera, const MapIndex& map, double scale_px,
+                   std::vector<Segment2>& buffer);
 
 /// A remembered segment in the robot's frame (L5).
 struct RememberedLine {
@@ -117,7 +80,7 @@ class HealthObservation {
   HealthParams params_;
   std::vector<RememberedLine> lines_;
   std::vector<ImagePoint> points_;  ///< by label
-  mutable ProjectedLines projected_;
+  mutable std::vector<Segment2> in_view_;
   CameraIntrinsics intrinsics_;
   Pose3 T_robot_camera_ = Pose3::Identity();
 };

@@ -69,7 +69,7 @@ std::string checkRequest(const HealthMapRequest& request, const SegmentMap& map_
 
 HealthMapper::HealthMapper(const HealthMapParams& params, const SegmentMap& map_edges)
     : params_(params),
-      chapter_map_(map_edges, chapterIndex(params.health, params.map)),
+      chapter_map_(map_edges, chapterIndex(params.map)),
       robust_map_(map_edges, robustIndex(params.likelihood, params.map)) {}
 
 std::optional<HealthMap> HealthMapper::map(const MemoryUpdate& update, const HealthMapRequest& request,

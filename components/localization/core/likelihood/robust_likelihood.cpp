@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -22,8 +21,6 @@ constexpr double kNoAgreement = 40.0;
 double agreement(double loss) {
   return loss > kNoAgreement ? 0.0 : std::exp(-loss);
 }
-
-constexpr std::size_t kBatch = 64;  // points per query of the fields
 
 /// Damping of directions that the observation leaves undetermined: 1 m, 1 rad.
 const Matrix5d kDamping = Matrix5d::Identity();
@@ -46,24 +43,7 @@ MapIndex::Params robustIndex(const LikelihoodParams& params, const MapParams& ma
   index.reach_m = kTruncation_m;
   if (params.direction_gate) index.direction_gate_rad = params.direction_gate_rad;
   index.minimum_plan_length_m = kMinimumPlanLength_m;
-  index.build_fields = params.use_field;
   return index;
-}
-
-void RobustLikelihood::squaredDistances(std::span<const SegmentGrid::Question> questions,
-                                        std::span<double> squares) const {
-  if (params_.use_field) return map_.nearestSquares(questions, squares);
-  std::transform(questions.begin(), questions.end(), squares.begin(), [this](const auto& question) {
-    const auto nearest = map_.nearestBruteForce(question);
-    return nearest ? nearest->distance_m * nearest->distance_m : kTruncation_m * kTruncation_m;
-  });
-}
-
-void RobustLikelihood::distanceSamples(std::span<const SegmentGrid::Question> questions,
-                                       std::span<std::optional<FieldSample>> samples) const {
-  if (params_.use_field) return map_.nearest(questions, samples);
-  std::transform(questions.begin(), questions.end(), samples.begin(),
-                 [this](const auto& question) { return map_.nearestBruteForce(question); });
 }
 
 double RobustLikelihood::explainedVariance(const FloorPoint& point, double blur_m) const {
@@ -93,20 +73,12 @@ Rating RobustLikelihood::rate(const FloorObservation& observation, const Placeme
   Rating rating;
   const double c = std::cos(pose.theta);
   const double s = std::sin(pose.theta);
-  std::array<SegmentGrid::Question, kBatch> questions;
-  std::array<double, kBatch> squares;
-  for (std::span points(observation.points); !points.empty();) {
-    const std::size_t count = std::min(kBatch, points.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      const FloorPoint& point = points[i];
-      const Eigen::Vector2d p_robot = point.p_robot + point.d_tilt * tilt;
-      const Eigen::Vector2d p(pose.x + c * p_robot.x() - s * p_robot.y(),
-                              pose.y + s * p_robot.x() + c * p_robot.y());
-      questions[i] = map_.question(point.label, p, point.direction_robot + pose.theta);
-    }
-    squaredDistances(std::span(questions).first(count), squares);
-    for (std::size_t i = 0; i < count; ++i) add(rating, points[i], std::sqrt(squares[i]), blur_m);
-    points = points.subspan(count);
+  for (const FloorPoint& point : observation.points) {
+    const Eigen::Vector2d p_robot = point.p_robot + point.d_tilt * tilt;
+    const Eigen::Vector2d p(pose.x + c * p_robot.x() - s * p_robot.y(),
+                            pose.y + s * p_robot.x() + c * p_robot.y());
+    const double square = map_.nearestSquare(point.label, p, point.direction_robot + pose.theta);
+    add(rating, point, std::sqrt(square), blur_m);
   }
   if (!observation.points.empty()) rating.explained /= weightOf(observation);
   return rating;
@@ -137,50 +109,28 @@ void RobustLikelihood::explain(const FloorObservation& observation, std::span<In
     previewed = samples.size();
     preview_weight = weight;
   }
-  // A few poses at a time: their memory accesses overlap.
-  constexpr std::size_t kPlaces = 8;
-  std::vector<SegmentGrid::Question> questions(kPlaces * samples.size());
-  std::vector<double> squares(questions.size());
-  std::array<Individual*, kPlaces> asked;
-  const auto ask = [&](std::size_t count, std::span<const Sample> some) {
-    std::size_t n = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-      const Pose2& pose = asked[k]->T_world_robot;
-      const double c = std::cos(pose.theta);
-      const double s = std::sin(pose.theta);
-      for (const Sample& sample : some) {
-        const Eigen::Vector2d& p = sample.p_robot;
-        const Eigen::Vector2d at(pose.x + c * p.x() - s * p.y(), pose.y + s * p.x() + c * p.y());
-        questions[n++] = map_.question(sample.label, at, sample.direction_robot + pose.theta);
-      }
-    }
-    squaredDistances(std::span(questions).first(n), squares);
-    for (std::size_t k = 0; k < count; ++k) {
-      for (std::size_t i = 0; i < some.size(); ++i) {
-        const double square = squares[k * some.size() + i];
-        const double loss = square * some[i].per_square;
-        if (square < kTruncation_m * kTruncation_m) asked[k]->health += some[i].weight * agreement(loss);
-      }
+  const auto add = [&](Individual& place, std::span<const Sample> some) {
+    const Pose2& pose = place.T_world_robot;
+    const double c = std::cos(pose.theta);
+    const double s = std::sin(pose.theta);
+    for (const Sample& sample : some) {
+      const Eigen::Vector2d& p = sample.p_robot;
+      const Eigen::Vector2d at(pose.x + c * p.x() - s * p.y(), pose.y + s * p.x() + c * p.y());
+      const double square = map_.nearestSquare(sample.label, at, sample.direction_robot + pose.theta);
+      if (square >= kTruncation_m * kTruncation_m) continue;
+      place.health += sample.weight * agreement(square * sample.per_square);
     }
   };
   const std::span all(samples);
-  for (; !places.empty(); places = places.subspan(std::min(kPlaces, places.size()))) {
-    const std::size_t count = std::min(kPlaces, places.size());
-    for (std::size_t k = 0; k < count; ++k) {
-      asked[k] = &places[k];
-      places[k].health = 0.0;
+  for (Individual& place : places) {
+    place.health = 0.0;
+    add(place, all.first(previewed));
+    if (weight > 0.0 && place.health >= 0.5 * least * preview_weight) {
+      add(place, all.subspan(previewed));
+      place.health /= weight;
+    } else {
+      place.health = 0.0;
     }
-    ask(count, all.first(previewed));
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-      if (weight > 0.0 && places[k].health >= 0.5 * least * preview_weight) {
-        asked[kept++] = &places[k];
-      } else {
-        places[k].health = 0.0;
-      }
-    }
-    ask(kept, all.subspan(previewed));
-    for (std::size_t k = 0; k < kept; ++k) asked[k]->health /= weight;
   }
 }
 
@@ -199,37 +149,23 @@ RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const FloorPoi
   const Eigen::Vector2d tilt = placement.tilt();
   Eigen::Matrix2d R;
   R << std::cos(pose.theta), -std::sin(pose.theta), std::sin(pose.theta), std::cos(pose.theta);
-  std::array<Eigen::Vector2d, kBatch> arms;
-  std::array<SegmentGrid::Question, kBatch> questions;
-  std::array<std::optional<FieldSample>, kBatch> samples;
-  while (!points.empty()) {
-    const std::size_t count = std::min(kBatch, points.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      const FloorPoint& point = points[i];
-      arms[i] = R * (point.p_robot + point.d_tilt * tilt);
-      questions[i] =
-          map_.question(point.label, pose.position() + arms[i], point.direction_robot + pose.theta);
-    }
-    distanceSamples(std::span(questions).first(count), samples);
-    for (std::size_t i = 0; i < count; ++i) {
-      const FloorPoint& point = points[i];
-      const auto& field = samples[i];
-      if (rating) add(*rating, point, field ? field->distance_m : kTruncation_m, blur_m);
-      if (!field) continue;
-      const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
-      const double inlier = (1.0 - eps) * std::exp(-0.5 * field->distance_m * field->distance_m / variance);
-      // Derivative of the bounded loss (the weight of iteratively reweighted least squares).
-      const double influence = params_.bounded ? inlier / (inlier + eps) : 1.0;
-      const double weight = share * point.weight / variance * influence;
-      const Eigen::Vector2d& gradient = field->gradient;
-      Vector5d J;
-      J.head<2>() = gradient;
-      J[2] = gradient.y() * arms[i].x() - gradient.x() * arms[i].y();
-      J.tail<2>() = point.d_tilt.transpose() * (R.transpose() * gradient);
-      result.H += weight * J * J.transpose();
-      result.g += weight * field->distance_m * J;
-    }
-    points = points.subspan(count);
+  for (const FloorPoint& point : points) {
+    const Eigen::Vector2d arm = R * (point.p_robot + point.d_tilt * tilt);
+    const auto field = map_.nearest(point.label, pose.position() + arm, point.direction_robot + pose.theta);
+    if (rating) add(*rating, point, field ? field->distance_m : kTruncation_m, blur_m);
+    if (!field) continue;
+    const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+    const double inlier = (1.0 - eps) * std::exp(-0.5 * field->distance_m * field->distance_m / variance);
+    // Derivative of the bounded loss (the weight of iteratively reweighted least squares).
+    const double influence = params_.bounded ? inlier / (inlier + eps) : 1.0;
+    const double weight = share * point.weight / variance * influence;
+    const Eigen::Vector2d& gradient = field->gradient;
+    Vector5d J;
+    J.head<2>() = gradient;
+    J[2] = gradient.y() * arm.x() - gradient.x() * arm.y();
+    J.tail<2>() = point.d_tilt.transpose() * (R.transpose() * gradient);
+    result.H += weight * J * J.transpose();
+    result.g += weight * field->distance_m * J;
   }
   return result;
 }
@@ -303,9 +239,6 @@ RobustLikelihood::Refined RobustLikelihood::refine(const FloorObservation& obser
 
 void LikelihoodParams::visit(ParameterVisitor& v) {
   v.real(expert("OutlierShare", "share of false points in the bounded likelihood"), outlier_share, 1e-6, 0.9);
-  v.alias("LeanBias_deg", "CameraTilt.Bias_deg");
-  v.angle(expert("CameraTilt.Bias_deg", "lasting camera tilt error (prior sigma); 0: fixed at 0"),
-          tilt_bias_rad, 0.0, 20.0);
   v.alias("LeanSway_deg", "CameraTilt.PerFrame_deg");
   v.angle(expert("CameraTilt.PerFrame_deg", "tilt of single images (sigma); 1 for legs"), frame_tilt_rad, 0.0,
           20.0);

@@ -22,7 +22,6 @@ struct LikelihoodParams {
   bool bounded = true;          ///< false: squared distances with unbounded influence
   bool direction_gate = true;   ///< compare points with map segments of similar direction only
   double direction_gate_rad = degToRad(20.0);
-  bool use_field = true;  ///< false: exhaustive search, the reference
   /// Prior standard deviations of the camera tilt error per axis: its lasting part (calibration) and its part
   /// in a single image (bumps, a walking body). Both are estimated with the pose; 0: fixed at 0.
   double tilt_bias_rad = degToRad(0.5);
@@ -89,11 +88,6 @@ class RobustLikelihood {
   /// Adds one point to a rating.
   /// @param distance_m to the map; from the truncation distance on the point is an outlier.
   void add(Rating& rating, const FloorPoint& point, double distance_m, double blur_m) const;
-  /// Squared distances to the map [m^2], truncated.
-  void squaredDistances(std::span<const SegmentGrid::Question> questions, std::span<double> squares) const;
-  /// Distances with their gradients; empty beyond the truncation distance.
-  void distanceSamples(std::span<const SegmentGrid::Question> questions,
-                       std::span<std::optional<FieldSample>> samples) const;
 
   const MapIndex& map_;
   const LikelihoodParams& params_;

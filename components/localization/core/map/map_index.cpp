@@ -23,20 +23,6 @@ std::optional<Segment2> touchingFloor(const Segment3& world) {
   return std::nullopt;
 }
 
-FieldSample sampleOf(const Eigen::Vector2d& p, const Segment2& segment) {
-  const double fraction = std::clamp(projectionFraction(p, segment), 0.0, 1.0);
-  const Eigen::Vector2d away = p - (segment.a + fraction * (segment.b - segment.a));
-  FieldSample sample;
-  sample.distance_m = away.norm();
-  if (sample.distance_m > 1e-9) {
-    sample.gradient = away / sample.distance_m;
-  } else if (segment.length() > 0.0) {
-    const Eigen::Vector2d along = (segment.b - segment.a).normalized();
-    sample.gradient = {-along.y(), along.x()};
-  }
-  return sample;
-}
-
 }  // namespace
 
 MapIndex::MapIndex(const SegmentMap& map, const Params& params) {
@@ -52,7 +38,6 @@ MapIndex::MapIndex(const SegmentMap& map, const Params& params) {
   for (const auto& [name, id] : ids_) names_[static_cast<std::size_t>(id)] = name;
   by_label_.resize(static_cast<std::size_t>(labels));
   floor_.resize(static_cast<std::size_t>(labels));
-  binned_.resize(static_cast<std::size_t>(labels * bins_));
   low_ = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
   high_ = -low_;
   const double bin_width = std::numbers::pi / bins_;
@@ -67,18 +52,17 @@ MapIndex::MapIndex(const SegmentMap& map, const Params& params) {
       by_label_[static_cast<std::size_t>(label)].push_back(segment.world);
       if (!floor || floor->length() < params.minimum_plan_length_m) continue;
       auto& lines = floor_[static_cast<std::size_t>(label)];
-      SegmentGrid::Item item{*floor, label, 0, static_cast<std::uint32_t>(lines.size())};
+      SegmentGrid::Item item{*floor, label, 0};
       lines.push_back(*floor);
       for (int bin = 0; bin < bins_; ++bin) {
         const double off = lineAngleDifference(floor->direction(), (bin + 0.5) * bin_width);
         if (bins_ > 1 && off > *params.direction_gate_rad + 0.5 * bin_width) continue;
         item.bins = static_cast<std::uint16_t>(item.bins | (1u << bin));
-        binned_[static_cast<std::size_t>(label * bins_ + bin)].push_back(*floor);
       }
       items.push_back(item);
     }
   }
-  if (params.build_fields) fields_.emplace(std::move(items), params.reach_m, params.cell_m);
+  field_.emplace(std::move(items), params.reach_m, params.cell_m);
 }
 
 std::optional<int> MapIndex::labelId(const Label& label) const {
@@ -94,19 +78,8 @@ std::optional<int> MapIndex::floorLabelId(const Label& label) const {
   return id;
 }
 
-std::optional<FieldSample> MapIndex::nearestBruteForce(const SegmentGrid::Question& question) const {
-  std::optional<FieldSample> best;
-  for (const Segment2& segment : binned_[static_cast<std::size_t>(question.label * bins_ + question.bin)]) {
-    const FieldSample sample = sampleOf(question.p, segment);
-    if (!best || sample.distance_m < best->distance_m) best = sample;
-  }
-  return best;
-}
-
 double MapIndex::distance(int label, const Eigen::Vector2d& p) const {
-  if (fields_) {
-    if (const auto sample = nearest(label, p, 0.0)) return sample->distance_m;
-  }
+  if (const auto sample = nearest(label, p, 0.0)) return sample->distance_m;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (const Segment2& segment : floor(label)) nearest_m = std::min(nearest_m, distanceToSegment(p, segment));
   return nearest_m;

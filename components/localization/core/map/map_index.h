@@ -8,7 +8,6 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -46,7 +45,6 @@ class MapIndex {
     /// Segments shorter than this in plan view are left out of the floor: a vertical edge has no direction
     /// there.
     double minimum_plan_length_m = 0.0;
-    bool build_fields = true;
   };
 
   /// @param map expanded to edges (no widths).
@@ -67,32 +65,14 @@ class MapIndex {
   Eigen::Vector2d low() const { return low_; }
   Eigen::Vector2d high() const { return high_; }
 
-  /// A query of the fields.
-  /// @param direction_rad direction of the observed line; ignored without a direction gate.
-  SegmentGrid::Question question(int label, const Eigen::Vector2d& p, double direction_rad) const {
-    return {p, label, binOf(direction_rad)};
-  }
   /// Distance on the floor from the field; empty beyond the truncation distance.
-  std::optional<FieldSample> nearest(const SegmentGrid::Question& question) const {
-    return fields_->nearest(question);
-  }
+  /// @param direction_rad of the observed line; ignored without a direction gate.
   std::optional<FieldSample> nearest(int label, const Eigen::Vector2d& p, double direction_rad) const {
-    return nearest(question(label, p, direction_rad));
+    return field_->nearest({p, label, binOf(direction_rad)});
   }
-  /// The same for many queries at once. Requires fields.
-  void nearest(std::span<const SegmentGrid::Question> questions,
-               std::span<std::optional<FieldSample>> samples) const {
-    fields_->nearest(questions, samples);
-  }
-  /// Squared distances only [m^2], truncated at the squared reach. Requires fields.
-  void nearestSquares(std::span<const SegmentGrid::Question> questions, std::span<double> squares) const {
-    fields_->nearestSquares(questions, squares);
-  }
-  /// Reference by exhaustive search, without truncation. Same direction gate (same bins), same gradient.
-  std::optional<FieldSample> nearestBruteForce(const SegmentGrid::Question& question) const;
-  std::optional<FieldSample> nearestBruteForce(int label, const Eigen::Vector2d& p,
-                                               double direction_rad) const {
-    return nearestBruteForce(question(label, p, direction_rad));
+  /// Squared distance only [m^2], truncated at the squared reach.
+  double nearestSquare(int label, const Eigen::Vector2d& p, double direction_rad) const {
+    return field_->nearestSquare({p, label, binOf(direction_rad)});
   }
   /// Distance without truncation: from the field within its reach, else from all segments.
   /// @param label a result of floorLabelId.
@@ -113,8 +93,7 @@ class MapIndex {
   std::optional<int> any_;  // for labels without segments of their own, if the map has `any`
   std::vector<std::vector<Segment3>> by_label_;
   std::vector<std::vector<Segment2>> floor_;
-  std::vector<std::vector<Segment2>> binned_;  // [label * bins_ + bin]
-  std::optional<SegmentGrid> fields_;
+  std::optional<SegmentGrid> field_;
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d high_ = Eigen::Vector2d::Zero();
 };

@@ -56,7 +56,6 @@ TEST(RobustLikelihood, AMemoryWithoutInfluenceIsRatedAndDoesNotMoveThePose) {
 TEST(RobustLikelihood, HandWorkedExample) {
   const MapIndex map = cornerMap();
   LikelihoodParams params;
-  params.use_field = false;
   params.outlier_share = 0.05;
   const RobustLikelihood likelihood(map, params);
   FloorObservation observation;
@@ -70,7 +69,6 @@ TEST(RobustLikelihood, HandWorkedExample) {
 TEST(RobustLikelihood, ExplainedSharesAllowForMapError) {
   const MapIndex map = cornerMap();
   LikelihoodParams params;
-  params.use_field = false;
   params.outlier_share = 0.05;
   params.explained_sigma_m = 0.06;
   const RobustLikelihood likelihood(map, params);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "common/geometry/angles.h"
 #include "localization/core/many_lines.h"
@@ -19,7 +20,7 @@ MapSegment wall(double x1, double y1, double x2, double y2, const Label& label) 
 TEST(MapIndex, AnyMatchesEveryKnownLabelAndUnknownNone) {
   SegmentMap map;
   map.segments = {wall(0, 0, 4, 0, "skirting"), wall(0, 1, 4, 1, kAnyLabel)};
-  const MapIndex index(map, withFields(true));
+  const MapIndex index(map, {});
   EXPECT_NEAR(index.distance(*index.floorLabelId("skirting"), {2.0, 0.9}), 0.1, 1e-6);
   EXPECT_NEAR(index.distance(*index.floorLabelId("stripe_edge"), {2.0, 0.4}), 0.6, 1e-6);
   EXPECT_FALSE(index.labelId(kUnknownLabel));
@@ -28,7 +29,7 @@ TEST(MapIndex, AnyMatchesEveryKnownLabelAndUnknownNone) {
 TEST(MapIndex, LabelsWithoutAMapSegmentAreRejected) {
   SegmentMap map;
   map.segments = {wall(0, 0, 4, 0, "skirting"), {{{1, 0, 0.5}, {1, 0, 2.0}}, "shelf", 0.0}};
-  const MapIndex index(map, withFields(true));
+  const MapIndex index(map, {});
   EXPECT_FALSE(index.labelId("door_foot"));
   EXPECT_TRUE(index.labelId("shelf"));
   EXPECT_FALSE(index.floorLabelId("shelf"));  // it does not touch the floor
@@ -37,7 +38,7 @@ TEST(MapIndex, LabelsWithoutAMapSegmentAreRejected) {
 TEST(MapIndex, AnUprightEdgeTouchesTheFloorAtItsFoot) {
   SegmentMap map;
   map.segments = {{{{1, 2, 0.0}, {1, 2, 2.0}}, "door_jamb", 0.0}};
-  const MapIndex index(map, withFields(true));
+  const MapIndex index(map, {});
   EXPECT_NEAR(index.distance(*index.floorLabelId("door_jamb"), {1.3, 2.4}), 0.5, 0.01);
 }
 
@@ -54,15 +55,16 @@ TEST(MapIndexProperty, TheFieldAgreesWithExhaustiveSearch) {
       const double direction = uniform(engine, -4, 4);
       const int label = static_cast<int>(pick(engine, 2));
       const auto field = index.nearest(label, p, direction);
-      const auto brute = index.nearestBruteForce(label, p, direction);
-      // Without a near segment the field is empty; bilinear values differ by less than half a cell's
-      // diagonal.
+      // Directions are compared in bins of 15 degrees.
+      const double certainly_rad = gated ? degToRad(20) : std::numbers::pi;
+      const double perhaps_rad = gated ? degToRad(35) : std::numbers::pi;
+      const double most_m = exhaustiveDistance(index, label, p, direction, certainly_rad);
       if (!field) {
-        EXPECT_TRUE(!brute || brute->distance_m > 1.0 - 0.05) << p.transpose();
+        EXPECT_GE(most_m, params.reach_m) << p.transpose();
         continue;
       }
-      ASSERT_TRUE(brute);
-      EXPECT_NEAR(field->distance_m, brute->distance_m, 0.05) << p.transpose();
+      EXPECT_LE(field->distance_m, most_m + 1e-9) << p.transpose();
+      EXPECT_GE(field->distance_m, exhaustiveDistance(index, label, p, direction, perhaps_rad) - 1e-9);
       ++compared;
     }
     EXPECT_GT(compared, 1000);
@@ -72,13 +74,12 @@ TEST(MapIndexProperty, TheFieldAgreesWithExhaustiveSearch) {
 TEST(MapIndexProperty, DistancesBeyondTheFieldsAreExact) {
   RandomEngine engine(18);
   const SegmentMap map = manyLines(engine);
-  const MapIndex fields(map, withFields(true));
-  const MapIndex brute(map, withFields(false));
+  const MapIndex index(map, {});
   for (int i = 0; i < 500; ++i) {
     const double side_m = i % 2 == 0 ? 100.0 : 3000.0;
     const Eigen::Vector2d p(uniform(engine, -side_m, side_m), uniform(engine, -side_m, side_m));
     for (int label = 0; label < 2; ++label) {
-      ASSERT_NEAR(fields.distance(label, p), brute.distance(label, p), 1e-9) << p.transpose();
+      ASSERT_NEAR(index.distance(label, p), exhaustiveDistance(index, label, p), 1e-9) << p.transpose();
     }
   }
 }
