@@ -86,16 +86,16 @@ std::vector<BrokenConfig> valuesOfKeys() {
        l,
        {"Localization.LogLevel = verbose"},
        {"broken.cfg:1: Localization.LogLevel = verbose (must be one of: debug, info, warning, error)"}},
-      {"FirstKeyMoreThanSecond",
-       l,
-       {"Localization.Gaze.Pan.Minimum_deg = 20", "Localization.Gaze.Pan.Maximum_deg = 10"},
-       {"broken.cfg:1: Localization.Gaze.Pan.Minimum_deg = 20 (must not be more than "
-        "Localization.Gaze.Pan.Maximum_deg)"}},
+      {"FirstKeyNotLessThanSecond",
+       m,
+       {"ActiveVisualMemory.Gaze.Pan.Minimum_deg = 20", "ActiveVisualMemory.Gaze.Pan.Maximum_deg = 10"},
+       {"broken.cfg:1: ActiveVisualMemory.Gaze.Pan.Minimum_deg = 20 (must be less than "
+        "ActiveVisualMemory.Gaze.Pan.Maximum_deg)"}},
       {"OneOfTwoKeysByDefault",
-       l,
-       {"Localization.Gaze.Pan.Minimum_deg = 170"},
-       {"broken.cfg:1: Localization.Gaze.Pan.Minimum_deg = 170 (must not be more than "
-        "Localization.Gaze.Pan.Maximum_deg)"}},
+       m,
+       {"ActiveVisualMemory.Gaze.Pan.Minimum_deg = 170"},
+       {"broken.cfg:1: ActiveVisualMemory.Gaze.Pan.Minimum_deg = 170 (must be less than "
+        "ActiveVisualMemory.Gaze.Pan.Maximum_deg)"}},
       {"MemoryOutOfRange",
        m,
        {"ActiveVisualMemory.Memory.GapVotes = -1"},
