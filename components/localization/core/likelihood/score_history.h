@@ -85,7 +85,7 @@ class ScoreHistory {
   ScoreHistoryParams params_;
   int iteration_ = 0;
   double novelty_ = 1.0;  ///< of this iteration's observation
-  /// This iteration's observation is not kept: the kept ones shall stay those of other places.
+  /// This iteration's observation repeats a kept one and is not kept, so that views of other places stay.
   bool is_repeat_ = false;
   std::deque<Kept> kept_;
   std::optional<Kept> current_;  ///< of this iteration
