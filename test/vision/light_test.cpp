@@ -1,5 +1,7 @@
 // The light of images relative to a palette's: correction and estimate.
 // Tests V3.
+#include "common/vision/light.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +11,6 @@
 #include <opencv2/core.hpp>
 #include <random>
 
-#include "common/vision/light.h"
 #include "common/vision/light_estimator.h"
 #include "vision/support/synthetic.h"
 
@@ -38,8 +39,10 @@ cv::Mat seenUnder(const ImageLight& light, const cv::Mat& image) {
     for (int x = 0; x < image.cols; ++x) {
       const double r2 = (Eigen::Vector2d(x, y) - middle).squaredNorm() / middle.squaredNorm();
       for (int c = 0; c < 3; ++c) {
-        const double value = image.at<cv::Vec3b>(y, x)[c] / 255.0 * (1.0 - light.vignette * r2) / light.gain[c];
-        seen.at<cv::Vec3b>(y, x)[c] = cv::saturate_cast<std::uint8_t>(255.0 * std::pow(value, 1.0 / light.gamma));
+        const double value =
+            image.at<cv::Vec3b>(y, x)[c] / 255.0 * (1.0 - light.vignette * r2) / light.gain[c];
+        seen.at<cv::Vec3b>(y, x)[c] =
+            cv::saturate_cast<std::uint8_t>(255.0 * std::pow(value, 1.0 / light.gamma));
       }
     }
   }
@@ -166,9 +169,10 @@ TEST(LightEstimator, KeepsTheNeutralLightAmongForeignColours) {
     for (int i = 0; i < 4; ++i) colors.emplace_back(level(random), level(random), level(random));
     LightEstimator estimator(roomPalette());
     watch(estimator, {}, 25, seed, colors);
-    EXPECT_TRUE(estimator.light().isNeutral()) << "seed " << seed << ": " << estimator.light().gain.transpose() << ", gamma " << estimator.light().gamma
-                                                << ", vignette " << estimator.light().vignette << ", named "
-                                                << estimator.namedShare();
+    EXPECT_TRUE(estimator.light().isNeutral())
+        << "seed " << seed << ": " << estimator.light().gain.transpose() << ", gamma "
+        << estimator.light().gamma << ", vignette " << estimator.light().vignette << ", named "
+        << estimator.namedShare();
   }
 }
 

@@ -70,8 +70,8 @@ TEST(Palette, ClassesOfDrawnPalettesAreExact) {
       const double to = std::fmod(from + 10.0 + 170.0 * unit(random), 360.0);
       const double saturation = 60.0 * unit(random);
       const double value = 60.0 * unit(random);
-      text << "class.c" << i << " = saturation " << saturation << ".." << saturation + 25.0 << " value " << value
-           << ".." << value + 30.0;
+      text << "class.c" << i << " = saturation " << saturation << ".." << saturation + 25.0 << " value "
+           << value << ".." << value + 30.0;
       if (i % 3 != 0) text << " hue " << from << ".." << to;
       text << '\n';
     }

@@ -20,8 +20,8 @@ struct ImageLight {
   bool isNeutral() const { return gain == Eigen::Vector3d::Ones() && gamma == 1.0 && vignette == 0.0; }
 };
 
-/// The light in words, to one decimal: "images are 0.5 times as bright as the palette expects, red 1.2 times".
-/// Empty for a light that differs by less than a tenth.
+/// The light in words, to one decimal: "images are 0.5 times as bright as the palette expects, red 1.2
+/// times". Empty for a light that differs by less than a tenth.
 std::string describe(const ImageLight& light);
 
 /// The corrected values of all pixel values. *Immutable*.

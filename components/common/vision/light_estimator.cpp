@@ -10,8 +10,8 @@
 namespace vismem {
 namespace {
 
-constexpr std::size_t kWindow = 400;   // edges that count
-constexpr std::size_t kLeast = 60;     // edges before a search
+constexpr std::size_t kWindow = 400;  // edges that count
+constexpr std::size_t kLeast = 60;    // edges before a search
 constexpr double kLeastLength_px = 12.0;
 constexpr std::array<double, 2> kDistance_px{1.5, 2.5};  // bright, dark side: see LabellerParams
 constexpr int kPlaces = 9;                               // along an edge
@@ -120,9 +120,9 @@ double LightEstimator::merit(const Unknowns& x) const {
 LightEstimator::Unknowns LightEstimator::coarsest() const {
   Unknowns best = Unknowns::Zero();
   double most = merit(best);
-  for (double gain = -1.05; gain < 1.1; gain += 0.15) {
-    for (double red = -0.28; red < 0.1; red += 0.07) {
-      const Unknowns x{gain, red, -1.82 * red, 0.0, 0.0};
+  for (int gain = -7; gain <= 7; ++gain) {
+    for (int red = -4; red <= 1; ++red) {
+      const Unknowns x{0.15 * gain, 0.07 * red, -1.82 * 0.07 * red, 0.0, 0.0};
       const double here = merit(x);
       if (here <= most) continue;
       most = here;
@@ -181,8 +181,8 @@ bool LightEstimator::search() {
   const Unknowns found = centred(climbed(shareUnder(light_) < 0.5 ? coarsest() : x_));
   const double best = merit(found);
   Unknowns next = x_;
-  const bool better = light_.isNeutral() ? best >= kTimesNeutral * now && best >= now + kClearlyMore
-                                         : best >= now + kFollows;
+  const bool better =
+      light_.isNeutral() ? best >= kTimesNeutral * now && best >= now + kClearlyMore : best >= now + kFollows;
   if (best >= kLeastShare && better) next = found;
   if (neutral >= merit(next)) next = Unknowns::Zero();
   unsearched_ = 0;

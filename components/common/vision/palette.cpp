@@ -223,8 +223,9 @@ CellValues valuesOfCell(const std::array<int, 3>& first) {
   const double least_max = high;
   const double most_max = high + kSide - 1;
   cell.value_percent = {100.0 * least_max / 255.0, 100.0 * most_max / 255.0};
-  cell.saturation_percent = {least_max > 0.0 ? 100.0 * std::max(0.0, 1.0 - (low + kSide - 1) / least_max) : 0.0,
-                             most_max > 0.0 ? 100.0 * (1.0 - low / most_max) : 0.0};
+  cell.saturation_percent = {
+      least_max > 0.0 ? 100.0 * std::max(0.0, 1.0 - (low + kSide - 1) / least_max) : 0.0,
+      most_max > 0.0 ? 100.0 * (1.0 - low / most_max) : 0.0};
   cell.has_all_hues = high - low < kSide;  // holds greys
   if (cell.has_all_hues) return cell;
   const double middle = colorValues(first[0] + 1.5, first[1] + 1.5, first[2] + 1.5).hue_deg;
@@ -245,7 +246,7 @@ Overlap overlap(const ColorRange& cell, const ColorRange& range) {
   constexpr double kRounding = 1e-9;
   if (cell.high < range.low - kRounding || cell.low > range.high + kRounding) return Overlap::kNone;
   return inside(cell.low - kRounding, range) && inside(cell.high + kRounding, range) ? Overlap::kWhole
-                                                                                    : Overlap::kPart;
+                                                                                     : Overlap::kPart;
 }
 
 /// Of a cell's hues, which may lie on either side of 0, with a range that may wrap.
@@ -268,7 +269,8 @@ Overlap overlap(const CellValues& cell, const ColorClassDefinition& definition) 
 }
 
 /// Their class, if all colours of a cell have one.
-std::optional<ColorClass> commonClass(const CellValues& cell, const std::vector<ColorClassDefinition>& classes) {
+std::optional<ColorClass> commonClass(const CellValues& cell,
+                                      const std::vector<ColorClassDefinition>& classes) {
   for (std::size_t i = 0; i < classes.size(); ++i) {
     const Overlap here = overlap(cell, classes[i]);
     if (here == Overlap::kPart) return std::nullopt;

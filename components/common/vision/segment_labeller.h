@@ -26,9 +26,9 @@ struct SegmentSides {
   Label label = kUnknownLabel;
 };
 
-/// The class of a side at a distance is that of the samples' mean colour there. The label is that of the nearest pair of
-/// distances whose classes are a named pair; without one, each side has the class of its nearest distance
-/// with one.
+/// The class of a side at a distance is that of the samples' mean colour there. The label is that of the
+/// nearest pair of distances whose classes are a named pair; without one, each side has the class of its
+/// nearest distance with one.
 /// @param image   CV_8UC3, order R, G, B; a gray image gives kUnknownLabel.
 /// @param px_raw  raw pixels, brighter side on the left. Samples outside the image do not count.
 /// @throws std::invalid_argument for more than 16 distances on a side.

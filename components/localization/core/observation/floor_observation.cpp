@@ -22,8 +22,8 @@ constexpr double kBorder_px = 3.0;
 /// Largest weight of an end relative to its segment: short segments are often false.
 constexpr double kEndShare = 0.5;
 
-/// Largest weight of an image segment. Its points share their errors: a wrong label, a height above the floor,
-/// a line that the map lacks.
+/// Largest weight of an image segment. Its points share their errors: a wrong label, a height above the
+/// floor, a line that the map lacks.
 constexpr double kSegmentWeight = 3.0;
 
 constexpr double kMinimumLength_m = 0.05;  // a shorter remembered segment has no usable direction
