@@ -10,14 +10,16 @@
 namespace vismem {
 namespace {
 
+constexpr std::size_t kOfImage = 10;  // longest edges of an image that count
 constexpr std::size_t kWindow = 400;  // edges that count
 constexpr std::size_t kLeast = 60;    // edges before a search
 constexpr double kLeastLength_px = 12.0;
+constexpr double kLongest_px = 100.0;                    // longer edges count as this long
 constexpr std::array<double, 2> kDistance_px{1.5, 2.5};  // bright, dark side: see LabellerParams
 constexpr int kPlaces = 9;                               // along an edge
 constexpr double kTrim = 0.15;                           // share of the length left out at each end
 
-constexpr double kTimesNeutral = 1.5;  // that another light must name, to end the neutral one
+constexpr double kTimesNeutral = 2.5;  // that another light must name, to end the neutral one
 constexpr double kClearlyMore = 0.06;  // of the named share: about four deviations of 400 edges
 constexpr double kLeastShare = 0.2;    // that another light must name
 constexpr double kFollows = 0.01;      // of the share, for a small change of a light that is not neutral
@@ -84,7 +86,7 @@ void LightEstimator::add(const cv::Mat& image, const Segment2& px) {
   const Eigen::Vector2d middle(0.5 * (image.cols - 1), 0.5 * (image.rows - 1));
   const double r2 = (0.5 * (px.a + px.b) - middle).squaredNorm() / middle.squaredNorm();
   const auto ring = static_cast<std::uint8_t>(LightTable::ring(std::min(r2, 1.0)));
-  const Sample sample{{*bright, *dark}, {ring, ring}, static_cast<float>(px.length())};
+  const Sample sample{{*bright, *dark}, {ring, ring}, std::pow(std::min(px.length(), kLongest_px), 2)};
   if (samples_.size() < kWindow) {
     samples_.push_back(sample);
   } else {
@@ -105,8 +107,8 @@ double LightEstimator::shareUnder(const ImageLight& light) const {
   double all = 0.0;
   const int classes = palette_->classCount() + 1;
   for (const Sample& sample : samples_) {
-    all += sample.length_px;
-    if (has_name_[classOf(sample, 0) * classes + classOf(sample, 1)]) named += sample.length_px;
+    all += sample.weight;
+    if (has_name_[classOf(sample, 0) * classes + classOf(sample, 1)]) named += sample.weight;
   }
   return all > 0.0 ? named / all : 1.0;
 }
@@ -198,7 +200,12 @@ bool LightEstimator::search() {
 
 bool LightEstimator::update(const cv::Mat& image, const std::vector<RawSegment>& segments) {
   if (image.type() != CV_8UC3) return false;
-  for (const RawSegment& segment : segments) add(image, segment.px_raw);
+  longest_.clear();
+  for (const RawSegment& segment : segments) longest_.push_back(segment.px_raw);
+  const std::size_t most = std::min(kOfImage, longest_.size());
+  std::partial_sort(longest_.begin(), longest_.begin() + static_cast<std::ptrdiff_t>(most), longest_.end(),
+                    [](const Segment2& a, const Segment2& b) { return a.length() > b.length(); });
+  for (std::size_t i = 0; i < most; ++i) add(image, longest_[i]);
   if (samples_.empty()) return false;
   named_share_ = shareUnder(light_);
   const bool fell = unsearched_ >= kLeast && named_share_ < searched_share_ - kShareFell;

@@ -13,8 +13,9 @@
 
 namespace vismem {
 
-/// Searches the light under which the palette names most of the length of the edges of the last images. Pairs
-/// of colours are rare among all pairs, so a wrong light names few of them. The neutral light stays as long
+/// Searches the light under which the palette names most of the edges of the last images, weighted by their
+/// squared length: long edges are structure, short ones may be texture. Pairs of colours are rare among all
+/// pairs, so a wrong light names few of them. The neutral light stays as long
 /// as no other one names clearly more. *Single-threaded*, deterministic.
 class LightEstimator {
  public:
@@ -28,7 +29,7 @@ class LightEstimator {
   bool update(const cv::Mat& image, const std::vector<RawSegment>& segments);
 
   const ImageLight& light() const { return light_; }
-  /// Share of the length of the last edges that have a name under this light, 0..1; 1 before any edge.
+  /// Share of the last edges that have a name under this light, by squared length, 0..1; 1 before any edge.
   double namedShare() const { return named_share_; }
 
  private:
@@ -36,7 +37,7 @@ class LightEstimator {
   struct Sample {
     std::array<std::array<std::uint8_t, 3>, 2> sides;
     std::array<std::uint8_t, 2> rings;
-    float length_px = 0.0F;
+    double weight = 0.0;  ///< squared length [px^2]
   };
   /// Common gain, red and blue against green (logarithms), logarithm of gamma, vignette.
   using Unknowns = Eigen::Matrix<double, 5, 1>;
@@ -53,6 +54,7 @@ class LightEstimator {
 
   std::shared_ptr<const Palette> palette_;
   std::vector<std::uint8_t> has_name_;  // of pairs of classes
+  std::vector<Segment2> longest_;       // work space: of the last image, longest first
   std::vector<Sample> samples_;         // a ring
   std::size_t next_ = 0;
   std::size_t unsearched_ = 0;  // samples since the last search
