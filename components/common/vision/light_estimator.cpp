@@ -19,8 +19,10 @@ constexpr std::array<double, 2> kDistance_px{1.5, 2.5};  // bright, dark side: s
 constexpr int kPlaces = 9;                               // along an edge
 constexpr double kTrim = 0.15;                           // share of the length left out at each end
 
-constexpr double kTimesNeutral = 2.5;  // that another light must name, to end the neutral one
-constexpr double kClearlyMore = 0.06;  // of the named share: about four deviations of 400 edges
+// Share that the neutral light names at most when another one takes its place: a palette that names more fits
+// its place, and what it does not name may be texture that a brighter light would name.
+constexpr double kNeutralFails = 0.25;
+constexpr double kTimesNeutral = 2.0;  // that the other one must name
 constexpr double kLeastShare = 0.2;    // that another light must name
 constexpr double kFollows = 0.01;      // of the share, for a small change of a light that is not neutral
 constexpr double kShareFell = 0.1;     // since the last search: searches at once
@@ -184,7 +186,7 @@ bool LightEstimator::search() {
   const double best = merit(found);
   Unknowns next = x_;
   const bool better =
-      light_.isNeutral() ? best >= kTimesNeutral * now && best >= now + kClearlyMore : best >= now + kFollows;
+      light_.isNeutral() ? now <= kNeutralFails && best >= kTimesNeutral * now : best >= now + kFollows;
   if (best >= kLeastShare && better) next = found;
   if (neutral >= merit(next)) next = Unknowns::Zero();
   unsearched_ = 0;
