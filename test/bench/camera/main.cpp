@@ -15,7 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "bench/camera/percentile.h"
+#include "bench/percentile.h"
 #include "bench/camera/server.h"
 #include "bench/camera/server_process.h"
 #include "bench/camera/v4l2.h"
