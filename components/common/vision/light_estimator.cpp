@@ -21,7 +21,7 @@ constexpr double kTrim = 0.15;                           // share of the length 
 
 // Share that the neutral light names at most when another one takes its place: a palette that names more fits
 // its place, and what it does not name may be texture that a brighter light would name.
-constexpr double kNeutralFails = 0.25;
+constexpr double kNeutralFails = 0.12;
 constexpr double kTimesNeutral = 2.0;  // that the other one must name
 constexpr double kLeastShare = 0.2;    // that another light must name
 constexpr double kFollows = 0.01;      // of the share, for a small change of a light that is not neutral

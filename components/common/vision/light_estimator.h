@@ -16,7 +16,7 @@ namespace vismem {
 /// Searches the light under which the palette names most of the edges of the last images, weighted by their
 /// squared length: long edges are structure, short ones may be texture. Pairs of colours are rare among all
 /// pairs, so a wrong light names few of them. The neutral light stays as long
-/// as it names a quarter of the edges. *Single-threaded*, deterministic.
+/// as it names an eighth of the edges. *Single-threaded*, deterministic.
 class LightEstimator {
  public:
   /// @param palette not null.

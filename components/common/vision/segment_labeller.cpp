@@ -40,25 +40,30 @@ int nearestPixel(double value, int size) {
   return std::min(static_cast<int>(value + 0.5), size - 1);
 }
 
-/// The class of the mean colour of the samples from `first` on: noise and coded images scatter the samples
-/// over the borders of classes. kNoColorClass without a sample inside.
+/// The majority class of the samples from `first` on, or kNoColorClass without a clear majority.
 ColorClass classAlong(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step,
                       const Palette& palette, const LabellerParams& params) {
-  std::array<int, 3> sum{};
+  std::array<int, 256> votes;  // of those that the palette has; the rest is never touched
+  const int classes = palette.classCount();
+  std::fill_n(votes.begin(), classes + 1, 0);
   int inside = 0;
   for (int i = 0; i < params.samples; ++i) {
     const int x = nearestPixel(first.x() + i * step.x(), image.cols);
     const int y = nearestPixel(first.y() + i * step.y(), image.rows);
     if (x < 0 || y < 0) continue;
     const std::uint8_t* color = image.ptr<std::uint8_t>(y) + 3 * static_cast<std::ptrdiff_t>(x);
-    for (int channel = 0; channel < 3; ++channel) sum[channel] += color[channel];
+    ++votes[palette.classOf(color[0], color[1], color[2])];
     ++inside;
   }
-  if (inside == 0) return kNoColorClass;
-  const auto mean = [&](int channel) {
-    return static_cast<std::uint8_t>((2 * sum[channel] + inside) / (2 * inside));
-  };
-  return palette.classOf(mean(0), mean(1), mean(2));
+  int most = 0;
+  ColorClass best = kNoColorClass;
+  for (int k = 1; k <= classes; ++k) {
+    if (votes[k] > most) {
+      most = votes[k];
+      best = static_cast<ColorClass>(k);
+    }
+  }
+  return inside == 0 || most < params.minimum_majority * inside ? kNoColorClass : best;
 }
 
 Side lookAside(const cv::Mat& image, const Segment2& px, const Eigen::Vector2d& outwards,

@@ -15,8 +15,9 @@ struct LabellerParams {
   /// surroundings, so only the brighter side is sampled very near: the darker side is a mixture there.
   std::vector<double> bright_distances_px{1.0, 1.5, 2.5, 3.5};
   std::vector<double> dark_distances_px{1.5, 2.5, 3.5};
-  int samples = 9;    ///< along the segment, at each distance
-  double trim = 0.1;  ///< share of the length left out at each end, because of corners
+  int samples = 9;                ///< along the segment, at each distance
+  double trim = 0.1;              ///< share of the length left out at each end, because of corners
+  double minimum_majority = 0.6;  ///< share of the samples of a side that must have one class
 };
 
 /// Colour classes on both sides of a segment, and its label.
@@ -26,9 +27,9 @@ struct SegmentSides {
   Label label = kUnknownLabel;
 };
 
-/// The class of a side at a distance is that of the samples' mean colour there. The label is that of the
-/// nearest pair of distances whose classes are a named pair; without one, each side has the class of its
-/// nearest distance with one.
+/// The class of a side at a distance is that of most samples there. The label is that of the nearest pair of
+/// distances whose classes are a named pair; without one, each side has the class of its nearest distance
+/// with one.
 /// @param image   CV_8UC3, order R, G, B; a gray image gives kUnknownLabel.
 /// @param px_raw  raw pixels, brighter side on the left. Samples outside the image do not count.
 /// @throws std::invalid_argument for more than 16 distances on a side.

@@ -22,10 +22,6 @@ constexpr double kBorder_px = 3.0;
 /// Largest weight of an end relative to its segment: short segments are often false.
 constexpr double kEndShare = 0.5;
 
-/// Largest weight of an image segment. Its points share their errors: a wrong label, a height above the
-/// floor, a line that the map lacks.
-constexpr double kSegmentWeight = 3.0;
-
 constexpr double kMinimumLength_m = 0.05;  // a shorter remembered segment has no usable direction
 
 /// Variance across the segment at one of its ends.
@@ -137,7 +133,6 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
   std::vector<FloorPoint> ends;
   for (const ImageSegment& segment : analysis.observed) {
     ends.clear();
-    const std::size_t first_point = observation.points.size();
     const auto label = map.floorLabelId(segment.label);
     if (!label) continue;
     const int pieces = std::clamp(static_cast<int>(segment.px.length() / kPiece_px), 1, kMaximumPieces);
@@ -190,13 +185,6 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
         end.d_tilt = movedByTilt(end.p_robot - camera, height);
         ends.push_back(end);
       }
-    }
-    if (weight > kSegmentWeight) {
-      for (std::size_t k = first_point; k < observation.points.size(); ++k) {
-        observation.points[k].weight *= kSegmentWeight / weight;
-      }
-      observation.amount += kSegmentWeight - weight;
-      weight = kSegmentWeight;
     }
     for (FloorPoint& end : ends) {
       end.weight = std::min(kPointsPerMetre * params.end_metres, kEndShare * weight);
