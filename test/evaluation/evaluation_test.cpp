@@ -84,7 +84,7 @@ TEST_F(EvaluateTest, KeepsAKnownStart) {
   EXPECT_LT(json.at("heading_error_deg").get<double>(), 2.5);
 }
 
-// Each light leaves no label without correction.
+// Without correction these lights leave hardly a label.
 TEST_F(EvaluateTest, KeepsAKnownStartInOtherLight) {
   for (const char* light : {"brightness=0.45", "brightness=1.8,white=3000"}) {
     EvaluationOptions options = corridor("light", 1);

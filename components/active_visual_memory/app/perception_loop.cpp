@@ -290,7 +290,7 @@ void PerceptionLoop::reportCameraTilt(const AttentiveVisualMemory& memory) {
 
 void PerceptionLoop::reportLight(const LightEstimator& light) {
   status_.gauge({"edges without a name", 100.0 * (1.0 - light.namedShare()), 0.0, "%"});
-  status_.gauge({"brightness to the palette's", 100.0 / light.light().gain[1], 0.0, "%"});
+  status_.gauge({"brightness relative to the palette", 100.0 / light.light().gain[1], 0.0, "%"});
   std::string now = describe(light.light());
   if (now == light_) return;
   light_ = std::move(now);

@@ -88,7 +88,7 @@ void LightEstimator::add(const cv::Mat& image, const Segment2& px) {
   const Eigen::Vector2d middle(0.5 * (image.cols - 1), 0.5 * (image.rows - 1));
   const double r2 = (0.5 * (px.a + px.b) - middle).squaredNorm() / middle.squaredNorm();
   const auto ring = static_cast<std::uint8_t>(LightTable::ring(std::min(r2, 1.0)));
-  const Sample sample{{*bright, *dark}, {ring, ring}, std::pow(std::min(px.length(), kLongest_px), 2)};
+  const Sample sample{{*bright, *dark}, ring, std::pow(std::min(px.length(), kLongest_px), 2)};
   if (samples_.size() < kWindow) {
     samples_.push_back(sample);
   } else {
@@ -102,8 +102,8 @@ double LightEstimator::shareUnder(const ImageLight& light) const {
   const LightTable table(light);
   const auto classOf = [&](const Sample& sample, int side) {
     const auto& rgb = sample.sides[side];
-    const int ring = sample.rings[side];
-    return palette_->classOf(table.at(ring, 0, rgb[0]), table.at(ring, 1, rgb[1]), table.at(ring, 2, rgb[2]));
+    return palette_->classOf(table.at(sample.ring, 0, rgb[0]), table.at(sample.ring, 1, rgb[1]),
+                             table.at(sample.ring, 2, rgb[2]));
   };
   double named = 0.0;
   double all = 0.0;

@@ -15,8 +15,8 @@ namespace vismem {
 
 /// Searches the light under which the palette names most of the edges of the last images, weighted by their
 /// squared length: long edges are structure, short ones may be texture. Pairs of colours are rare among all
-/// pairs, so a wrong light names few of them. The neutral light stays as long
-/// as it names an eighth of the edges. *Single-threaded*, deterministic.
+/// pairs, so a wrong light names few of them. The neutral light stays as long as it names an eighth of the
+/// edges. *Single-threaded*, deterministic.
 class LightEstimator {
  public:
   /// @param palette not null.
@@ -36,8 +36,8 @@ class LightEstimator {
   /// Colours beside one edge.
   struct Sample {
     std::array<std::array<std::uint8_t, 3>, 2> sides;
-    std::array<std::uint8_t, 2> rings;
-    double weight = 0.0;  ///< squared length [px^2]
+    std::uint8_t ring = 0;  ///< LightTable::ring of its middle
+    double weight = 0.0;    ///< squared length [px^2]
   };
   /// Common gain, red and blue against green (logarithms), logarithm of gamma, vignette.
   using Unknowns = Eigen::Matrix<double, 5, 1>;

@@ -3,6 +3,7 @@
 #include <Glacier2/Router.h>
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 
 namespace vismem {

@@ -4,7 +4,6 @@
 #include <Ice/Ice.h>
 #include <avm/camera.h>
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -26,7 +25,7 @@ struct CrowdCount {
 class Crowd {
  public:
   /// Logs in all viewers and begins to ask.
-  /// @param camera at the robot: "tcp -h 127.0.0.1 -p 41233".
+  /// @param endpoint of the robot's camera: "tcp -h 127.0.0.1 -p 41233".
   Crowd(const test::Gateway& gateway, const std::string& endpoint, int viewers);
   /// Ends all sessions.
   ~Crowd();
