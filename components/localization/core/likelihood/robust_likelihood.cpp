@@ -22,6 +22,22 @@ double agreement(double loss) {
   return loss > kNoAgreement ? 0.0 : std::exp(-loss);
 }
 
+/// Calls use(level, where the point's ray passes it) for each level at which the point may lie.
+/// @param on_floor where the ray meets the floor.
+template <typename Use>
+void atEachLevel(const MapIndex& map, const FloorPoint& point, const Eigen::Vector2d& on_floor,
+                 const Use& use) {
+  for (const MapIndex::Level& level : map.levels(point.label)) {
+    if (!point.mayLieAt(level.height_m)) continue;
+    if (level.height_m == 0.0) {
+      use(level, on_floor);
+    } else {
+      const Eigen::Vector2d ray = on_floor - point.camera_robot;
+      use(level, point.camera_robot + point.shareAt(level.height_m) * ray);
+    }
+  }
+}
+
 /// Damping of directions that the observation leaves undetermined: 1 m, 1 rad.
 const Matrix5d kDamping = Matrix5d::Identity();
 
@@ -74,10 +90,13 @@ Rating RobustLikelihood::rate(const FloorObservation& observation, const Placeme
   const double c = std::cos(pose.theta);
   const double s = std::sin(pose.theta);
   for (const FloorPoint& point : observation.points) {
-    const Eigen::Vector2d p_robot = point.p_robot + point.d_tilt * tilt;
-    const Eigen::Vector2d p(pose.x + c * p_robot.x() - s * p_robot.y(),
-                            pose.y + s * p_robot.x() + c * p_robot.y());
-    const double square = map_.nearestSquare(point.label, p, point.direction_robot + pose.theta);
+    const Eigen::Vector2d on_floor = point.p_robot + point.d_tilt * tilt;
+    double square = kTruncation_m * kTruncation_m;
+    atEachLevel(map_, point, on_floor, [&](const MapIndex::Level& level, const Eigen::Vector2d& p_robot) {
+      const Eigen::Vector2d p(pose.x + c * p_robot.x() - s * p_robot.y(),
+                              pose.y + s * p_robot.x() + c * p_robot.y());
+      square = std::min(square, map_.nearestSquare(level.field, p, point.direction_robot + pose.theta));
+    });
     add(rating, point, std::sqrt(square), blur_m);
   }
   if (!observation.points.empty()) rating.explained /= weightOf(observation);
@@ -87,10 +106,7 @@ Rating RobustLikelihood::rate(const FloorObservation& observation, const Placeme
 void RobustLikelihood::explain(const FloorObservation& observation, std::span<Individual> places,
                                double blur_m, double least) const {
   struct Sample {
-    Eigen::Vector2d p_robot;
-    double direction_robot;
-    int label;
-    double weight;
+    const FloorPoint* point;
     double per_square;  // loss per squared distance [1/m^2]
   };
   std::vector<Sample> samples;
@@ -102,7 +118,7 @@ void RobustLikelihood::explain(const FloorObservation& observation, std::span<In
     for (std::size_t i = begin; i < observation.points.size(); i += kPreview) {
       const FloorPoint& point = observation.points[i];
       const double per_square = 0.5 / explainedVariance(point, blur_m);
-      samples.push_back({point.p_robot, point.direction_robot, point.label, point.weight, per_square});
+      samples.push_back({&point, per_square});
       weight += point.weight;
     }
     if (begin > 0) continue;
@@ -114,11 +130,14 @@ void RobustLikelihood::explain(const FloorObservation& observation, std::span<In
     const double c = std::cos(pose.theta);
     const double s = std::sin(pose.theta);
     for (const Sample& sample : some) {
-      const Eigen::Vector2d& p = sample.p_robot;
-      const Eigen::Vector2d at(pose.x + c * p.x() - s * p.y(), pose.y + s * p.x() + c * p.y());
-      const double square = map_.nearestSquare(sample.label, at, sample.direction_robot + pose.theta);
+      const FloorPoint& point = *sample.point;
+      double square = kTruncation_m * kTruncation_m;
+      atEachLevel(map_, point, point.p_robot, [&](const MapIndex::Level& level, const Eigen::Vector2d& p) {
+        const Eigen::Vector2d at(pose.x + c * p.x() - s * p.y(), pose.y + s * p.x() + c * p.y());
+        square = std::min(square, map_.nearestSquare(level.field, at, point.direction_robot + pose.theta));
+      });
       if (square >= kTruncation_m * kTruncation_m) continue;
-      place.health += sample.weight * agreement(square * sample.per_square);
+      place.health += point.weight * agreement(square * sample.per_square);
     }
   };
   const std::span all(samples);
@@ -150,8 +169,19 @@ RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const FloorPoi
   Eigen::Matrix2d R;
   R << std::cos(pose.theta), -std::sin(pose.theta), std::sin(pose.theta), std::cos(pose.theta);
   for (const FloorPoint& point : points) {
-    const Eigen::Vector2d arm = R * (point.p_robot + point.d_tilt * tilt);
-    const auto field = map_.nearest(point.label, pose.position() + arm, point.direction_robot + pose.theta);
+    const Eigen::Vector2d on_floor = point.p_robot + point.d_tilt * tilt;
+    Eigen::Vector2d arm = Eigen::Vector2d::Zero();
+    std::optional<FieldSample> field;
+    double share_of_way = 1.0;
+    atEachLevel(map_, point, on_floor, [&](const MapIndex::Level& level, const Eigen::Vector2d& p_robot) {
+      const Eigen::Vector2d there = R * p_robot;
+      const auto found =
+          map_.nearest(level.field, pose.position() + there, point.direction_robot + pose.theta);
+      if (!found || (field && found->distance_m >= field->distance_m)) return;
+      field = found;
+      arm = there;
+      share_of_way = point.shareAt(level.height_m);
+    });
     if (rating) add(*rating, point, field ? field->distance_m : kTruncation_m, blur_m);
     if (!field) continue;
     const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
@@ -163,7 +193,7 @@ RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const FloorPoi
     Vector5d J;
     J.head<2>() = gradient;
     J[2] = gradient.y() * arm.x() - gradient.x() * arm.y();
-    J.tail<2>() = point.d_tilt.transpose() * (R.transpose() * gradient);
+    J.tail<2>() = share_of_way * point.d_tilt.transpose() * (R.transpose() * gradient);
     result.H += weight * J * J.transpose();
     result.g += weight * field->distance_m * J;
   }

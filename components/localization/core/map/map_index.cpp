@@ -11,7 +11,9 @@ namespace vismem {
 namespace {
 
 constexpr int kDirectionBins = 12;
-constexpr double kOnFloor_m = 0.02;  // tolerance for maps drawn by hand
+constexpr double kOnFloor_m = 0.02;   // tolerance for maps drawn by hand
+constexpr double kOneThing_m = 0.05;  // in plan view, between the edges of one thing
+constexpr std::size_t kMostLevels = 3;
 
 /// The part of a map segment on the floor.
 std::optional<Segment2> touchingFloor(const Segment3& world) {
@@ -21,6 +23,13 @@ std::optional<Segment2> touchingFloor(const Segment3& world) {
   if (a) return Segment2{world.a.head<2>(), world.a.head<2>()};
   if (b) return Segment2{world.b.head<2>(), world.b.head<2>()};
   return std::nullopt;
+}
+
+/// Height of a level edge above the floor; empty for other segments.
+std::optional<double> heightOf(const Segment3& world) {
+  const double height = 0.5 * (world.a.z() + world.b.z());
+  if (height <= kOnFloor_m || std::abs(world.a.z() - world.b.z()) > kOnFloor_m) return std::nullopt;
+  return height;
 }
 
 }  // namespace
@@ -40,7 +49,6 @@ MapIndex::MapIndex(const SegmentMap& map, const Params& params) {
   floor_.resize(static_cast<std::size_t>(labels));
   low_ = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
   high_ = -low_;
-  const double bin_width = std::numbers::pi / bins_;
   std::vector<SegmentGrid::Item> items;
   for (const MapSegment& segment : map.segments) {
     const Segment2 plan = segment.world.floor();
@@ -51,18 +59,75 @@ MapIndex::MapIndex(const SegmentMap& map, const Params& params) {
       if (segment.label != kAnyLabel && ids_.at(segment.label) != label) continue;
       by_label_[static_cast<std::size_t>(label)].push_back(segment.world);
       if (!floor || floor->length() < params.minimum_plan_length_m) continue;
-      auto& lines = floor_[static_cast<std::size_t>(label)];
-      SegmentGrid::Item item{*floor, label, 0};
-      lines.push_back(*floor);
-      for (int bin = 0; bin < bins_; ++bin) {
-        const double off = lineAngleDifference(floor->direction(), (bin + 0.5) * bin_width);
-        if (bins_ > 1 && off > *params.direction_gate_rad + 0.5 * bin_width) continue;
-        item.bins = static_cast<std::uint16_t>(item.bins | (1u << bin));
-      }
-      items.push_back(item);
+      floor_[static_cast<std::size_t>(label)].push_back(*floor);
+      items.push_back({*floor, label, binsOf(*floor, params)});
     }
   }
+  addLevels(params, items);
   field_.emplace(std::move(items), params.reach_m, params.cell_m);
+}
+
+std::uint16_t MapIndex::binsOf(const Segment2& plan, const Params& params) const {
+  const double bin_width = std::numbers::pi / bins_;
+  unsigned bins = 0;
+  for (int bin = 0; bin < bins_; ++bin) {
+    const double off = lineAngleDifference(plan.direction(), (bin + 0.5) * bin_width);
+    if (bins_ > 1 && off > *params.direction_gate_rad + 0.5 * bin_width) continue;
+    bins |= 1u << bin;
+  }
+  return static_cast<std::uint16_t>(bins);
+}
+
+void MapIndex::addLevels(const Params& params, std::vector<SegmentGrid::Item>& items) {
+  const int labels = labelCount();
+  levels_.resize(static_cast<std::size_t>(labels));
+  std::vector<SegmentGrid::Item> raised;
+  std::vector<double> heights;
+  for (int label = 0; label < labels; ++label) {
+    if (!floor_[static_cast<std::size_t>(label)].empty()) {
+      levels_[static_cast<std::size_t>(label)].push_back({0.0, label});
+    }
+    for (const Segment3& segment : by_label_[static_cast<std::size_t>(label)]) {
+      const auto height = heightOf(segment);
+      const Segment2 plan = segment.floor();
+      if (!height || plan.length() < params.minimum_plan_length_m) continue;
+      raised.push_back({plan, label, binsOf(plan, params)});
+      heights.push_back(*height);
+    }
+  }
+  if (raised.empty()) return;
+  int fields = labels;
+  // Adds an edge to the label's level of its height; a new level while the label has few.
+  const auto add = [&](int label, double height, SegmentGrid::Item item) {
+    auto& levels = levels_[static_cast<std::size_t>(label)];
+    auto at = std::find_if(levels.begin(), levels.end(), [&](const Level& level) {
+      return std::abs(level.height_m - height) < 0.5 * kOnFloor_m;
+    });
+    if (at == levels.end()) {
+      if (levels.size() >= kMostLevels) return;
+      at = levels.insert(height == 0.0 ? levels.begin() : levels.end(), {height, fields++});
+    }
+    item.label = at->field;
+    items.push_back(item);
+  };
+  const auto oneThing = [&](const SegmentGrid& others, const SegmentGrid::Item& item, int label) {
+    const double square = others.nearestSquare({item.plan.middle(), label, binOf(item.plan.direction())});
+    return square < kOneThing_m * kOneThing_m;
+  };
+  const std::vector<SegmentGrid::Item> on_floor = items;
+  const SegmentGrid floor_edges(on_floor, params.reach_m, params.cell_m);
+  const SegmentGrid raised_edges(raised, params.reach_m, params.cell_m);
+  for (std::size_t i = 0; i < raised.size(); ++i) {
+    for (int label = 0; label < labels; ++label) {
+      const bool counts = label == raised[i].label || oneThing(floor_edges, raised[i], label);
+      if (counts) add(label, heights[i], raised[i]);
+    }
+  }
+  for (const SegmentGrid::Item& item : on_floor) {
+    for (int label = 0; label < labels; ++label) {
+      if (label != item.label && oneThing(raised_edges, item, label)) add(label, 0.0, item);
+    }
+  }
 }
 
 std::optional<int> MapIndex::labelId(const Label& label) const {

@@ -33,8 +33,8 @@ struct MapParams {
   }
 };
 
-/// The map's segments by label, with a distance field over those that touch the floor. Segments labelled
-/// `any` belong to every label. *Pure* after construction.
+/// The map's segments by label, with a distance field over those that touch the floor, and over level edges
+/// above it. Segments labelled `any` belong to every label. *Pure* after construction.
 class MapIndex {
  public:
   struct Params {
@@ -62,10 +62,19 @@ class MapIndex {
   }
   /// Their parts on the floor: lines, and the feet of upright edges as segments of zero length.
   const std::vector<Segment2>& floor(int label) const { return floor_[static_cast<std::size_t>(label)]; }
+  /// A height at which an observed line of a label may lie, with the field of the lines there.
+  struct Level {
+    double height_m = 0.0;
+    int field = 0;  ///< for nearest() and nearestSquare()
+  };
+  /// The floor first, if the label has lines there. The level edges of one thing, such as foot and top of a
+  /// skirting, look alike where wall and floor do: each counts for the labels of both.
+  const std::vector<Level>& levels(int label) const { return levels_[static_cast<std::size_t>(label)]; }
   Eigen::Vector2d low() const { return low_; }
   Eigen::Vector2d high() const { return high_; }
 
-  /// Distance on the floor from the field; empty beyond the truncation distance.
+  /// Distance in plan view from a field; empty beyond the truncation distance.
+  /// @param label of the floor's lines, or the field of a Level.
   /// @param direction_rad of the observed line; ignored without a direction gate.
   std::optional<FieldSample> nearest(int label, const Eigen::Vector2d& p, double direction_rad) const {
     return field_->nearest({p, label, binOf(direction_rad)});
@@ -87,12 +96,16 @@ class MapIndex {
     return std::min(bins_ - 1, static_cast<int>(fraction * bins_));
   }
 
+  std::uint16_t binsOf(const Segment2& plan, const Params& params) const;
+  void addLevels(const Params& params, std::vector<SegmentGrid::Item>& items);
+
   int bins_ = 1;
   std::map<Label, int> ids_;
   std::vector<Label> names_;
   std::optional<int> any_;  // for labels without segments of their own, if the map has `any`
   std::vector<std::vector<Segment3>> by_label_;
   std::vector<std::vector<Segment2>> floor_;
+  std::vector<std::vector<Level>> levels_;
   std::optional<SegmentGrid> field_;
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d high_ = Eigen::Vector2d::Zero();

@@ -47,6 +47,13 @@ bool insideImage(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px) 
          px.y() < intrinsics.height - 1.0 - kBorder_px;
 }
 
+/// Whether some of the levels are below a camera.
+bool isBelow(const std::vector<MapIndex::Level>& levels, double camera_height) {
+  return std::any_of(levels.begin(), levels.end(), [&](const MapIndex::Level& level) {
+    return level.height_m <= kHighestOfCamera * camera_height;
+  });
+}
+
 /// Scales the points' weights so that they sum to at most `effective_points`; the amount stays as it was.
 void capPoints(FloorObservation& observation, double effective_points) {
   double sum = 0.0;
@@ -133,8 +140,8 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
   std::vector<FloorPoint> ends;
   for (const ImageSegment& segment : analysis.observed) {
     ends.clear();
-    const auto label = map.floorLabelId(segment.label);
-    if (!label) continue;
+    const auto label = map.labelId(segment.label);
+    if (!label || !isBelow(map.levels(*label), height)) continue;
     const int pieces = std::clamp(static_cast<int>(segment.px.length() / kPiece_px), 1, kMaximumPieces);
     Eigen::Vector2d begin = Eigen::Vector2d::Zero();
     Eigen::Vector2d last = begin;
@@ -171,6 +178,8 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
                                std::hypot(params.sigma_m, across_ray * std_range, along_ray * std_bearing));
       point.weight = kPointsPerMetre * std::min(piece.length(), kLongestPiece_m);
       point.d_tilt = movedByTilt(ray, height);
+      point.camera_robot = camera;
+      point.per_camera_height = 1.0 / height;
       observation.amount += point.weight;
       weight += point.weight;
       observation.points.push_back(point);

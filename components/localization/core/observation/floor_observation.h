@@ -18,6 +18,8 @@ enum class ObservationSource { kMemory, kImage, kBoth };
 inline constexpr double kPointsPerMetre = 5.0;
 /// Points per observation; more are thinned to every n-th.
 inline constexpr std::size_t kMaximumPoints = 100;
+/// Height of the highest edges that count, as a share of the camera's.
+inline constexpr double kHighestOfCamera = 0.8;
 /// Largest standard deviation of any point [m].
 inline constexpr double kMaximumSigma_m = 0.25;
 
@@ -54,6 +56,15 @@ struct FloorPoint {
   double weight = 0.0;   ///< number of independent points it stands for
   /// Derivative of p_robot by the camera tilt error [m/rad] (see Placement); zero for remembered points.
   Eigen::Matrix2d d_tilt = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d camera_robot = Eigen::Vector2d::Zero();  ///< foot point of the camera [m]
+  double per_camera_height = 0.0;                          ///< [1/m]; zero for remembered points
+
+  /// Whether it may show something at a height: a ray of the image passes it clearly below the camera.
+  bool mayLieAt(double height_m) const {
+    return height_m == 0.0 || (per_camera_height > 0.0 && height_m * per_camera_height <= kHighestOfCamera);
+  }
+  /// Share of the way from the camera to the floor at which its ray passes a height.
+  double shareAt(double height_m) const { return 1.0 - height_m * per_camera_height; }
 };
 
 /// An observed segment that can be matched with segments of the map.

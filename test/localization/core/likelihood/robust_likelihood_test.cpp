@@ -53,6 +53,32 @@ TEST(RobustLikelihood, AMemoryWithoutInfluenceIsRatedAndDoesNotMoveThePose) {
   EXPECT_LT(refined.rating.log_likelihood, -1.0);
 }
 
+TEST(RobustLikelihood, ATopThatLooksLikeItsFootFitsAtItsHeight) {
+  // The camera, 1 m above the robot's middle, sees a line that would lie 1 m ahead on the floor: the top of
+  // the skirting on the wall x = 1, 0.08 m high, from x = 0.08.
+  SegmentMap foot;
+  foot.segments = {wall(1, -3, 1, 3)};
+  SegmentMap both = foot;
+  both.segments.push_back({{{1, -3, 0.08}, {1, 3, 0.08}}, "skirting_top", 0.0});
+  const MapIndex only_foot(foot, {});
+  const MapIndex with_top(both, {});
+  const LikelihoodParams params;
+  const ImageAnalysis image = lineAhead(60, 260);
+  const Placement at_top{{0.08, 0.0, 0.0}};
+  const auto explained = [&](const MapIndex& map, const Placement& at) {
+    return RobustLikelihood(map, params).rate(observeImage(image, map, {}), at).explained;
+  };
+  EXPECT_GT(explained(with_top, at_top), 0.99);
+  EXPECT_LT(explained(only_foot, at_top), 0.1);
+  EXPECT_GT(explained(with_top, {}), 0.99);  // it may be the foot as well
+
+  Matrix5d prior = Matrix5d::Identity();
+  prior.diagonal() << 1.0, 1e6, 1e6, 1e8, 1e8;
+  const auto refined = RobustLikelihood(with_top, params)
+                           .refine(observeImage(image, with_top, {}), {{0.07, 0.0, 0.0}}, prior, 1.0, 5, 0.0);
+  EXPECT_NEAR(refined.placement.T_world_robot.x, 0.08, 1e-3);
+}
+
 TEST(RobustLikelihood, HandWorkedExample) {
   const MapIndex map = cornerMap();
   LikelihoodParams params;

@@ -42,6 +42,29 @@ TEST(MapIndex, AnUprightEdgeTouchesTheFloorAtItsFoot) {
   EXPECT_NEAR(index.distance(*index.floorLabelId("door_jamb"), {1.3, 2.4}), 0.5, 0.01);
 }
 
+TEST(MapIndex, LevelEdgesOfOneThingCountForEachOther) {
+  const auto raised = [](double x1, double y1, double x2, double y2, double z, const Label& label) {
+    return MapSegment{{{x1, y1, z}, {x2, y2, z}}, label, 0.0};
+  };
+  SegmentMap map;
+  map.segments = {wall(0, 0, 4, 0, "skirting"), raised(0, 0.01, 4, 0.01, 0.08, "skirting_top"),
+                  raised(0, 0.3, 4, 0.3, 0.1, "shelf"), wall(0, 2, 4, 2, "line")};
+  const MapIndex index(map, {});
+  for (const Label& label : {"skirting", "skirting_top"}) {
+    const auto& levels = index.levels(*index.labelId(label));
+    ASSERT_EQ(levels.size(), 2u) << label;
+    EXPECT_EQ(levels[0].height_m, 0.0);
+    EXPECT_EQ(levels[1].height_m, 0.08);
+    EXPECT_NEAR(index.nearest(levels[0].field, {2.0, 0.5}, 0.0)->distance_m, 0.5, 1e-9);
+    EXPECT_NEAR(index.nearest(levels[1].field, {2.0, 0.5}, 0.0)->distance_m, 0.49, 1e-9);
+  }
+  // 0.3 m off is another thing.
+  const auto& shelf = index.levels(*index.labelId("shelf"));
+  ASSERT_EQ(shelf.size(), 1u);
+  EXPECT_EQ(shelf[0].height_m, 0.1);
+  EXPECT_EQ(index.levels(*index.labelId("line")).size(), 1u);
+}
+
 TEST(MapIndexProperty, TheFieldAgreesWithExhaustiveSearch) {
   const SegmentMap map = test::corridorMap();
   for (const bool gated : {false, true}) {

@@ -79,6 +79,14 @@ TEST(ObserveImage, PointsLieOnTheProjectedLine) {
   EXPECT_NEAR(observation.amount, 5.0 * 40 / 277.13 * std::sqrt(2.0), 1e-3);
 }
 
+TEST(ObserveImage, LevelEdgesCountBelowTheCamera) {
+  for (const double height_m : {0.5, 2.0}) {
+    SegmentMap map;
+    map.segments = {{{{1, -3, height_m}, {1, 3, height_m}}, "skirting", 0.0}};
+    EXPECT_EQ(observeImage(centredLine(60), MapIndex(map, {}), {}).points.empty(), height_m > 1.0);
+  }
+}
+
 TEST(ObserveImage, AnEndInsideTheImageAddsAPoint) {
   SegmentMap one;
   one.segments = {wall(1, -3, 1, 3)};
