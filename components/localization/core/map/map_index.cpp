@@ -11,8 +11,9 @@ namespace vismem {
 namespace {
 
 constexpr int kDirectionBins = 12;
-constexpr double kOnFloor_m = 0.02;   // tolerance for maps drawn by hand
-constexpr double kOneThing_m = 0.05;  // in plan view, between the edges of one thing
+constexpr double kOnFloor_m = 0.02;     // tolerance for maps drawn by hand
+constexpr double kOneThing_m = 0.05;    // in plan view, between the edges of one thing
+constexpr double kThingHeight_m = 0.2;  // a lintel is another thing than the threshold below it
 constexpr std::size_t kMostLevels = 3;
 
 /// The part of a map segment on the floor.
@@ -110,22 +111,27 @@ void MapIndex::addLevels(const Params& params, std::vector<SegmentGrid::Item>& i
     item.label = at->field;
     items.push_back(item);
   };
+  std::vector<SegmentGrid::Item> low;
+  for (std::size_t i = 0; i < raised.size(); ++i) {
+    if (heights[i] <= kThingHeight_m) low.push_back(raised[i]);
+  }
   const auto oneThing = [&](const SegmentGrid& others, const SegmentGrid::Item& item, int label) {
     const double square = others.nearestSquare({item.plan.middle(), label, binOf(item.plan.direction())});
     return square < kOneThing_m * kOneThing_m;
   };
   const std::vector<SegmentGrid::Item> on_floor = items;
   const SegmentGrid floor_edges(on_floor, params.reach_m, params.cell_m);
-  const SegmentGrid raised_edges(raised, params.reach_m, params.cell_m);
+  const SegmentGrid low_edges(low, params.reach_m, params.cell_m);
   for (std::size_t i = 0; i < raised.size(); ++i) {
     for (int label = 0; label < labels; ++label) {
-      const bool counts = label == raised[i].label || oneThing(floor_edges, raised[i], label);
+      const bool counts = label == raised[i].label ||
+                          (heights[i] <= kThingHeight_m && oneThing(floor_edges, raised[i], label));
       if (counts) add(label, heights[i], raised[i]);
     }
   }
   for (const SegmentGrid::Item& item : on_floor) {
     for (int label = 0; label < labels; ++label) {
-      if (label != item.label && oneThing(raised_edges, item, label)) add(label, 0.0, item);
+      if (label != item.label && oneThing(low_edges, item, label)) add(label, 0.0, item);
     }
   }
 }

@@ -48,7 +48,8 @@ TEST(MapIndex, LevelEdgesOfOneThingCountForEachOther) {
   };
   SegmentMap map;
   map.segments = {wall(0, 0, 4, 0, "skirting"), raised(0, 0.01, 4, 0.01, 0.08, "skirting_top"),
-                  raised(0, 0.3, 4, 0.3, 0.1, "shelf"), wall(0, 2, 4, 2, "line")};
+                  raised(0, 0.3, 4, 0.3, 0.1, "shelf"), wall(0, 2, 4, 2, "door_foot"),
+                  raised(0, 2, 4, 2, 2.0, "lintel")};
   const MapIndex index(map, {});
   for (const Label& label : {"skirting", "skirting_top"}) {
     const auto& levels = index.levels(*index.labelId(label));
@@ -62,7 +63,10 @@ TEST(MapIndex, LevelEdgesOfOneThingCountForEachOther) {
   const auto& shelf = index.levels(*index.labelId("shelf"));
   ASSERT_EQ(shelf.size(), 1u);
   EXPECT_EQ(shelf[0].height_m, 0.1);
-  EXPECT_EQ(index.levels(*index.labelId("line")).size(), 1u);
+  // So is what is far above.
+  EXPECT_EQ(index.levels(*index.labelId("door_foot")).size(), 1u);
+  ASSERT_EQ(index.levels(*index.labelId("lintel")).size(), 1u);
+  EXPECT_EQ(index.levels(*index.labelId("lintel"))[0].height_m, 2.0);
 }
 
 TEST(MapIndexProperty, TheFieldAgreesWithExhaustiveSearch) {
