@@ -70,7 +70,7 @@ TEST(LongPolls, StopAnswersEverybodyNowAndLater) {
   EXPECT_EQ(answered, 3);
 }
 
-TEST(LongPolls, TellsOfEachRequestThatItKeeps) {
+TEST(LongPolls, ReportsEachRequestThatItKeeps) {
   LongPolls polls;
   std::size_t seen_waiting = 0;
   int kept = 0;
