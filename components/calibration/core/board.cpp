@@ -59,8 +59,4 @@ Eigen::Vector3d cornerPosition(const BoardSpec& board, int id) {
   return {(column + 1) * board.square_m.x(), (row + 1) * board.square_m.y(), 0.0};
 }
 
-Eigen::Vector3d middlePosition(const BoardSpec& board) {
-  return {0.5 * board.columns * board.square_m.x(), 0.5 * board.rows * board.square_m.y(), 0.0};
-}
-
 }  // namespace vismem

@@ -49,9 +49,6 @@ std::string checkBoard(const BoardSpec& board);
 /// Position of a corner in the board's frame [m]; z is 0. @param id in [0, board.corners()).
 Eigen::Vector3d cornerPosition(const BoardSpec& board, int id);
 
-/// The same of the board's middle.
-Eigen::Vector3d middlePosition(const BoardSpec& board);
-
 /// A corner in an image.
 struct BoardCorner {
   int id = 0;

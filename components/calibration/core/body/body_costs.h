@@ -36,6 +36,11 @@ void turnBack(int axis, const T& angle, Eigen::Matrix<T, 3, 1>& p) {
   p[j] = c * p[j] - s * a;
 }
 
+/// The board's middle in its own frame.
+inline Eigen::Vector3d middlePosition(const BoardSpec& board) {
+  return {0.5 * board.columns * board.square_m.x(), 0.5 * board.rows * board.square_m.y(), 0.0};
+}
+
 /// A point of the board on the floor or wall, in world coordinates: z up, the board's nominal pose at its
 /// origin. The board turns about its middle.
 template <typename T>

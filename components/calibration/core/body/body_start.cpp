@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "calibration/core/body/body_costs.h"
 #include "calibration/core/lens/board_pose.h"
 #include "common/geometry/angles.h"
 
