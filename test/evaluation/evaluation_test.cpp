@@ -84,6 +84,20 @@ TEST_F(EvaluateTest, KeepsAKnownStart) {
   EXPECT_LT(json.at("heading_error_deg").get<double>(), 2.5);
 }
 
+// Without correction these lights leave hardly a label.
+TEST_F(EvaluateTest, KeepsAKnownStartInOtherLight) {
+  for (const char* light : {"brightness=0.45", "brightness=1.8,white=3000"}) {
+    EvaluationOptions options = corridor("light", 1);
+    options.start = Pose2{0.0, 2.25, 0.0};
+    options.perturbation = parsePerturbation(light).perturbation;
+    const auto json = evaluate(options);
+    EXPECT_GT(json.at("calibration").at("light").at("named_share").get<double>(), 0.6) << light;
+    ASSERT_TRUE(json.at("settled_after_s").is_number()) << light << json;
+    EXPECT_LT(json.at("position_error_m").get<double>(), 0.075) << light;
+    EXPECT_LT(json.at("heading_error_deg").get<double>(), 2.5) << light;
+  }
+}
+
 TEST_F(EvaluateTest, RunsInChapterMode) {
   EvaluationOptions options = corridor("chapter", 1);
   options.mode = "chapter";

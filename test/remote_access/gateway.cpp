@@ -6,6 +6,7 @@
 
 #include <regex>
 #include <stdexcept>
+#include <utility>
 
 #include "support/build_paths.h"
 #include "support/eventually.h"
@@ -45,16 +46,30 @@ std::string addresses(const std::vector<std::string>& endpoints) {
   return list;
 }
 
-Ice::InitializationData dataOf(const Ice::PropertiesPtr& properties) {
-  Ice::InitializationData data;
-  data.properties = properties;
-  return data;
-}
-
 }  // namespace
 
-GatewaySession::GatewaySession(const Ice::PropertiesPtr& properties, const std::string& router)
-    : communicator_(Ice::initialize(dataOf(properties))),
+void makeCertificate(const std::string& folder, const std::string& name, const std::string& role) {
+  runScript({"deploy/pki/certificates", folder, "make", name, role, "127.0.0.1"});
+}
+
+std::shared_ptr<Ice::Communicator> tlsClient(const std::string& folder, const std::string& certificate) {
+  Ice::InitializationData data;
+  data.properties = Ice::createProperties();
+  const std::map<std::string, std::string> settings{{"Ice.Plugin.IceSSL", "IceSSL:createIceSSL"},
+                                                    {"IceSSL.DefaultDir", folder},
+                                                    {"IceSSL.CAs", "ca.pem"},
+                                                    {"IceSSL.CertFile", certificate},
+                                                    {"IceSSL.CheckCertName", "1"},
+                                                    {"Ice.MessageSizeMax", "16384"},
+                                                    {"Ice.Default.InvocationTimeout", "10000"},
+                                                    {"Ice.RetryIntervals", "-1"},
+                                                    {"Ice.ThreadPool.Client.SizeMax", "4"}};
+  for (const auto& [key, value] : settings) data.properties->setProperty(key, value);
+  return Ice::initialize(data);
+}
+
+GatewaySession::GatewaySession(std::shared_ptr<Ice::Communicator> communicator, const std::string& router)
+    : communicator_(std::move(communicator)),
       router_(Ice::uncheckedCast<Glacier2::RouterPrx>(communicator_->stringToProxy(router))) {}
 
 Gateway::Gateway(const std::vector<std::string>& endpoints, const std::map<std::string, std::string>& leased,
@@ -77,8 +92,7 @@ Gateway::Gateway(const std::vector<std::string>& endpoints, const std::map<std::
               {"--Glacier2.Filter.Category.Accept=\"" + view_category + "\""});
   for (const bool viewer : {false, true}) {
     const auto router = connect(viewer);
-    const auto object = router->direct(std::string(viewer ? "Viewer" : "Operator") +
-                                       "/router:ssl -h 127.0.0.1 -p " + std::to_string(port(viewer)));
+    const auto object = router->direct(routerProxy(viewer));
     const auto serves = [&] {
       try {
         object->ice_ping();
@@ -92,7 +106,7 @@ Gateway::Gateway(const std::vector<std::string>& endpoints, const std::map<std::
 }
 
 void Gateway::makeFiles() const {
-  runScript({"deploy/pki/certificates", folder_.path().string(), "make", "gateway", "gateway", "127.0.0.1"});
+  makeCertificate(folder_.path().string(), "gateway", "gateway");
   ChildProcess::Options options;
   options.environment = {{"VISMEM_GATEWAY", folder_.path().string()}, {"PASSWORD", kPassword}};
   const std::string add =
@@ -125,19 +139,17 @@ int Gateway::port(bool viewer, const std::string& transport) const {
   return ports_[(viewer ? 2 : 0) + (transport == "wss" ? 1 : 0)];
 }
 
+std::shared_ptr<Ice::Communicator> Gateway::client() const {
+  return tlsClient(folder_.path().string(), {});
+}
+
+std::string Gateway::routerProxy(bool viewer, const std::string& transport) const {
+  return std::string(viewer ? "Viewer" : "Operator") + "/router:" + transport + " -h 127.0.0.1 -p " +
+         std::to_string(port(viewer, transport));
+}
+
 std::unique_ptr<GatewaySession> Gateway::connect(bool viewer, const std::string& transport) const {
-  const auto properties = Ice::createProperties();
-  const std::map<std::string, std::string> settings{{"Ice.Plugin.IceSSL", "IceSSL:createIceSSL"},
-                                                    {"IceSSL.DefaultDir", folder_.path().string()},
-                                                    {"IceSSL.CAs", "ca.pem"},
-                                                    {"IceSSL.CheckCertName", "1"},
-                                                    {"Ice.MessageSizeMax", "16384"},
-                                                    {"Ice.Default.InvocationTimeout", "10000"},
-                                                    {"Ice.RetryIntervals", "-1"}};
-  for (const auto& [key, value] : settings) properties->setProperty(key, value);
-  return std::make_unique<GatewaySession>(properties, std::string(viewer ? "Viewer" : "Operator") +
-                                                          "/router:" + transport + " -h 127.0.0.1 -p " +
-                                                          std::to_string(port(viewer, transport)));
+  return std::make_unique<GatewaySession>(client(), routerProxy(viewer, transport));
 }
 
 std::unique_ptr<GatewaySession> Gateway::operatorSession(const std::string& user) const {

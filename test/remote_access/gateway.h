@@ -15,11 +15,17 @@
 
 namespace vismem::test {
 
+/// FOLDER/NAME.pem for 127.0.0.1; the first call makes the authority FOLDER/ca.pem.
+void makeCertificate(const std::string& folder, const std::string& name, const std::string& role);
+
+/// A client over TLS that trusts FOLDER/ca.pem. @param certificate that it shows; empty: none.
+std::shared_ptr<Ice::Communicator> tlsClient(const std::string& folder, const std::string& certificate);
+
 /// A session of one person through one router; ends with this object.
 class GatewaySession {
  public:
-  /// @param properties of the communicator: TLS.
-  GatewaySession(const Ice::PropertiesPtr& properties, const std::string& router);
+  /// @param communicator of this session alone, over TLS.
+  GatewaySession(std::shared_ptr<Ice::Communicator> communicator, const std::string& router);
 
   /// @throw Glacier2::PermissionDeniedException, Ice::LocalException.
   void logIn(const std::string& user, const std::string& password) { router_->createSession(user, password); }
@@ -56,7 +62,12 @@ class Gateway {
   std::unique_ptr<GatewaySession> operatorSession(const std::string& user = kOperator) const;
   std::unique_ptr<GatewaySession> viewerSession() const;
 
+  /// A client of the routers without a session, and what it calls: for many sessions in one client.
+  std::shared_ptr<Ice::Communicator> client() const;
+  std::string routerProxy(bool viewer, const std::string& transport = "ssl") const;
+
   int port(bool viewer, const std::string& transport = "ssl") const;
+  pid_t router(bool viewer) const { return routers_[viewer ? 1 : 0]->pid(); }
   const ComponentProcess& access() const { return *access_; }
   std::string routerLog(bool viewer) const { return routers_[viewer ? 1 : 0]->error(); }
 

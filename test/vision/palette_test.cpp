@@ -5,7 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <random>
+#include <sstream>
 
 #include "common/config/config_error.h"
 
@@ -54,6 +57,36 @@ TEST(Palette, TheFirstClassThatMatchesWins) {
   EXPECT_EQ(palette.className(palette.classOf(200, 0, 0)), "everything");
   EXPECT_EQ(palette.className(palette.classOf(255, 255, 255)), "everything");
   EXPECT_EQ(palette.className(palette.classOf(0, 0, 0)), "dark");
+}
+
+// The table has cells of 4x4x4 colours; borders of classes pass through them anywhere.
+TEST(Palette, ClassesOfDrawnPalettesAreExact) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int trial = 0; trial < 6; ++trial) {
+    std::ostringstream text;
+    for (int i = 0; i < 8; ++i) {
+      const double from = 360.0 * unit(random);
+      const double to = std::fmod(from + 10.0 + 170.0 * unit(random), 360.0);
+      const double saturation = 60.0 * unit(random);
+      const double value = 60.0 * unit(random);
+      text << "class.c" << i << " = saturation " << saturation << ".." << saturation + 25.0 << " value "
+           << value << ".." << value + 30.0;
+      if (i % 3 != 0) text << " hue " << from << ".." << to;
+      text << '\n';
+    }
+    const Palette palette = Palette::parse(text.str(), "drawn.palette");
+    for (int i = 0; i < 100'000; ++i) {
+      const auto level = [&] { return static_cast<std::uint8_t>(random() % 256); };
+      const std::uint8_t red = level();
+      const std::uint8_t green = level();
+      const std::uint8_t blue = i % 2 == 0 ? level() : static_cast<std::uint8_t>((red + green) / 2);
+      const std::vector<ColorClass> all = palette.allClassesOf(red, green, blue);
+      ASSERT_EQ(palette.classOf(red, green, blue), all.empty() ? kNoColorClass : all.front())
+          << int{red} << ' ' << int{green} << ' ' << int{blue} << '\n'
+          << text.str();
+    }
+  }
 }
 
 TEST(Palette, LabelsAPairInEitherOrderAndNothingElse) {

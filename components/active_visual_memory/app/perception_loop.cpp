@@ -288,6 +288,16 @@ void PerceptionLoop::reportCameraTilt(const AttentiveVisualMemory& memory) {
   if (const std::string message = knock_alarm_.update(knock); !message.empty()) status_.note(message);
 }
 
+void PerceptionLoop::reportLight(const LightEstimator& light) {
+  status_.gauge({"edges without a name", 100.0 * (1.0 - light.namedShare()), 0.0, "%"});
+  status_.gauge({"brightness relative to the palette", 100.0 / light.light().gain[1], 0.0, "%"});
+  std::string now = describe(light.light());
+  if (now == light_) return;
+  light_ = std::move(now);
+  status_.note(light_.empty() ? "images have the light that the palette expects"
+                              : light_ + ": corrected before edges get their names");
+}
+
 bool PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline& pipeline) {
   bool any = false;
   while (auto observation = assembler.take(params_.every_frame)) {
@@ -319,6 +329,7 @@ bool PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline&
     }
     status_.latency("iteration", spent.count());
     reportCameraTilt(pipeline.memory());
+    if (pipeline.light()) reportLight(*pipeline.light());
     gaze_.publish(result.gaze, observation->T_odom_robot.position());
     if (result.command && pan_tilt_) send(*result.command);
     consumer_(*observation, result);

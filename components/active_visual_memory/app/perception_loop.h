@@ -105,6 +105,9 @@ class PerceptionLoop {
   /// Gauges of the camera tilt: mount roll, mount pitch, camera pitch, camera roll, and their sum, with a
   /// note when a calibrated camera was knocked.
   void reportCameraTilt(const AttentiveVisualMemory& memory);
+  /// Gauges of the light and of edges whose colours are no pair of the palette, with a note when the light
+  /// changes.
+  void reportLight(const LightEstimator& light);
   /// Reports that there is no usable image, once for each state and reason.
   void reportNoImages(const Inbox& inbox, bool frames_come, const ObservationAssembler& assembler);
   void checkClocks(const Inbox& inbox, Clocks& clocks);
@@ -135,6 +138,7 @@ class PerceptionLoop {
   std::string unusable_;  ///< why the last image could not be used; empty if it could
   std::uint32_t epoch_ = 0;
   KnockAlarm knock_alarm_;
+  std::string light_;  ///< as it was described last
 
   std::vector<std::jthread> threads_;  ///< last member: ends before the rest goes
 };

@@ -18,6 +18,7 @@ AttentiveVisualMemoryParams forPalette(AttentiveVisualMemoryParams params, bool 
 MemoryPipelineParams MemoryPipelineParams::standard() {
   MemoryPipelineParams params{ExtractorParams{}, AttentiveVisualMemoryParams::standard()};
   params.vision.colour_edges = true;
+  params.corrects_light = true;
   params.memory.projector.end_short_px = 0.5;  // of the detector `solis`
   return params;
 }
@@ -29,13 +30,26 @@ MemoryPipelineParams MemoryPipelineParams::chapter() {
 }
 
 MemoryPipeline::MemoryPipeline(const Params& params, std::shared_ptr<const Palette> palette)
-    : extractor_(params.vision, palette), memory_(forPalette(params.memory, palette != nullptr)) {}
+    : extractor_(params.vision, palette), memory_(forPalette(params.memory, palette != nullptr)) {
+  if (palette && params.corrects_light) light_.emplace(palette);
+}
 
 AttentiveVisualMemory::StepResult MemoryPipeline::process(const RobotObservation& observation,
                                                           StageProbe* probe) {
   if (!memory_.wants(observation)) return memory_.predict(observation, probe);
-  return memory_.update(
-      observation, extractor_.extract(observation.frame.image, observation.frame.intrinsics, probe), probe);
+  std::optional<RobotObservation> relit;
+  if (correction_) {
+    correction_->correct(observation.frame.image, corrected_);
+    relit = observation;
+    relit->frame.image = corrected_;
+  }
+  const RobotObservation& seen = relit ? *relit : observation;
+  const auto segments = extractor_.extract(seen.frame.image, seen.frame.intrinsics, probe);
+  if (light_ && light_->update(observation.frame.image, extractor_.detected())) {
+    correction_.reset();
+    if (!light_->light().isNeutral()) correction_.emplace(light_->light());
+  }
+  return memory_.update(seen, segments, probe);
 }
 
 }  // namespace vismem

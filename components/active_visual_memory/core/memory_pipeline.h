@@ -3,8 +3,11 @@
 #pragma once
 
 #include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
 
 #include "active_visual_memory/core/attentive_visual_memory.h"
+#include "common/vision/light_estimator.h"
 #include "common/vision/segment_extractor.h"
 
 namespace vismem {
@@ -12,6 +15,7 @@ namespace vismem {
 struct MemoryPipelineParams {
   ExtractorParams vision;
   AttentiveVisualMemoryParams memory;
+  bool corrects_light = false;  ///< shows images to detector and memory as under the palette's light (V3)
 
   static MemoryPipelineParams chapter();
   static MemoryPipelineParams standard();
@@ -34,10 +38,15 @@ class MemoryPipeline {
   SegmentExtractor& extractor() { return extractor_; }
   AttentiveVisualMemory& memory() { return memory_; }
   const AttentiveVisualMemory& memory() const { return memory_; }
+  /// The light of the images; null without a palette, and in mode `chapter`.
+  const LightEstimator* light() const { return light_ ? &*light_ : nullptr; }
 
  private:
   SegmentExtractor extractor_;
   AttentiveVisualMemory memory_;
+  std::optional<LightEstimator> light_;
+  std::optional<LightTable> correction_;  // of a light that is not neutral
+  cv::Mat corrected_;
 };
 
 }  // namespace vismem

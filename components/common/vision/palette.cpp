@@ -13,7 +13,8 @@
 namespace vismem {
 namespace {
 
-constexpr int kLevels = 64;  // per channel of the table
+constexpr int kCells = 64;  // of the table, per channel
+constexpr int kSide = 4;    // levels of a channel in a cell
 constexpr std::size_t kMaxClasses = 64;
 
 std::string_view trim(std::string_view text) {
@@ -207,11 +208,75 @@ class Reader {
   std::map<std::string, int> seen_;
 };
 
-/// Each cell of the table stands for its middle; the first and last cells for pure black and full brightness,
-/// so that grey stays grey and 100 per cent is reached.
-ColorValues valuesOfCell(int red, int green, int blue) {
-  const auto level = [](int cell) { return cell * 255.0 / (kLevels - 1); };
-  return colorValues(level(red), level(green), level(blue));
+/// Least and greatest values of the colours of a cell.
+struct CellValues {
+  ColorRange hue_deg;  ///< not wrapped: `high` may exceed 360, `low` be below 0
+  bool has_all_hues = false;
+  ColorRange saturation_percent;
+  ColorRange value_percent;
+};
+
+/// Channel by channel hue turns one way only, so its extremes lie at corners of the cell.
+CellValues valuesOfCell(const std::array<int, 3>& first) {
+  const auto [low, high] = std::minmax({first[0], first[1], first[2]});
+  CellValues cell;
+  const double least_max = high;
+  const double most_max = high + kSide - 1;
+  cell.value_percent = {100.0 * least_max / 255.0, 100.0 * most_max / 255.0};
+  cell.saturation_percent = {
+      least_max > 0.0 ? 100.0 * std::max(0.0, 1.0 - (low + kSide - 1) / least_max) : 0.0,
+      most_max > 0.0 ? 100.0 * (1.0 - low / most_max) : 0.0};
+  cell.has_all_hues = high - low < kSide;  // holds greys
+  if (cell.has_all_hues) return cell;
+  const double middle = colorValues(first[0] + 1.5, first[1] + 1.5, first[2] + 1.5).hue_deg;
+  cell.hue_deg = {middle, middle};
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto at = [&](int i) { return first[i] + ((corner >> i) & 1) * (kSide - 1); };
+    double off = colorValues(at(0), at(1), at(2)).hue_deg - middle;
+    off -= 360.0 * std::round(off / 360.0);
+    cell.hue_deg.low = std::min(cell.hue_deg.low, middle + off);
+    cell.hue_deg.high = std::max(cell.hue_deg.high, middle + off);
+  }
+  return cell;
+}
+
+enum class Overlap { kNone, kPart, kWhole };
+
+Overlap overlap(const ColorRange& cell, const ColorRange& range) {
+  constexpr double kRounding = 1e-9;
+  if (cell.high < range.low - kRounding || cell.low > range.high + kRounding) return Overlap::kNone;
+  return inside(cell.low - kRounding, range) && inside(cell.high + kRounding, range) ? Overlap::kWhole
+                                                                                     : Overlap::kPart;
+}
+
+/// Of a cell's hues, which may lie on either side of 0, with a range that may wrap.
+Overlap overlapOfHues(const CellValues& cell, const ColorRange& hue) {
+  if (hue.low <= 0.0 && hue.high >= 360.0) return Overlap::kWhole;
+  if (cell.has_all_hues) return Overlap::kPart;
+  const ColorRange whole{hue.low, hue.low <= hue.high ? hue.high : hue.high + 360.0};
+  Overlap best = Overlap::kNone;
+  for (const double turn : {-360.0, 0.0, 360.0}) {
+    const ColorRange turned{cell.hue_deg.low + turn, cell.hue_deg.high + turn};
+    best = std::max(best, overlap(turned, whole));
+  }
+  return best;
+}
+
+Overlap overlap(const CellValues& cell, const ColorClassDefinition& definition) {
+  return std::min({overlap(cell.value_percent, definition.value_percent),
+                   overlap(cell.saturation_percent, definition.saturation_percent),
+                   overlapOfHues(cell, definition.hue_deg)});
+}
+
+/// Their class, if all colours of a cell have one.
+std::optional<ColorClass> commonClass(const CellValues& cell,
+                                      const std::vector<ColorClassDefinition>& classes) {
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    const Overlap here = overlap(cell, classes[i]);
+    if (here == Overlap::kPart) return std::nullopt;
+    if (here == Overlap::kWhole) return static_cast<ColorClass>(i + 1);
+  }
+  return kNoColorClass;
 }
 
 }  // namespace
@@ -272,23 +337,32 @@ Palette Palette::parse(std::string_view text, const std::string& file_name) {
   return palette;
 }
 
+ColorClass Palette::firstMatch(const ColorValues& values) const {
+  const auto found = std::find_if(classes_.begin(), classes_.end(),
+                                  [&](const auto& definition) { return matches(definition, values); });
+  return found == classes_.end() ? kNoColorClass : static_cast<ColorClass>(found - classes_.begin() + 1);
+}
+
 void Palette::buildTable() {
-  table_.assign(static_cast<std::size_t>(kLevels) * kLevels * kLevels, kNoColorClass);
-  std::size_t index = 0;
-  for (int r = 0; r < kLevels; ++r) {
-    for (int g = 0; g < kLevels; ++g) {
-      for (int b = 0; b < kLevels; ++b, ++index) {
-        const ColorValues hsv = valuesOfCell(r, g, b);
-        const auto found = std::find_if(classes_.begin(), classes_.end(),
-                                        [&](const auto& definition) { return matches(definition, hsv); });
-        if (found != classes_.end()) table_[index] = static_cast<ColorClass>(found - classes_.begin() + 1);
+  cells_.reserve(static_cast<std::size_t>(kCells) * kCells * kCells);
+  for (int red = 0; red < 256; red += kSide) {
+    for (int green = 0; green < 256; green += kSide) {
+      for (int blue = 0; blue < 256; blue += kSide) {
+        if (const auto all = commonClass(valuesOfCell({red, green, blue}), classes_)) {
+          cells_.push_back(*all);
+          continue;
+        }
+        cells_.push_back(kFirstBlock + static_cast<std::uint32_t>(blocks_.size() / 64));
+        for (int i = 0; i < 64; ++i) {
+          blocks_.push_back(firstMatch(colorValues(red + (i >> 4), green + ((i >> 2) & 3), blue + (i & 3))));
+        }
       }
     }
   }
 }
 
 std::vector<ColorClass> Palette::allClassesOf(std::uint8_t red, std::uint8_t green, std::uint8_t blue) const {
-  const ColorValues values = valuesOfCell(red >> 2, green >> 2, blue >> 2);
+  const ColorValues values = colorValues(red, green, blue);
   std::vector<ColorClass> found;
   for (std::size_t i = 0; i < classes_.size(); ++i) {
     if (matches(classes_[i], values)) found.push_back(static_cast<ColorClass>(i + 1));
@@ -298,16 +372,20 @@ std::vector<ColorClass> Palette::allClassesOf(std::uint8_t red, std::uint8_t gre
 
 void Palette::findUnusedClasses(const std::string& file_name) {
   std::vector<bool> used(classes_.size() + 1, false);
-  for (const ColorClass taken : table_) used[taken] = true;
+  for (const std::uint32_t cell : cells_) {
+    if (cell < kFirstBlock) used[cell] = true;
+  }
+  for (const ColorClass taken : blocks_) used[taken] = true;
   for (std::size_t i = 0; i < classes_.size(); ++i) {
     if (used[i + 1]) continue;
     const ColorClassDefinition& unused = classes_[i];
-    std::set<ColorClass> before;  // that have its colours
-    for (std::size_t cell = 0; cell < table_.size(); ++cell) {
-      const auto part = [cell](int shift) { return static_cast<int>(cell >> shift) % kLevels; };
-      if (table_[cell] != kNoColorClass && matches(unused, valuesOfCell(part(12), part(6), part(0))))
-        before.insert(table_[cell]);
+    std::set<ColorClass> before;  // that have its colours, of which a part is tried
+    for (int cell = 0; cell < kCells * kCells * kCells; ++cell) {
+      const auto level = [cell](int shift) { return (cell >> shift) % kCells * 255 / (kCells - 1); };
+      const ColorValues values = colorValues(level(12), level(6), level(0));
+      if (matches(unused, values)) before.insert(firstMatch(values));
     }
+    before.erase(kNoColorClass);
     std::string names;
     for (const ColorClass taken : before) names += (names.empty() ? "" : ", ") + className(taken);
     warnings_.push_back(file_name + ":" + std::to_string(unused.line) + ": class " + unused.name +

@@ -53,7 +53,8 @@ struct ColorValues {
 /// @param red, green, blue 0..255
 ColorValues colorValues(double red, double green, double blue);
 
-/// Immutable after construction: *thread-safe*. Holds a table of 256 kB.
+/// Immutable after construction: *thread-safe*. Holds a table of 1 MB, and 64 bytes for each of its cells
+/// that a border between classes crosses.
 class Palette {
  public:
   /// @param text the file's content.
@@ -61,12 +62,13 @@ class Palette {
   /// @throws ConfigError with every problem: file, line, key, value, rule.
   static Palette parse(std::string_view text, const std::string& file_name);
 
-  /// Class of a colour by table: exact to steps of four of the 256 levels of each channel.
+  /// Class of a colour, exactly, by table.
   ColorClass classOf(std::uint8_t red, std::uint8_t green, std::uint8_t blue) const {
-    return table_[(red >> 2) << 12 | (green >> 2) << 6 | blue >> 2];
+    const std::uint32_t cell = cells_[(red >> 2) << 12 | (green >> 2) << 6 | blue >> 2];
+    if (cell < kFirstBlock) return static_cast<ColorClass>(cell);
+    return blocks_[(cell - kFirstBlock) * 64U + ((red & 3) << 4 | (green & 3) << 2 | (blue & 3))];
   }
-  /// Every class that contains a colour, in the order of the file: classOf gives the first one. Exact as
-  /// classOf.
+  /// Every class that contains a colour, in the order of the file: classOf gives the first one.
   std::vector<ColorClass> allClassesOf(std::uint8_t red, std::uint8_t green, std::uint8_t blue) const;
   /// Classes that no colour gets, one line each with file, line and reason.
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -88,14 +90,19 @@ class Palette {
   const std::map<Label, Label>& stripes() const { return stripes_; }
 
  private:
+  static constexpr std::uint32_t kFirstBlock = 256;
+
   Palette() = default;
+  ColorClass firstMatch(const ColorValues& values) const;
   void buildTable();
   void findUnusedClasses(const std::string& file_name);
 
   std::vector<ColorClassDefinition> classes_;
   std::vector<Label> labels_;  // square, (classes + 1)^2
   std::map<Label, Label> stripes_;
-  std::vector<ColorClass> table_;
+  /// Of 64^3 cells of 4x4x4 colours: their class, or from kFirstBlock on the index of their block.
+  std::vector<std::uint32_t> cells_;
+  std::vector<ColorClass> blocks_;  // 64 each: the classes of the colours of a cell
   std::vector<std::string> warnings_;
 };
 

@@ -49,6 +49,8 @@ class SegmentExtractor {
   std::vector<ImageSegment> extractPieces(const cv::Mat& image, const CameraIntrinsics& intrinsics,
                                           StageProbe* probe = nullptr);
 
+  /// All segments that were detected in the last image.
+  const std::vector<RawSegment>& detected() const { return raw_; }
   /// From the next image on. @param length_px >= 0.
   void setMinimumLength(double length_px) { params_.minimum_length_px = length_px; }
 

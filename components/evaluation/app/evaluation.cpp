@@ -105,7 +105,7 @@ nlohmann::json evaluateBag(const EvaluationOptions& options) {
         if (frame.memory.update.snapshot) last_memory = frame.memory.update.snapshot;
       },
       duration(options));
-  nlohmann::json json = record.finish(run, memory.memory(), options.bag.string());
+  nlohmann::json json = record.finish(run, memory, options.bag.string());
   if (survey) json["labels"] = survey->labels();
   if (survey && last_memory) json["memory"] = survey->score(*last_memory);
   return json;
@@ -170,7 +170,7 @@ nlohmann::json evaluateWorld(const EvaluationOptions& options) {
       duration(options));
   if (recorded) recorded->finish();
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - began;
-  nlohmann::json json = record.finish(run, memory.memory(), options.world.string());
+  nlohmann::json json = record.finish(run, memory, options.world.string());
   for (const auto& problem : robot->takeScenarioProblems()) json["scenario_problems"].push_back(problem);
   if (options.profile) addProfile(json, stages, spent.count(), toSeconds(robot->now()));
   return json;

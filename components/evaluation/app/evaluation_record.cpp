@@ -20,16 +20,24 @@ nlohmann::json inDegrees(const std::optional<double>& value_rad) {
   return value_rad ? nlohmann::json(radToDeg(*value_rad)) : nlohmann::json();
 }
 
-/// The lasting camera tilt and odometry errors that were estimated, each with its standard deviation.
-nlohmann::json calibrationOf(const AttentiveVisualMemory& memory, const PoseEstimate& estimate) {
+/// The lasting camera tilt and odometry errors that were estimated, each with its standard deviation, and the
+/// light at the end.
+nlohmann::json calibrationOf(const MemoryPipeline& pipeline, const PoseEstimate& estimate) {
   static constexpr const char* kTilts[] = {"mount_roll", "mount_pitch", "camera_pitch", "camera_roll"};
   nlohmann::json json = nlohmann::json::object();
-  const CameraTilt tilt = memory.cameraTilt();
-  const CameraTiltCovariance P = memory.cameraTiltCovariance();
+  const CameraTilt tilt = pipeline.memory().cameraTilt();
+  const CameraTiltCovariance P = pipeline.memory().cameraTiltCovariance();
   for (int i = 0; i < 4; ++i) {
     if (P(i, i) <= 0.0) continue;
     json["camera_tilt"][std::string(kTilts[i]) + "_deg"] = radToDeg(tilt[i]);
     json["camera_tilt"][std::string(kTilts[i]) + "_sigma_deg"] = radToDeg(std::sqrt(P(i, i)));
+  }
+  if (const LightEstimator* estimator = pipeline.light()) {
+    const ImageLight& light = estimator->light();
+    json["light"] = {{"gain", {light.gain[0], light.gain[1], light.gain[2]}},
+                     {"gamma", light.gamma},
+                     {"vignette", light.vignette},
+                     {"named_share", estimator->namedShare()}};
   }
   if (!estimate.odometry) return json;
   const Eigen::Vector3d& errors = estimate.odometry->errors;
@@ -116,7 +124,7 @@ std::vector<std::string> EvaluationRecord::failures() const {
   return found;
 }
 
-nlohmann::json EvaluationRecord::summarise(const Lockstep& run, const AttentiveVisualMemory& memory,
+nlohmann::json EvaluationRecord::summarise(const Lockstep& run, const MemoryPipeline& memory,
                                            const RunSummary& summary) const {
   const RunRecord& record = recorder_.record();
   const PoseEstimate& last = record.estimates.back();
@@ -145,7 +153,7 @@ nlohmann::json EvaluationRecord::summarise(const Lockstep& run, const AttentiveV
   return json;
 }
 
-nlohmann::json EvaluationRecord::finish(const Lockstep& run, const AttentiveVisualMemory& memory,
+nlohmann::json EvaluationRecord::finish(const Lockstep& run, const MemoryPipeline& memory,
                                         const std::string& input) {
   const RunRecord& record = recorder_.record();
   if (!record.memory) {

@@ -29,10 +29,10 @@ class EvaluationRecord {
   /// @return the summary; `problems` in it lists what makes the run a failure: files that could not be
   /// written, no labels, no races.
   /// @throws std::runtime_error when no frame was used.
-  nlohmann::json finish(const Lockstep& run, const AttentiveVisualMemory& memory, const std::string& input);
+  nlohmann::json finish(const Lockstep& run, const MemoryPipeline& memory, const std::string& input);
 
  private:
-  nlohmann::json summarise(const Lockstep& run, const AttentiveVisualMemory& memory,
+  nlohmann::json summarise(const Lockstep& run, const MemoryPipeline& memory,
                            const RunSummary& summary) const;
   std::vector<std::string> failures() const;
 

@@ -15,10 +15,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "bench/camera/percentile.h"
 #include "bench/camera/server.h"
 #include "bench/camera/server_process.h"
 #include "bench/camera/v4l2.h"
+#include "bench/percentile.h"
 #include "common/process/child_process.h"
 #include "common/tool/command_line_tool.h"
 #include "untrusted_clients/attack.h"

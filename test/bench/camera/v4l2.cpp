@@ -15,8 +15,8 @@
 #include <sstream>
 #include <thread>
 
-#include "bench/camera/percentile.h"
 #include "bench/camera/server_process.h"
+#include "bench/percentile.h"
 #include "common/drivers/host_clock.h"
 #include "common/process/child_process.h"
 #include "common/process/ice_setup.h"
