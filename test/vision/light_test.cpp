@@ -133,7 +133,7 @@ TEST(Light, IsDescribedInWords) {
   EXPECT_EQ(describe(light), "images are red 1.2 times, blue 0.7 times, darker in the corners by 0.5");
 }
 
-// Unless the palette still names an eighth of the edges as they are.
+// Unless the palette still names an eighth of the edges as they are, and names them right.
 TEST(LightEstimator, FindsDrawnLights) {
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
@@ -178,6 +178,43 @@ TEST(LightEstimator, KeepsTheNeutralLightAmongForeignColours) {
         << "seed " << seed << ": " << estimator.light().gain.transpose() << ", gamma "
         << estimator.light().gamma << ", vignette " << estimator.light().vignette << ", named "
         << estimator.namedShare();
+  }
+}
+
+// In dim light the palette takes wood for skirting, and has no name for skirting.
+TEST(LightEstimator, EndsANeutralLightThatNamesWrongly) {
+  const auto palette = std::make_shared<const Palette>(
+      Palette::parse("class.skirt = hue 5..32 saturation 25..60 value 18..31\n"
+                     "class.wood = hue 5..32 saturation 25..60 value 31..62\n"
+                     "class.floor = saturation 0..24 value 30..90\n"
+                     "pair.skirting = floor skirt\n"
+                     "pair.wood_foot = floor wood\n",
+                     "wood.palette"));
+  const cv::Scalar wood(110, 82, 62);
+  ImageLight dim;
+  dim.gain.setConstant(1.0 / 0.62);
+  LightEstimator estimator(palette);
+  watch(estimator, dim, 25, 1, {wood, kSkirting});
+  EXPECT_GT(estimator.namedShare(), 0.9);
+  EXPECT_GT(estimator.light().gain[1], 1.2);
+}
+
+// A brighter light would name dark patches on the floor; lines have the same name under both.
+TEST(LightEstimator, KeepsANeutralLightWhoseNamesStay) {
+  const auto palette = std::make_shared<const Palette>(
+      Palette::parse("class.black = value 0..15\n"
+                     "class.red = hue 345..15 saturation 45..100 value 30..100\n"
+                     "class.floor = saturation 0..24 value 30..90\n"
+                     "pair.line = floor black\n"
+                     "pair.tape = floor red\n",
+                     "lines.palette"));
+  const cv::Scalar line(10, 10, 10);
+  const cv::Scalar patch(60, 15, 12);
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    LightEstimator estimator(palette);
+    watch(estimator, {}, 25, seed, {line, patch, patch});
+    EXPECT_TRUE(estimator.light().isNeutral()) << "seed " << seed;
+    EXPECT_LT(estimator.namedShare(), 0.6) << "seed " << seed;
   }
 }
 

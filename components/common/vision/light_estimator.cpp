@@ -19,10 +19,13 @@ constexpr std::array<double, 2> kDistance_px{1.5, 2.5};  // bright, dark side: s
 constexpr int kPlaces = 9;                               // along an edge
 constexpr double kTrim = 0.15;                           // share of the length left out at each end
 
-// Share that the neutral light names at most when another one takes its place: a palette that names more fits
-// its place, and what it does not name may be texture that a brighter light would name.
-constexpr double kNeutralFails = 0.12;
-constexpr double kTimesNeutral = 2.0;  // that the other one must name
+// When another light takes the place of the neutral one: that one names next to nothing, or its names change.
+// While its names stay, what it does not name may be texture that a brighter light would name.
+constexpr double kNextToNothing = 0.12;
+constexpr double kTimesNothing = 2.0;  // that the other one must name
+constexpr double kTimesNeutral = 1.5;  // that the other one must name when names change
+constexpr double kNamed = 0.85;        // of the edges with a neutral name the other light must name,
+constexpr double kNamedAlike = 0.7;    // and may name at most so many of them alike
 constexpr double kLeastShare = 0.2;    // that another light must name
 constexpr double kFollows = 0.01;      // of the share, for a small change of a light that is not neutral
 constexpr double kShareFell = 0.1;     // since the last search: searches at once
@@ -61,11 +64,13 @@ std::optional<std::array<std::uint8_t, 3>> colourBeside(const cv::Mat& image, co
 
 LightEstimator::LightEstimator(std::shared_ptr<const Palette> palette)
     : palette_(std::move(palette)), patience_(kLeast) {
+  const std::vector<Label> labels = palette_->labels();
   const int side = palette_->classCount() + 1;
   for (int a = 0; a < side; ++a) {
     for (int b = 0; b < side; ++b) {
-      has_name_.push_back(
-          palette_->label(static_cast<ColorClass>(a), static_cast<ColorClass>(b)) != kUnknownLabel ? 1 : 0);
+      const Label& label = palette_->label(static_cast<ColorClass>(a), static_cast<ColorClass>(b));
+      const auto at = std::find(labels.begin(), labels.end(), label);
+      names_.push_back(at == labels.end() ? kNoName : static_cast<int>(at - labels.begin()));
     }
   }
   samples_.reserve(kWindow);
@@ -98,21 +103,46 @@ void LightEstimator::add(const cv::Mat& image, const Segment2& px) {
   ++unsearched_;
 }
 
-double LightEstimator::shareUnder(const ImageLight& light) const {
-  const LightTable table(light);
-  const auto classOf = [&](const Sample& sample, int side) {
+int LightEstimator::nameUnder(const LightTable& table, const Sample& sample) const {
+  const auto classOf = [&](int side) {
     const auto& rgb = sample.sides[side];
     return palette_->classOf(table.at(sample.ring, 0, rgb[0]), table.at(sample.ring, 1, rgb[1]),
                              table.at(sample.ring, 2, rgb[2]));
   };
+  return names_[classOf(0) * (palette_->classCount() + 1) + classOf(1)];
+}
+
+double LightEstimator::shareUnder(const ImageLight& light) const {
+  const LightTable table(light);
   double named = 0.0;
   double all = 0.0;
-  const int classes = palette_->classCount() + 1;
   for (const Sample& sample : samples_) {
     all += sample.weight;
-    if (has_name_[classOf(sample, 0) * classes + classOf(sample, 1)]) named += sample.weight;
+    if (nameUnder(table, sample) != kNoName) named += sample.weight;
   }
   return all > 0.0 ? named / all : 1.0;
+}
+
+bool LightEstimator::renames(const ImageLight& light) const {
+  const LightTable table(light);
+  const LightTable neutral(ImageLight{});
+  double named = 0.0;
+  double both = 0.0;
+  double alike = 0.0;
+  for (const Sample& sample : samples_) {
+    const int before = nameUnder(neutral, sample);
+    if (before == kNoName) continue;
+    const int after = nameUnder(table, sample);
+    named += sample.weight;
+    if (after != kNoName) both += sample.weight;
+    if (after == before) alike += sample.weight;
+  }
+  return both >= kNamed * named && alike <= kNamedAlike * named;
+}
+
+bool LightEstimator::endsNeutral(const ImageLight& light, double neutral, double other) const {
+  if (neutral <= kNextToNothing) return other >= kTimesNothing * neutral;
+  return other >= kTimesNeutral * neutral && renames(light);
 }
 
 double LightEstimator::merit(const Unknowns& x) const {
@@ -185,8 +215,7 @@ bool LightEstimator::search() {
   const Unknowns found = centred(climbed(shareUnder(light_) < 0.5 ? coarsest() : x_));
   const double best = merit(found);
   Unknowns next = x_;
-  const bool better =
-      light_.isNeutral() ? now <= kNeutralFails && best >= kTimesNeutral * now : best >= now + kFollows;
+  const bool better = light_.isNeutral() ? endsNeutral(lightOf(found), now, best) : best >= now + kFollows;
   if (best >= kLeastShare && better) next = found;
   if (neutral >= merit(next)) next = Unknowns::Zero();
   unsearched_ = 0;

@@ -15,8 +15,8 @@ namespace vismem {
 
 /// Searches the light under which the palette names most of the edges of the last images, weighted by their
 /// squared length: long edges are structure, short ones may be texture. Pairs of colours are rare among all
-/// pairs, so a wrong light names few of them. The neutral light stays as long as it names an eighth of the
-/// edges. *Single-threaded*, deterministic.
+/// pairs, so a wrong light names few of them. The neutral light stays while it names an eighth of the edges
+/// and no other light gives these other names and half as many again. *Single-threaded*, deterministic.
 class LightEstimator {
  public:
   /// @param palette not null.
@@ -42,9 +42,15 @@ class LightEstimator {
   /// Common gain, red and blue against green (logarithms), logarithm of gamma, vignette.
   using Unknowns = Eigen::Matrix<double, 5, 1>;
 
+  static constexpr int kNoName = -1;
+
   static ImageLight lightOf(const Unknowns& x);
   void add(const cv::Mat& image, const Segment2& px);
+  int nameUnder(const LightTable& table, const Sample& sample) const;
   double shareUnder(const ImageLight& light) const;
+  /// Whether a light gives other names to edges that the neutral one names.
+  bool renames(const ImageLight& light) const;
+  bool endsNeutral(const ImageLight& light, double neutral, double other) const;
   /// The share less the prior's cost of a light far from the neutral one.
   double merit(const Unknowns& x) const;
   Unknowns coarsest() const;
@@ -53,9 +59,9 @@ class LightEstimator {
   bool search();
 
   std::shared_ptr<const Palette> palette_;
-  std::vector<std::uint8_t> has_name_;  // of pairs of classes
-  std::vector<Segment2> longest_;       // work space: of the last image, longest first
-  std::vector<Sample> samples_;         // a ring
+  std::vector<int> names_;         // of pairs of classes: indices of the palette's labels, or kNoName
+  std::vector<Segment2> longest_;  // work space: of the last image, longest first
+  std::vector<Sample> samples_;    // a ring
   std::size_t next_ = 0;
   std::size_t unsearched_ = 0;  // samples since the last search
   std::size_t patience_;        // samples until the next one
