@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibration/core/body/body_costs.h"
 #include "calibration/core/body/body_start.h"
 #include "calibration/simulated_board_robot.h"
 #include "common/geometry/angles.h"
@@ -21,7 +22,7 @@ BodyEstimatorParams described() {
 BodyDriveParams shortDrive() {
   BodyDriveParams params;
   params.rig.mount = describedMount();
-  params.rounds = 1;
+  params.rounds = 2;
   return params;
 }
 
@@ -69,7 +70,62 @@ TEST(BodyEstimator, FindsADrawnRobotWithHonestDeviations) {
   EXPECT_LT(std::abs(e.joint_delay_s), 4.0 * *sigmaOf(estimate, kJointDelay));
   EXPECT_NEAR(estimate.fit.rms_px, 0.2, 0.01);
   EXPECT_THAT(estimate.unknown, testing::IsEmpty());
+  EXPECT_THAT(estimate.warnings, testing::Each(testing::HasSubstr("backlash")));
+}
+
+TEST(BodyEstimator, FindsTheBacklashOfBothJoints) {
+  TrueRobot truth = drawnRobot(8);
+  truth.backlash_rad = {degToRad(0.4), degToRad(0.2)};
+  const BodyEstimate estimate = estimateBody(recordOf(truth, 8), described());
+  const BodyErrors e = errorsOf(estimate.parameters, truth);
+  EXPECT_LT(e.backlash_rad.cwiseAbs().maxCoeff(), degToRad(0.03));
+  for (const std::size_t j : {0, 1}) {
+    ASSERT_TRUE(sigmaOf(estimate, kPanBacklash + j));
+    EXPECT_LT(std::abs(e.backlash_rad[static_cast<Eigen::Index>(j)]),
+              4.0 * *sigmaOf(estimate, kPanBacklash + j));
+  }
+  EXPECT_LT(std::abs(e.place[4]), degToRad(0.05)) << "tilt";
+  EXPECT_LT(std::abs(e.place[5]), degToRad(0.15)) << "yaw";
+  EXPECT_THAT(estimate.warnings, testing::ElementsAre(testing::HasSubstr("a pan backlash of 0."),
+                                                      testing::HasSubstr("a tilt backlash of 0.")));
+}
+
+TEST(BodyEstimator, ARobotWithoutBacklashReadsNone) {
+  TrueRobot truth = drawnRobot(8);
+  truth.backlash_rad = {0.0, 0.0};
+  const BodyEstimate estimate = estimateBody(recordOf(truth, 8), described());
+  EXPECT_TRUE(estimate.isObservable(kPanBacklash));
+  EXPECT_TRUE(estimate.isObservable(kTiltBacklash));
+  EXPECT_LT(std::abs(valueOf(estimate, kPanBacklash)), degToRad(0.02));
+  EXPECT_LT(std::abs(valueOf(estimate, kTiltBacklash)), degToRad(0.02));
   EXPECT_THAT(estimate.warnings, testing::IsEmpty());
+}
+
+// A tilt that always came from below: its backlash and its zero cannot be told apart.
+TEST(BodyEstimator, ViewsFromOneSideDoNotShowTheBacklash) {
+  BodyRecord record = recordOf(drawnRobot(8), 8);
+  const JointPath joints(record.joints);
+  const auto still = stillViews(record, joints, WheelPath(record.odometry, kDescribedBase_m));
+  std::vector<BoardView> views;
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    const double lead = joints.leadAt(toSeconds(record.views[i].stamp_us), Eigen::Vector2d::Zero()).y();
+    if (still[i] && lead > 0.8) views.push_back(record.views[i]);  // a joint swings back a little
+  }
+  ASSERT_GT(views.size(), 20U);
+  record.views = views;
+  const BodyEstimate estimate = estimateBody(record, described());
+  EXPECT_TRUE(estimate.isObservable(kPanBacklash));
+  EXPECT_FALSE(estimate.isObservable(kTiltBacklash));
+  ASSERT_TRUE(estimate.place[4].sigma);
+  EXPECT_GT(*estimate.place[4].sigma, degToRad(0.1)) << "nor is the zero of the tilt known better";
+}
+
+TEST(BodyEstimator, FindsHowFarCornersReallyScatter) {
+  TrueRobot truth = drawnRobot(9);
+  truth.corner_sigma_px = 0.5;  // the finder states 0.2
+  const BodyEstimate estimate = estimateBody(recordOf(truth, 9), described());
+  EXPECT_NEAR(estimate.noise.corners, 2.5, 0.1);
+  EXPECT_NEAR(estimate.noise.repeatability_rad, truth.repeatability_rad, 0.2 * truth.repeatability_rad);
 }
 
 // A turning head alone: where it stands on the robot is not observable, and the wheels are not.
@@ -140,10 +196,10 @@ TEST(BodyEstimator, ViewsAtRestGiveNoTimes) {
 TEST(BodyEstimator, NoticesABoardThatIsNotFlatAlsoWithPlayInTheJoints) {
   TrueRobot truth = drawnRobot(5);
   truth.board_tilt_rad = {0.0, degToRad(0.5)};
-  truth.pan_backlash_rad = degToRad(0.3);
+  truth.backlash_rad = {degToRad(0.3), degToRad(0.3)};
   const BodyEstimate estimate = estimateBody(recordOf(truth, 5), described());
   EXPECT_NEAR(valueOf(estimate, kBoardPitch), degToRad(0.5), degToRad(0.05));
-  EXPECT_THAT(estimate.warnings, testing::ElementsAre(testing::HasSubstr("not flat on the floor")));
+  EXPECT_THAT(estimate.warnings, testing::Contains(testing::HasSubstr("not flat on the floor")));
   EXPECT_LT(std::abs(errorsOf(estimate.parameters, truth).place[4]), degToRad(0.06));
 }
 
@@ -155,6 +211,23 @@ TEST(BodyEstimator, ATapeMeasureContradictsABoardOfTheWrongSize) {
   const BodyEstimate alone = estimateBody(record, described());
   EXPECT_NEAR(alone.place[2].value / trueCameraPose(truth, {}).translation().z(), 1.0 / 0.97, 0.01);
   EXPECT_NEAR(alone.fit.normalised_rms, 1.0, 0.1) << "the images alone do not show it";
+}
+
+// The ways around the board need its distance long before the tilt is calibrated.
+TEST(MiddleFromRobot, IsAsFarAsTheBoardsPlaneSaysWhateverTheDescribedTilt) {
+  const BoardSpec board = a3Board();
+  const Pose3 T_robot_camera = cameraPose(describedMount(), degToRad(20.0), degToRad(-20.0));
+  const Pose3 T_robot_board = poseFromXyzRpy(1.0, 0.4, 0.0, 0.0, 0.0, degToRad(70.0));
+  const Pose3 T_camera_board = T_robot_camera.inverse(Eigen::Isometry) * T_robot_board;
+  const Eigen::Vector3d middle = T_robot_board * middlePosition(board);
+  EXPECT_NEAR((middleFromRobot(T_robot_camera, T_camera_board, board, BoardPlace::kFloor) - middle).norm(),
+              0.0, 1e-9);
+  for (const double wrong_deg : {-8.0, 8.0}) {
+    const Pose3 described = cameraPose(describedMount(), degToRad(20.0), degToRad(-20.0 + wrong_deg));
+    const Eigen::Vector3d p = middleFromRobot(described, T_camera_board, board, BoardPlace::kFloor);
+    EXPECT_NEAR(p.head<2>().norm(), middle.head<2>().norm(), 1e-9);
+    EXPECT_GT(p.z() * wrong_deg, 0.0) << "the described camera aims too high or too low";
+  }
 }
 
 TEST(BodyEstimator, RefusesARecordWithoutRest) {

@@ -15,7 +15,7 @@ namespace {
 TEST(BodyRecorder, CalibratesADrawnRobotFromRenderedImages) {
   const TrueRobot truth = drawnForSimulator(3);
   BodyDriveParams params = driveInSimulator();
-  params.rounds = 1;
+  params.rounds = 2;
   const SimulatedBodyTrial trial = runInSimulator(truth, 3, params);
   ASSERT_EQ(trial.drive.phase(), BodyDrivePhase::kDone) << trial.drive.whyStopped();
   EXPECT_LT(trial.farthest_m, params.fence_m);
@@ -30,6 +30,7 @@ TEST(BodyRecorder, CalibratesADrawnRobotFromRenderedImages) {
   EXPECT_LT(e.place.head<3>().cwiseAbs().maxCoeff(), 0.005);
   EXPECT_LT(std::abs(e.joint_delay_s), 0.004);
   EXPECT_LT(std::abs(e.odometry_delay_s), 0.01);
+  EXPECT_LT(e.backlash_rad.cwiseAbs().maxCoeff(), degToRad(0.03));
   EXPECT_LT(estimate.fit.rms_px, 0.3);
   std::cout << tableOf(estimate);
   // A record in a file gives the same estimate.

@@ -22,7 +22,7 @@ struct SeriesOptions {
   std::uint64_t first = 1;
   int count = 20;
   double wheel_noise_m = -1.0;
-  int rounds = 2;
+  int rounds = BodyDriveParams{}.rounds;
   bool is_rendered = false;
 };
 
@@ -38,6 +38,8 @@ constexpr Demand kDemands[] = {{"tilt_deg", 0.05},
                                {"yaw_deg", 0.15},
                                {"pan_scale_percent", 0.1},
                                {"tilt_scale_percent", 0.1},
+                               {"pan_backlash_deg", 0.05},
+                               {"tilt_backlash_deg", 0.05},
                                {"joint_delay_ms", 2.0},
                                {"odometry_delay_ms", 10.0},
                                {"ring_m", 0.08}};
@@ -57,11 +59,14 @@ void addErrors(const BodyEstimate& estimate, const TrueRobot& truth, Json& row) 
   row["worst_angle_deg"] = radToDeg(e.worst_angle_rad);
   row["pan_scale_percent"] = 100 * e.pan_scale;
   row["tilt_scale_percent"] = 100 * e.tilt_scale;
+  row["pan_backlash_deg"] = radToDeg(e.backlash_rad.x());
+  row["tilt_backlash_deg"] = radToDeg(e.backlash_rad.y());
   row["joint_delay_ms"] = 1e3 * e.joint_delay_s;
   row["odometry_delay_ms"] = 1e3 * e.odometry_delay_s;
   row["row_time_us"] = 1e6 * e.row_time_s;
   row["ring_m"] = e.ring_m;
   row["ring_before_m"] = e.ring_before_m;
+  row["corner_noise"] = estimate.noise.corners;
   row["wheel_noise_m"] = estimate.noise.wheel_sqrtm;
   row["repeatability_deg"] = radToDeg(estimate.noise.repeatability_rad);
   row["rms_px"] = estimate.fit.rms_px;

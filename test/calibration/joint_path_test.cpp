@@ -22,11 +22,22 @@ TEST(JointPath, InterpolatesAndGoesOnBeyondItsEnds) {
   EXPECT_NEAR(path.spread(0.1, 0.9), 0.45, 1e-9) << "the samples around it";
 }
 
-TEST(JointPath, KnowsTheLastDirectionOfEachJoint) {
+TEST(JointPath, AMotorLeadsItsHeadInTheDirectionOfItsLastMotion) {
   const JointPath path(upAndDown());
-  EXPECT_EQ(path.directionAt(0.5).x(), 1.0);
-  EXPECT_EQ(path.directionAt(1.5).x(), -1.0);
-  EXPECT_EQ(path.directionAt(1.5).y(), 0.0) << "it never moved";
+  const Eigen::Vector2d backlash(0.02, 0.02);
+  EXPECT_EQ(path.leadAt(0.5, backlash).x(), 1.0);
+  EXPECT_EQ(path.leadAt(1.5, backlash).x(), -1.0);
+  EXPECT_EQ(path.leadAt(1.5, backlash).y(), 0.0) << "it never moved";
+  EXPECT_EQ(path.leadAt(0.0, backlash).x(), 0.0) << "it has not moved yet";
+}
+
+// At 1.02 s the pan has turned back by 0.01: half of a backlash of 0.02, a quarter of one of 0.04.
+TEST(JointPath, AReversalWithinTheBacklashLeavesTheHeadWhereItWas) {
+  const JointPath path(upAndDown());
+  EXPECT_NEAR(path.leadAt(1.02, {0.02, 0.02}).x(), 0.0, 1e-9);
+  EXPECT_NEAR(path.leadAt(1.02, {0.04, 0.02}).x(), 0.5, 1e-9);
+  EXPECT_EQ(path.leadAt(1.02, {0.0, 0.02}).x(), -1.0) << "readings are not better than 0.2 degrees";
+  EXPECT_NEAR(path.leadAt(1.02, {10.0, 0.02}).x(), 0.0, 1e-9) << "it never crossed that";
 }
 
 TEST(JointPath, RefusesStampsThatDoNotRise) {

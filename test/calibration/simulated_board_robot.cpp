@@ -19,12 +19,6 @@ constexpr std::size_t kLeastCorners = 8;
 /// A finder needs squares of about this area [px^2].
 constexpr double kLeastSquare_px2 = 64.0;
 
-Eigen::Vector3d middleOf(const BoardSpec& board) {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (int id = 0; id < board.corners(); ++id) middle += cornerPosition(board, id);
-  return middle / board.corners();
-}
-
 /// The end of a ring of 25 m, 9 x 3.5 m, driven along its sides and quarter turns, as wheels report it.
 Pose2 ringEnd(const WheelModel& truth, const WheelModel& believed) {
   Eigen::Vector3d pose = Eigen::Vector3d::Zero();
@@ -107,6 +101,7 @@ TrueRobot drawnRobot(std::uint64_t seed) {
   robot.odometry_delay_s = 0.075 + draw(0.075);
   robot.row_time_s = 25e-6 * (1.0 + unit(engine));
   robot.start = {-1.1 + draw(0.1), draw(0.2), degrees(10.0)};
+  robot.backlash_rad = {degToRad(0.25) + degrees(0.25), degToRad(0.25) + degrees(0.25)};
   return robot;
 }
 
@@ -114,15 +109,27 @@ Pose3 trueCameraPose(const TrueRobot& robot, const PanTilt& reported) {
   return cameraPose(parametersOf(robot), reported);
 }
 
+namespace {
+
+/// Its joints' angles are the reported ones.
+PanTiltParams headOf(const TrueRobot& truth) {
+  PanTiltParams params;
+  params.backlash_rad = {truth.backlash_rad.pan_rad / truth.pan_scale,
+                         truth.backlash_rad.tilt_rad / truth.tilt_scale};
+  return params;
+}
+
+}  // namespace
+
 SimulatedBoardRobot::SimulatedBoardRobot(const TrueRobot& truth, std::uint64_t seed, BoardPlace place)
     : truth_(truth),
       place_(place),
       board_(truth.board),
       engine_(subStream(seed, "board robot")),
-      head_(PanTiltParams{}) {
-  const Eigen::Vector3d middle = middleOf(board_);
+      head_(headOf(truth)) {
+  const Eigen::Vector3d middle = middlePosition(board_);
   pose_ = {truth.start.x + middle.x(), truth.start.y + middle.y(), truth.start.theta};
-  history_.push_back({head_.angles(), pose_, Eigen::Vector2d::Zero()});
+  history_.push_back({head_.headAngles(), pose_});
   record_.board = board_;
   record_.place = place;
   record_.intrinsics = boardCamera();
@@ -147,21 +154,14 @@ void SimulatedBoardRobot::step(double v_mps, double w_radps) {
   const double right = real(reported.right, truth_.wheels.right_scale);
   pose_ = pose_ * arcMotion(0.5 * (left + right), (right - left) / truth_.wheels.base_m, 1.0);
   odometry_ = odometry_ * arcMotion(v_, w_, kStep_s);
-  const PanTilt before = head_.angles();
   head_.step(kStep_s);
   const PanTilt angles = head_.angles();
-  const auto direction = [](double motion, double last) {
-    return motion == 0.0 ? last : motion > 0.0 ? 1.0 : -1.0;
-  };
   now_us_ += kStep_us;
-  history_.push_back({angles,
-                      pose_,
-                      {direction(angles.pan_rad - before.pan_rad, history_.back().direction.x()),
-                       direction(angles.tilt_rad - before.tilt_rad, history_.back().direction.y())}});
+  history_.push_back({head_.headAngles(), pose_});
   const auto seq = static_cast<std::uint64_t>(now_us_ / kStep_us);
   record_.joints.push_back({now_us_ + toStampUs(truth_.joint_delay_s), seq, angles.pan_rad, angles.tilt_rad});
   record_.odometry.push_back({now_us_ + toStampUs(truth_.odometry_delay_s), seq, odometry_, v_, w_});
-  const Eigen::Vector3d middle = middleOf(board_);
+  const Eigen::Vector3d middle = middlePosition(board_);
   farthest_ = std::max(farthest_, (pose_.position() - middle.head<2>()).norm());
 }
 
@@ -171,7 +171,7 @@ SimulatedBoardRobot::State SimulatedBoardRobot::stateAt(double time_s) const {
   const double share = place - static_cast<double>(i);
   const State& from = history_[i];
   const State& to = history_[i + 1];
-  return {interpolate(from.joints, to.joints, share), interpolate(from.pose, to.pose, share), from.direction};
+  return {interpolate(from.head, to.head, share), interpolate(from.pose, to.pose, share)};
 }
 
 std::optional<Eigen::Vector2d> SimulatedBoardRobot::project(const Eigen::Vector3d& p_board, double time_s,
@@ -180,16 +180,13 @@ std::optional<Eigen::Vector2d> SimulatedBoardRobot::project(const Eigen::Vector3
   board[kBoardRoll] = truth_.board_tilt_rad.x();
   board[kBoardPitch] = truth_.board_tilt_rad.y();
   board[kBoardHeight] = place_ == BoardPlace::kWall ? 0.3 : 0.0;
-  const Eigen::Vector3d middle = middleOf(board_);
+  const Eigen::Vector3d middle = middlePosition(board_);
   const Eigen::Vector3d real = middle + truth_.board_scale * (p_board - middle);
   const Eigen::Vector3d p_world = worldOfBoard<double>(board.data(), place_, real, middle);
   const State state = stateAt(time_s);
-  // Repeatability and backlash act on the true angle.
-  const PanTilt shifted{
-      state.joints.pan_rad +
-          (noise.pan_rad + truth_.pan_backlash_rad * state.direction.x()) / truth_.pan_scale,
-      state.joints.tilt_rad +
-          (noise.tilt_rad + truth_.tilt_backlash_rad * state.direction.y()) / truth_.tilt_scale};
+  // Repeatability acts on the true angle.
+  const PanTilt shifted{state.head.pan_rad + noise.pan_rad / truth_.pan_scale,
+                        state.head.tilt_rad + noise.tilt_rad / truth_.tilt_scale};
   const Pose3 T_world_camera = toPose3(state.pose) * cameraPose(parametersOf(truth_), shifted);
   const auto ideal = projectToIdeal(truth_.intrinsics, T_world_camera.inverse(Eigen::Isometry) * p_world);
   if (!ideal) return std::nullopt;
@@ -238,7 +235,7 @@ void SimulatedBoardRobot::look(StampUs stamp_us, BodyDrive& drive) {
   // Where the described robot sees the board.
   const BodyParameters described = nominalBody(describedMount(), record_.intrinsics, kDescribedBase_m);
   if (const auto board = boardPoseFrom(record_.intrinsics, board_, seen)) {
-    const Eigen::Vector3d p = cameraPose(described, head_.angles()) * *board * middleOf(board_);
+    const Eigen::Vector3d p = middleFromRobot(cameraPose(described, head_.angles()), *board, board_, place_);
     drive.seen(now_us_, transform(odometry_, p));
   }
   record_.views.push_back(std::move(seen));
@@ -293,6 +290,8 @@ BodyErrors errorsOf(const BodyParameters& estimate, const TrueRobot& truth) {
   e.tilt_scale = estimate.body[kTiltScale] / truth.tilt_scale - 1.0;
   e.joint_delay_s = estimate.body[kJointDelay] - truth.joint_delay_s;
   e.odometry_delay_s = estimate.wheels[kOdometryDelay] - truth.odometry_delay_s;
+  e.backlash_rad = {estimate.body[kPanBacklash] - truth.backlash_rad.pan_rad,
+                    estimate.body[kTiltBacklash] - truth.backlash_rad.tilt_rad};
   e.row_time_s = estimate.body[kRowTime] - truth.row_time_s;
   const WheelModel believed{estimate.wheels[kLeftScale], estimate.wheels[kRightScale],
                             estimate.wheels[kBase]};

@@ -22,8 +22,7 @@ struct TrueRobot {
   double tilt_scale = 1.0;
   double axis_skew_rad = 0.0;
   double repeatability_rad = 0.0;  ///< normal error of each view's joint angles
-  double pan_backlash_rad = 0.0;
-  double tilt_backlash_rad = 0.0;
+  PanTilt backlash_rad{0.0, 0.0};  ///< of the true angles
   WheelModel wheels;               ///< true travel = scale * reported; true base
   double wheel_noise_sqrtm = 0.0;  ///< of each wheel after one metre [m]
   double joint_delay_s = 0.0;      ///< stamps of joint samples are late by this
@@ -39,7 +38,7 @@ struct TrueRobot {
 };
 
 /// Errors drawn by seed: mount askew by up to 3 degrees and 3 cm, zeros up to 5 degrees, scales up to 3 %,
-/// wheels up to 3 % off, delays up to 150 ms.
+/// wheels up to 3 % off, delays up to 150 ms, backlash up to 0.5 degrees.
 TrueRobot drawnRobot(std::uint64_t seed);
 
 /// Camera of 640x480 and 60 degrees without distortion.
@@ -70,9 +69,8 @@ class SimulatedBoardRobot {
  private:
   /// Truth at one time.
   struct State {
-    PanTilt joints;  ///< as reported
+    PanTilt head;  ///< behind the backlash, in the scale of the reports
     Pose2 pose;
-    Eigen::Vector2d direction;  ///< of the joints' last motion
   };
 
   void step(double v_mps, double w_radps);
@@ -105,6 +103,7 @@ struct BodyErrors {
   double worst_angle_rad = 0.0;             ///< over a grid of joint readings
   double pan_scale = 0.0;
   double tilt_scale = 0.0;
+  Eigen::Vector2d backlash_rad = Eigen::Vector2d::Zero();  ///< of pan and tilt
   double joint_delay_s = 0.0;
   double odometry_delay_s = 0.0;
   double row_time_s = 0.0;

@@ -70,6 +70,7 @@ SimulationConfig configOf(const TrueRobot& truth, std::uint64_t seed) {
   camera.T_carrier_camera_body = mount.T_head_camera_body;
   camera.intrinsics = truth.intrinsics;
   camera.errors.gaussian = 2.0;
+  config.pan_tilt.backlash_rad = truth.backlash_rad;
   config.base.wheel_base_m = truth.wheels.base_m;
   config.odometry = noOdometryError();
   config.odometry.travel_sigma_sqrtm = truth.wheel_noise_sqrtm;

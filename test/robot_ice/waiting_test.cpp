@@ -70,6 +70,23 @@ TEST(LongPolls, StopAnswersEverybodyNowAndLater) {
   EXPECT_EQ(answered, 3);
 }
 
+TEST(LongPolls, ReportsEachRequestThatItKeeps) {
+  LongPolls polls;
+  std::size_t seen_waiting = 0;
+  int kept = 0;
+  polls.onKept([&] {
+    ++kept;
+    seen_waiting = polls.waiting();
+  });
+  polls.add(kNever, [](bool) { return true; });
+  EXPECT_EQ(kept, 0) << "it was answered at once";
+  polls.add(kNever, [](bool last_chance) { return last_chance; });
+  EXPECT_EQ(kept, 1);
+  EXPECT_EQ(seen_waiting, 1U);
+  polls.changed();
+  EXPECT_EQ(kept, 2) << "kept again";
+}
+
 TEST(LongPolls, BoundsHowManyWait) {
   LongPolls polls;
   int answered = 0;

@@ -120,6 +120,22 @@ TEST(SimulatedPanTilt, ReachesPositionsWithinItsLimitsAndRates) {
   EXPECT_NEAR(radToDeg(unit.angles().tilt_rad), -31.0, 1e-6);
 }
 
+TEST(SimulatedPanTilt, TheHeadFollowsWhenItsMotorHasCrossedTheBacklash) {
+  PanTiltParams params;
+  params.backlash_rad.pan_rad = degToRad(0.4);
+  SimulatedPanTilt unit{params};
+  const auto lagAfter = [&](double pan_deg) {
+    unit.command({PanTiltCommand::Kind::kPosition, degToRad(pan_deg), 0.1, 0.0, 0.0});
+    for (int i = 0; i < 200; ++i) unit.step(0.01);
+    EXPECT_NEAR(radToDeg(unit.angles().pan_rad), pan_deg, 1e-6);
+    EXPECT_EQ(unit.headAngles().tilt_rad, unit.angles().tilt_rad);
+    return radToDeg(unit.angles().pan_rad - unit.headAngles().pan_rad);
+  };
+  EXPECT_NEAR(lagAfter(10.0), 0.2, 1e-6);
+  EXPECT_NEAR(lagAfter(9.9), 0.1, 1e-6) << "within the backlash the head stays";
+  EXPECT_NEAR(lagAfter(5.0), -0.2, 1e-6);
+}
+
 TEST(Simulation, OdometryWithoutErrorIsTheTruth) {
   auto config = inCorridor();
   config.odometry = noOdometryError();

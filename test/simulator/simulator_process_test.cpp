@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <csignal>
 
 #include "common/robot_ice/base_ice.h"
@@ -99,6 +101,28 @@ TEST(SimulatorProcess, InLockStepTimeWaitsForWhoTakesImages) {
   }
   ASSERT_TRUE(simulation.setLockStep(0).ok());
   EXPECT_TRUE(eventually([&] { return simulation.status().stamp_us > last_us + 100'000; }));
+}
+
+TEST(SimulatorProcess, InLockStepTheNextImageComesWhenTheLastConsumerAsks) {
+  ComponentProcess process(
+      "simulator", {kConfig, kWorld, kEndpoint, "--Simulator.LockStep=2", "--Simulator.Camera.Rate_hz=10",
+                    "--Simulator.Camera.Width_px=64", "--Simulator.Camera.Height_px=48"});
+  ASSERT_TRUE(process.waitUntilReady());
+  Ice::CommunicatorHolder ice(Ice::initialize());
+  const auto camera = Ice::uncheckedCast<avm::CameraPrx>(ice->stringToProxy(process.proxy("cameraA")));
+  Ice::Long seq = -1;
+  auto shortest = std::chrono::steady_clock::duration::max();
+  for (int i = 0; i < 20; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    auto first = camera->getNextAsync("RGB8", seq);
+    const auto frame = camera->getNext("GRAY8", seq);
+    ASSERT_EQ(frame.state, avm::SourceState::Running) << frame.message;
+    ASSERT_EQ(first.get().image.seq, frame.image.seq);
+    seq = frame.image.seq;
+    shortest = std::min(shortest, std::chrono::steady_clock::now() - begin);
+  }
+  // The simulator looks ten times a second by itself.
+  EXPECT_LT(shortest, 50ms);
 }
 
 TEST(SimulatorProcess, ShowsTruthBesideImagesAndStartsAgainWhenReset) {

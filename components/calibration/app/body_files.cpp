@@ -160,6 +160,7 @@ nlohmann::json reportOf(const BodyEstimate& estimate) {
   json["corners"] = estimate.fit.corners;
   json["outliers"] = estimate.outliers;
   json["rms_px"] = estimate.fit.rms_px;
+  json["corner_noise"] = estimate.noise.corners;
   json["wheel_noise_m"] = estimate.noise.wheel_sqrtm;
   return json;
 }

@@ -4,7 +4,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "calibration/core/body/body_parameters.h"
+#include "calibration/core/body/body_start.h"
 #include "calibration/core/lens/board_pose.h"
 
 namespace vismem {
@@ -44,8 +44,6 @@ class Recorder {
         detector_(options.board) {
     record_.board = options.board;
     record_.place = options.place;
-    for (int id = 0; id < options.board.corners(); ++id) middle_ += cornerPosition(options.board, id);
-    middle_ /= options.board.corners();
   }
 
   BodyRecord run() {
@@ -140,8 +138,8 @@ class Recorder {
     const PanTiltSample& joints = record_.joints.back();
     const OdometrySample& odometry = record_.odometry.back();
     if (const auto board = boardPoseFrom(frame.intrinsics, options_.board, view)) {
-      const Eigen::Vector3d p =
-          cameraPose(options_.mount, joints.pan_rad, joints.tilt_rad) * *board * middle_;
+      const Pose3 T_robot_camera = cameraPose(options_.mount, joints.pan_rad, joints.tilt_rad);
+      const Eigen::Vector3d p = middleFromRobot(T_robot_camera, *board, options_.board, options_.place);
       drive_.seen(odometry.stamp_us, transform(odometry.T_odom_robot, p));
     }
     if (record_.views.empty() || view.stamp_us > record_.views.back().stamp_us) {
@@ -155,7 +153,6 @@ class Recorder {
   BodyDrive& drive_;
   const BodyRecorderOptions& options_;
   BoardDetector detector_;
-  Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();
   BodyRecord record_;
   bool has_frame_ = false;
   bool wanted_ = false;  ///< the next image is worth looking at

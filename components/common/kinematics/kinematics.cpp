@@ -114,7 +114,7 @@ void SimulatedPanTilt::halt() {
   }
 }
 
-void SimulatedPanTilt::stepJoint(Joint& joint, double low, double high, double dt_s) const {
+void SimulatedPanTilt::stepJoint(Joint& joint, double low, double high, double backlash, double dt_s) const {
   const double a = params_.acceleration_radps2;
   double rate = joint.wanted;
   if (joint.to_position) {
@@ -129,11 +129,14 @@ void SimulatedPanTilt::stepJoint(Joint& joint, double low, double high, double d
     joint.angle = std::clamp(joint.angle, low, high);
     joint.rate = 0.0;
   }
+  joint.head = std::clamp(joint.head, joint.angle - 0.5 * backlash, joint.angle + 0.5 * backlash);
 }
 
 void SimulatedPanTilt::step(double dt_s) {
-  stepJoint(pan_, params_.limits.min_pan_rad, params_.limits.max_pan_rad, dt_s);
-  stepJoint(tilt_, params_.limits.min_tilt_rad, params_.limits.max_tilt_rad, dt_s);
+  const PanTiltLimits& limits = params_.limits;
+  const PanTilt& backlash = params_.backlash_rad;
+  stepJoint(pan_, limits.min_pan_rad, limits.max_pan_rad, backlash.pan_rad, dt_s);
+  stepJoint(tilt_, limits.min_tilt_rad, limits.max_tilt_rad, backlash.tilt_rad, dt_s);
 }
 
 }  // namespace vismem

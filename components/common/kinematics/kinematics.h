@@ -75,9 +75,10 @@ struct PanTiltParams {
   PanTiltLimits limits{degToRad(-159.0), degToRad(159.0), degToRad(-31.0),
                        degToRad(31.0),   degToRad(150.0), degToRad(150.0)};
   double acceleration_radps2 = degToRad(1000.0);
+  PanTilt backlash_rad{0.0, 0.0};  ///< play between the motors, whose angles are reported, and the head
 };
 
-/// Two joints with limits of angle, rate and acceleration. *Single-threaded*.
+/// Two joints with limits of angle, rate and acceleration, and with backlash. *Single-threaded*.
 class SimulatedPanTilt {
  public:
   explicit SimulatedPanTilt(const PanTiltParams& params) : params_(params) {}
@@ -86,18 +87,22 @@ class SimulatedPanTilt {
   void step(double dt_s);
   /// Stops at once, until the next command.
   void halt();
+  /// Of the motors: as encoders report them.
   PanTilt angles() const { return {pan_.angle, tilt_.angle}; }
+  /// Of the head, which follows a motor that has crossed the backlash.
+  PanTilt headAngles() const { return {pan_.head, tilt_.head}; }
   const PanTiltParams& params() const { return params_; }
 
  private:
   struct Joint {
     double angle = 0.0;
+    double head = 0.0;  ///< angle behind the backlash
     double rate = 0.0;
     bool to_position = false;
     double wanted = 0.0;    ///< angle or rate
     double max_rate = 0.0;  ///< on the way to a position
   };
-  void stepJoint(Joint& joint, double low, double high, double dt_s) const;
+  void stepJoint(Joint& joint, double low, double high, double backlash, double dt_s) const;
 
   PanTiltParams params_;
   Joint pan_;

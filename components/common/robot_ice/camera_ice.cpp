@@ -38,11 +38,17 @@ void FrameBroadcaster::publish(Frame frame) {
   const auto encoded = std::make_shared<const EncodedFrame>(std::move(frame), jpeg_quality_);
   latest_.publish(encoded, seq);
   ++published_;
+  if (consumers_changed_) consumers_changed_();
   for (std::size_t format = 0; format < expected_.size(); ++format) {
     if (expected_[format] <= 0) continue;
     --expected_[format];
     encoded->jderobotImage(static_cast<FrameFormat>(format));
   }
+}
+
+void FrameBroadcaster::onConsumers(std::function<void()> changed) {
+  latest_.onKept(changed);
+  consumers_changed_ = std::move(changed);
 }
 
 void FrameBroadcaster::expect(FrameFormat format) {

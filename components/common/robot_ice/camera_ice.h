@@ -51,6 +51,8 @@ class FrameBroadcaster {
   Latest& latest() { return latest_; }
   /// Number of waiting clients.
   std::size_t waiting() const { return latest_.waiting(); }
+  /// Called whenever waiting() or published() has risen, on any thread. To be set before start().
+  void onConsumers(std::function<void()> changed);
   /// Number of published frames; all clients that waited for them have been answered.
   std::uint64_t published() const { return published_; }
 
@@ -63,6 +65,7 @@ class FrameBroadcaster {
   std::atomic<std::uint64_t> published_ = 0;
   /// By format: number of further frames that are encoded ahead.
   std::array<std::atomic<int>, 4> expected_{};
+  std::function<void()> consumers_changed_;
   Latest latest_{"no frame yet"};
   std::jthread thread_;  ///< last member: joined before the others are destroyed
 };

@@ -103,6 +103,8 @@ class LatestValue {
     polls_.stop();
   }
   std::size_t waiting() const { return polls_.waiting(); }
+  /// See LongPolls::onKept.
+  void onKept(std::function<void()> kept) { polls_.onKept(std::move(kept)); }
 
  private:
   bool isOther(std::optional<std::int64_t> have) const { return value_ && (!have || *have != revision_); }

@@ -38,6 +38,7 @@ void LongPolls::tryOrKeep(Request request) {
     }
     wake_.notify_all();
     if (oldest.attempt) oldest.attempt(true);
+    if (kept_) kept_();
     return;
   }
 }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace vismem {
@@ -27,6 +28,8 @@ class LongPolls {
   LongPolls(const LongPolls&) = delete;
   LongPolls& operator=(const LongPolls&) = delete;
 
+  /// Called after each request that is kept, on the thread that kept it. To be set before the first request.
+  void onKept(std::function<void()> kept) { kept_ = std::move(kept); }
   /// Tries at once and keeps an unanswered request. Above kMaxWaiting kept requests the oldest is answered
   /// early, which bounds the memory of the server.
   void add(std::chrono::milliseconds timeout, Attempt attempt);
@@ -56,6 +59,7 @@ class LongPolls {
   std::vector<Request> waiting_;  ///< in the order of their arrival
   std::uint64_t changes_ = 0;
   bool stopped_ = false;
+  std::function<void()> kept_;
   std::jthread timekeeper_;
 };
 

@@ -42,6 +42,7 @@ class SimulatorComponent : public Component {
     for (std::size_t i = 0; i < simulation_.outputs(); ++i) {
       frames_.push_back(std::make_unique<FrameBroadcaster>());
     }
+    frames_.front()->onConsumers([this] { simulation_.consumersChanged(); });
   }
 
   /// @throws ConfigError.

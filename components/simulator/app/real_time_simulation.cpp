@@ -17,8 +17,8 @@ constexpr auto kCommandPatience = 2s;
 /// Lag above which the clock is set back instead of catching up [us].
 constexpr StampUs kMaxLag_us = 100'000;
 constexpr StampUs kKept_us = 5 * kSecondUs;
-/// Period at which lock-step checks its consumers.
-constexpr auto kLockStepPoll = 200us;
+/// Longest pause between two rounds of the loop.
+constexpr auto kRound = 100ms;
 
 template <typename Sample>
 void append(std::deque<Sample>& ring, const Sample& sample) {
@@ -214,7 +214,7 @@ void RealTimeSimulation::loop(const std::stop_token& stop) {
       if (hooks_.on_round) hooks_.on_round();
       const auto next = advance();
       std::unique_lock lock(mutex_);
-      wake_loop_.wait_until(lock, stop, next, [&] { return !commands_.empty(); });
+      wake_loop_.wait_until(lock, stop, next, [&] { return !commands_.empty() || consumers_changed_; });
     }
   } catch (...) {
     failure = std::current_exception();
@@ -229,6 +229,15 @@ void RealTimeSimulation::loop(const std::stop_token& stop) {
   unanswered.clear();
   published_.notify_all();
   if (failure && hooks_.on_failure) hooks_.on_failure(failure);
+}
+
+void RealTimeSimulation::consumersChanged() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (status_.lock_step == 0) return;
+    consumers_changed_ = true;
+  }
+  wake_loop_.notify_all();
 }
 
 void RealTimeSimulation::runCommands() {
@@ -252,10 +261,11 @@ RealTimeSimulation::Clock::time_point RealTimeSimulation::advance() {
   {
     const std::lock_guard lock(mutex_);
     wanted = status_;
+    consumers_changed_ = false;
   }
   if (std::exchange(clock_changed_, false)) setOrigin(now);
   measureSpeed(now);
-  auto next = now + 100ms;
+  auto next = now + kRound;
   if (!wanted.paused) {
     next =
         wanted.lock_step > 0 ? advanceInLockStep(now, wanted.lock_step) : advanceByClock(now, wanted.speed);
@@ -289,7 +299,7 @@ RealTimeSimulation::Clock::time_point RealTimeSimulation::advanceInLockStep(Cloc
     taken = !frames_.front().has_value();
   }
   if (!taken || !hooks_.consumers_waiting || hooks_.consumers_waiting(given_out) < consumers) {
-    return now + kLockStepPoll;
+    return now + kRound;
   }
   if (!simulation_->frameDue()) simulation_->advanceToNextFrame();
   return now;
@@ -329,6 +339,7 @@ void RealTimeSimulation::measureSpeed(Clock::time_point now) {
 }
 
 void RealTimeSimulation::publishSamples() {
+  bool any = false;
   {
     const std::lock_guard lock(mutex_);
     const auto joints = simulation_->panTilt().samplesSince(newestOf(pan_tilt_samples_), 0ms);
@@ -336,11 +347,12 @@ void RealTimeSimulation::publishSamples() {
     const auto odometry = simulation_->base().samplesSince(newestOf(odometry_samples_), 0ms);
     for (const auto& sample : odometry.samples) append(odometry_samples_, sample);
     // Ground truth of every step since the last round; a kidnapping appears in the next one.
-    for (const auto& sample : simulation_->truthSince(newestOf(truth_samples_)))
-      append(truth_samples_, sample);
+    const auto truth = simulation_->truthSince(newestOf(truth_samples_));
+    for (const auto& sample : truth) append(truth_samples_, sample);
+    any = !joints.samples.empty() || !odometry.samples.empty() || !truth.empty();
     status_.stamp_us = simulation_->now();
   }
-  published_.notify_all();
+  if (any) published_.notify_all();
   for (const auto& problem : simulation_->takeScenarioProblems()) {
     if (hooks_.on_problem) hooks_.on_problem(problem);
   }

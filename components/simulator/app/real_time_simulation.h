@@ -31,7 +31,7 @@ class RealTimeSimulation : public SimulationControl {
     std::function<void(std::exception_ptr)> on_failure;  ///< the loop has ended by this
     std::function<void(const std::string&)> on_problem;  ///< an event of a scenario that failed
     /// Lock-step: number of consumers that have received all of the first camera's `frames` and wait for
-    /// another. Called about a thousand times a second while time waits; must not block.
+    /// another. Called after consumersChanged(); must not block.
     std::function<int(std::uint64_t frames)> consumers_waiting;
   };
 
@@ -46,6 +46,9 @@ class RealTimeSimulation : public SimulationControl {
   void start();
   /// Ends the loop and answers all waiting requests.
   void stop();
+
+  /// Lock-step: another consumer waits, or frames have arrived. Any thread.
+  void consumersChanged();
 
   FrameSource& camera() { return output(0); }
   /// Images of all cameras in their order, each followed by its ground truth where it is configured.
@@ -121,6 +124,7 @@ class RealTimeSimulation : public SimulationControl {
   std::condition_variable_any wake_loop_;
   std::condition_variable published_;
   bool running_ = false;
+  bool consumers_changed_ = false;
   std::deque<Command> commands_;
   SimulationStatus status_;
   std::vector<std::optional<Frame>> frames_;  ///< by output: the newest undelivered one

@@ -238,7 +238,7 @@ MobileBase& Simulation::base() {
 }
 
 Simulation::Carriers Simulation::carriers() const {
-  return {base_.pose(), walk_ ? walk_->posture() : BodyPosture{}, pan_tilt_.angles()};
+  return {base_.pose(), walk_ ? walk_->posture() : BodyPosture{}, pan_tilt_.headAngles()};
 }
 
 Pose3 Simulation::believedPose(const SimulatedCameraParams& camera, const Carriers& at) const {

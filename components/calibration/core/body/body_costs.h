@@ -36,6 +36,11 @@ void turnBack(int axis, const T& angle, Eigen::Matrix<T, 3, 1>& p) {
   p[j] = c * p[j] - s * a;
 }
 
+/// The board's middle in its own frame.
+inline Eigen::Vector3d middlePosition(const BoardSpec& board) {
+  return {0.5 * board.columns * board.square_m.x(), 0.5 * board.rows * board.square_m.y(), 0.0};
+}
+
 /// A point of the board on the floor or wall, in world coordinates: z up, the board's nominal pose at its
 /// origin. The board turns about its middle.
 template <typename T>
@@ -68,9 +73,9 @@ struct ViewCost {
       Eigen::Vector2d::Zero();  ///< described principal point: its ray is the camera's axis
   const JointPath* joints = nullptr;
   double stamp_s = 0.0;
-  double half_rows = 0.0;                               ///< from the middle row to the last
-  Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< of the joints' last motion
-  double v_mps = 0.0;                                   ///< of the robot at the stamp
+  double half_rows = 0.0;                          ///< from the middle row to the last
+  Eigen::Vector2d lead = Eigen::Vector2d::Zero();  ///< of the motors (JointPath::leadAt)
+  double v_mps = 0.0;                              ///< of the robot at the stamp
   double w_radps = 0.0;
 
   /// A point of the board in the camera's body axes (x ahead, y left, z up), at the time of a row.
@@ -94,9 +99,10 @@ struct ViewCost {
     // Unit to head.
     const T time = body[kJointDelay] + late + stamp_s;
     const Eigen::Matrix<T, 2, 1> reading = joints->at<T>(time, scalarOf(time));
-    turnBack<T>(2, body[kPanScale] * reading[0] + body[kPanBacklash] * direction[0] + deviation[0], p);
+    turnBack<T>(2, body[kPanScale] * reading[0] - body[kPanBacklash] * (0.5 * lead[0]) + deviation[0], p);
     turnBack<T>(0, body[kAxisSkew], p);
-    turnBack<T>(1, -(body[kTiltScale] * reading[1] + body[kTiltBacklash] * direction[1] + deviation[1]), p);
+    turnBack<T>(1, -(body[kTiltScale] * reading[1] - body[kTiltBacklash] * (0.5 * lead[1]) + deviation[1]),
+                p);
     // Head to the camera's body.
     for (int i = 0; i < 3; ++i) p[i] -= body[kCameraX + i];
     turnBack<T>(2, body[kCameraYaw], p);

@@ -23,6 +23,7 @@ constexpr StampUs kDriveView_us = 500'000;
 constexpr int kRingCorners = 6;
 /// Tilt beside the board's direction: the board goes through most of the image's height.
 constexpr double kBesideTilt_rad = degToRad(14.0);
+constexpr double kBesidePan_rad = degToRad(12.0);
 /// The second way around the board is nearer: another range of tilts.
 constexpr double kInnerRing = 0.75;
 constexpr double kArrived_m = 0.02;
@@ -156,19 +157,26 @@ void BodyDrive::addSweep(BodyDrivePhase phase, const Eigen::Vector2d& amplitude_
 }
 
 void BodyDrive::addRing(double from_rad, double turn_rad, double radius_m) {
-  for (int i = 1; i <= params_.rounds * kRingCorners; ++i) {
-    const double angle = from_rad + i * turn_rad;
+  int stops = 0;
+  for (int i = 0; i < params_.rounds * kRingCorners; ++i) {
+    const double angle = from_rad + (i + 1) * turn_rad;
     const Eigen::Vector2d corner = radius_m * Eigen::Vector2d(std::cos(angle), std::sin(angle));
     addStep(Step::Kind::kFace, BodyDrivePhase::kRing).target = corner;
     addStep(Step::Kind::kGo, BodyDrivePhase::kRing).target = corner;
-    const double side = degToRad(i % 2 == 0 ? 12.0 : -12.0);
-    addLooks(BodyDrivePhase::kRing, {{0.0, 0.0}, {side, kBesideTilt_rad}, {-side, -kBesideTilt_rad}});
-    if (i % 3 == 0) addSweep(BodyDrivePhase::kRing, {0.0, kSweepTilt_rad});
+    // Wheels are noisy and need way, which costs less time than looks: at every second corner, in the next
+    // round at the others.
+    if ((i + i / kRingCorners) % 2 != 0) continue;
+    // Across the board from all four sides in turn: the middle is reached in both directions of each joint,
+    // which shows its backlash.
+    const Eigen::Vector2d beside(stops % 2 == 0 ? kBesidePan_rad : -kBesidePan_rad,
+                                 stops % 4 < 2 ? kBesideTilt_rad : -kBesideTilt_rad);
+    addLooks(BodyDrivePhase::kRing, {beside, Eigen::Vector2d::Zero(), -beside});
+    if (++stops % 3 == 0) addSweep(BodyDrivePhase::kRing, {0.0, kSweepTilt_rad});
   }
 }
 
 void BodyDrive::makePlan(const BodyDriveState& state) {
-  // A grid of directions, each row from the other side than the one before: play of the joints shows.
+  // A grid of directions, each row from the other side than the one before, and down again: backlash shows.
   std::vector<Eigen::Vector2d> grid;
   for (int row = -1; row <= 1; ++row) {
     for (int column = -2; column <= 2; ++column) {
@@ -176,6 +184,7 @@ void BodyDrive::makePlan(const BodyDriveState& state) {
       grid.emplace_back(degToRad(9.0) * side, kBesideTilt_rad * row);
     }
   }
+  grid.insert(grid.end(), {{0.0, 0.0}, {0.0, -kBesideTilt_rad}});
   addLooks(BodyDrivePhase::kLooks, grid);
   addSweep(BodyDrivePhase::kSweeps, {kSweepPan_rad, 0.0});
   addSweep(BodyDrivePhase::kSweeps, {0.0, kSweepTilt_rad});

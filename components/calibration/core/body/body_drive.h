@@ -21,7 +21,7 @@ struct BodyDriveParams {
   double speed_mps = 0.3;
   double turn_rate_radps = 0.7;
   double look_rate_radps = 1.0;  ///< of the head while it looks
-  int rounds = 2;                ///< around the board, each way
+  int rounds = 4;                ///< around the board, each way
   bool drive = true;             ///< false: head only
 };
 
@@ -45,9 +45,9 @@ struct BodyDriveCommand {
 enum class BodyDrivePhase { kSearch, kLooks, kSweeps, kTurns, kRing, kDone, kStopped };
 
 /// The plan: find the board with the head; look at it at rest in a grid of directions; sweep the head over
-/// it; turn once each way; drive polygons around it both ways with stops at their corners. *Single-threaded.*
-/// Invariant: commands of the base are zero in kDone and kStopped, and whenever the robot is at the fence or
-/// the board has not been seen for kBlind_s: then the head looks for it again.
+/// it; turn once each way; drive polygons around it both ways with stops at every second corner.
+/// *Single-threaded.* Invariant: commands of the base are zero in kDone and kStopped, and whenever the robot
+/// is at the fence or the board has not been seen for kBlind_s: then the head looks for it again.
 class BodyDrive {
  public:
   static constexpr double kBlind_s = 6.0;

@@ -16,6 +16,11 @@ constexpr double kHuber = 3.0;
 constexpr double kOutlier = 5.0;
 /// Repetitions of the last stage, in which outliers and the noise of the wheels settle.
 constexpr int kRefinements = 4;
+/// Backlash that is worth a warning [rad].
+constexpr double kNotedBacklash = degToRad(0.1);
+/// Noise of the corners that the residuals may show [standard deviations of their finder].
+constexpr double kLeastCornerNoise = 0.3;
+constexpr double kMostCornerNoise = 10.0;
 /// Noise of the wheels that the residuals may show [m per sqrt(m)].
 constexpr double kLeastWheelNoise = 1e-4;
 constexpr double kMostWheelNoise = 0.05;
@@ -113,6 +118,7 @@ class Estimation {
     const auto refine = [](double& sigma, const std::optional<double>& by, double least, double most) {
       if (by) sigma = std::clamp(sigma * std::clamp(*by, 0.1, 10.0), least, most);
     };
+    refine(noise_.corners, ratio.corners, kLeastCornerNoise, kMostCornerNoise);
     refine(noise_.wheel_sqrtm, ratio.wheels, kLeastWheelNoise, kMostWheelNoise);
     refine(noise_.repeatability_rad, ratio.joints, kLeastRepeatability, kMostRepeatability);
   }
@@ -143,8 +149,7 @@ class Estimation {
       names.push_back(parameterInfos()[index].name);
       useful.push_back(parameterInfos()[index].useful_sigma);
     }
-    const double factor = std::max(1.0, std::pow(estimate_.fit.normalised_rms, 2));
-    const Observability known = analyse(information, names, useful, factor);
+    const Observability known = analyse(information, names, useful);
     estimate_.unknown = known.unknown;
     for (std::size_t i = 0; i < names.size(); ++i) {
       const std::size_t index = information.parameters[i];
@@ -193,11 +198,23 @@ class Estimation {
                                      "swapped or is their sign wrong?");
       }
     }
+    warnOfBacklash();
     if (record_.place == BoardPlace::kFloor) warnOfBoard();
     if (estimate_.fit.normalised_rms > 1.5) {
       std::ostringstream text;
       text << "corners scatter " << estimate_.fit.normalised_rms
            << " times as much as their finder states: is the board bent, or the lens out of date?";
+      estimate_.warnings.push_back(text.str());
+    }
+  }
+
+  void warnOfBacklash() {
+    for (const BodyIndex i : {kPanBacklash, kTiltBacklash}) {
+      const double backlash = estimate_.parameters.body[i];
+      if (backlash <= kNotedBacklash || !estimate_.isObservable(i)) continue;
+      std::ostringstream text;
+      text << "a " << parameterInfos()[i].name << " of " << std::round(radToDeg(backlash) * 100) / 100
+           << " degrees: the camera aims up to half of it beside its joint reading, which no key corrects";
       estimate_.warnings.push_back(text.str());
     }
   }

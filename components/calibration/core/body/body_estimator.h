@@ -25,7 +25,8 @@ struct BodyEstimatorParams {
   double aspect_sigma = 2e-4;
   /// Flatness of the board on the floor (roll, pitch) [rad].
   double flatness_sigma_rad = 0.0035;
-  double backlash_sigma_rad = 0.0017;
+  /// Of the joints, around none. A backlash that the views do not show widens the zeros by this.
+  double backlash_sigma_rad = 0.0087;
   std::vector<BodyKnowledge> knowledge;  ///< tape measures of the user
 };
 

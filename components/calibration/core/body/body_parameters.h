@@ -32,9 +32,9 @@ enum BodyIndex : std::size_t {
   kCameraYaw,
   kPanScale,
   kTiltScale,
-  kAxisSkew,      ///< turn of the tilt axis about the head's x axis, off a right angle to the pan axis
-  kPanBacklash,   ///< half of the play: true minus reported angle after a motion to the left
-  kTiltBacklash,  ///< the same after a motion upwards
+  kAxisSkew,     ///< turn of the tilt axis about the head's x axis, off a right angle to the pan axis
+  kPanBacklash,  ///< all of it: the head is half of it behind its motor, in the direction of the last motion
+  kTiltBacklash,
   kJointDelay,
   kRowTime,
   kBoardHeight,  ///< of the board's frame above the floor
@@ -54,10 +54,10 @@ inline constexpr std::size_t kWheelsSize = kOdometryDelay + 1;
 /// The unknowns of a robot that do not change while it drives [m, rad, s, px].
 struct BodyParameters {
   /// Mounting, joints, time of the joints, board. A reported joint angle r, stamped t, stands for the true
-  /// angle scale * r + backlash * direction at t - delay. Camera on head and unit on robot as in CameraMount,
-  /// rotations Rz(yaw) Ry(pitch) Rx(roll); the camera's axis is the ray of the principal point as described,
-  /// so that the mounting is right for the described lens too. Row time: from one image row to the next; a
-  /// frame's stamp is that of its middle row.
+  /// angle scale * r - backlash / 2 * lead at t - delay (JointPath::leadAt). Camera on head and unit on robot
+  /// as in CameraMount, rotations Rz(yaw) Ry(pitch) Rx(roll); the camera's axis is the ray of the principal
+  /// point as described, so that the mounting is right for the described lens too. Row time: from one image
+  /// row to the next; a frame's stamp is that of its middle row.
   std::array<double, kBodySize> body{};
   std::array<double, kLensSize> lens{};
   /// True travel of a wheel = scale * travel as reported by the odometry's own wheel radius and base; base:

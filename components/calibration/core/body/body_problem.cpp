@@ -25,6 +25,8 @@ constexpr double kLeastRedundancy = 5.0;
 constexpr double kSmallestScale = 0.3;
 constexpr double kSmallestBase_m = 0.02;
 
+using Blocks = std::vector<ceres::ResidualBlockId>;
+
 /// Knowledge of one entry of a block: (block[index] - value) / sigma.
 class EntryPrior final : public ceres::CostFunction {
  public:
@@ -88,11 +90,11 @@ struct BodyProblem::Impl {
   BodyPoses& poses;
   ceres::Problem problem;
   std::vector<ViewBlock> view_blocks;
-  std::vector<ceres::ResidualBlockId> wheel_blocks;
-  std::vector<ceres::ResidualBlockId> joint_blocks;
-  std::vector<ceres::ResidualBlockId> fact_blocks;  ///< knowledge
-  std::vector<std::size_t> free_parameters;         ///< in the order of the blocks
-  std::vector<double*> nuisance;                    ///< poses and deviations
+  Blocks wheel_blocks;
+  Blocks joint_blocks;
+  Blocks fact_blocks;                        ///< knowledge
+  std::vector<std::size_t> free_parameters;  ///< in the order of the blocks
+  std::vector<double*> nuisance;             ///< poses and deviations
 
   Impl(Inputs inputs, BodyStage s, BodyParameters& p, BodyPoses& q)
       : in(std::move(inputs)), stage(s), parameters(p), poses(q) {
@@ -106,9 +108,7 @@ struct BodyProblem::Impl {
 
   void addCorners() {
     const BodyRecord& record = *in.record;
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (int id = 0; id < record.board.corners(); ++id) middle += cornerPosition(record.board, id);
-    middle /= record.board.corners();
+    const Eigen::Vector3d middle = middlePosition(record.board);
     for (std::size_t v = 0; v < record.views.size(); ++v) {
       if (!isUsed(v)) continue;
       auto cost = std::make_unique<ViewCost>();
@@ -118,7 +118,8 @@ struct BodyProblem::Impl {
       cost->joints = in.joints;
       cost->stamp_s = stampOf(v);
       cost->half_rows = 0.5 * (record.intrinsics.height - 1);
-      cost->direction = in.joints->directionAt(cost->stamp_s + parameters.body[kJointDelay]);
+      cost->lead = in.joints->leadAt(cost->stamp_s + parameters.body[kJointDelay],
+                                     {parameters.body[kPanBacklash], parameters.body[kTiltBacklash]});
       const WheelTravel speed = in.wheels->speedAt(cost->stamp_s + parameters.wheels[kOdometryDelay]);
       const double left = parameters.wheels[kLeftScale] * speed.left;
       const double right = parameters.wheels[kRightScale] * speed.right;
@@ -136,7 +137,7 @@ struct BodyProblem::Impl {
       if (weight <= 0.0) continue;
       const BoardCorner& corner = record.views[v].corners[c];
       cost->corners.push_back({corner.pixel, cornerPosition(record.board, corner.id).head<2>(),
-                               std::sqrt(weight) / corner.sigma_px,
+                               std::sqrt(weight) / (in.noise.corners * corner.sigma_px),
                                corner.pixel.y() / (record.intrinsics.height - 1)});
       block.corners.push_back(c);
     }
@@ -235,7 +236,7 @@ struct BodyProblem::Impl {
     problem.SetParameterLowerBound(parameters.wheels.data(), kBase, kSmallestBase_m);
   }
 
-  std::vector<double> residualsOf(const std::vector<ceres::ResidualBlockId>& blocks) {
+  std::vector<double> residualsOf(const Blocks& blocks) {
     std::vector<double> residuals;
     if (blocks.empty()) return residuals;
     ceres::Problem::EvaluateOptions options;
@@ -245,10 +246,15 @@ struct BodyProblem::Impl {
     return residuals;
   }
 
-  /// Blocks that say something about the robot: all but the weak priors.
-  std::vector<ceres::ResidualBlockId> dataBlocks() const {
-    std::vector<ceres::ResidualBlockId> blocks;
+  Blocks cornerBlocks() const {
+    Blocks blocks;
     for (const ViewBlock& block : view_blocks) blocks.push_back(block.id);
+    return blocks;
+  }
+
+  /// Blocks that say something about the robot: all but the weak priors.
+  Blocks dataBlocks() const {
+    Blocks blocks = cornerBlocks();
     for (const auto* group : {&wheel_blocks, &joint_blocks, &fact_blocks}) {
       blocks.insert(blocks.end(), group->begin(), group->end());
     }
@@ -256,7 +262,7 @@ struct BodyProblem::Impl {
   }
 
   /// Columns: the free parameters, then poses and deviations.
-  Eigen::SparseMatrix<double> jacobian(const std::vector<ceres::ResidualBlockId>& blocks) {
+  Eigen::SparseMatrix<double> jacobian(const Blocks& blocks) {
     ceres::Problem::EvaluateOptions options;
     options.residual_blocks = blocks;
     for (const Block& block : blocksOf(parameters)) {
@@ -270,16 +276,15 @@ struct BodyProblem::Impl {
     return toEigen(crs);
   }
 
-  /// Calls use(view, corner, residual in standard deviations without its weight) for every used corner.
+  /// Calls use(view, corner, residual) for every used corner; the residual without its weight, in standard
+  /// deviations of the corners' finder.
   template <typename Use>
   void forCorners(const Use& use) {
-    std::vector<ceres::ResidualBlockId> blocks;
-    for (const ViewBlock& block : view_blocks) blocks.push_back(block.id);
-    const std::vector<double> residuals = residualsOf(blocks);
+    const std::vector<double> residuals = residualsOf(cornerBlocks());
     std::size_t at = 0;
     for (const ViewBlock& block : view_blocks) {
       for (const std::size_t corner : block.corners) {
-        const double scale = 1.0 / std::sqrt((*in.weights)[block.view][corner]);
+        const double scale = in.noise.corners / std::sqrt((*in.weights)[block.view][corner]);
         use(block.view, corner, std::hypot(residuals[at], residuals[at + 1]) * scale);
         at += 2;
       }
@@ -345,23 +350,40 @@ NoiseRatio BodyProblem::noiseRatio() {
   const Eigen::SparseMatrix<double> J = impl_->jacobian(impl_->dataBlocks());
   Eigen::SparseMatrix<double> H = J.transpose() * J;
   // The weak priors make it regular also where the data do not.
-  for (std::size_t i = 0; i < impl_->free_parameters.size(); ++i) {
-    const double sigma = parameterInfos()[impl_->free_parameters[i]].weak_sigma;
-    H.coeffRef(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) += 1.0 / (sigma * sigma);
+  const auto free = static_cast<Eigen::Index>(impl_->free_parameters.size());
+  Eigen::SparseMatrix<double> weak(free, H.cols());
+  for (Eigen::Index i = 0; i < free; ++i) {
+    weak.insert(i, i) =
+        1.0 / parameterInfos()[impl_->free_parameters[static_cast<std::size_t>(i)]].weak_sigma;
   }
+  H += Eigen::SparseMatrix<double>(weak.transpose() * weak);
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(H);
-  const auto ratioOf = [&](const std::vector<ceres::ResidualBlockId>& blocks) -> std::optional<double> {
-    if (blocks.empty()) return std::nullopt;
-    const Eigen::SparseMatrix<double> rows = impl_->jacobian(blocks);
+  const auto leverageOf = [&](const Eigen::SparseMatrix<double>& rows) {
     const Eigen::MatrixXd cofactor = solver.solve(Eigen::MatrixXd(rows.transpose()));
-    const double leverage = rows.transpose().cwiseProduct(cofactor).sum();
-    const double redundancy = static_cast<double>(rows.rows()) - leverage;
+    return rows.transpose().cwiseProduct(cofactor).sum();
+  };
+  // All leverages together are the number of unknowns: the many corners have what the others leave.
+  double others = leverageOf(weak);
+  const auto ratioOf = [&](const Blocks& blocks, double leverage) -> std::optional<double> {
+    const std::vector<double> residuals = impl_->residualsOf(blocks);
+    const double redundancy = static_cast<double>(residuals.size()) - leverage;
     if (redundancy < kLeastRedundancy) return std::nullopt;
     double squares = 0.0;
-    for (const double r : impl_->residualsOf(blocks)) squares += std::min(r * r, kWheelLoss * kWheelLoss);
+    for (const double r : residuals) squares += std::min(r * r, kWheelLoss * kWheelLoss);
     return std::sqrt(squares / redundancy);
   };
-  return {ratioOf(impl_->wheel_blocks), ratioOf(impl_->joint_blocks)};
+  const auto ratioOfFew = [&](const Blocks& blocks) -> std::optional<double> {
+    if (blocks.empty()) return std::nullopt;
+    const double leverage = leverageOf(impl_->jacobian(blocks));
+    others += leverage;
+    return ratioOf(blocks, leverage);
+  };
+  NoiseRatio ratio;
+  ratio.wheels = ratioOfFew(impl_->wheel_blocks);
+  ratio.joints = ratioOfFew(impl_->joint_blocks);
+  ratioOfFew(impl_->fact_blocks);
+  ratio.corners = ratioOf(impl_->cornerBlocks(), static_cast<double>(H.cols()) - others);
+  return ratio;
 }
 
 }  // namespace vismem

@@ -23,6 +23,7 @@ struct BodyKnowledge {
 
 /// Start values; the residuals refine them.
 struct BodyNoise {
+  double corners = 1.0;                ///< standard deviations over those that the corners' finder states
   double repeatability_rad = 0.00087;  ///< of a joint: 0.05 degrees
   double wheel_sqrtm = 0.002;          ///< of each wheel after one metre [m]
 };
@@ -42,7 +43,7 @@ struct BodyPoses {
 
 struct BodyFit {
   double rms_px = 0.0;          ///< of used corners, each way
-  double normalised_rms = 0.0;  ///< of used corners, in standard deviations
+  double normalised_rms = 0.0;  ///< of used corners, in standard deviations as their finder states them
   std::size_t corners = 0;      ///< used
   bool converged = false;
   std::string message;
@@ -50,6 +51,7 @@ struct BodyFit {
 
 /// Standard deviations that residuals show over those that were assumed; empty where the data say too little.
 struct NoiseRatio {
+  std::optional<double> corners;
   std::optional<double> wheels;
   std::optional<double> joints;
 };
@@ -82,7 +84,7 @@ class BodyProblem {
   /// Estimates of variance components (Foerstner 1979): a group's squared residuals over its redundancy,
   /// which is small where poses between images are free to follow the images.
   NoiseRatio noiseRatio();
-  /// Corner residuals in standard deviations, by view and corner; 0 for unused corners.
+  /// Corner residuals in standard deviations as stated, by view and corner; 0 for unused corners.
   std::vector<std::vector<double>> cornerErrors() const;
 
  private:

@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "calibration/core/body/body_costs.h"
 #include "calibration/core/lens/board_pose.h"
 #include "common/geometry/angles.h"
 
@@ -50,6 +51,17 @@ Eigen::Vector3d robotFromBoard(const Pose3& T_camera_board, BoardPlace place,
   const Pose2 pose =
       toPose2(T_world_board * (cameraPose(parameters, reported) * T_camera_board).inverse(Eigen::Isometry));
   return {pose.x, pose.y, pose.theta};
+}
+
+Eigen::Vector3d middleFromRobot(const Pose3& T_robot_camera, const Pose3& T_camera_board,
+                                const BoardSpec& board, BoardPlace place) {
+  const Eigen::Vector3d middle = middlePosition(board);
+  // From the camera to the middle in the board's frame, where its own axis points up.
+  Eigen::Vector3d way = middle - T_camera_board.inverse(Eigen::Isometry).translation();
+  way[place == BoardPlace::kFloor ? 2 : 1] = 0.0;
+  const Eigen::Vector3d camera = T_robot_camera.translation();
+  const Eigen::Vector3d ray = T_robot_camera * (T_camera_board * middle) - camera;
+  return camera + ray * (way.norm() / std::max(ray.head<2>().norm(), 1e-6));
 }
 
 std::vector<bool> stillViews(const BodyRecord& record, const JointPath& joints, const WheelPath& wheels) {

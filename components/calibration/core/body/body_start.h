@@ -22,4 +22,11 @@ BodyPoses startPoses(const BodyRecord& record, const WheelPath& wheels, const st
 Eigen::Vector3d robotFromBoard(const Pose3& T_camera_board, BoardPlace place,
                                const BodyParameters& parameters, const PanTilt& reported);
 
+/// The board's middle in the robot's frame, for BodyDrive::seen: in the direction that the described mounting
+/// says, at the distance that the board's own plane says. A camera that is described as tilted wrongly would
+/// get the distance wrong, and with it the ways around the board.
+/// @param T_robot_camera as described.
+Eigen::Vector3d middleFromRobot(const Pose3& T_robot_camera, const Pose3& T_camera_board,
+                                const BoardSpec& board, BoardPlace place);
+
 }  // namespace vismem

@@ -4,38 +4,17 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "common/geometry/angles.h"
-
 namespace vismem {
-namespace {
-
-/// Motion against the play of a joint: smaller steps of a reading are noise.
-constexpr double kMotion_rad = degToRad(0.3);
-
-}  // namespace
 
 JointPath::JointPath(const std::vector<PanTiltSample>& samples) {
   if (samples.size() < 2) throw std::invalid_argument("fewer than two samples of the joints");
-  Eigen::Vector2d turning_point(samples.front().pan_rad, samples.front().tilt_rad);
-  Eigen::Vector2d direction = Eigen::Vector2d::Zero();
   for (const PanTiltSample& sample : samples) {
     const double stamp_s = toSeconds(sample.stamp_us);
     if (!stamps_s_.empty() && stamp_s <= stamps_s_.back()) {
       throw std::invalid_argument("the joints' stamps do not rise");
     }
-    const Eigen::Vector2d angles(sample.pan_rad, sample.tilt_rad);
-    for (int j = 0; j < 2; ++j) {
-      const double way = angles[j] - turning_point[j];
-      if (way * direction[j] > 0.0) {
-        turning_point[j] = angles[j];
-      } else if (std::abs(way) > kMotion_rad) {
-        direction[j] = way > 0.0 ? 1.0 : -1.0;
-        turning_point[j] = angles[j];
-      }
-    }
     stamps_s_.push_back(stamp_s);
-    angles_.push_back(angles);
-    directions_.push_back(direction);
+    angles_.emplace_back(sample.pan_rad, sample.tilt_rad);
   }
 }
 
@@ -56,8 +35,25 @@ double JointPath::spread(double from_s, double to_s) const {
   return (most - least).maxCoeff();
 }
 
-Eigen::Vector2d JointPath::directionAt(double time_s) const {
-  return directions_[stepAt(time_s)];
+Eigen::Vector2d JointPath::leadAt(double time_s, const Eigen::Vector2d& backlash_rad) const {
+  const Eigen::Vector2d now = at(time_s);
+  Eigen::Vector2d lead = Eigen::Vector2d::Zero();
+  for (int j = 0; j < 2; ++j) {
+    // The last motion across the backlash ended in an extreme, where the head was half of it behind. It has
+    // not moved since: the motor stayed within the backlash of that extreme.
+    const double width = std::max(backlash_rad[j], kLeastBacklash_rad);
+    double low = now[j];
+    double high = now[j];
+    for (std::size_t i = stepAt(time_s) + 1; i-- > 0;) {
+      low = std::min(low, angles_[i][j]);
+      high = std::max(high, angles_[i][j]);
+      if (high - low < width) continue;
+      lead[j] = angles_[i][j] == high ? 2.0 * (now[j] - low) / width - 1.0  // it came down
+                                      : 1.0 - 2.0 * (high - now[j]) / width;
+      break;
+    }
+  }
+  return lead;
 }
 
 }  // namespace vismem

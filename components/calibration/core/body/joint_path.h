@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "common/geometry/angles.h"
 #include "common/robot/samples.h"
 
 namespace vismem {
@@ -30,15 +31,18 @@ class JointPath {
   Eigen::Vector2d at(double time_s) const { return at<double>(time_s, time_s); }
   /// Largest minus smallest angle of the samples around a span of time, of the joint that moved more [rad].
   double spread(double from_s, double to_s) const;
-  /// Direction of each joint's last motion before a stamp: 1 (left, up), -1, or 0 if there was none.
-  Eigen::Vector2d directionAt(double time_s) const;
+  /// How far each motor leads its head at a stamp, in halves of the joint's backlash: 1 after a motion to the
+  /// left or up, -1 after one to the right or down, in between after a reversal that has not crossed the
+  /// backlash, 0 before the first motion that has.
+  /// @param backlash_rad of pan and tilt; smaller ones count as kLeastBacklash_rad: readings are not exact.
+  Eigen::Vector2d leadAt(double time_s, const Eigen::Vector2d& backlash_rad) const;
+  static constexpr double kLeastBacklash_rad = degToRad(0.2);
 
  private:
   std::size_t stepAt(double time_s) const;
 
   std::vector<double> stamps_s_;
   std::vector<Eigen::Vector2d> angles_;
-  std::vector<Eigen::Vector2d> directions_;  ///< of the last motion up to each sample
 };
 
 }  // namespace vismem

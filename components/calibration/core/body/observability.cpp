@@ -31,7 +31,7 @@ UnknownDirection describe(const Eigen::VectorXd& direction, const std::vector<st
 }  // namespace
 
 Observability analyse(const ParameterInformation& information, const std::vector<std::string_view>& name,
-                      const std::vector<double>& useful_sigma, double variance_factor) {
+                      const std::vector<double>& useful_sigma) {
   const auto n = static_cast<Eigen::Index>(name.size());
   const Eigen::Map<const Eigen::VectorXd> unit(useful_sigma.data(), n);
   const Eigen::MatrixXd scaled = unit.asDiagonal() * information.matrix * unit.asDiagonal();
@@ -40,7 +40,7 @@ Observability analyse(const ParameterInformation& information, const std::vector
   Eigen::VectorXd variance = Eigen::VectorXd::Zero(n);
   result.covariance = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index k = 0; k < n; ++k) {
-    const double value = std::max(eigen.eigenvalues()[k], kRounding) / variance_factor;
+    const double value = std::max(eigen.eigenvalues()[k], kRounding);
     const Eigen::VectorXd direction = eigen.eigenvectors().col(k);
     variance += direction.cwiseAbs2() / value;
     result.covariance += direction * direction.transpose() / value;

@@ -31,8 +31,7 @@ struct Observability {
 };
 
 /// @param name and useful_sigma by row: a parameter with a larger standard deviation is not observable.
-/// @param variance_factor multiplies all variances (residuals larger than assumed).
 Observability analyse(const ParameterInformation& information, const std::vector<std::string_view>& name,
-                      const std::vector<double>& useful_sigma, double variance_factor);
+                      const std::vector<double>& useful_sigma);
 
 }  // namespace vismem
