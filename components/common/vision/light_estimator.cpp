@@ -19,16 +19,16 @@ constexpr std::array<double, 2> kDistance_px{1.5, 2.5};  // bright, dark side: s
 constexpr int kPlaces = 9;                               // along an edge
 constexpr double kTrim = 0.15;                           // share of the length left out at each end
 
-// When another light takes the place of the neutral one: that one names next to nothing, or its names change.
-// While its names stay, what it does not name may be texture that a brighter light would name.
-constexpr double kNextToNothing = 0.12;
-constexpr double kTimesNothing = 2.0;  // that the other one must name
-constexpr double kTimesNeutral = 1.5;  // that the other one must name when names change
-constexpr double kNamed = 0.85;        // of the edges with a neutral name the other light must name,
-constexpr double kNamedAlike = 0.7;    // and may name at most so many of them alike
-constexpr double kLeastShare = 0.2;    // that another light must name
-constexpr double kFollows = 0.01;      // of the share, for a small change of a light that is not neutral
-constexpr double kShareFell = 0.1;     // since the last search: searches at once
+// The neutral light ends when it names next to nothing, or when another light changes its names. While its
+// names stay, the edges without a name may be texture, which a brighter light would name.
+constexpr double kNextToNothing = 0.12;  // share of the edges
+constexpr double kTimesNothing = 2.0;    // that another light must then name
+constexpr double kTimesNeutral = 1.5;    // that another light must name when it changes names
+constexpr double kNamed = 0.85;          // share of the edges with a neutral name that it must name, too
+constexpr double kNamedAlike = 0.7;      // share of them that may keep their name
+constexpr double kLeastShare = 0.2;      // that another light must name
+constexpr double kFollows = 0.01;        // of the share, for a small change of a light that is not neutral
+constexpr double kShareFell = 0.1;       // since the last search: searches at once
 
 // Prior deviations of the unknowns, and the share that one of them costs.
 const Eigen::Matrix<double, 5, 1> kPrior{0.7, 0.25, 0.35, 0.25, 0.5};

@@ -43,7 +43,7 @@ struct BodyPoses {
 
 struct BodyFit {
   double rms_px = 0.0;          ///< of used corners, each way
-  double normalised_rms = 0.0;  ///< of used corners, in standard deviations as their finder states them
+  double normalised_rms = 0.0;  ///< of used corners, in standard deviations of their finder
   std::size_t corners = 0;      ///< used
   bool converged = false;
   std::string message;
@@ -84,7 +84,8 @@ class BodyProblem {
   /// Estimates of variance components (Foerstner 1979): a group's squared residuals over its redundancy,
   /// which is small where poses between images are free to follow the images.
   NoiseRatio noiseRatio();
-  /// Corner residuals in standard deviations as stated, by view and corner; 0 for unused corners.
+  /// Corner residuals in standard deviations of the corners' finder, by view and corner; 0 for unused
+  /// corners.
   std::vector<std::vector<double>> cornerErrors() const;
 
  private:
