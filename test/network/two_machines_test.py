@@ -72,6 +72,9 @@ def all_running(line):
 class TwoMachines(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
+        if not os.path.exists(FAKETIME):
+            # The loader would go on without it, and certificates that should have ended would be good ones.
+            raise FileNotFoundError(f"{FAKETIME} is missing: scripts/setup network")
         cls.folder = cls.enterClassContext(tempfile.TemporaryDirectory(prefix="vismem_network_"))
         cls.network = cls.enterClassContext(Network())
         cls.pki = os.path.join(cls.folder, "pki")
