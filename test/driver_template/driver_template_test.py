@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -52,13 +53,26 @@ class DriverTemplate(unittest.TestCase):
             port = re.search(r"-p (\d+)", process.stdout.readline()).group(1)
             with Ice.initialize(["", "--Ice.MessageSizeMax=16384", "--Ice.Default.InvocationTimeout=5000"]) as communicator:
                 camera = avm.CameraPrx.checkedCast(communicator.stringToProxy(f"cameraA:tcp -h 127.0.0.1 -p {port}"))
-                image = camera.getImageData("RGB8")
+                image = self.first_image(camera)
                 self.assertEqual((image.description.width, image.description.height), (320, 240))
                 self.assertEqual(set(bytes(image.pixelData)), {90})
         finally:
             process.terminate()
             self.assertEqual(process.wait(SERVER_S), 0)
             process.stdout.close()
+
+    @staticmethod
+    def first_image(camera):
+        """A camera serves before its first image, and says "no frame yet" until then."""
+        import jderobot
+        end = time.monotonic() + SERVER_S
+        while True:
+            try:
+                return camera.getImageData("RGB8")
+            except jderobot.HardwareFailedException:
+                if time.monotonic() > end:
+                    raise
+                time.sleep(0.02)
 
     def test_wrong_keys_are_named_like_those_of_built_in_drivers(self):
         done = subprocess.run([self.server, "--CameraServer.Camera.cameraA.Driver=template",
