@@ -23,7 +23,8 @@ struct LikelihoodParams {
   bool direction_gate = true;   ///< compare points with map segments of similar direction only
   double direction_gate_rad = degToRad(20.0);
   /// Prior standard deviations of the camera tilt error per axis: its lasting part (calibration) and its part
-  /// in a single image (bumps, a walking body). Both are estimated with the pose; 0: fixed at 0.
+  /// in a single image (bumps, a walking body). Both are estimated with the pose; 0: fixed at 0. The lasting
+  /// part is small: a larger one takes up errors of lens and map.
   double tilt_bias_rad = degToRad(0.1);
   double frame_tilt_rad = degToRad(0.2);
   /// Standard deviations of the memory's position and heading as a rigid whole, relative to the current pose
