@@ -31,14 +31,14 @@ class Relay(threading.Thread):
 
     def __init__(self, port, target):
         super().__init__(daemon=True)
-        self.target, self.cut = target, False
+        self.target, self.cut, self.ended = target, False, False
         self.listener = socket.create_server(("127.0.0.1", port), backlog=64)
         self.selector = selectors.DefaultSelector()
         self.selector.register(self.listener, selectors.EVENT_READ)
         self.start()
 
     def run(self):
-        while True:
+        while not self.ended:
             if self.cut:
                 time.sleep(0.05)
                 continue
@@ -49,6 +49,14 @@ class Relay(threading.Thread):
                     self._accept()
                 else:
                     self._pass_on(key.fileobj, key.data)
+
+    def close(self):
+        """Ends the relay and frees its port for the next one."""
+        self.ended = True
+        self.join()
+        for key in list(self.selector.get_map().values()):
+            key.fileobj.close()
+        self.selector.close()
 
     def _accept(self):
         client, _ = self.listener.accept()
@@ -113,6 +121,8 @@ class Application:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+        for relay in self.relays.values():
+            relay.close()
         self.communicator.destroy()
 
     @staticmethod
@@ -151,7 +161,9 @@ class Application:
     def start(self, name):
         log = os.path.join(self.folder, name + ".log")
         with open(log, "ab") as stream:
-            process = subprocess.Popen(self._command(name), cwd=ROOT, stdout=subprocess.PIPE, stderr=stream, text=True)
+            # In a session of its own: the end of a terminal ends the series or nothing, never its processes alone.
+            process = subprocess.Popen(self._command(name), cwd=ROOT, stdout=subprocess.PIPE, stderr=stream, text=True,
+                                       start_new_session=True)
         self.processes[name] = process
         line = process.stdout.readline()
         threading.Thread(target=process.stdout.read, daemon=True).start()
@@ -179,6 +191,11 @@ class Application:
 
     def now_s(self):
         return self.simulation.status().stampUs / 1e6
+
+    def head_goal(self):
+        """(pan, tilt) of the last position command [rad]."""
+        goal = self.pantilt.getPanTiltStatus().goal
+        return goal.panRad, goal.tiltRad
 
     def memory_kB(self, name):
         with open(f"/proc/{self.processes[name].pid}/status") as file:

@@ -12,8 +12,8 @@ import Ice
 
 from robot_application import HERE, Application, avm
 
-# The base stands this long after its last command, of simulated time; a head's last command may take longer.
-BASE_STANDS_S, HEAD_HOLDS_S, WATCH_S = 0.5, 2.0, 3.0
+# Of simulated time: this long after its last command the base stands, and the head turns to nowhere but that command's goal.
+BRAKED_S, WATCH_S = 0.5, 3.0
 STILL_M, STILL_RAD = 0.001, 0.001
 WALL_LIMIT_S = 60
 
@@ -73,20 +73,28 @@ class Faults:
 
     def _motors_stand(self, victim):
         """Lets time go on without the victim and looks at the motor that it commands."""
+        head = victim != "commander"
+        # What the victim had sent arrives; time stands still meanwhile, because it waits for two consumers.
+        time.sleep(0.3)
         try:
             begin = self.app.now_s()
+            goal = self.app.head_goal()
             self.app.follow(1)
             samples = self._samples(victim, begin)
+            other_goal = self.app.head_goal()
         except Ice.Exception as problem:
             return [f"no look at the motors: {type(problem).__name__}"]
         if len(samples) < 10:
             return [f"only {len(samples)} samples of the motors"]
-        still_after = BASE_STANDS_S if victim == "commander" else HEAD_HOLDS_S
-        late = [values for stamp, values in samples if stamp > begin + still_after]
-        moved = max((max(math.dist(late[0][:2], one[:2]), abs(one[2] - late[0][2])) for one in late), default=0.0)
-        if moved > max(STILL_M, STILL_RAD):
-            return [f"{'base' if victim == 'commander' else 'head'} moved by {moved:.4f} (m or rad) without {victim}"]
-        return []
+        late = [values for stamp, values in samples if stamp > begin + BRAKED_S]
+        if not head:
+            moved = max((max(math.dist(late[0][:2], one[:2]), abs(one[2] - late[0][2])) for one in late), default=0.0)
+            return [f"base moved by {moved:.4f} (m or rad) without {victim}"] if moved > max(STILL_M, STILL_RAD) else []
+        if math.dist(goal, other_goal) > STILL_RAD:
+            return [f"head was sent from {goal} to {other_goal} without {victim}"]
+        return [f"head turned from {a:.4f} to {b:.4f}, away from its last command's {end:.4f}, without {victim}"
+                for axis, end in enumerate(goal) for (a, b) in ((one[axis], two[axis]) for one, two in zip(late, late[1:]))
+                if abs(b - end) > abs(a - end) + STILL_RAD][:1]
 
     def _samples(self, victim, begin):
         """(stamp [s], three values) of the base or the head, until WATCH_S after `begin`."""
