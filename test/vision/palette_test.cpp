@@ -108,7 +108,7 @@ TEST(Palette, ReportsEveryProblemAtOnceWithItsLine) {
                  "class.b = saturation 60..20\n"
                  "class.c = brightness 0..10\n"
                  "class.d = value 10\n"
-                 "class.a = value 0..1\n"
+                 "class.a = hue 10..400\n"
                  "what is this\n"
                  "colour.x = value 0..1\n"
                  "pair.e = a sky\n"
@@ -122,7 +122,7 @@ TEST(Palette, ReportsEveryProblemAtOnceWithItsLine) {
           "p.palette:2: class.b = saturation 60..20 (LO must not be above HI)",
           "p.palette:3: class.c = brightness 0..10 (must be hue, saturation or value)",
           "p.palette:4: class.d = value 10 (must be LO..HI)",
-          "p.palette:5: class.a = value 0..1 (already given in line 1)",
+          "p.palette:5: class.a = hue 10..400 (already given in line 1)",
           "p.palette:6: \"what is this\" (must be KEY = VALUE)",
           "p.palette:7: colour.x = value 0..1 (unknown key, must be class.NAME, pair.LABEL or stripe.NAME)",
           "p.palette:9: pair.any = a b (\"any\" is reserved)",
@@ -130,6 +130,32 @@ TEST(Palette, ReportsEveryProblemAtOnceWithItsLine) {
           "p.palette:8: pair.e = a sky (no class \"sky\")",
           "p.palette:11: pair.g = b a (these classes already are \"f\")",
           "p.palette:12: stripe.line = edge (no pair has that label)"));
+}
+
+TEST(Palette, AClassHasSeveralRegionsAndALabelSeveralPairs) {
+  const auto palette = Palette::parse(
+      "class.floor = value 0..20\n"
+      "class.paint = hue 200..240 saturation 50..100 value 30..100\n"
+      "class.floor = saturation 0..20 value 25..40\n"
+      "class.wall  = value 60..100\n"
+      "pair.edge = wall floor\n"
+      "pair.edge = wall paint\n"
+      "pair.mark = floor paint\n",
+      "p.palette");
+  const ColorClass dark = palette.classOf(30, 30, 30);
+  const ColorClass light = palette.classOf(80, 80, 80);
+  const ColorClass paint = palette.classOf(20, 40, 140);
+  const ColorClass wall = palette.classOf(250, 250, 250);
+  EXPECT_NE(dark, light);
+  EXPECT_EQ(palette.className(dark), "floor");
+  EXPECT_EQ(palette.className(light), "floor");
+  for (const ColorClass floor : {dark, light}) {
+    EXPECT_EQ(palette.label(floor, wall), "edge");
+    EXPECT_EQ(palette.label(floor, paint), "mark");
+  }
+  EXPECT_EQ(palette.label(wall, paint), "edge");
+  EXPECT_EQ(palette.label(dark, light), kUnknownLabel) << "two regions of one class are no pair";
+  EXPECT_THAT(palette.labels(), ElementsAre("edge", "mark"));
 }
 
 TEST(Palette, WithoutAClassIsAnError) {

@@ -1,4 +1,4 @@
-/// @file Images for `calibrate lens`: from a folder, a recording, or a running camera.
+/// @file Images to calibrate with and to learn colours from: from a folder, a recording, or a running camera.
 #pragma once
 
 #include <cstdint>

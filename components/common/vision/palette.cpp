@@ -121,13 +121,16 @@ class Reader {
     }
     const std::string_view key = trim(text.substr(0, equals));
     const std::string_view value = trim(text.substr(equals + 1));
-    const auto [first, is_new] = seen_.try_emplace(std::string(key), line);
+    const auto dot = key.find('.');
+    const std::string_view kind = key.substr(0, dot);
+    // Classes have regions, labels pairs, as many as they need; the same one twice is a mistake.
+    const std::string once =
+        kind == "stripe" ? std::string(key) : std::string(key) + '=' + std::string(value);
+    const auto [first, is_new] = seen_.try_emplace(once, line);
     if (!is_new) {
       problem(line, key, value, "already given in line " + std::to_string(first->second));
       return;
     }
-    const auto dot = key.find('.');
-    const std::string_view kind = key.substr(0, dot);
     if (dot == std::string_view::npos || (kind != "class" && kind != "pair" && kind != "stripe")) {
       problem(line, key, value, "unknown key, must be class.NAME, pair.LABEL or stripe.NAME");
       return;
@@ -322,8 +325,13 @@ Palette Palette::parse(std::string_view text, const std::string& file_name) {
                      "these classes already are \"" + palette.labels_[a * side + b] + '"');
       continue;
     }
-    palette.labels_[a * side + b] = pair.label;
-    palette.labels_[b * side + a] = pair.label;
+    for (std::size_t i = 1; i < side; ++i) {
+      for (std::size_t j = 1; j < side; ++j) {
+        if (palette.classes_[i - 1].name != pair.a || palette.classes_[j - 1].name != pair.b) continue;
+        palette.labels_[i * side + j] = pair.label;
+        palette.labels_[j * side + i] = pair.label;
+      }
+    }
   }
   for (const auto& stripe : reader.stripes) {
     if (!edge_labels.contains(stripe.edge)) {

@@ -9,8 +9,9 @@
 ///
 /// `class.NAME`: a region of colours; hue in degrees 0..360 (340..20 wraps over red), saturation and value in
 /// per cent; a part left out is the whole range; a colour belongs to the first class of the file that has it.
-/// `pair.LABEL`: the label of an edge between two classes, in either order. `stripe.NAME`: rows of a map
-/// called NAME with a width are stripes; both their edges have that label.
+/// Several lines of one name are regions of one class. `pair.LABEL`: the label of an edge between two classes,
+/// in either order; a label may have several pairs. `stripe.NAME`: rows of a map called NAME with a width are
+/// stripes; both their edges have that label.
 #pragma once
 
 #include <array>
@@ -72,14 +73,14 @@ class Palette {
   std::vector<ColorClass> allClassesOf(std::uint8_t red, std::uint8_t green, std::uint8_t blue) const;
   /// Classes that no colour gets, one line each with file, line and reason.
   const std::vector<std::string>& warnings() const { return warnings_; }
-  /// Classes are numbered 1..classCount().
+  /// Classes are numbered 1..classCount(); every region of a class of several has a number of its own.
   int classCount() const { return static_cast<int>(classes_.size()); }
   const ColorClassDefinition& definition(ColorClass color_class) const {
     return classes_.at(color_class - 1U);
   }
   /// "none" for no class.
   const std::string& className(ColorClass color_class) const;
-  /// @return the class of that name, or kNoColorClass.
+  /// @return the class (its first region) of that name, or kNoColorClass.
   ColorClass classNamed(std::string_view name) const;
 
   /// Label of an edge between two classes (either order); kUnknownLabel where no pair names it.

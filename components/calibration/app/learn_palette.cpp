@@ -1,0 +1,255 @@
+// learn_palette: a palette from images of a place (V3, B5).
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <sstream>
+
+#include "calibration/app/lens_images.h"
+#include "calibration/app/output_files.h"
+#include "calibration/core/colours/palette_learner.h"
+#include "common/config/config_error.h"
+#include "common/config/text_file.h"
+#include "common/tool/command_line_tool.h"
+#include "common/tool/progress_line.h"
+#include "common/vision/app/image_file.h"
+#include "common/vision/app/palette_picture.h"
+#include "common/vision/segment_extractor.h"
+
+namespace {
+
+using namespace vismem;
+
+constexpr std::size_t kPictures = 3;
+constexpr std::size_t kShown = 12;
+constexpr double kSecondsStep_s = 0.005;  // of the names of shown images
+
+struct Options {
+  std::string bag;
+  std::string images;
+  std::string topic;
+  std::string clicks;
+  std::filesystem::path out;
+  std::filesystem::path picture;
+  std::filesystem::path show;
+  std::size_t most_images = 80;
+};
+
+/// A line of the file of clicks.
+struct Click {
+  std::string where;  ///< file and line, for messages
+  std::string name;
+  std::string image;                                         ///< as it stands in the file
+  double seconds = std::numeric_limits<double>::infinity();  ///< the same, if it is a number
+  Eigen::Vector2i px;
+  bool is_done = false;
+};
+
+std::vector<Click> readClicks(const std::string& file) {
+  std::vector<Click> clicks;
+  std::vector<std::string> problems;
+  std::istringstream lines(readTextFile(file, "a file of clicks"));
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    Click click;
+    click.where = file + ":" + std::to_string(number);
+    std::string rest;
+    if (!(words >> click.name)) continue;
+    if (!(words >> click.image >> click.px.x() >> click.px.y()) || words >> rest) {
+      problems.push_back(
+          click.where + ": \"" + line +
+          "\" (must be NAME IMAGE U V: a class, seconds after the first image or a file of the "
+          "folder, and the pixel)");
+      continue;
+    }
+    std::istringstream text(click.image);
+    double seconds = 0.0;
+    if (text >> seconds && text.peek() == std::istringstream::traits_type::eof()) click.seconds = seconds;
+    clicks.push_back(click);
+  }
+  if (!problems.empty()) throw ConfigError(problems);
+  return clicks;
+}
+
+/// The images of a drive: every `step`-th is learnt from, those between them judge; clicks belong to the
+/// nearest.
+class Lesson {
+ public:
+  explicit Lesson(const Options& options)
+      : options_(options),
+        clicks_(options.clicks.empty() ? std::vector<Click>{} : readClicks(options.clicks)) {}
+
+  void run() {
+    const auto stream =
+        options_.bag.empty() ? imagesOfFolder(options_.images) : imagesOfBag(options_.bag, options_.topic);
+    const std::size_t step = std::max<std::size_t>(1, stream->count() / (2 * options_.most_images));
+    const bool few = stream->count() < 2 * kPictures;  // the same ones teach and judge
+    ProgressLine progress("images");
+    std::optional<std::int64_t> first_us;
+    for (std::size_t i = 0; auto image = stream->next(); ++i) {
+      progress.show(i, stream->count());
+      if (image->image.empty()) continue;
+      if (image->image.type() != CV_8UC3)
+        throw std::runtime_error(image->name + ": is grey (must be in colour)");
+      if (!first_us) first_us = image->stamp_us;
+      const double age_s = 1e-6 * static_cast<double>(image->stamp_us - *first_us);
+      if (!options_.show.empty() && i % std::max<std::size_t>(1, stream->count() / kShown) == 0)
+        writeImageFile(image->image, options_.show / nameOfShown(*image, *stream, age_s));
+      for (Click& click : clicks_) {
+        const bool is_here =
+            stream->isContinuous() ? age_s > click.seconds - kSecondsStep_s : image->name == click.image;
+        if (is_here && !click.is_done) learnClick(click, image->image);
+      }
+      if (i % step != 0) continue;
+      if (few || i / step % 2 == 0) learnImage(image->image);
+      if (few || i / step % 2 == 1) judges_.push_back(image->image);
+    }
+    requireClicks();
+    if (learnt_from_ == 0) throw std::runtime_error("no image could be read");
+  }
+
+  nlohmann::json finish() {
+    const LearntPalette learnt = learner_.learn();
+    writeWholeFile(options_.out, learnt.text());
+    const auto palette =
+        std::make_shared<const Palette>(Palette::parse(learnt.text(), options_.out.string()));
+    nlohmann::json summary{{"out", options_.out.string()},
+                           {"images", learnt_from_},
+                           {"conflict_share", learnt.conflict_share},
+                           {"notes", learnt.notes},
+                           {"classes", nlohmann::json::array()},
+                           {"pairs", nlohmann::json::array()}};
+    for (const LearntClass& one : learnt.classes)
+      summary["classes"].push_back(
+          {{"name", one.region.name}, {"beside_edges", one.side_share}, {"surface", one.surface_share}});
+    for (const LearntPair& one : learnt.pairs)
+      summary["pairs"].push_back({{"label", one.label},
+                                  {"classes", {one.a, one.b}},
+                                  {"share", one.share},
+                                  {"median_length_px", one.length_px}});
+    summary["named_share"] = namedShare(palette);
+    if (!options_.picture.empty()) summary["picture"] = options_.picture.string();
+    return summary;
+  }
+
+ private:
+  /// A file by whose name, without its ending, clicks find the image of a recording.
+  static std::string nameOfShown(const StampedImage& image, const ImageStream& stream, double age_s) {
+    if (!stream.isContinuous()) return image.name;
+    char name[32];
+    std::snprintf(name, sizeof name, "%.2f.png", age_s);
+    return name;
+  }
+
+  void learnImage(const cv::Mat& image) {
+    detector_->detect(image, segments_);
+    learner_.addImage(image, segments_);
+    ++learnt_from_;
+  }
+
+  void learnClick(Click& click, const cv::Mat& image) {
+    if (!cv::Rect({0, 0}, image.size()).contains({click.px.x(), click.px.y()})) {
+      throw ConfigError({click.where + ": pixel " + std::to_string(click.px.x()) + " " +
+                         std::to_string(click.px.y()) + " (must be within 0.." +
+                         std::to_string(image.cols - 1) + " and 0.." + std::to_string(image.rows - 1) + ")"});
+    }
+    learner_.addClick(click.name, image, click.px);
+    click.is_done = true;
+  }
+
+  void requireClicks() const {
+    std::vector<std::string> missed;
+    for (const Click& click : clicks_) {
+      if (click.is_done) continue;
+      missed.push_back(click.where + ": no image \"" + click.image +
+                       "\" (must be seconds within the recording, or the name of a file of the folder)");
+    }
+    if (!missed.empty()) throw ConfigError(missed);
+  }
+
+  /// Of the edges' length in images that were not learnt from. Writes the picture, if one is wanted.
+  double namedShare(const std::shared_ptr<const Palette>& palette) {
+    SegmentExtractor extractor(ExtractorParams{}, palette);
+    double all_px = 0.0;
+    double named_px = 0.0;
+    cv::Mat figure;
+    for (std::size_t i = 0; i < judges_.size(); ++i) {
+      const cv::Mat& image = judges_[i];
+      const auto segments = extractor.extract(image, intrinsicsFromFieldOfView(image.cols, image.rows, 1.0));
+      for (const ImageSegment& segment : segments) {
+        all_px += segment.px.length();
+        if (segment.label != kUnknownLabel) named_px += segment.px.length();
+      }
+      const std::size_t every = std::max<std::size_t>(1, judges_.size() / kPictures);
+      if (options_.picture.empty() || i % every != every / 2) continue;
+      const cv::Mat view = picturePalette(image, *palette, segments).figure;
+      if (figure.empty())
+        figure = view;
+      else
+        cv::vconcat(figure, view, figure);
+    }
+    if (!figure.empty()) writeImageFile(figure, options_.picture);
+    return all_px > 0.0 ? named_px / all_px : 0.0;
+  }
+
+  const Options& options_;
+  std::vector<Click> clicks_;
+  std::unique_ptr<SegmentDetector> detector_ = makeSolisDetector();
+  PaletteLearner learner_;
+  std::vector<RawSegment> segments_;
+  std::vector<cv::Mat> judges_;
+  std::size_t learnt_from_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{
+      "Learns a palette from images of a place: clusters of the colours beside edges and of surfaces. "
+      "Without clicks the "
+      "names are guesses: the floor is what fills the lower part of the images. A file of clicks has a line "
+      "for each: "
+      "NAME IMAGE U V, with the class, the seconds after the first image (or a file of the folder) and the "
+      "pixel; the class ignored names no edge. Lock "
+      "exposure and white balance of the camera. The last line is JSON (docs/formats.md)."};
+  auto* bag =
+      app.add_option("--bag", options.bag, "a recording: ROS 1 bag, or a folder with the parts of one");
+  auto* images = app.add_option("--images", options.images, "or a folder of images")->excludes(bag);
+  app.add_option("--topic", options.topic, "of the images, when a recording has several")->needs(bag);
+  app.add_option("--clicks", options.clicks, "what is what: a file of clicks");
+  app.add_option("--out", options.out, "palette to write")->required();
+  app.add_option("--show", options.show,
+                 "folder to write twelve images into, to look up pixels for clicks: SECONDS.png");
+  app.add_option("--picture", options.picture, "picture to write: what the palette makes of three images");
+  app.add_option("--most-images", options.most_images, "to learn from, spread over all")
+      ->check(CLI::Range(2, 10000))
+      ->capture_default_str();
+  if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
+  if (bag->count() + images->count() == 0) {
+    std::cerr << "learn_palette: expected --bag FILE or --images FOLDER\n";
+    return vismem::kExitUsage;
+  }
+  try {
+    Lesson lesson(options);
+    lesson.run();
+    const nlohmann::json summary = lesson.finish();
+    for (const auto& note : summary["notes"])
+      std::cerr << "learn_palette: " << note.get<std::string>() << "\n";
+    std::cout << summary.dump() << std::endl;
+    return 0;
+  } catch (const vismem::ConfigError& error) {
+    std::cerr << error.what() << "\n";
+    return vismem::kExitUsage;
+  } catch (const std::exception& error) {
+    std::cerr << "learn_palette: " << error.what() << "\n";
+    return 1;
+  }
+}
