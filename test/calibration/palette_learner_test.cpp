@@ -149,7 +149,7 @@ TEST_P(PaletteLearnerDrawn, GivesEverySurfaceAClassOfItsOwnWithoutAClick) {
     // A door may be as bright as the floor, and then has no foot that the detector sees.
     if (surface == kWall || surface == kLine) {
       const Label& label = palette.label(palette.classNamed("floor"), palette.classNamed(name));
-      EXPECT_EQ(label, name + "_foot") << learnt.text();
+      EXPECT_EQ(label, name + (surface == kLine ? "_edge" : "_foot")) << learnt.text();
     }
   }
   EXPECT_LT(learnt.conflict_share, 0.02);

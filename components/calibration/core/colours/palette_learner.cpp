@@ -29,6 +29,8 @@ constexpr double kOtherName = 0.05;  // share of a click's surface that counts a
 constexpr double kLeastClass = 0.004;  // of the length beside all edges
 constexpr double kLeastPair = 0.004;   // of the length of all edges
 constexpr std::size_t kLeastPairImages = 3;
+constexpr double kPaintedOnFloor = 0.9;  // of the length of its edges
+constexpr double kPaintedEdge = 3.5;     // shares: beside edges to surface
 const std::string kFloor = "floor";
 const std::string kIgnored = "ignored";
 
@@ -77,10 +79,10 @@ bool isEven(const cv::Mat& image, int x, int y) {
   return true;
 }
 
-std::string labelOf(const std::string& a, const std::string& b) {
-  if (a == kFloor) return b + "_foot";
-  if (b == kFloor) return a + "_foot";
-  return a + "_" + b;
+std::string labelOf(const std::string& a, const std::string& b, const std::set<std::string>& painted) {
+  if (a != kFloor && b != kFloor) return a + "_" + b;
+  const std::string& other = a == kFloor ? b : a;
+  return other + (painted.contains(other) ? "_edge" : "_foot");
 }
 
 }  // namespace
@@ -198,7 +200,8 @@ std::vector<PaletteLearner::Cluster> PaletteLearner::gather(const ColourClusters
   return all;
 }
 
-std::vector<LearntPair> PaletteLearner::pairsUnder(const Palette& palette) const {
+std::vector<LearntPair> PaletteLearner::pairsUnder(const Palette& palette,
+                                                   const std::vector<LearntClass>& classes) const {
   struct Border {
     double length_px = 0.0;
     std::vector<std::pair<double, double>> pieces;  ///< length of the segment, length of the piece
@@ -231,12 +234,27 @@ std::vector<LearntPair> PaletteLearner::pairsUnder(const Palette& palette) const
     border.pieces.emplace_back(edge.segment_px, edge.length_px);
     border.images.insert(edge.image);
   }
+  // What borders on the floor alone, and has more edge than surface, is painted on it.
+  std::map<std::string, std::pair<double, double>> on_floor;  // length with the floor, and with anything
+  for (const auto& [names, border] : borders) {
+    for (const std::string& name : {names.first, names.second}) {
+      const bool is_floor = names.first == kFloor || names.second == kFloor;
+      on_floor[name].first += is_floor ? border.length_px : 0.0;
+      on_floor[name].second += border.length_px;
+    }
+  }
+  std::set<std::string> painted;
+  for (const LearntClass& one : classes) {
+    const auto& [with_floor, with_any] = on_floor[one.region.name];
+    if (with_floor > kPaintedOnFloor * with_any && one.side_share > kPaintedEdge * one.surface_share)
+      painted.insert(one.region.name);
+  }
   std::vector<LearntPair> pairs;
   for (auto& [names, border] : borders) {
     if (names.first == kIgnored || names.second == kIgnored) continue;
     if (border.length_px < kLeastPair * all_px || border.images.size() < kLeastPairImages) continue;
-    pairs.push_back({labelOf(names.first, names.second), names.first, names.second, border.length_px / all_px,
-                     border.medianSegment()});
+    pairs.push_back({labelOf(names.first, names.second, painted), names.first, names.second,
+                     border.length_px / all_px, border.medianSegment()});
   }
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const auto& a, const auto& b) { return a.share > b.share; });
@@ -288,7 +306,7 @@ LearntPalette PaletteLearner::learn() const {
     }
   }
   result.conflict_share = wrong / all;
-  result.pairs = pairsUnder(palette);
+  result.pairs = pairsUnder(palette, result.classes);
   if (result.pairs.empty()) throw std::runtime_error("no two colours meet at edges of three images or more");
   return result;
 }

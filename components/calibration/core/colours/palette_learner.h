@@ -81,7 +81,7 @@ class PaletteLearner {
   std::string nameByClicks(std::size_t cluster, const ColourClusters& clusters,
                            std::vector<std::string>& notes) const;
   void nameRest(std::vector<Cluster>& found) const;
-  std::vector<LearntPair> pairsUnder(const Palette& palette) const;
+  std::vector<LearntPair> pairsUnder(const Palette& palette, const std::vector<LearntClass>& classes) const;
 
   std::size_t images_ = 0;
   std::vector<Rgb> colours_;
