@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kTail = 0.01;
 constexpr double kGrey_percent = 12.0;   // of less saturation, hue is noise
+constexpr double kDark_percent = 8.0;    // of less value, too
 constexpr double kPale_percent = 45.0;   // for names alone
 constexpr double kHueMargin_deg = 10.0;  // light of another colour, and noise
 constexpr double kSaturationMargin_percent = 8.0;
@@ -148,7 +149,8 @@ ColourRegion regionOf(const std::vector<ColorValues>& colours) {
   region.tight.value_percent = {at(value, kTail), at(value, 1.0 - kTail)};
   region.saturation_percent = at(saturation, 0.5);
   region.value_percent = at(value, 0.5);
-  region.is_grey = region.saturation_percent < kGrey_percent || at(saturation, 0.1) < 0.5 * kGrey_percent;
+  region.is_grey = region.saturation_percent < kGrey_percent || at(saturation, 0.1) < 0.5 * kGrey_percent ||
+                   region.value_percent < kDark_percent;
   region.hue_deg = std::atan2(direction.y(), direction.x()) / kRadians;
   if (region.is_grey) return region;
   std::vector<double> hue;
