@@ -63,7 +63,8 @@ class Drive:
             file.write(f"scenario 1\nat 0 drive way={way} speed_mps={SPEED_MPS} points_m={';'.join(points)}\n")
         rate = [a.split("=")[1] for a in self.arguments if a.startswith("--Simulator.Camera.Rate_hz=")]
         self.rate_hz = float(rate[-1] if rate else value_of(f"{self.robot.setup}/simulator.cfg", "Simulator.Camera.Rate_hz") or 30)
-        return ["--Simulator.LockStep=2", f"--Simulator.Scenario={os.path.abspath(scenario)}"]
+        # No truth in the recording: it is the world's, and the map will have a frame of its own.
+        return ["--Simulator.LockStep=2", f"--Simulator.Scenario={os.path.abspath(scenario)}", "--Recorder.Simulation.Proxy="]
 
     def report(self):
         """Images, megabytes and lost messages so far. @throws Failure when a component is gone."""
