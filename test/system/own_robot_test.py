@@ -59,11 +59,22 @@ class Wizard(unittest.TestCase):
         shutil.copytree(os.path.join(ROOT, "cfg"), os.path.join(self.root, "cfg"))
         for name in ("scripts", "components"):
             os.symlink(os.path.join(ROOT, name), os.path.join(self.root, name))
-        os.makedirs(os.path.join(self.root, "build/release"))
-        os.symlink(BIN, os.path.join(self.root, "build/release/bin"))
+        self.bin = self.path("build/release/bin")
+        os.makedirs(self.bin)
+        for name in os.listdir(BIN):
+            os.symlink(os.path.join(BIN, name), os.path.join(self.bin, name))
 
     def path(self, name):
         return os.path.join(self.root, name)
+
+    def replace_program(self, name, script):
+        """By a shell script."""
+        path = os.path.join(self.bin, name)
+        if os.path.lexists(path):
+            os.remove(path)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("#!/bin/sh\n" + script)
+        os.chmod(path, 0o755)
 
     def read(self, name):
         with open(self.path(name), encoding="utf-8") as file:
@@ -105,6 +116,37 @@ class WrongInput(Wizard):
         self.assertIn("not a ROS 1 bag", self.step("drive", "--bag", "wrong", code=1))
         self.assertEqual(self.steps_done(), set())
 
+    def test_a_palette_that_was_not_learnt_changes_nothing(self):
+        os.makedirs(self.path("out/own_robot/mine/drive"))
+        for script in ("echo half > $4; exit 1\n", "exit 0\n"):
+            self.replace_program("learn_palette", script)
+            said = self.step("colours", code=1)
+            self.assertIn("no palette was learnt from the drive", said)
+            self.assertIn("--palette FILE", said)
+        self.replace_program("learn_palette", "exit 2\n")
+        self.step("colours", code=2)
+        self.assertEqual(self.steps_done(), {"drive"})
+
+    def test_a_drive_without_a_map_changes_nothing(self):
+        os.makedirs(self.path("out/own_robot/mine/drive"))
+        self.step("colours", "--palette", "cfg/maps/corridor.palette")
+        before = self.read("cfg/mine/localization.cfg")
+        self.replace_program("map_from_drive", "echo 'map_from_drive: no edge' >&2; echo '{\"problems\": []}'; exit 1\n")
+        self.assertIn("No usable map: cfg/mine stays as it is", self.step("map", code=1))
+        self.assertEqual(self.read("cfg/mine/localization.cfg"), before)
+        self.assertFalse(os.path.exists(self.path("cfg/mine/map.csv")))
+
+    def test_edges_that_do_not_border_the_floor_stand_up(self):
+        key = "ActiveVisualMemory.Ground.OffFloorLabels"
+        with open(self.path("my.palette"), "w", encoding="utf-8") as file:
+            file.write("class.floor = value 0..30  # grey\nclass.wall = value 31..60\nclass.door = value 61..100\n"
+                       "pair.skirting = floor wall\npair.frame = wall door\n")
+        self.step("colours", "--palette", "my.palette")
+        self.assertIn(f"{key} = frame\n", self.read("cfg/mine/active_visual_memory.cfg"))
+        self.assertIn(f"{key} = door_jamb door2_jamb\n", self.read("cfg/mine/active_visual_memory.cfg.old"))
+        self.assertIn(f"no class floor: set {key}", self.step("colours", "--palette", "cfg/maps/field_6x4.palette"))
+        self.assertIn(f"{key} = frame\n", self.read("cfg/mine/active_visual_memory.cfg"))
+
     def test_a_setup_is_not_overwritten(self):
         self.step("start")
         self.assertIn("GuiServer.Setup = mine", self.read("cfg/mine/gui_server.cfg"))
@@ -121,7 +163,9 @@ class SimulatedRobot(Wizard):
                           f"--Recorder.Simulation.Proxy=Simulation:tcp -h 127.0.0.1 -p {9972 + offset}")
         self.assertRegex(drive, r"recording: \d+ of \d+ s, \d+ images")
         self.assertEqual(self.steps_done(), {"start", "drive"})
-        self.step("colours", "--palette", "cfg/maps/room.palette")
+        # Without the program that learns a palette, with the one of the world.
+        learns = os.access(os.path.join(BIN, "learn_palette"), os.X_OK)
+        self.step("colours", *([] if learns else ["--palette", "cfg/maps/room.palette"]))
         self.assertIn("next: scripts/own_robot mine map", self.step())
 
         made = self.step("map")
@@ -141,8 +185,13 @@ class SimulatedRobot(Wizard):
         self.assertIn("mine is localized", self.step("localize", "--live", "--seconds", "15", "--port-offset", str(offset),
                                                      "--Simulator.Camera.Rate_hz=5"))
 
-        # A map of another place is no map of this one.
-        shutil.copyfile(self.path("cfg/maps/corridor.csv"), self.path("cfg/mine/map.csv"))
+        # A mirrored map is a map of another place.
+        rows = [line.split(",") for line in self.read("cfg/mine/map.csv").splitlines()]
+        with open(self.path("cfg/mine/map.csv"), "w", encoding="utf-8") as file:
+            for row in rows:
+                if re.match(r"[-0-9.]+$", row[0]):
+                    row[1], row[4] = (f"{-float(row[i])}" for i in (1, 4))
+                file.write(",".join(row) + "\n")
         self.assertIn("next: scripts/own_robot mine localize", self.step())
         self.assertIn("mine is not localized: its reliability", self.step("localize", code=1))
         self.assertNotIn("localize", self.steps_done())
