@@ -1,0 +1,40 @@
+"""Programs of the build, and what scripts/start runs."""
+import contextlib
+import json
+import os
+import subprocess
+import sys
+
+from setup_files import Failure, read_text
+
+BIN = "build/release/bin"
+
+
+def program(name, arguments, read=False):
+    """Runs a program of the build, which is made if it is not there.
+    @return exit code and, with `read`, the object in the last line of its output."""
+    path = os.path.join(BIN, name)
+    if not os.access(path, os.X_OK):
+        if subprocess.run(["scripts/build", "release", name], stdout=sys.stderr).returncode != 0:
+            raise Failure(f"the program {name} is missing and could not be built")
+    command = [path, *map(str, arguments)]
+    if not read:
+        return subprocess.run(command).returncode, {}
+    ended = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+    lines = ended.stdout.strip().splitlines()
+    try:
+        return ended.returncode, json.loads(lines[-1])
+    except (IndexError, ValueError):
+        return ended.returncode, {}
+
+
+def running_components(state):
+    """Names of what scripts/start runs under out/STATE."""
+    names = set()
+    with contextlib.suppress(OSError):
+        for line in read_text(f"out/{state}/pids").splitlines():
+            pid, name = line.split()
+            with contextlib.suppress(OSError):
+                if read_text(f"/proc/{pid}/comm").strip() == name[:15]:
+                    names.add(name)
+    return names

@@ -1,0 +1,53 @@
+"""Configuration files of a setup: keys read and set."""
+import difflib
+import re
+import shutil
+
+
+class Failure(Exception):
+    def __init__(self, text, code=1):
+        super().__init__(text)
+        self.code = code
+
+
+def say(text):
+    print(text, flush=True)
+
+
+def read_text(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def key_of(line):
+    found = re.match(r"\s*([A-Za-z0-9_.]+)\s*=", line)
+    return found.group(1) if found else None
+
+
+def value_of(path, key):
+    """Of a key in a file; None if it is not set."""
+    for line in read_text(path).splitlines():
+        if key_of(line) == key:
+            return line.split("=", 1)[1].split(" #")[0].strip()
+    return None
+
+
+def set_keys(path, values, instead_of=None):
+    """Sets keys, each where it stood; shows the difference and keeps the file before as .old.
+    @param instead_of pattern of other keys that are left out."""
+    before = read_text(path).splitlines()
+    after, left = [], dict(values)
+    for line in before:
+        key = key_of(line)
+        if key in values:
+            if key in left:
+                after.append(f"{key} = {left.pop(key)}")
+        elif not (key and instead_of and re.fullmatch(instead_of, key)):
+            after.append(line)
+    after += [f"{key} = {value}" for key, value in left.items()]
+    if after == before:
+        return
+    shutil.copyfile(path, path + ".old")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("\n".join(after) + "\n")
+    say("\n".join(difflib.unified_diff(before, after, path + ".old", path, lineterm="")))

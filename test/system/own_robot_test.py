@@ -1,0 +1,250 @@
+#!/usr/bin/python3
+"""own_robot_test.py BIN_DIR: the wizard scripts/own_robot in a copy of the project's cfg/: a simulated robot and a recording
+from the first step to a localized robot, and what it says about wrong input."""
+import bisect
+import math
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+BIN = os.path.abspath(sys.argv.pop(1))
+DATA = os.environ.get("AVM_DATA", os.path.join(ROOT, "..", "shared", "data"))
+sys.path.insert(0, os.path.join(ROOT, "scripts", "wizard"))
+sys.dont_write_bytecode = True
+from verdict import judge, read_poses, turned  # noqa: E402
+
+PORTS = (9970, 9971, 9972, 9977, 9990, 9992, 9997, 9999, 11000, 11001, 11002, 11003, 11004, 11005, 11006, 11008)
+
+
+def free_port_offset():
+    for offset in range(20000 + os.getpid() % 1000, 50000, 1000):
+        try:
+            for port in PORTS:
+                with socket.socket() as probe:
+                    probe.bind(("127.0.0.1", port + offset))
+            return offset
+        except OSError:
+            continue
+    raise AssertionError("no free ports")
+
+
+def aligned_errors(estimate, truth):
+    """RMS of the distance [m] and largest angle [rad] after the best rigid motion: a map has a frame of its own."""
+    truth = sorted(truth)
+    stamps = [pose[0] for pose in truth]
+    pairs = []
+    for pose in estimate:
+        at = bisect.bisect_left(stamps, pose[0])
+        near = min(truth[max(at - 1, 0):at + 1], key=lambda other: abs(other[0] - pose[0]))
+        if abs(near[0] - pose[0]) < 0.02:
+            pairs.append((complex(*pose[1:3]), pose[3], complex(*near[1:3]), near[3]))
+    mean_a = sum(a for a, _, _, _ in pairs) / len(pairs)
+    mean_b = sum(b for _, _, b, _ in pairs) / len(pairs)
+    motion = sum((b - mean_b) * (a - mean_a).conjugate() for a, _, b, _ in pairs)
+    motion /= abs(motion)
+    squares = [abs(motion * (a - mean_a) + mean_b - b) ** 2 for a, _, b, _ in pairs]
+    turn = math.atan2(motion.imag, motion.real)
+    return math.sqrt(sum(squares) / len(squares)), max(abs(turned(ta + turn - tb)) for _, ta, _, tb in pairs)
+
+
+class Wizard(unittest.TestCase):
+    def setUp(self):
+        self.root = self.enterContext(tempfile.TemporaryDirectory(prefix="vismem_own_robot_"))
+        shutil.copytree(os.path.join(ROOT, "cfg"), os.path.join(self.root, "cfg"))
+        for name in ("scripts", "components"):
+            os.symlink(os.path.join(ROOT, name), os.path.join(self.root, name))
+        self.bin = self.path("build/release/bin")
+        os.makedirs(self.bin)
+        for name in os.listdir(BIN):
+            os.symlink(os.path.join(BIN, name), os.path.join(self.bin, name))
+
+    def path(self, name):
+        return os.path.join(self.root, name)
+
+    def replace_program(self, name, script):
+        """By a shell script."""
+        path = os.path.join(self.bin, name)
+        if os.path.lexists(path):
+            os.remove(path)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("#!/bin/sh\n" + script)
+        os.chmod(path, 0o755)
+
+    def read(self, name):
+        with open(self.path(name), encoding="utf-8") as file:
+            return file.read()
+
+    def step(self, *arguments, code=0):
+        """@return output and errors of the wizard for the robot `mine`."""
+        done = subprocess.run([self.path("scripts/own_robot"), "mine", *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              stdin=subprocess.DEVNULL, text=True)
+        self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout}")
+        return done.stdout
+
+    def steps_done(self):
+        return {line.split()[0] for line in self.step().splitlines() if re.match(r"\w+ +done", line)}
+
+
+class WrongInput(Wizard):
+    def test_a_missing_step_is_named(self):
+        for step, first in (("ruler", "target"), ("lens", "target"), ("body", "target"), ("map", "drive"), ("colours", "drive"),
+                            ("localize", "map")):
+            self.assertIn(f"own_robot: {first} comes first: scripts/own_robot mine {first}", self.step(step, code=1))
+        self.assertEqual(self.steps_done(), set())
+        self.assertIn("next: scripts/own_robot mine start", self.step())
+
+    def test_wrong_arguments_are_named_with_what_is_expected(self):
+        self.assertIn("--simulated moon: no such world (expected an SDF file or one of corridor", self.step("start", "--simulated", "moon", code=2))
+        self.assertIn("found --fast", self.step("start", "--fast", code=2))
+        self.assertIn("--bag none.bag: no such file (expected a ROS 1 bag", self.step("drive", "--bag", "none.bag", code=2))
+        self.assertIn("cfg: a folder without a bag", self.step("drive", "--bag", "cfg", code=2))
+        self.assertIn("--seconds: found -3 (expected a number above 0)", self.step("drive", "--seconds", "-3", code=2))
+        self.assertIn("--palette none: no such file", self.step("colours", "--palette", "none", code=2))
+        self.assertIn("ruler", self.step("jump", code=2))  # the list of steps
+        self.assertFalse(os.path.exists(self.path("cfg/mine")))
+
+    def test_files_that_cannot_be_used_change_nothing(self):
+        with open(self.path("wrong"), "w", encoding="utf-8") as file:
+            file.write("a wrong file\n")
+        self.assertIn('wrong:1: "a wrong file" (must be KEY = VALUE)', self.step("colours", "--palette", "wrong", code=1))
+        self.assertIn("not a ROS 1 bag", self.step("drive", "--bag", "wrong", code=1))
+        self.assertEqual(self.steps_done(), set())
+
+    def test_a_palette_that_was_not_learnt_changes_nothing(self):
+        os.makedirs(self.path("out/own_robot/mine/drive"))
+        for script in ("echo half > $4; exit 1\n", "exit 0\n"):
+            self.replace_program("learn_palette", script)
+            said = self.step("colours", code=1)
+            self.assertIn("no palette was learnt from the drive", said)
+            self.assertIn("--palette FILE", said)
+        self.replace_program("learn_palette", "exit 2\n")
+        self.step("colours", code=2)
+        self.assertEqual(self.steps_done(), {"drive"})
+
+    def test_a_drive_without_a_map_changes_nothing(self):
+        os.makedirs(self.path("out/own_robot/mine/drive"))
+        self.step("colours", "--palette", "cfg/maps/corridor.palette")
+        before = self.read("cfg/mine/localization.cfg")
+        self.replace_program("map_from_drive", "echo 'map_from_drive: no edge' >&2; echo '{\"problems\": []}'; exit 1\n")
+        self.assertIn("No usable map: cfg/mine stays as it is", self.step("map", code=1))
+        self.assertEqual(self.read("cfg/mine/localization.cfg"), before)
+        self.assertFalse(os.path.exists(self.path("cfg/mine/map.csv")))
+
+    def test_edges_that_do_not_border_the_floor_stand_up(self):
+        key = "ActiveVisualMemory.Ground.OffFloorLabels"
+        with open(self.path("my.palette"), "w", encoding="utf-8") as file:
+            file.write("class.floor = value 0..30  # grey\nclass.wall = value 31..60\nclass.door = value 61..100\n"
+                       "pair.skirting = floor wall\npair.frame = wall door\n")
+        self.step("colours", "--palette", "my.palette")
+        self.assertIn(f"{key} = frame\n", self.read("cfg/mine/active_visual_memory.cfg"))
+        self.assertIn(f"{key} = door_jamb door2_jamb\n", self.read("cfg/mine/active_visual_memory.cfg.old"))
+        self.assertIn(f"no class floor: set {key}", self.step("colours", "--palette", "cfg/maps/field_6x4.palette"))
+        self.assertIn(f"{key} = frame\n", self.read("cfg/mine/active_visual_memory.cfg"))
+
+    def test_a_setup_is_not_overwritten(self):
+        self.step("start")
+        self.assertIn("GuiServer.Setup = mine", self.read("cfg/mine/gui_server.cfg"))
+        self.assertIn("cfg/mine exists already", self.step("start", "--simulated", code=1))
+        self.assertFalse(os.path.exists(self.path("cfg/mine/simulator.cfg")))
+
+
+class SimulatedRobot(Wizard):
+    def test_ends_with_a_setup_that_localizes(self):
+        self.assertIn("Simulator.World = cfg/worlds/room.world", self.step("start", "--simulated", "room", "--seed", "3"))
+        offset = free_port_offset()
+        # The truth is recorded for this test alone: drive leaves it out.
+        drive = self.step("drive", "--port-offset", str(offset), "--Simulator.Camera.Rate_hz=5",
+                          f"--Recorder.Simulation.Proxy=Simulation:tcp -h 127.0.0.1 -p {9972 + offset}")
+        self.assertRegex(drive, r"recording: \d+ of \d+ s, \d+ images")
+        self.assertEqual(self.steps_done(), {"start", "drive"})
+        # Without the program that learns a palette, with the one of the world.
+        learns = os.access(os.path.join(BIN, "learn_palette"), os.X_OK)
+        self.step("colours", *([] if learns else ["--palette", "cfg/maps/room.palette"]))
+        self.assertIn("next: scripts/own_robot mine map", self.step())
+
+        made = self.step("map")
+        self.assertIn("+Localization.Map = cfg/mine/map.csv", made)
+        self.assertIn("Localization.Map = cfg/maps/corridor.csv", self.read("cfg/mine/localization.cfg.old"))
+        for file, key in (("localization", "Localization.Palette"), ("active_visual_memory", "ActiveVisualMemory.Palette")):
+            self.assertEqual(self.read(f"cfg/mine/{file}.cfg").count(f"{key} = cfg/mine/map.palette\n"), 1)
+
+        self.assertIn("mine is localized", self.step("localize"))
+        results = self.path("out/own_robot/mine/localize")
+        error_m, error_rad = aligned_errors(read_poses(f"{results}/trajectory.tum"), read_poses(f"{results}/truth.tum"))
+        self.assertLess(error_m, 0.10)
+        self.assertLess(math.degrees(error_rad), 3.0)
+        self.assertEqual(self.steps_done(), {"start", "drive", "colours", "map", "localize"})
+
+        # The components accept the setup, and a new drive with them is localized too.
+        self.assertIn("mine is localized", self.step("localize", "--live", "--seconds", "15", "--port-offset", str(offset),
+                                                     "--Simulator.Camera.Rate_hz=5"))
+
+        # A mirrored map is a map of another place.
+        rows = [line.split(",") for line in self.read("cfg/mine/map.csv").splitlines()]
+        with open(self.path("cfg/mine/map.csv"), "w", encoding="utf-8") as file:
+            for row in rows:
+                if re.match(r"[-0-9.]+$", row[0]):
+                    row[1], row[4] = (f"{-float(row[i])}" for i in (1, 4))
+                file.write(",".join(row) + "\n")
+        self.assertIn("next: scripts/own_robot mine localize", self.step())
+        self.assertIn("mine is not localized: its reliability", self.step("localize", code=1))
+        self.assertNotIn("localize", self.steps_done())
+
+
+@unittest.skipUnless(os.path.isdir(os.path.join(DATA, "room_path_traced")), "no recording room_path_traced at AVM_DATA")
+class Recording(Wizard):
+    def test_a_recording_takes_the_place_of_a_drive(self):
+        room = os.path.join(DATA, "room_path_traced")
+        self.assertIn("150 images of 320 x 240", self.step("drive", "--bag", os.path.join(room, "wheels_b.bag")))
+        self.step("colours", "--palette", os.path.join(room, "map.palette"))
+        self.assertIn("Note: no place was found again", self.step("map"))
+        self.assertIn("mine is localized", self.step("localize"))
+        # Of the same room with other wheels.
+        self.assertIn("mine is localized", self.step("localize", "--bag", os.path.join(room, "wheels_a.bag")))
+
+
+class Verdict(unittest.TestCase):
+    def setUp(self):
+        self.folder = self.enterContext(tempfile.TemporaryDirectory())
+
+    def verdict(self, poses, reliability=0.9, path=None):
+        """Of a robot whose odometry says 0.3 m/s straight on for 30 s."""
+        odometry = [(t / 10, 0.03 * t, 0.0, 0.0) for t in range(301)]
+        for name, rows in (("odometry", odometry), ("trajectory", poses)):
+            with open(os.path.join(self.folder, name + ".tum"), "w", encoding="utf-8") as file:
+                file.writelines(f"{t} {x} {y} 0 0 0 {math.sin(a / 2)} {math.cos(a / 2)}\n" for t, x, y, a in rows)
+        return judge({"reliability": reliability}, self.folder, path)
+
+    @staticmethod
+    def upwards(jump_s=None):
+        """Along y; it jumps by a metre at this time."""
+        return [(t / 10, 1.0 if jump_s is not None and t / 10 >= jump_s else 0.0, 0.03 * t, math.pi / 2) for t in range(301)]
+
+    def test_a_pose_that_follows_the_odometry_is_localized(self):
+        self.assertTrue(self.verdict(self.upwards())["localized"])
+
+    def test_a_late_jump_is_not(self):
+        self.assertTrue(self.verdict(self.upwards(15.0))["localized"])
+        late = self.verdict(self.upwards(25.0))
+        self.assertIn("jumped 5.0 s before the end (expected 10 s", late["reasons"][0])
+
+    def test_a_doubtful_pose_is_not(self):
+        self.assertIn("reliability at the end is 0.59", self.verdict(self.upwards(), 0.59)["reasons"][0])
+
+    def test_a_twin_place_is_not(self):
+        twin = [(t, -x, -y, turned(a + math.pi)) for t, x, y, a in self.upwards()]
+        self.assertFalse(self.verdict(twin, path=self.upwards())["localized"])
+        self.assertTrue(self.verdict(self.upwards(), path=self.upwards())["localized"])
+
+    def test_no_pose_is_not(self):
+        self.assertEqual(self.verdict([])["reasons"], ["no image has a pose"])
+
+
+if __name__ == "__main__":
+    unittest.main()
