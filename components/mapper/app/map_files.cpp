@@ -11,6 +11,7 @@
 #include "evaluation/core/map_score.h"
 #include "evaluation/core/trajectory_io.h"
 #include "evaluation/figures/board.h"
+#include "mapper/app/map_comparison.h"
 #include "mapper/core/drive_record_io.h"
 #include "mapper/core/map_output.h"
 
@@ -195,6 +196,12 @@ nlohmann::json writeMapFiles(const RecordedDrive& drive, const DriveMap& map,
   writeTextFile(file(".drive"), writeDriveRecord({drive.record, map.closings}));
   drawPicture(output, drive, options, map, file(".png"));
   summary["file"] = file(".csv").string();
+  if (!options.since.empty()) {
+    nlohmann::json compared = compareWithMap(drive, output.map, output.poses, options.since, options);
+    for (auto& problem : compared["problems"]) summary["problems"].push_back(problem);
+    compared.erase("problems");
+    summary.update(compared);
+  }
   return summary;
 }
 

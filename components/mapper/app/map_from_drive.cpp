@@ -30,6 +30,10 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->excludes(world)
       ->excludes(bag);
   app.add_option("--edits", options.edits, "changes by hand, replayed after each solve: docs/mapping.md");
+  app.add_option(
+         "--since", options.since,
+         "an earlier map of the place, made with the same palette: what was moved, removed and brought in")
+      ->excludes("--drive");
   app.add_option("--palette", drive.palette, "colours (default: the configuration's)");
   app.add_option("--out", drive.out, "folder for all that is written")->required();
   app.add_option("--name", options.name, "of the map's files")->capture_default_str();

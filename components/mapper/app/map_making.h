@@ -21,6 +21,7 @@ struct MapMakingOptions {
   double resolution_m = 0.05;         ///< of the occupancy grid
   std::filesystem::path edits;        ///< of a person (map_edits.h); empty: none
   std::filesystem::path saved_drive;  ///< NAME.drive of an earlier map, in place of a drive; empty: none
+  std::filesystem::path since;        ///< an earlier map of the place, to tell what changed; empty: none
   std::string name = "map";           ///< of the files
 };
 
@@ -29,7 +30,7 @@ struct RecordedDrive {
   DriveRecord record;
   std::vector<MemoryUpdate> updates;
   std::vector<Closing> closings;  ///< of a saved drive
-  Trajectory truth;  ///< empty: not known
+  Trajectory truth;               ///< empty: not known
   std::filesystem::path palette_file;
   std::map<Label, Label> stripes;  ///< of the palette
   DriveMapperParams params;        ///< by the configuration
