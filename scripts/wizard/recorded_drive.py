@@ -43,7 +43,8 @@ class Drive:
                      "--Recorder.Map=", *self.simulated_drive(), *self.arguments]
         if self.options.port_offset:
             arguments += ["--port-offset", str(self.options.port_offset)]
-        if all(os.access(os.path.join(BIN, name), os.X_OK) for name in names):
+        # The server of the page does not show whether the page is built.
+        if "gui_server" not in names and all(os.access(os.path.join(BIN, name), os.X_OK) for name in names):
             arguments.append("--no-build")
         self.started = names
         if subprocess.run(["scripts/start", self.robot.name, *names, *arguments]).returncode != 0:

@@ -99,7 +99,7 @@ TEST_P(MapChangesSeeds, AnUnchangedRoomHasNone) {
                   .empty());
 }
 
-TEST_P(MapChangesSeeds, TellsWhatWasMovedRemovedAndBroughtIn) {
+TEST_P(MapChangesSeeds, ListsWhatWasMovedRemovedAndBroughtIn) {
   std::mt19937 random(GetParam());
   std::vector<Box> boxes = kBoxes;
   boxes[0].middle += Eigen::Vector2d(0.4, -0.7);

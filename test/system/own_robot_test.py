@@ -6,6 +6,7 @@ import math
 import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -67,6 +68,10 @@ class Wizard(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.root, name)
 
+    def write(self, name, text):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+
     def replace_program(self, name, script):
         """By a shell script."""
         path = os.path.join(self.bin, name)
@@ -110,8 +115,7 @@ class WrongInput(Wizard):
         self.assertFalse(os.path.exists(self.path("cfg/mine")))
 
     def test_files_that_cannot_be_used_change_nothing(self):
-        with open(self.path("wrong"), "w", encoding="utf-8") as file:
-            file.write("a wrong file\n")
+        self.write("wrong", "a wrong file\n")
         self.assertIn('wrong:1: "a wrong file" (must be KEY = VALUE)', self.step("colours", "--palette", "wrong", code=1))
         self.assertIn("not a ROS 1 bag", self.step("drive", "--bag", "wrong", code=1))
         self.assertEqual(self.steps_done(), set())
@@ -138,9 +142,8 @@ class WrongInput(Wizard):
 
     def test_edges_that_do_not_border_the_floor_stand_up(self):
         key = "ActiveVisualMemory.Ground.OffFloorLabels"
-        with open(self.path("my.palette"), "w", encoding="utf-8") as file:
-            file.write("class.floor = value 0..30  # grey\nclass.wall = value 31..60\nclass.door = value 61..100\n"
-                       "pair.skirting = floor wall\npair.frame = wall door\n")
+        self.write("my.palette", "class.floor = value 0..30  # grey\nclass.wall = value 31..60\nclass.door = value 61..100\n"
+                   "pair.skirting = floor wall\npair.frame = wall door\n")
         self.step("colours", "--palette", "my.palette")
         self.assertIn(f"{key} = frame\n", self.read("cfg/mine/active_visual_memory.cfg"))
         self.assertIn(f"{key} = door_jamb door2_jamb\n", self.read("cfg/mine/active_visual_memory.cfg.old"))
@@ -152,6 +155,54 @@ class WrongInput(Wizard):
         self.assertIn("GuiServer.Setup = mine", self.read("cfg/mine/gui_server.cfg"))
         self.assertIn("cfg/mine exists already", self.step("start", "--simulated", code=1))
         self.assertFalse(os.path.exists(self.path("cfg/mine/simulator.cfg")))
+
+
+class RobotWithServers(Wizard):
+    """Camera, joints and base are components of their own, as on a real robot."""
+
+    def setUp(self):
+        super().setUp()
+        shutil.copytree(self.path("cfg/files"), self.path("cfg/mine"))
+        self.offset = str(free_port_offset())
+
+    def test_ctrl_c_ends_the_drive(self):
+        with subprocess.Popen([self.path("scripts/own_robot"), "mine", "drive", "--no-gui", "--port-offset", self.offset],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as drive:
+            for line in drive.stdout:
+                if re.match(r"recording: .* [1-9]\d* images", line):
+                    drive.send_signal(signal.SIGINT)
+                    break
+            rest = drive.stdout.read()
+        self.assertEqual(drive.returncode, 0, rest)
+        self.assertRegex(rest, r"Drive: \d{1,2} s, \d+ images of 320 x 240")
+        self.assertFalse(os.path.exists(self.path(f"out/mine+{self.offset}/pids")), "all that was started has ended")
+        self.assertEqual(self.steps_done(), {"start", "drive"})
+
+    def test_what_runs_already_goes_on(self):
+        ports = ("--port-offset", self.offset)
+        servers = ("camera_server", "pantilt_server", "base_server")
+        subprocess.run([self.path("scripts/start"), "mine", *servers, "--no-build", *ports], check=True, stdout=subprocess.DEVNULL)
+        self.addCleanup(subprocess.run, [self.path("scripts/stop"), f"mine+{self.offset}"], stdout=subprocess.DEVNULL)
+        self.step("drive", "--no-gui", "--seconds", "3", *ports)
+        with open(self.path(f"out/mine+{self.offset}/pids"), encoding="utf-8") as file:
+            self.assertEqual({line.split()[1] for line in file}, set(servers))
+
+    def test_a_component_that_does_not_start_is_named(self):
+        self.write("cfg/mine/camera_server.cfg", self.read("cfg/mine/camera_server.cfg") + "CameraServer.Camera.cameraA.Speed = 3\n")
+        said = self.step("drive", "--no-gui", "--seconds", "3", "--port-offset", self.offset, code=1)
+        self.assertIn("CameraServer.Camera.cameraA.Speed", said)
+        self.assertIn("the robot did not start", said)
+
+    def test_the_lens_takes_the_place_of_the_stated_view(self):
+        self.replace_program("calibrate", 'mkdir -p "$5" && echo "image_width: 320" > "$5/camera.yaml"\n')
+        os.makedirs(self.path("out/own_robot/mine/board"))
+        self.write("out/own_robot/mine/board/board.json", "{}")
+        self.write("cfg/mine/camera_server.cfg", "A.Key = 1\nCameraServer.Camera.cameraA.HorizontalView_deg = 60\nB.Key = 2\n")
+        self.step("lens", "--images", "views")
+        self.assertEqual(self.read("cfg/mine/camera_server.cfg"),
+                         "A.Key = 1\nB.Key = 2\nCameraServer.Camera.cameraA.Calibration = cfg/mine/camera.yaml\n")
+        self.assertIn("HorizontalView_deg", self.read("cfg/mine/camera_server.cfg.old"))
+        self.assertEqual(self.read("cfg/mine/camera.yaml"), "image_width: 320\n")
 
 
 class SimulatedRobot(Wizard):
@@ -189,7 +240,7 @@ class SimulatedRobot(Wizard):
         rows = [line.split(",") for line in self.read("cfg/mine/map.csv").splitlines()]
         with open(self.path("cfg/mine/map.csv"), "w", encoding="utf-8") as file:
             for row in rows:
-                if re.match(r"[-0-9.]+$", row[0]):
+                if re.fullmatch(r"[-0-9.]+", row[0]):
                     row[1], row[4] = (f"{-float(row[i])}" for i in (1, 4))
                 file.write(",".join(row) + "\n")
         self.assertIn("next: scripts/own_robot mine localize", self.step())
@@ -234,7 +285,7 @@ class Verdict(unittest.TestCase):
         late = self.verdict(self.upwards(25.0))
         self.assertIn("jumped 5.0 s before the end (expected 10 s", late["reasons"][0])
 
-    def test_a_doubtful_pose_is_not(self):
+    def test_an_uncertain_pose_is_not(self):
         self.assertIn("reliability at the end is 0.59", self.verdict(self.upwards(), 0.59)["reasons"][0])
 
     def test_a_twin_place_is_not(self):

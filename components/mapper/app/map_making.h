@@ -21,7 +21,7 @@ struct MapMakingOptions {
   double resolution_m = 0.05;         ///< of the occupancy grid
   std::filesystem::path edits;        ///< of a person (map_edits.h); empty: none
   std::filesystem::path saved_drive;  ///< NAME.drive of an earlier map, in place of a drive; empty: none
-  std::filesystem::path since;        ///< an earlier map of the place, to tell what changed; empty: none
+  std::filesystem::path since;        ///< an earlier map of the place, to list what changed; empty: none
   std::string name = "map";           ///< of the files
 };
 

@@ -17,7 +17,7 @@ struct ChangeParams {
   double range_m = 3.0;     ///< the floor is seen up to here
   int least_views = 5;      ///< of a place on the floor before its emptiness counts
   double gone_share = 0.7;  ///< of what was seen of an edge: it is gone, or it is new
-  double least_m = 0.12;    ///< shorter changes are not told
+  double least_m = 0.12;    ///< shorter changes are left out
   double thing_m = 0.15;    ///< edges of one label this near belong to one thing
   double most_moved_m = 3.0;
   /// Labels of what hides the floor behind it; "*_foot" matches every label with that ending.
