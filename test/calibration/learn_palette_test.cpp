@@ -1,4 +1,4 @@
-// The program learn_palette as a user calls it, on a recording of a rendered world.
+// The program learn_palette as a user calls it, on a recording of a rendered world. Tests V3, B5.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
