@@ -1,5 +1,5 @@
 // Palettes from drawn rooms: a floor with a painted line, a wall with a door, in light and shade, with noise
-// and blur. Tests V3, B5. and blur.
+// and blur. Tests V3, B5.
 #include "calibration/core/colours/palette_learner.h"
 
 #include <gmock/gmock.h>
