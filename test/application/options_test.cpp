@@ -54,6 +54,30 @@ TEST_F(Options, DefaultToTheCorridor) {
   EXPECT_FALSE(std::filesystem::exists(options->out)) << "nothing is made yet";
 }
 
+TEST_F(Options, TakeWorldAndMapOfTheSetup) {
+  // A project of its own, with a robot in the room that has a map of its own.
+  const std::filesystem::path project = out_ / "project";
+  const std::filesystem::path here = std::filesystem::current_path();
+  std::filesystem::create_directories(project / "cfg/mine");
+  std::ofstream(project / "cfg/mine/simulator.cfg") << "Simulator.World = cfg/worlds/room.world\n";
+  std::ofstream(project / "cfg/mine/localization.cfg") << "Localization.Map = cfg/mine/map.csv\n";
+  for (const char* folder : {"worlds", "maps"}) {
+    std::filesystem::create_directory_symlink(std::filesystem::path(VISMEM_SOURCE_DIR) / "cfg" / folder,
+                                              project / "cfg" / folder);
+  }
+  std::filesystem::current_path(project);
+  EXPECT_THAT(failure({"--setup", "mine"}), HasSubstr("cfg/mine/map.csv: no such file"));
+  std::ofstream(project / "cfg/mine/map.csv") << "x1_m\n";
+  const auto own = parse({"--setup", "mine"});
+  const auto other = parse({"--setup", "mine", "--world", "cfg/worlds/curve.world"});
+  std::filesystem::current_path(here);
+  EXPECT_EQ(own->world.filename(), "room.world");
+  EXPECT_EQ(own->route.filename(), "room.route");
+  EXPECT_EQ(own->map, std::filesystem::canonical(project / "cfg/mine/map.csv"));
+  EXPECT_EQ(other->world.filename(), "curve.world");
+  EXPECT_EQ(other->map.filename(), "curve.csv") << "the setup's map is that of its own world";
+}
+
 TEST_F(Options, ReadNumbers) {
   const auto options =
       parse({"--setup", "humanoid", "--seconds", "2.5", "--seed", "77", "--port-offset", "100"});

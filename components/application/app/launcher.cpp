@@ -83,9 +83,7 @@ std::string pageAddressOf(const RunOptions& options) {
 
 std::filesystem::path paletteOf(const RunOptions& options) {
   if (!options.palette.empty()) return options.palette;
-  const Properties properties = Properties::load(configOf(options, "active_visual_memory"));
-  const Properties::Entry* entry = properties.find("ActiveVisualMemory.Palette");
-  return entry == nullptr || entry->value.empty() ? std::filesystem::path{} : options.root / entry->value;
+  return fileOfSetup(options, "active_visual_memory", "ActiveVisualMemory.Palette");
 }
 
 // The source starts paused, so that no component misses the beginning of a recording or of a simulated run.

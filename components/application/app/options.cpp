@@ -6,6 +6,7 @@
 #include <iostream>
 #include <vector>
 
+#include "common/config/properties.h"
 #include "common/process/name_by_date.h"
 #include "common/recording/bag_advice.h"
 
@@ -105,6 +106,13 @@ Integer parseInteger(const std::string& option, const std::string& text, Integer
 
 }  // namespace
 
+fs::path fileOfSetup(const RunOptions& options, const std::string& component, const std::string& key) {
+  const Properties properties =
+      Properties::load(options.root / "cfg" / options.folder / (component + ".cfg"));
+  const Properties::Entry* entry = properties.find(key);
+  return entry == nullptr || entry->value.empty() ? fs::path{} : options.root / entry->value;
+}
+
 std::optional<RunOptions> parseOptions(int argc, char** argv) {
   CLI::App app{
       "Starts the robot of a setup with its visual memory and localization, shows what they do, and ends "
@@ -127,13 +135,14 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
       "--session", session,
       "replay: a folder that the recorder made; bags, map and configurations are taken from there");
   app.add_flag("--record", record, "record everything into the folder of the results, as recording/");
-  app.add_option("--map", map, "map of the world (default when simulated: cfg/maps/WORLD.csv)");
+  app.add_option("--map", map,
+                 "map of the world (default when simulated: the setup's; of a --world cfg/maps/WORLD.csv)");
   app.add_option("--palette", palette,
                  "colours of the map (default: MAP.palette beside MAP.csv, else the setup's)");
   app.add_option(
       "--topics", topics,
       "replay: topics of the roles, ROLE=/topic,..., as bag_info advises (default: found by type)");
-  app.add_option("--world", world, "simulated: the world, an SDF file (default cfg/worlds/corridor.world)");
+  app.add_option("--world", world, "simulated: the world, an SDF file (default: the setup's)");
   app.add_option("--scenario", scenario, "simulated: what happens in the world (docs/scenarios.md)");
   app.add_option("--out", out, "folder of the results (default out/DATE-TIME)");
   app.add_option("--port-offset", port_offset, "added to every port, so that several runs share a machine");
@@ -164,13 +173,19 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
     if (!bag.empty()) throw UsageError("--bag is for a setup with a replay server, such as replay");
     if (!topics.empty()) throw UsageError("--topics is for a setup with a replay server, such as replay");
     if (!session.empty()) throw UsageError("--session is for a setup with a replay server, such as replay");
-    options.world = requireFile(world.empty() ? options.root / "cfg/worlds/corridor.world" : fs::path(world),
-                                "--world", "must be an SDF world");
+    const fs::path own_world = fileOfSetup(options, "simulator", "Simulator.World");
+    options.world =
+        world.empty() && !own_world.empty()
+            ? requireFile(own_world, "Simulator.World of cfg/" + setup, "must be an SDF world")
+            : requireFile(world.empty() ? options.root / "cfg/worlds/corridor.world" : fs::path(world),
+                          "--world", "must be an SDF world");
     options.route = fs::path(options.world).replace_extension(".route");
     requireFile(options.route, "--world " + options.world.string() + " needs", "the way-points of its route");
     if (!scenario.empty()) {
       options.scenario = requireFile(scenario, "--scenario", "must be a scenario");
     }
+    // The map of a setup is that of its own world.
+    if (map.empty() && world.empty()) map = fileOfSetup(options, "localization", "Localization.Map").string();
     if (map.empty()) map = (options.root / "cfg/maps" / (options.world.stem().string() + ".csv")).string();
   } else {
     if (!world.empty()) throw UsageError("--world is for simulated setups");

@@ -39,6 +39,10 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A file that a key of a component names in the setup. @return empty: the key is not set.
+std::filesystem::path fileOfSetup(const RunOptions& options, const std::string& component,
+                                  const std::string& key);
+
 /// Reads the command line and checks that every named file exists, before anything is started.
 /// @return empty after --help, which is printed.
 /// @throws UsageError.
