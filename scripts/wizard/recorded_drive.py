@@ -93,12 +93,13 @@ class Drive:
             if now - newest > SILENCE_S:
                 raise Failure(f"no image came for {SILENCE_S:.0f} s" + (f": {waiting}" if waiting else ""))
             done_s = images / self.rate_hz if self.rate_hz else now - began
-            if now - shown > 5:
+            is_over = self.options.seconds and done_s >= self.options.seconds
+            if is_over or now - shown > 5:
                 shown = now
                 end = f" of {self.options.seconds:.0f}" if self.options.seconds else ""
                 lost = f", {dropped:.0f} messages lost: the disk is too slow" if dropped else ""
                 print(f"recording: {done_s:.0f}{end} s, {images} images, {megabytes:.0f} MB{lost}", file=sys.stderr, flush=True)
-            if self.options.seconds and done_s >= self.options.seconds:
+            if is_over:
                 return
             time.sleep(1)
 
