@@ -51,15 +51,13 @@ SeenFloor viewsAllOver() {
       const double tilt = -0.4;
       const Eigen::Vector3d axis(std::cos(heading) * std::cos(tilt), std::sin(heading) * std::cos(tilt),
                                  std::sin(tilt));
-      FloorView view;
-      view.intrinsics = intrinsicsFromFieldOfView(320, 240, 1.0);
       const Eigen::Vector3d right = axis.cross(Eigen::Vector3d::UnitZ()).normalized();
-      view.T_map_camera = Pose3::Identity();
-      view.T_map_camera.linear().col(0) = right;
-      view.T_map_camera.linear().col(1) = axis.cross(right);
-      view.T_map_camera.linear().col(2) = axis;
-      view.T_map_camera.translation() = Eigen::Vector3d(place.x(), place.y(), 0.5);
-      views.push_back(view);
+      Pose3 T_map_camera = Pose3::Identity();
+      T_map_camera.linear().col(0) = right;
+      T_map_camera.linear().col(1) = axis.cross(right);
+      T_map_camera.linear().col(2) = axis;
+      T_map_camera.translation() = Eigen::Vector3d(place.x(), place.y(), 0.5);
+      views.push_back({place, CameraView(intrinsicsFromFieldOfView(320, 240, 1.0), T_map_camera)});
     }
   }
   return {views, {}};
@@ -149,8 +147,7 @@ TEST(MapChanges, WhatTheFirstDriveDidNotSeeIsNotNew) {
   // It saw nothing of the east half.
   SeenFloor west;
   for (const FloorView& view : viewsAllOver().views) {
-    const bool looks_west =
-        view.T_map_camera.linear()(0, 2) < -0.3 && view.T_map_camera.translation().x() < 0.0;
+    const bool looks_west = view.camera.x() < 0.0 && view.view.shows(view.camera - Eigen::Vector2d(1.2, 0.0));
     if (looks_west) west.views.push_back(view);
   }
   const SegmentMap old = roomWith({kBoxes[0]});

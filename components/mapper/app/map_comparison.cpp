@@ -83,7 +83,9 @@ SeenFloor seenBy(const DriveRecord& record, const std::vector<Pose2>& poses, con
   SeenFloor seen;
   for (std::size_t k = 0; k < poses.size() && k < record.keyframes.size(); ++k) {
     const Keyframe& keyframe = record.keyframes[k];
-    seen.views.push_back({toPose3(T_map_poses * poses[k]) * keyframe.T_robot_camera, keyframe.intrinsics});
+    const Pose3 T_map_camera = toPose3(T_map_poses * poses[k]) * keyframe.T_robot_camera;
+    seen.views.push_back(
+        {T_map_camera.translation().head<2>(), CameraView(keyframe.intrinsics, T_map_camera)});
   }
   for (const auto& [id, element] : record.elements) {
     const auto last = static_cast<std::size_t>(element.last_keyframe);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/geometry/angles.h"
 #include "common/geometry/plane.h"
@@ -27,12 +26,6 @@ std::vector<Edge> edgesOf(const SegmentMap& map) {
   return edges;
 }
 
-bool isOpaque(const Label& label, const std::vector<std::string>& patterns) {
-  return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
-    return pattern.starts_with('*') ? label.ends_with(pattern.substr(1)) : label == pattern;
-  });
-}
-
 /// Whether the way from one point to another crosses an edge, but near its end.
 bool isCrossed(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Segment2& edge, double end_m) {
   const Eigen::Vector2d way = to - from;
@@ -50,7 +43,7 @@ class SeenMap {
   SeenMap(const SegmentMap& map, const SeenFloor& seen, const ChangeParams& params)
       : edges_(edgesOf(map)), seen_(seen), params_(params) {
     for (const Edge& edge : edges_) {
-      if (isOpaque(edge.label, params_.opaque_labels)) walls_.push_back(edge.floor);
+      if (matchesAny(edge.label, params_.opaque_labels)) walls_.push_back(edge.floor);
     }
   }
 
@@ -60,15 +53,9 @@ class SeenMap {
   bool isSeen(const Eigen::Vector2d& p) const {
     int views = 0;
     for (const FloorView& view : seen_.views) {
-      const Eigen::Vector2d camera = view.T_map_camera.translation().head<2>();
-      if ((p - camera).norm() > params_.range_m) continue;
-      const auto px =
-          projectToIdeal(view.intrinsics, view.T_map_camera.inverse() * Eigen::Vector3d(p.x(), p.y(), 0.0));
-      if (!px || px->x() < 0.0 || px->y() < 0.0 || px->x() > view.intrinsics.width - 1 ||
-          px->y() > view.intrinsics.height - 1)
-        continue;
+      if ((p - view.camera).norm() > params_.range_m || !view.view.shows(p)) continue;
       const bool is_hidden = std::any_of(walls_.begin(), walls_.end(), [&](const Segment2& wall) {
-        return isCrossed(camera, p, wall, params_.near_m);
+        return isCrossed(view.camera, p, wall, params_.near_m);
       });
       if (!is_hidden && ++views >= params_.least_views) return true;
     }

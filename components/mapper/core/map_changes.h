@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "common/geometry/camera.h"
-#include "common/geometry/pose.h"
 #include "common/segment_map/segment_map.h"
+#include "localization/core/map/visibility.h"
 
 namespace vismem {
 
@@ -20,14 +19,14 @@ struct ChangeParams {
   double least_m = 0.12;    ///< shorter changes are left out
   double thing_m = 0.15;    ///< edges of one label this near belong to one thing
   double most_moved_m = 3.0;
-  /// Labels of what hides the floor behind it; "*_foot" matches every label with that ending.
+  /// Labels of what hides the floor behind it (see matchesAny).
   std::vector<std::string> opaque_labels{"skirting", "*_foot"};
 };
 
 /// An image as a view of the floor.
 struct FloorView {
-  Pose3 T_map_camera;
-  CameraIntrinsics intrinsics;
+  Eigen::Vector2d camera;  ///< below it [m]
+  CameraView view;
 };
 
 /// What a drive saw of the floor.

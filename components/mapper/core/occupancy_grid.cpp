@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "localization/core/map/visibility.h"
 #include "mapper/core/map_output.h"
 
 namespace vismem {
@@ -12,12 +13,6 @@ namespace {
 constexpr unsigned char kOccupied = 0;
 constexpr unsigned char kFree = 254;
 constexpr unsigned char kUnknown = 205;
-
-bool isObstacle(const Label& label, const std::vector<std::string>& obstacles) {
-  return std::any_of(obstacles.begin(), obstacles.end(), [&](const std::string& pattern) {
-    return pattern.front() == '*' ? label.ends_with(pattern.substr(1)) : label == pattern;
-  });
-}
 
 class Grid {
  public:
@@ -84,7 +79,7 @@ GridImage gridOf(const SegmentMap& map, const DriveRecord& record, const std::ve
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(params.margin_m);
   Grid grid(low - margin, high + margin, params.resolution_m);
   for (const MapSegment& segment : map.segments) {
-    if (segment.width_m <= 0.0 && isObstacle(segment.label, params.obstacles))
+    if (segment.width_m <= 0.0 && matchesAny(segment.label, params.obstacles))
       grid.occupy(segment.world.floor());
   }
   constexpr double kRay_rad = 0.01;
