@@ -130,10 +130,7 @@ class Lesson {
       summary["classes"].push_back(
           {{"name", one.region.name}, {"beside_edges", one.side_share}, {"surface", one.surface_share}});
     for (const LearntPair& one : learnt.pairs)
-      summary["pairs"].push_back({{"label", one.label},
-                                  {"classes", {one.a, one.b}},
-                                  {"share", one.share},
-                                  {"median_length_px", one.length_px}});
+      summary["pairs"].push_back({{"label", one.label}, {"classes", {one.a, one.b}}, {"share", one.share}});
     summary["named_share"] = namedShare(palette);
     if (!options_.picture.empty()) summary["picture"] = options_.picture.string();
     return summary;
@@ -219,7 +216,7 @@ int main(int argc, char** argv) {
       "for each: "
       "NAME IMAGE U V, with the class, the seconds after the first image (or a file of the folder) and the "
       "pixel; the class ignored names no edge. Lock "
-      "exposure and white balance of the camera. The last line is JSON (docs/formats.md)."};
+      "exposure and white balance of the camera. The last line is JSON (docs/colours.md)."};
   auto* bag =
       app.add_option("--bag", options.bag, "a recording: ROS 1 bag, or a folder with the parts of one");
   auto* images = app.add_option("--images", options.images, "or a folder of images")->excludes(bag);

@@ -126,10 +126,8 @@ void PaletteLearner::addImage(const cv::Mat& image, const std::vector<RawSegment
       const auto dark = colourBeside(image, piece, -normal);
       if (!bright || !dark) continue;
       const double length_px = piece.length();
-      edges_.push_back({{add(*bright, length_px, Kind::kSide), add(*dark, length_px, Kind::kSide)},
-                        length_px,
-                        px.length(),
-                        images_});
+      edges_.push_back(
+          {{add(*bright, length_px, Kind::kSide), add(*dark, length_px, Kind::kSide)}, length_px, images_});
     }
   }
   addSurfaces(image);
@@ -204,18 +202,7 @@ std::vector<LearntPair> PaletteLearner::pairsUnder(const Palette& palette,
                                                    const std::vector<LearntClass>& classes) const {
   struct Border {
     double length_px = 0.0;
-    std::vector<std::pair<double, double>> pieces;  ///< length of the segment, length of the piece
     std::set<std::size_t> images;
-
-    double medianSegment() {
-      std::sort(pieces.begin(), pieces.end());
-      double below = 0.0;
-      for (const auto& [segment, piece] : pieces) {
-        below += piece;
-        if (below >= 0.5 * length_px) return segment;
-      }
-      return 0.0;
-    }
   };
   std::map<std::pair<std::string, std::string>, Border> borders;
   double all_px = 0.0;
@@ -231,7 +218,6 @@ std::vector<LearntPair> PaletteLearner::pairsUnder(const Palette& palette,
     if (a == b) continue;
     Border& border = borders[{a, b}];
     border.length_px += edge.length_px;
-    border.pieces.emplace_back(edge.segment_px, edge.length_px);
     border.images.insert(edge.image);
   }
   // What borders on the floor alone, and has more edge than surface, is painted on it.
@@ -250,11 +236,11 @@ std::vector<LearntPair> PaletteLearner::pairsUnder(const Palette& palette,
       painted.insert(one.region.name);
   }
   std::vector<LearntPair> pairs;
-  for (auto& [names, border] : borders) {
+  for (const auto& [names, border] : borders) {
     if (names.first == kIgnored || names.second == kIgnored) continue;
     if (border.length_px < kLeastPair * all_px || border.images.size() < kLeastPairImages) continue;
-    pairs.push_back({labelOf(names.first, names.second, painted), names.first, names.second,
-                     border.length_px / all_px, border.medianSegment()});
+    pairs.push_back(
+        {labelOf(names.first, names.second, painted), names.first, names.second, border.length_px / all_px});
   }
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const auto& a, const auto& b) { return a.share > b.share; });

@@ -26,8 +26,7 @@ struct LearntPair {
   std::string label;
   std::string a;
   std::string b;
-  double share = 0.0;      ///< of the length of all edges
-  double length_px = 0.0;  ///< of the segments: half of the pair's edges belong to longer ones
+  double share = 0.0;  ///< of the length of all edges
 };
 
 struct LearntPalette {
@@ -62,7 +61,6 @@ class PaletteLearner {
   struct Edge {
     std::array<std::size_t, 2> sides{};  ///< indices of colours_
     double length_px = 0.0;
-    double segment_px = 0.0;  ///< length of the segment that it is a piece of
     std::size_t image = 0;
   };
   /// What the colours of one cluster are.
