@@ -1,4 +1,4 @@
-/// @file The program calibrate, run to its end.
+/// @file Programs that calibrate, run to their end.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -27,11 +27,15 @@ struct ToolRun {
   }
 };
 
-inline ToolRun runCalibrate(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), std::string(VISMEM_BIN_DIR) + "/calibrate");
+inline ToolRun runTool(const std::string& program, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), std::string(VISMEM_BIN_DIR) + "/" + program);
   ChildProcess child(arguments);
   EXPECT_TRUE(child.waitForExit(std::chrono::seconds(110)));
   return {child.exitCode().value_or(-1), child.out(), child.error()};
+}
+
+inline ToolRun runCalibrate(std::vector<std::string> arguments) {
+  return runTool("calibrate", std::move(arguments));
 }
 
 }  // namespace vismem

@@ -7,40 +7,15 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "common/process/child_process.h"
+#include "calibration/calibrate_run.h"
 #include "common/vision/palette.h"
-#include "support/build_paths.h"
 #include "support/temporary_folder.h"
 
 namespace vismem {
 namespace {
 
-using namespace std::chrono_literals;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-struct Ended {
-  int code = -1;
-  std::string out;
-  std::string errors;
-
-  nlohmann::json json() const {
-    const auto end = out.find_last_not_of('\n');
-    const auto begin = out.rfind('\n', end);
-    return nlohmann::json::parse(out.substr(begin == std::string::npos ? 0 : begin + 1));
-  }
-};
-
-Ended run(const std::string& program, const std::vector<std::string>& arguments) {
-  std::vector<std::string> words{std::string(VISMEM_BIN_DIR) + "/" + program};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  ChildProcess child(words);
-  Ended ended;
-  ended.code = child.waitForExit(120s).value_or(-1);
-  ended.out = child.out();
-  ended.errors = child.error();
-  return ended;
-}
 
 /// Share of the length of all edges of a map that have their own label in the images.
 double rightShare(const nlohmann::json& summary) {
@@ -61,25 +36,25 @@ class LearnPalette : public testing::Test {
     return std::string(VISMEM_SOURCE_DIR) + "/cfg/" + name;
   }
 
-  Ended evaluate(const std::string& palette) {
-    return run("evaluate", {"--bag", file("drive"), "--map", shipped("maps/corridor.csv"), "--survey",
-                            shipped("maps/corridor.csv"), "--palette", palette, "--setup", "sim", "--out",
-                            file("evaluated")});
+  ToolRun evaluate(const std::string& palette) {
+    return runTool("evaluate", {"--bag", file("drive"), "--map", shipped("maps/corridor.csv"), "--survey",
+                                shipped("maps/corridor.csv"), "--palette", palette, "--setup", "sim", "--out",
+                                file("evaluated")});
   }
 
   TemporaryFolder folder_;
 };
 
 TEST_F(LearnPalette, FromADriveNamesTheEdgesOfTheMapAsWellAsTheHandMadeOne) {
-  const Ended drive =
-      run("evaluate", {"--world", shipped("worlds/corridor.world"), "--map", shipped("maps/corridor.csv"),
-                       "--seconds", "12", "--record", file("drive"), "--out", file("simulated")});
-  ASSERT_EQ(drive.code, 0) << drive.errors;
+  const ToolRun drive =
+      runTool("evaluate", {"--world", shipped("worlds/corridor.world"), "--map", shipped("maps/corridor.csv"),
+                           "--seconds", "12", "--record", file("drive"), "--out", file("simulated")});
+  ASSERT_EQ(drive.code, 0) << drive.error;
   const Palette truth = loadPalette(shipped("maps/corridor.palette"));
-  const Ended learnt = run(
+  const ToolRun learnt = runTool(
       "learn_palette", {"--bag", file("drive"), "--out", file("own.palette"), "--picture", file("own.png")});
-  ASSERT_EQ(learnt.code, 0) << learnt.errors;
-  const nlohmann::json summary = learnt.json();
+  ASSERT_EQ(learnt.code, 0) << learnt.error;
+  const nlohmann::json summary = learnt.summary();
   EXPECT_GT(summary["named_share"], 0.5) << summary;
   EXPECT_FALSE(cv::imread(file("own.png")).empty());
 
@@ -120,11 +95,11 @@ TEST_F(LearnPalette, FromADriveNamesTheEdgesOfTheMapAsWellAsTheHandMadeOne) {
   }
   renamed.close();
 
-  const Ended by_hand = evaluate(shipped("maps/corridor.palette"));
-  const Ended by_learning = evaluate(file("renamed.palette"));
-  ASSERT_EQ(by_hand.code, 0) << by_hand.errors;
-  ASSERT_EQ(by_learning.code, 0) << by_learning.errors;
-  EXPECT_GE(rightShare(by_learning.json()), 0.95 * rightShare(by_hand.json()));
+  const ToolRun by_hand = evaluate(shipped("maps/corridor.palette"));
+  const ToolRun by_learning = evaluate(file("renamed.palette"));
+  ASSERT_EQ(by_hand.code, 0) << by_hand.error;
+  ASSERT_EQ(by_learning.code, 0) << by_learning.error;
+  EXPECT_GE(rightShare(by_learning.summary()), 0.95 * rightShare(by_hand.summary()));
 }
 
 TEST_F(LearnPalette, NamesWhatWasClickedAndSaysWhatIsWrongWithClicks) {
@@ -135,34 +110,34 @@ TEST_F(LearnPalette, NamesWhatWasClickedAndSaysWhatIsWrongWithClicks) {
     cv::imwrite(file("images/" + std::to_string(i) + ".png"), image);
   }
   std::ofstream(file("good")) << "wall 0.png 100 50   # the yellow one\nground 2.png 100 200\n";
-  const Ended learnt = run(
+  const ToolRun learnt = runTool(
       "learn_palette", {"--images", file("images"), "--clicks", file("good"), "--out", file("own.palette")});
-  ASSERT_EQ(learnt.code, 0) << learnt.errors;
+  ASSERT_EQ(learnt.code, 0) << learnt.error;
   const Palette palette = loadPalette(file("own.palette"));
   EXPECT_EQ(palette.className(palette.classOf(220, 200, 90)), "wall");
   EXPECT_EQ(palette.className(palette.classOf(60, 60, 60)), "ground");
   EXPECT_EQ(palette.label(palette.classNamed("wall"), palette.classNamed("ground")), "ground_wall");
 
   std::ofstream(file("bad")) << "wall 0.png 100\n";
-  const Ended bad =
-      run("learn_palette", {"--images", file("images"), "--clicks", file("bad"), "--out", file("x")});
+  const ToolRun bad =
+      runTool("learn_palette", {"--images", file("images"), "--clicks", file("bad"), "--out", file("x")});
   EXPECT_EQ(bad.code, 2);
-  EXPECT_THAT(bad.errors, AllOf(HasSubstr("bad:1: \"wall 0.png 100\""), HasSubstr("NAME IMAGE U V")));
+  EXPECT_THAT(bad.error, AllOf(HasSubstr("bad:1: \"wall 0.png 100\""), HasSubstr("NAME IMAGE U V")));
   std::ofstream(file("far")) << "wall 9.png 1 1\nwall 0.png 320 1\n";
-  const Ended far =
-      run("learn_palette", {"--images", file("images"), "--clicks", file("far"), "--out", file("x")});
+  const ToolRun far =
+      runTool("learn_palette", {"--images", file("images"), "--clicks", file("far"), "--out", file("x")});
   EXPECT_EQ(far.code, 2);
-  EXPECT_THAT(far.errors, HasSubstr("far:2: pixel 320 1 (must be within 0..319 and 0..239)"));
+  EXPECT_THAT(far.error, HasSubstr("far:2: pixel 320 1 (must be within 0..319 and 0..239)"));
   EXPECT_FALSE(std::filesystem::exists(file("x")));
 }
 
 TEST_F(LearnPalette, GreyImagesAndFoldersWithoutImagesAreErrors) {
   std::filesystem::create_directories(file("none"));
-  EXPECT_EQ(run("learn_palette", {"--images", file("none"), "--out", file("x")}).code, 2);
-  EXPECT_EQ(run("learn_palette", {"--out", file("x")}).code, 2);
-  const Ended missing = run("learn_palette", {"--bag", file("none.bag"), "--out", file("x")});
+  EXPECT_EQ(runTool("learn_palette", {"--images", file("none"), "--out", file("x")}).code, 2);
+  EXPECT_EQ(runTool("learn_palette", {"--out", file("x")}).code, 2);
+  const ToolRun missing = runTool("learn_palette", {"--bag", file("none.bag"), "--out", file("x")});
   EXPECT_NE(missing.code, 0);
-  EXPECT_THAT(missing.errors, HasSubstr("none.bag"));
+  EXPECT_THAT(missing.error, HasSubstr("none.bag"));
 }
 
 }  // namespace
