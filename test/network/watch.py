@@ -24,16 +24,18 @@ def main():
     for name in ("component", "localization"):
         Ice.loadSlice(f"--all -I{Ice.getSliceDir()} -I{INTERFACES} {INTERFACES}/avm/{name}.ice")
     import avm
-    with Ice.initialize(["", "--Ice.Default.InvocationTimeout=1000", "--Ice.RetryIntervals=-1"]) as communicator:
+    with Ice.initialize(["", "--Ice.Default.InvocationTimeout=500", "--Ice.RetryIntervals=-1"]) as communicator:
         asked = dict(word.split("=") for word in sys.argv[1:])
         proxies = {name: avm.ComponentPrx.uncheckedCast(communicator.stringToProxy(
             f"{name}/component:tcp -h 127.0.0.1 -p {port}")) for name, port in asked.items()}
         while True:
             begin = time.monotonic()
             line = {"t": begin}
-            for name, proxy in proxies.items():
+            # All at once: a component that is late does not hide what the others say meanwhile.
+            calls = {name: proxy.getStatusAsync() for name, proxy in proxies.items()}
+            for name, call in calls.items():
                 try:
-                    line[name] = seen(proxy.getStatus())
+                    line[name] = seen(call.result())
                 except Ice.Exception as failure:
                     line[name] = {"state": "absent", "reason": type(failure).__name__, "totals": {}, "gauges": {},
                                   "errors": []}
