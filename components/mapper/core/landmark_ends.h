@@ -14,7 +14,7 @@ struct LandmarkEndParams {
   /// into one: where the camera stands in the plane of a box's side, both are one straight line.
   double upright_px = 3.0;
   double upright_rad = 0.1;
-  int least_raised_views = 3;      ///< with a seen end, to tell the height of an edge by it
+  int least_raised_views = 3;      ///< with a seen end, to find the height of an edge by it
   double raised_sigmas = 3.0;      ///< scatter of an end on the floor, beyond which it does not lie there ..
   double raised_gain = 3.0;        ///< .. if another height makes it so much smaller
   double most_height_share = 0.8;  ///< heights tried, of the camera's
