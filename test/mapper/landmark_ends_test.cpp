@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numbers>
 #include <set>
 
 #include "common/geometry/angles.h"
@@ -57,6 +58,104 @@ TEST(UpdateEnds, FindsTheTrueEndsFromTheViews) {
     ++doors;
   }
   EXPECT_EQ(doors, 9);
+}
+
+/// Images of one landmark from known places, and what each showed of it.
+struct Looks {
+  DriveRecord record;
+  MapState state;
+
+  /// The landmark as the memory holds it, on the floor.
+  explicit Looks(const Segment2& held) {
+    LineLandmark landmark;
+    landmark.id = 100;
+    landmark.label = "box_foot";
+    landmark.reference = held.middle();
+    landmark.direction_rad = held.direction();
+    landmark.a = {-0.5 * held.length(), false};
+    landmark.b = {0.5 * held.length(), false};
+    state.landmarks.push_back(landmark);
+    addPose({});  // the anchor: the frame of the world
+  }
+  /// @param heading  of the camera 0.5 m above `place`, which looks 25 degrees down.
+  void add(const Eigen::Vector2d& place, double heading_rad, const Eigen::Vector3d& a,
+           const Eigen::Vector3d& b) {
+    addPose({place.x(), place.y(), heading_rad});
+    const Pose3 T_camera_world =
+        (toPose3(state.poses.back()) * record.keyframes.back().T_robot_camera).inverse();
+    const CameraIntrinsics& k = record.keyframes.back().intrinsics;
+    LineSighting sighting;
+    sighting.px = {*projectToIdeal(k, T_camera_world * a), *projectToIdeal(k, T_camera_world * b)};
+    record.keyframes.back().sightings.push_back(sighting);
+    state.landmarks[0].seen.push_back({static_cast<int>(record.keyframes.size()) - 1, 0});
+  }
+  Segment2 landmark() const { return state.worldSegment(state.landmarks.at(0)); }
+
+ private:
+  void addPose(const Pose2& T_world_robot) {
+    CameraMount mount;
+    mount.T_robot_pantilt.translation().z() = 0.5;
+    Keyframe keyframe;
+    keyframe.intrinsics = intrinsicsFromFieldOfView(320, 240, 1.0);
+    keyframe.T_robot_camera = cameraPose(mount, 0.0, degToRad(-25.0));
+    record.keyframes.push_back(keyframe);
+    state.poses.push_back(T_world_robot);
+    state.frame_tilts.push_back(Eigen::Vector2d::Zero());
+  }
+};
+
+constexpr double kQuarterTurn = std::numbers::pi / 2;
+
+TEST(UpdateEnds, AnEdgeReachesNoFurtherThanImagesShowedIt) {
+  // The memory joined a side of 0.3 m with that of another thing in the same line.
+  Looks looks({{0.0, 0.0}, {2.0, 0.0}});
+  for (const double x : {-0.1, 0.1, 0.3})
+    looks.add({x, -1.0}, kQuarterTurn, {0.0, 0.0, 0.0}, {0.3, 0.0, 0.0});
+  updateEnds(looks.record, {}, looks.state);
+  EXPECT_NEAR(looks.landmark().a.x(), 0.0, 0.01);
+  EXPECT_NEAR(looks.landmark().b.x(), 0.3, 0.01);
+}
+
+TEST(UpdateEnds, AnUprightEdgeInLineWithAFootIsNoPartOfIt) {
+  // From the plane of a box's side, 0.3 m long and 0.25 m high, foot and far corner are one line in the
+  // image.
+  Looks looks({{0.0, 0.0}, {1.0, 0.0}});
+  for (const double x : {-1.2, -1.1, -1.0, -0.9}) looks.add({x, 0.0}, 0.0, {0.0, 0.0, 0.0}, {0.3, 0.0, 0.25});
+  for (const double x : {0.0, 0.2}) looks.add({x, -1.0}, kQuarterTurn, {0.0, 0.0, 0.0}, {0.3, 0.0, 0.0});
+  EXPECT_EQ(dropUprights(looks.record, {}, looks.state), 0);
+  updateEnds(looks.record, {}, looks.state);
+  EXPECT_NEAR(looks.landmark().b.x(), 0.3, 0.01);
+}
+
+TEST(DropUprights, WhatEveryImageMayHaveSeenUprightIsNotOnTheFloor) {
+  Looks looks({{0.0, 0.0}, {1.0, 0.0}});
+  for (const double x : {-1.2, -1.1, -1.0}) looks.add({x, 0.0}, 0.0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.25});
+  EXPECT_EQ(dropUprights(looks.record, {}, looks.state), 1);
+  EXPECT_TRUE(looks.state.landmarks.empty());
+}
+
+class RaisedEdge : public testing::TestWithParam<double> {};
+
+/// A box's top edge along the way of the robot: its line fits the floor in every image, its ends do not.
+TEST_P(RaisedEdge, IsDroppedByItsEnds) {
+  const double height_m = GetParam();
+  Looks looks({{0.0, 0.0}, {0.3, 0.0}});
+  for (const double x : {-0.3, -0.1, 0.1, 0.3, 0.5})
+    looks.add({x, -1.0}, kQuarterTurn, {0.0, 0.0, height_m}, {0.3, 0.0, height_m});
+  EXPECT_EQ(dropRaised(looks.record, {}, looks.state), height_m > 0.0 ? 1 : 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Heights, RaisedEdge, testing::Values(0.0, 0.1, 0.2, 0.3));
+
+TEST(DropRaised, AFootThatIsPartlyHiddenStays) {
+  // Each image shows another part: that fits no height.
+  Looks looks({{0.0, 0.0}, {0.3, 0.0}});
+  double shown = 0.05;
+  for (const double x : {-0.3, -0.1, 0.1, 0.3, 0.5}) {
+    looks.add({x, -1.0}, kQuarterTurn, {0.0, 0.0, 0.0}, {shown, 0.0, 0.0});
+    shown = shown > 0.2 ? 0.1 : 0.3;
+  }
+  EXPECT_EQ(dropRaised(looks.record, {}, looks.state), 0);
 }
 
 /// A wall as one landmark, and how often it has to be cut. Doors are known in the order of the way: along the

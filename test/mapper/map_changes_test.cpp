@@ -8,6 +8,8 @@
 #include <numbers>
 #include <random>
 
+#include "localization/core/map/visibility.h"
+
 namespace vismem {
 namespace {
 
@@ -44,8 +46,8 @@ SegmentMap roomWith(const std::vector<Box>& boxes) {
 
 /// A robot that turned at four places.
 SeenFloor viewsAllOver() {
-  std::vector<FloorView> views;
-  for (const Eigen::Vector2d place : {Eigen::Vector2d(-1.2, -1.2), {1.2, -1.2}, {1.2, 1.2}, {-1.2, 1.2}}) {
+  std::vector<SeenView> views;
+  for (const Eigen::Vector2d& place : {Eigen::Vector2d(-1.2, -1.2), {1.2, -1.2}, {1.2, 1.2}, {-1.2, 1.2}}) {
     for (int i = 0; i < 36; ++i) {
       const double heading = i * std::numbers::pi / 18;
       const double tilt = -0.4;
@@ -57,7 +59,7 @@ SeenFloor viewsAllOver() {
       T_map_camera.linear().col(1) = axis.cross(right);
       T_map_camera.linear().col(2) = axis;
       T_map_camera.translation() = Eigen::Vector3d(place.x(), place.y(), 0.5);
-      views.push_back({place, CameraView(intrinsicsFromFieldOfView(320, 240, 1.0), T_map_camera)});
+      views.push_back({intrinsicsFromFieldOfView(320, 240, 1.0), T_map_camera});
     }
   }
   return {views, {}};
@@ -77,6 +79,21 @@ SegmentMap asMapped(const SegmentMap& truth, std::mt19937& random) {
     }
   }
   return map;
+}
+
+/// As maps of drives that saw each edge so often, or of a drawing (0).
+std::vector<CountedRow> counted(const SegmentMap& map, int times_seen = 40) {
+  std::vector<CountedRow> rows;
+  for (const MapSegment& row : map.segments) rows.push_back({row, times_seen, times_seen > 0 ? 1 : 0});
+  return rows;
+}
+
+std::vector<MapChange> mapChanges(const SegmentMap& before, const SeenFloor& seen_before,
+                                  const SegmentMap& now, const SeenFloor& seen_now) {
+  const bool is_complete = seen_before.views.empty();
+  return compareMaps(counted(before, is_complete ? 0 : 40), {{seen_before}, is_complete}, counted(now),
+                     seen_now)
+      .changes;
 }
 
 const std::vector<Box> kBoxes{{{-2.0, 0.0}, 0.3, "red_foot"},
@@ -143,26 +160,90 @@ TEST(MapChanges, WhatNoViewShowsIsUnchanged) {
   EXPECT_EQ(changes[0].label, "cupboard_foot");
 }
 
-TEST(MapChanges, WhatTheFirstDriveDidNotSeeIsNotNew) {
+TEST(MapChanges, WhatTheFirstDriveDidNotSeeIsAddedAndNotNew) {
   // It saw nothing of the east half.
   SeenFloor west;
-  for (const FloorView& view : viewsAllOver().views) {
-    const bool looks_west = view.camera.x() < 0.0 && view.view.shows(view.camera - Eigen::Vector2d(1.2, 0.0));
+  for (const SeenView& view : viewsAllOver().views) {
+    const Eigen::Vector2d camera = view.T_map_camera.translation().head<2>();
+    const bool looks_west =
+        camera.x() < 0.0 &&
+        CameraView(view.intrinsics, view.T_map_camera).shows(camera - Eigen::Vector2d(1.2, 0.0));
     if (looks_west) west.views.push_back(view);
   }
   const SegmentMap old = roomWith({kBoxes[0]});
   EXPECT_TRUE(mapChanges(old, west, roomWith({kBoxes[0], kBoxes[2]}), viewsAllOver()).empty());
+  const auto found =
+      compareMaps(counted(old), {{west}, false}, counted(roomWith({kBoxes[0], kBoxes[2]})), viewsAllOver());
+  EXPECT_EQ(found.added.size(), 4U);  // the sides of the box
   EXPECT_EQ(mapChanges(old, {}, roomWith({kBoxes[0], kBoxes[2]}), viewsAllOver()).size(), 1U);
 }
 
-TEST(MapChanges, AnEdgeThatWasSeenButNotConfirmedIsNoChange) {
+TEST(MapChanges, ASideOfAThingThatWasOverlookedIsNoChange) {
   SegmentMap now = roomWith(kBoxes);
-  const Segment2 lost = now.segments.back().world.floor();
   now.segments.pop_back();
+  EXPECT_TRUE(mapChanges(roomWith(kBoxes), viewsAllOver(), now, viewsAllOver()).empty());
+}
+
+TEST(MapChanges, AThingThatWasSeenButNotConfirmedIsNoChange) {
+  const SegmentMap now = roomWith({kBoxes[0], kBoxes[1], kBoxes[2]});
   SeenFloor seen = viewsAllOver();
   EXPECT_EQ(mapChanges(roomWith(kBoxes), viewsAllOver(), now, seen).size(), 1U);
-  seen.traces.push_back(lost);
+  for (const MapSegment& row : roomWith({kBoxes[3]}).segments)
+    seen.traces.push_back({row.world.floor(), kUnknownLabel, 20});
   EXPECT_TRUE(mapChanges(roomWith(kBoxes), viewsAllOver(), now, seen).empty());
+  // Another thing stands there.
+  for (FloorTrace& trace : seen.traces) trace.label = "white_foot";
+  EXPECT_EQ(mapChanges(roomWith(kBoxes), viewsAllOver(), now, seen).size(), 1U);
+}
+
+TEST(MapChanges, WhatIsSeldomSeenMustBeMissingInMoreImages) {
+  // 144 images, of which about 40 show the middle of the room.
+  const std::vector<CountedRow> now = counted(roomWith({}));
+  const SeenBefore before{{viewsAllOver()}, false};
+  EXPECT_EQ(compareMaps(counted(roomWith({kBoxes[1]}), 20), before, now, viewsAllOver()).changes.size(), 1U);
+  SeenFloor few = viewsAllOver();
+  few.views.resize(few.views.size() / 4);
+  EXPECT_EQ(compareMaps(counted(roomWith({kBoxes[1]}), 20), before, now, few).changes.size(), 1U);
+  EXPECT_TRUE(compareMaps(counted(roomWith({kBoxes[1]}), 1), before, now, few).changes.empty());
+}
+
+TEST(MapChanges, ALoneEdgeThatFewImagesShowedIsNoThing) {
+  SegmentMap old = roomWith({});
+  add(old, {0.0, 0.0}, {0.4, 0.0}, "red_foot");
+  const SeenBefore before{{viewsAllOver()}, false};
+  const std::vector<CountedRow> now = counted(roomWith({}));
+  EXPECT_EQ(compareMaps(counted(old, 12), before, now, viewsAllOver()).changes.size(), 1U);
+  EXPECT_TRUE(compareMaps(counted(old, 5), before, now, viewsAllOver()).changes.empty());
+}
+
+TEST(MapChanges, WhatMovedLessThanMapsErrDidNotMove) {
+  std::vector<Box> boxes = kBoxes;
+  boxes[1].middle += Eigen::Vector2d(0.1, 0.05);
+  EXPECT_TRUE(mapChanges(roomWith(kBoxes), viewsAllOver(), roomWith(boxes), viewsAllOver()).empty());
+}
+
+TEST(MapChanges, WhatWasRejectedIsNotOfferedAgainUntilItChanges) {
+  const std::vector<CountedRow> old = counted(roomWith(kBoxes));
+  const SeenBefore before{{viewsAllOver()}, false};
+  std::vector<Box> boxes = kBoxes;
+  boxes[1].middle.x() += 0.6;
+  const auto first = compareMaps(old, before, counted(roomWith(boxes)), viewsAllOver());
+  ASSERT_EQ(first.changes.size(), 1U);
+  const std::vector<ChangeFact> rejected = factsOf(first.changes[0]);
+  ASSERT_EQ(rejected.size(), 2U);
+  const auto second = compareMaps(old, before, counted(roomWith(boxes)), viewsAllOver(), {}, rejected);
+  EXPECT_TRUE(second.changes.empty());
+  EXPECT_EQ(second.rejected.size(), 2U);
+  // A drive that saw nothing of it does not speak against it.
+  EXPECT_EQ(compareMaps(old, before, old, {}, {}, rejected).rejected.size(), 2U);
+  // It is back: both facts are over.
+  EXPECT_TRUE(compareMaps(old, before, old, viewsAllOver(), {}, rejected).rejected.empty());
+  // It moved on: its new place is offered, its old one is not.
+  boxes[1].middle.y() += 0.7;
+  const auto third = compareMaps(old, before, counted(roomWith(boxes)), viewsAllOver(), {}, rejected);
+  ASSERT_EQ(third.changes.size(), 1U);
+  EXPECT_EQ(third.changes[0].kind, MapChange::Kind::kNew);
+  EXPECT_EQ(third.rejected.size(), 1U);
 }
 
 TEST(MapChanges, ADoorThatIsPaintedAnewIsAnotherOne) {

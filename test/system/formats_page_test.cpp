@@ -1,4 +1,5 @@
-// The examples of docs/formats.md: the page is the input, the readers of the programs are the judges.
+// The examples of docs/formats.md and docs/map_sessions.md: the pages are the input, the readers of the
+// programs are the judges.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,6 +18,7 @@
 #include "evaluation/core/surveyed_floor.h"
 #include "evaluation/core/trajectory_io.h"
 #include "evaluation/core/truth_file.h"
+#include "mapper/core/change_list.h"
 #include "recorder/app/session_folder.h"
 #include "simulator/core/scenario.h"
 #include "support/build_paths.h"
@@ -46,11 +48,10 @@ std::vector<std::string> linesOf(std::istream& in) {
   return lines;
 }
 
-std::vector<Example> examplesOfPage() {
-  std::ifstream page(std::string(VISMEM_SOURCE_DIR) + "/docs/formats.md");
+void addExamples(const std::string& name, std::vector<Example>& examples) {
+  std::ifstream page(std::string(VISMEM_SOURCE_DIR) + "/docs/" + name);
   const std::vector<std::string> lines = linesOf(page);
   const std::regex marker("<!-- ([a-z ]+): (\\S+) -->");
-  std::vector<Example> examples;
   for (std::size_t i = 0; i < lines.size();) {
     std::smatch match;
     if (!std::regex_match(lines[i++], match, marker)) continue;
@@ -64,6 +65,12 @@ std::vector<Example> examplesOfPage() {
     }
     examples.push_back(example);
   }
+}
+
+std::vector<Example> examplesOfPage() {
+  std::vector<Example> examples;
+  addExamples("formats.md", examples);
+  addExamples("map_sessions.md", examples);
   return examples;
 }
 
@@ -96,6 +103,7 @@ TEST(FormatsPage, ExamplesAreReadAndMistakesGiveTheirMessages) {
       {"scenario", [](const Example& e) { parseScenario(e.text, e.file); }},
       {"tum", [](const Example& e) { parseTum(e.text, e.file); }},
       {"truth", [](const Example& e) { parseTruth(e.text, e.file); }},
+      {"changes", [](const Example& e) { parseChangeList(e.text, e.file); }},
       {"survey", [](const Example& e) { parseSurvey(e.text, e.file); }},
   };
   std::map<std::string, int> seen;

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 
 #include "common/config/text_file.h"
 #include "common/geometry/angles.h"
@@ -13,7 +11,8 @@
 #include "evaluation/core/map_score.h"
 #include "evaluation/core/trajectory_io.h"
 #include "evaluation/figures/board.h"
-#include "mapper/core/drive_record_io.h"
+#include "mapper/core/change_list.h"
+#include "mapper/core/map_history.h"
 
 namespace vismem {
 namespace {
@@ -22,7 +21,6 @@ constexpr double kReliability = 0.6;
 constexpr double kAgree_m = 0.25;
 constexpr double kAgree_rad = degToRad(4.0);
 constexpr std::size_t kLeastEstimates = 10;
-constexpr int kLeastSightings = 3;  // of a trace
 constexpr int kChangesPicture_px = 1200;
 
 /// Where the races placed the frame of the new map in the old one, at every reliable estimate.
@@ -71,39 +69,6 @@ Pose2 aligned(const SegmentMap& map, const SegmentMap& old, const Pose2& start) 
   return alignToTruth(edges, truth, start);
 }
 
-SegmentMap moved(SegmentMap map, const Pose2& T) {
-  for (MapSegment& row : map.segments) {
-    for (Eigen::Vector3d* end : {&row.world.a, &row.world.b})
-      end->head<2>() = transform(T, Eigen::Vector2d(end->head<2>()));
-  }
-  return map;
-}
-
-SeenFloor seenBy(const DriveRecord& record, const std::vector<Pose2>& poses, const Pose2& T_map_poses) {
-  SeenFloor seen;
-  for (std::size_t k = 0; k < poses.size() && k < record.keyframes.size(); ++k) {
-    const Keyframe& keyframe = record.keyframes[k];
-    const Pose3 T_map_camera = toPose3(T_map_poses * poses[k]) * keyframe.T_robot_camera;
-    seen.views.push_back(
-        {T_map_camera.translation().head<2>(), CameraView(keyframe.intrinsics, T_map_camera)});
-  }
-  for (const auto& [id, element] : record.elements) {
-    const auto last = static_cast<std::size_t>(element.last_keyframe);
-    if (element.sightings >= kLeastSightings && last < poses.size())
-      seen.traces.push_back(transform(T_map_poses * poses[last], element.robot));
-  }
-  return seen;
-}
-
-/// By the drive that made a map, if its record lies beside it.
-SeenFloor seenBefore(const std::filesystem::path& map, const DriveMapperParams& params) {
-  const std::filesystem::path file = std::filesystem::path(map).replace_extension(".drive");
-  if (!std::filesystem::exists(file)) return {};
-  const SavedDrive saved = parseDriveRecord(readTextFile(file, "the record of a drive"), file.string());
-  const MapState state = mapDriveAgain(saved.record, saved.closings, params).state;
-  return seenBy(saved.record, state.poses, mapFrameOf(state));
-}
-
 nlohmann::json jsonOf(const MapChange& change) {
   const auto edges = [](const std::vector<Segment2>& segments) {
     nlohmann::json json = nlohmann::json::array();
@@ -119,26 +84,15 @@ nlohmann::json jsonOf(const MapChange& change) {
   return json;
 }
 
-/// "moved box_foot from 1.20 -0.40 to 1.55 -0.30".
-std::string lineOf(const MapChange& change) {
-  std::ostringstream line;
-  line << std::fixed << std::setprecision(2) << nameOf(change.kind) << " " << change.label;
-  const auto place = [&](const char* word, const std::vector<Segment2>& edges) {
-    if (!edges.empty()) line << " " << word << " " << placeOf(edges).x() << " " << placeOf(edges).y();
-  };
-  place("from", change.before);
-  place("to", change.now);
-  return line.str();
-}
-
-void drawChanges(const std::vector<MapChange>& changes, const SegmentMap& map,
-                 const std::filesystem::path& file) {
+void drawChanges(const MapComparison& found, const SegmentMap& map, const std::filesystem::path& file) {
   const Rgb unchanged{150, 150, 150};
   const Rgb gone{200, 40, 40};
   const Rgb came{30, 140, 60};
+  const Rgb added{40, 90, 200};
   Plan plan;
   for (const MapSegment& row : map.segments) plan.lines.push_back({row.world.floor(), unchanged, 1.5, false});
-  for (const MapChange& change : changes) {
+  for (const MapSegment& row : found.added) plan.lines.push_back({row.world.floor(), added, 3.0, false});
+  for (const MapChange& change : found.changes) {
     for (const Segment2& edge : change.before) plan.lines.push_back({edge, gone, 3.0, true});
     for (const Segment2& edge : change.now) plan.lines.push_back({edge, came, 3.0, false});
     if (change.kind == MapChange::Kind::kMoved)
@@ -153,46 +107,61 @@ void drawChanges(const std::vector<MapChange>& changes, const SegmentMap& map,
   }
   Board board;
   board.title = "What changed since the last map";
-  board.subtitle = std::to_string(changes.size()) + " changes";
+  board.subtitle = std::to_string(found.changes.size()) + " changes";
   BoardPanel panel;
   panel.plan = std::move(plan);
   board.rows = {{std::move(panel)}};
-  board.legend = {{"as before", unchanged}, {"was here", gone}, {"is here now", came}};
+  board.legend = {{"as before", unchanged},
+                  {"was here", gone},
+                  {"is here now", came},
+                  {"seen for the first time", added}};
   writeImageFile(drawBoard(board, kChangesPicture_px), file);
+}
+
+nlohmann::json notFound(const std::filesystem::path& old, std::size_t places) {
+  return {{"problems",
+           {"the drive was not found in " + old.string() + ": of " + std::to_string(places) +
+            " reliable poses fewer than half agree (is it the same place, mapped with the same palette? "
+            "--place says where it is)"}}};
 }
 
 }  // namespace
 
-nlohmann::json compareWithMap(const RecordedDrive& drive, const SegmentMap& map,
+MapHistory historyBeside(const std::filesystem::path& map) {
+  const std::filesystem::path file = std::filesystem::path(map).replace_extension(".history");
+  if (!std::filesystem::exists(file)) return {.seen = {{}, true}, .rows = {}, .rejected = {}};
+  return parseMapHistory(readTextFile(file, "the history of a map"), file.string());
+}
+
+nlohmann::json compareWithMap(const RecordedDrive& drive, const SegmentMap& map, const MapHistory& today,
                               const std::vector<Pose2>& poses, const std::filesystem::path& old_file,
                               const MapMakingOptions& options) {
   const SegmentMap old = expandStripes(loadSegmentMap(old_file), drive.stripes);
   const SegmentMap now = expandStripes(map, drive.stripes);
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const Pose2& pose : poses) middle += pose.position() / static_cast<double>(poses.size());
-  const std::vector<Pose2> places = placesInOldMap(drive, old, poses, options.drive.seed);
-  const auto start = agreedPlace(places, middle);
+  const MapHistory history = historyBeside(old_file);
+  std::optional<Pose2> start = options.place;
   if (!start) {
-    return {
-        {"problems",
-         {"the drive was not found in " + old_file.string() + ": of " + std::to_string(places.size()) +
-          " reliable poses fewer than half agree (is it the same place, mapped with the same palette?)"}}};
+    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+    for (const Pose2& pose : poses) middle += pose.position() / static_cast<double>(poses.size());
+    const std::vector<Pose2> places = placesInOldMap(drive, old, poses, options.drive.seed);
+    start = agreedPlace(places, middle);
+    if (!start) return notFound(old_file, places.size());
   }
   const Pose2 T_old_map = aligned(now, old, *start);
   ChangeParams params;
   params.opaque_labels = drive.params.closing.localizer.map.opaque_labels;
-  const SegmentMap in_old = moved(now, T_old_map);
-  const std::vector<MapChange> changes = mapChanges(old, seenBefore(old_file, drive.params), in_old,
-                                                    seenBy(drive.record, poses, T_old_map), params);
+  const SegmentMap in_old = transform(T_old_map, now);
+  const MapHistory seen = transform(T_old_map, today);
+  const MapComparison found = compareMaps(
+      expandStripes(countedRows(loadSegmentMap(old_file), history), drive.stripes), history.seen,
+      expandStripes(seen.rows, drive.stripes), seen.seen.sessions.front(), params, history.rejected);
   nlohmann::json json{{"changes", nlohmann::json::array()},
+                      {"added", found.added.size()},
                       {"T_old_map", {T_old_map.x, T_old_map.y, T_old_map.theta}}};
-  std::string lines;
-  for (const MapChange& change : changes) {
-    json["changes"].push_back(jsonOf(change));
-    lines += lineOf(change) + "\n";
-  }
-  writeTextFile(options.drive.out / (options.name + ".changes"), lines);
-  drawChanges(changes, in_old, options.drive.out / (options.name + "_changes.png"));
+  for (const MapChange& change : found.changes) json["changes"].push_back(jsonOf(change));
+  writeTextFile(options.drive.out / (options.name + ".changes"),
+                writeChangeList(changeListOf(found, T_old_map)));
+  drawChanges(found, in_old, options.drive.out / (options.name + "_changes.png"));
   return json;
 }
 

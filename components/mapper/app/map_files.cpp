@@ -163,7 +163,27 @@ void writeTrajectory(const RecordedDrive& drive, const Output& output, const fs:
   writeTextFile(file, tum.str());
 }
 
+MapHistory historyOf(const RecordedDrive& drive, const Output& output) {
+  MapHistory history;
+  history.seen.sessions.push_back(seenBy(drive.record, output.poses));
+  for (const MappedRow& row : output.rows) {
+    if (row.row.world.length() > 0.0) history.rows.push_back({row.row, row.times_seen, row.sessions});
+  }
+  return history;
+}
+
 }  // namespace
+
+void writeDrawings(const SegmentMap& map, const fs::path& palette, const fs::path& out,
+                   const std::string& name) {
+  fs::create_directories(out);
+  const auto file = [&](const char* ending) { return out / (name + ending); };
+  saveSegmentMap(map, file(".csv"));
+  if (!fs::exists(file(".palette")) || !fs::equivalent(palette, file(".palette")))
+    fs::copy_file(palette, file(".palette"), fs::copy_options::overwrite_existing);
+  writeTextFile(file(".svg"), svgOf(map));
+  writeTextFile(file(".dxf"), dxfOf(map));
+}
 
 nlohmann::json writeMapFiles(const RecordedDrive& drive, const DriveMap& map,
                              const MapMakingOptions& options) {
@@ -178,10 +198,7 @@ nlohmann::json writeMapFiles(const RecordedDrive& drive, const DriveMap& map,
     return summary;
   }
   const auto file = [&](const char* ending) { return out / (options.name + ending); };
-  saveSegmentMap(output.map, file(".csv"));
-  fs::copy_file(drive.palette_file, file(".palette"), fs::copy_options::overwrite_existing);
-  writeTextFile(file(".svg"), svgOf(output.map));
-  writeTextFile(file(".dxf"), dxfOf(output.map));
+  writeDrawings(output.map, drive.palette_file, out, options.name);
   GridParams grid_params;
   grid_params.resolution_m = options.resolution_m;
   grid_params.obstacles = drive.params.closing.localizer.map.opaque_labels;
@@ -194,10 +211,13 @@ nlohmann::json writeMapFiles(const RecordedDrive& drive, const DriveMap& map,
   for (const MappedRow& row : output.rows) segments["segments"].push_back(rowJson(row));
   writeTextFile(file(".json"), segments.dump(1) + "\n");
   writeTextFile(file(".drive"), writeDriveRecord({drive.record, map.closings}));
+  const MapHistory history = historyOf(drive, output);
+  writeTextFile(file(".history"), writeMapHistory(history));
   drawPicture(output, drive, options, map, file(".png"));
   summary["file"] = file(".csv").string();
   if (!options.since.empty()) {
-    nlohmann::json compared = compareWithMap(drive, output.map, output.poses, options.since, options);
+    nlohmann::json compared =
+        compareWithMap(drive, output.map, history, output.poses, options.since, options);
     for (auto& problem : compared["problems"]) summary["problems"].push_back(problem);
     compared.erase("problems");
     summary.update(compared);

@@ -7,6 +7,11 @@
 
 namespace vismem {
 
+/// Writes NAME.csv, .palette, .svg and .dxf into a folder, which is created.
+/// @throws std::runtime_error naming a file that cannot be written.
+void writeDrawings(const SegmentMap& map, const std::filesystem::path& palette,
+                   const std::filesystem::path& out, const std::string& name);
+
 /// Writes all files into options.drive.out, which is created.
 /// @return the summary, with a list `problems` where there is no usable map.
 /// @throws std::runtime_error naming a file that cannot be written.

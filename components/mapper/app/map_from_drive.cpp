@@ -13,6 +13,7 @@ namespace {
 struct Arguments {
   vismem::MapMakingOptions options;
   std::vector<double> start;
+  std::vector<double> place;
   double seconds = 0.0;
   std::string perturb;
   bool no_closing = false;
@@ -30,10 +31,15 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->excludes(world)
       ->excludes(bag);
   app.add_option("--edits", options.edits, "changes by hand, replayed after each solve: docs/mapping.md");
-  app.add_option(
-         "--since", options.since,
-         "an earlier map of the place, made with the same palette: what was moved, removed and brought in")
-      ->excludes("--drive");
+  auto* since = app.add_option(
+      "--since", options.since,
+      "an earlier map of the place, made with the same palette: what was moved, removed and brought in "
+      "(NAME.changes, for update_map)");
+  app.add_option("--place", arguments.place,
+                 "of this drive's map in the earlier one: x,y,theta [m, m, rad], within 1 m (default: found)")
+      ->delimiter(',')
+      ->expected(3)
+      ->needs(since);
   app.add_option("--palette", drive.palette, "colours (default: the configuration's)");
   app.add_option("--out", drive.out, "folder for all that is written")->required();
   app.add_option("--name", options.name, "of the map's files")->capture_default_str();
@@ -79,7 +85,8 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Makes a map from one drive: NAME.csv with NAME.palette, NAME.svg (make_map reads it back), NAME.dxf, "
       "NAME.pgm "
-      "with NAME.yaml (map_server), NAME.json (covariance and times seen of each segment), NAME.png, "
+      "with NAME.yaml (map_server), NAME.json (covariance and times seen of each segment), NAME.history, "
+      "NAME.png, "
       "trajectory.tum. "
       "The last line is JSON (docs/mapping.md).");
   Arguments arguments;
@@ -92,6 +99,13 @@ int main(int argc, char** argv) {
   }
   if (!arguments.start.empty()) {
     options.drive.start = vismem::Pose2{arguments.start[0], arguments.start[1], arguments.start[2]};
+  }
+  if (!arguments.place.empty())
+    options.place = vismem::Pose2{arguments.place[0], arguments.place[1], arguments.place[2]};
+  if (!options.since.empty() && !options.saved_drive.empty() && !options.place) {
+    std::cerr
+        << "map_from_drive: --drive with --since needs --place: the record holds no images to find it\n";
+    return vismem::kExitUsage;
   }
   if (arguments.seconds > 0.0) options.drive.seconds = arguments.seconds;
   options.drive.perturbation = vismem::parsePerturbation(arguments.perturb).perturbation;

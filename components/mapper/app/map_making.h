@@ -22,6 +22,7 @@ struct MapMakingOptions {
   std::filesystem::path edits;        ///< of a person (map_edits.h); empty: none
   std::filesystem::path saved_drive;  ///< NAME.drive of an earlier map, in place of a drive; empty: none
   std::filesystem::path since;        ///< an earlier map of the place, to list what changed; empty: none
+  std::optional<Pose2> place;         ///< of the drive's map in it, within 1 m; empty: found by localization
   std::string name = "map";           ///< of the files
 };
 
@@ -40,8 +41,8 @@ struct RecordedDrive {
 /// @throws ConfigError, RecordingError, std::runtime_error naming the wrong input.
 RecordedDrive recordDrive(const MapMakingOptions& options);
 
-/// Drives, maps and writes NAME.csv, .palette, .svg, .dxf, .pgm, .yaml, .json, .drive, .png and
-/// trajectory.tum.
+/// Drives, maps and writes NAME.csv, .palette, .svg, .dxf, .pgm, .yaml, .json, .drive,
+/// .history, .png and trajectory.tum.
 /// @return the summary; a list `problems` in it says why there is no usable map.
 nlohmann::json makeMapFromDrive(const MapMakingOptions& options);
 

@@ -51,6 +51,8 @@ class Mapping {
     }
     if (!solve({.ends = false}) || !solve({.ends = true})) return std::move(map_);
     map_.dropped += dropContradicted(record_, params_, map_.state);
+    map_.dropped += dropUprights(record_, params_.ends, map_.state);
+    map_.dropped += dropRaised(record_, params_.ends, map_.state);
     tidy();
     if (!solve({.kernel = params_.kernel})) return std::move(map_);
     if (params_.close && !updates.empty()) close(updates, progress);

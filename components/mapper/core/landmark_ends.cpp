@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <vector>
 
@@ -47,6 +48,29 @@ std::optional<SeenEnd> placed(const LineLandmark& landmark, const Keyframe& keyf
                  at_b ? sighting.censored_b : sighting.censored_a};
 }
 
+/// Which end of a sighting may lie on top of an upright edge that stands on the other one.
+enum class UprightEnd { kNone, kA, kB };
+
+UprightEnd uprightEnd(const Keyframe& keyframe, const Pose3& T_anchor_camera, const Segment2& px,
+                      const LandmarkEndParams& params) {
+  constexpr double kRise_m = 0.1;
+  const auto a = backProjectToGround(keyframe.intrinsics, T_anchor_camera, px.a, kFarthest_m);
+  const auto b = backProjectToGround(keyframe.intrinsics, T_anchor_camera, px.b, kFarthest_m);
+  const Eigen::Vector3d camera = T_anchor_camera.translation();
+  const auto distance = [&](const std::optional<Eigen::Vector3d>& p) {
+    return p ? (*p - camera).norm() : 2.0 * kFarthest_m;
+  };
+  const bool a_is_foot = distance(a) <= distance(b);
+  const auto& foot = a_is_foot ? a : b;
+  if (!foot) return UprightEnd::kNone;
+  const Eigen::Vector3d raised = *foot + Eigen::Vector3d(0.0, 0.0, kRise_m);
+  const auto up = projectToIdeal(keyframe.intrinsics, T_anchor_camera.inverse() * raised);
+  if (!up) return UprightEnd::kNone;
+  const double off_px = distanceToLine(a_is_foot ? px.b : px.a, {a_is_foot ? px.a : px.b, *up});
+  if (off_px > std::min(params.upright_px, params.upright_rad * px.length())) return UprightEnd::kNone;
+  return a_is_foot ? UprightEnd::kB : UprightEnd::kA;
+}
+
 double kernel(const SeenEnd& seen, double t_m) {
   const double z = (t_m - seen.t_m) / seen.sigma_m;
   return std::exp(-0.5 * z * z) / seen.sigma_m;
@@ -60,7 +84,7 @@ LandmarkEnd agreedEnd(const LandmarkEnd& known, const std::vector<SeenEnd>& seen
   int censored = 0;
   for (const SeenEnd& candidate : seen) {
     censored += candidate.censored;
-    if (candidate.censored || std::abs(candidate.t_m - known.t_m) > params.reach_m) continue;
+    if (candidate.censored) continue;
     double score = 0.0;
     for (const SeenEnd& each : seen) score += each.censored ? 0.0 : kernel(each, candidate.t_m);
     if (score <= best) continue;
@@ -89,30 +113,116 @@ LandmarkEnd agreedEnd(const LandmarkEnd& known, const std::vector<SeenEnd>& seen
   return {sum / weights, true};
 }
 
+/// The end, but no further out than enough views reached. @param outward +1 for end b, -1 for end a.
+LandmarkEnd withinSeen(const LandmarkEnd& known, std::vector<SeenEnd> seen, double outward,
+                       const LandmarkEndParams& params) {
+  if (seen.empty()) return known;
+  std::sort(seen.begin(), seen.end(), [&](const SeenEnd& one, const SeenEnd& other) {
+    return outward * one.t_m > outward * other.t_m;
+  });
+  const auto views = static_cast<std::size_t>(params.min_views);
+  const SeenEnd& furthest = seen[std::min(views, seen.size()) - 1];
+  const double slack_m = params.beyond_sigmas * furthest.sigma_m;
+  if (outward * (known.t_m - furthest.t_m) <= slack_m) return known;
+  return {furthest.t_m, false};
+}
+
+/// What single images showed of both ends of a landmark.
+struct SeenEnds {
+  std::vector<SeenEnd> a;
+  std::vector<SeenEnd> b;
+};
+
+/// @param height_m  of the edge above the floor, if it lies there.
+SeenEnds seenEnds(const DriveRecord& record, const LandmarkEndParams& params, const MapState& state,
+                  const LineLandmark& landmark, double height_m) {
+  SeenEnds ends;
+  for (const auto& seen : landmark.seen) {
+    const Keyframe& keyframe = record.keyframes[static_cast<std::size_t>(seen.keyframe)];
+    const LineSighting& sighting = keyframe.sightings[static_cast<std::size_t>(seen.sighting)];
+    Pose3 T = cameraIn(state, record, landmark.anchor, seen.keyframe);
+    const UprightEnd top = uprightEnd(keyframe, T, sighting.px, params);
+    T.translation().z() -= height_m;
+    for (const bool at_b : {false, true}) {
+      if (top == (at_b ? UprightEnd::kB : UprightEnd::kA)) continue;
+      auto end = placed(landmark, keyframe, T, sighting, at_b, params.along_px);
+      if (!end) continue;
+      end->sigma_m = std::max(end->sigma_m, params.least_sigma_m);
+      (at_b ? ends.b : ends.a).push_back(*end);
+    }
+  }
+  return ends;
+}
+
 }  // namespace
 
 void updateEnds(const DriveRecord& record, const LandmarkEndParams& params, MapState& state) {
   for (LineLandmark& landmark : state.landmarks) {
-    std::vector<SeenEnd> at_a;
-    std::vector<SeenEnd> at_b;
-    for (const auto& seen : landmark.seen) {
-      const Keyframe& keyframe = record.keyframes[static_cast<std::size_t>(seen.keyframe)];
-      const LineSighting& sighting = keyframe.sightings[static_cast<std::size_t>(seen.sighting)];
-      const Pose3 T = cameraIn(state, record, landmark.anchor, seen.keyframe);
-      for (const bool at_b_end : {false, true}) {
-        auto end = placed(landmark, keyframe, T, sighting, at_b_end, params.along_px);
-        if (!end) continue;
-        end->sigma_m = std::max(end->sigma_m, params.least_sigma_m);
-        (at_b_end ? at_b : at_a).push_back(*end);
-      }
-    }
-    const LandmarkEnd a = agreedEnd(landmark.a, at_a, -1.0, params);
-    const LandmarkEnd b = agreedEnd(landmark.b, at_b, 1.0, params);
+    const SeenEnds seen = seenEnds(record, params, state, landmark, 0.0);
+    const LandmarkEnd a = agreedEnd(withinSeen(landmark.a, seen.a, -1.0, params), seen.a, -1.0, params);
+    const LandmarkEnd b = agreedEnd(withinSeen(landmark.b, seen.b, 1.0, params), seen.b, 1.0, params);
     constexpr double kLeast_m = 0.02;
     if (b.t_m - a.t_m < kLeast_m) continue;
     landmark.a = a;
     landmark.b = b;
   }
+}
+
+int dropUprights(const DriveRecord& record, const LandmarkEndParams& params, MapState& state) {
+  return static_cast<int>(std::erase_if(state.landmarks, [&](const LineLandmark& landmark) {
+    return std::all_of(landmark.seen.begin(), landmark.seen.end(), [&](const LineLandmark::Seen& seen) {
+      const Keyframe& keyframe = record.keyframes[static_cast<std::size_t>(seen.keyframe)];
+      const LineSighting& sighting = keyframe.sightings[static_cast<std::size_t>(seen.sighting)];
+      return uprightEnd(keyframe, cameraIn(state, record, landmark.anchor, seen.keyframe), sighting.px,
+                        params) != UprightEnd::kNone;
+    });
+  }));
+}
+
+namespace {
+
+/// Median distance from the median, in sigmas; of the ends that were seen, if those are enough.
+std::optional<double> scatterOf(const std::vector<SeenEnd>& seen, const LandmarkEndParams& params) {
+  std::vector<SeenEnd> ends;
+  std::copy_if(seen.begin(), seen.end(), std::back_inserter(ends),
+               [](const SeenEnd& end) { return !end.censored; });
+  if (static_cast<int>(ends.size()) < params.least_raised_views) return std::nullopt;
+  const auto middle = [&](auto&& value) {
+    std::vector<double> values;
+    for (const SeenEnd& end : ends) values.push_back(value(end));
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+  };
+  const double place = middle([](const SeenEnd& end) { return end.t_m; });
+  return middle([&](const SeenEnd& end) { return std::abs(end.t_m - place) / end.sigma_m; });
+}
+
+/// Scatter of both ends if the edge lies at a height; of the one that was seen to end.
+std::optional<double> scatterAt(const DriveRecord& record, const LandmarkEndParams& params,
+                                const MapState& state, const LineLandmark& landmark, double height_m) {
+  const SeenEnds ends = seenEnds(record, params, state, landmark, height_m);
+  const auto a = scatterOf(ends.a, params);
+  const auto b = scatterOf(ends.b, params);
+  if (!a || !b) return a ? a : b;
+  return std::max(*a, *b);
+}
+
+}  // namespace
+
+int dropRaised(const DriveRecord& record, const LandmarkEndParams& params, MapState& state) {
+  constexpr double kStep_m = 0.05;
+  return static_cast<int>(std::erase_if(state.landmarks, [&](const LineLandmark& landmark) {
+    const auto floor = scatterAt(record, params, state, landmark, 0.0);
+    if (!floor || *floor <= params.raised_sigmas || landmark.seen.empty()) return false;
+    const auto& keyframe = record.keyframes[static_cast<std::size_t>(landmark.seen.front().keyframe)];
+    const double most_m = params.most_height_share * keyframe.T_robot_camera.translation().z();
+    for (double height_m = kStep_m; height_m <= most_m; height_m += kStep_m) {
+      const auto raised = scatterAt(record, params, state, landmark, height_m);
+      if (raised && *raised * params.raised_gain <= *floor) return true;
+    }
+    return false;
+  }));
 }
 
 namespace {

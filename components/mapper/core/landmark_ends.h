@@ -8,14 +8,30 @@ namespace vismem {
 struct LandmarkEndParams {
   double along_px = 1.5;  ///< sigma of an observed end
   double least_sigma_m = 0.01;
-  double reach_m = 0.35;       ///< an end is looked for within this of the memory's
   double beyond_sigmas = 3.0;  ///< an edge seen further out than this continues there
-  int min_views = 2;           ///< that agree on a closed end, where there are so many
+  int min_views = 2;           ///< that agree on a closed end, or reach as far, where there are so many
+  /// A sighting this near to the image of an upright edge at its near end may be one, or a foot that goes on
+  /// into one: where the camera stands in the plane of a box's side, both are one straight line.
+  double upright_px = 3.0;
+  double upright_rad = 0.1;
+  int least_raised_views = 3;      ///< with a seen end, to find the height of an edge by it
+  double raised_sigmas = 3.0;      ///< scatter of an end on the floor, beyond which it does not lie there ..
+  double raised_gain = 3.0;        ///< .. if another height makes it so much smaller
+  double most_height_share = 0.8;  ///< heights tried, of the camera's
 };
 
 /// Sets both ends of each landmark: the place on its line on which most views agree, near ones counting more,
-/// or only a bound where more views show the edge to go on. To be called when the graph is near its solution.
+/// or only a bound where more views show the edge to go on. No landmark reaches further than single images
+/// showed it: what the memory holds beyond was matched along the line, such as the next thing's edge. To be
+/// called when the graph is near its solution.
 void updateEnds(const DriveRecord& record, const LandmarkEndParams& params, MapState& state);
+
+/// Removes landmarks of which every sighting may be of an upright edge. @return how many.
+int dropUprights(const DriveRecord& record, const LandmarkEndParams& params, MapState& state);
+
+/// Removes landmarks whose ends lie at one place for all images at some height, but not on the floor: an edge
+/// along the way of the robot shows its height by its ends alone. @return how many.
+int dropRaised(const DriveRecord& record, const LandmarkEndParams& params, MapState& state);
 
 struct OverlapParams {
   double across_m = 0.05;

@@ -2,142 +2,299 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
-#include "common/geometry/angles.h"
-#include "common/geometry/plane.h"
+#include "mapper/core/seen_map.h"
 
 namespace vismem {
 namespace {
 
-constexpr double kStep_m = 0.04;  // of points along an edge
+constexpr double kCompareStep_m = 0.04;  // of points along an edge
+constexpr double kFactNear_m = 0.15;     // a thing that a second drive finds again
 
-struct Edge {
-  Segment2 floor;
-  Label label;
+/// What one map and its views say of an edge of the other one.
+struct Verdict {
+  FloorEdge edge;
+  double here_m = 0.0;     ///< lies on an edge of this map
+  double missing_m = 0.0;  ///< does not, and its place was looked at
+  double unseen_m = 0.0;
+  double nats = 0.0;   ///< for its absence, where it is missing
+  Segment2 missing{};  ///< from the first to the last missing point
+  Segment2 unseen{};
+
+  double judged_m() const { return here_m + missing_m; }
 };
 
-std::vector<Edge> edgesOf(const SegmentMap& map) {
-  constexpr double kFloor_m = 0.02;
-  std::vector<Edge> edges;
-  for (const MapSegment& row : map.segments) {
-    if (row.world.a.z() < kFloor_m && row.world.b.z() < kFloor_m)
-      edges.push_back({row.world.floor(), row.label});
-  }
-  return edges;
-}
-
-/// Whether the way from one point to another crosses an edge, but near its end.
-bool isCrossed(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Segment2& edge, double end_m) {
-  const Eigen::Vector2d way = to - from;
-  const Eigen::Vector2d along = edge.b - edge.a;
-  const double det = cross2(way, along);
-  if (std::abs(det) < 1e-12) return false;
-  const double on_way = cross2(edge.a - from, along) / det;
-  const double on_edge = cross2(edge.a - from, way) / det;
-  return on_way > 0.0 && on_way * way.norm() < way.norm() - end_m && on_edge >= 0.0 && on_edge <= 1.0;
-}
-
-/// A map with the views of the drive that made it.
-class SeenMap {
+/// A stretch of an edge, by shares of its length.
+class MissingStretch {
  public:
-  SeenMap(const SegmentMap& map, const SeenFloor& seen, const ChangeParams& params)
-      : edges_(edgesOf(map)), seen_(seen), params_(params) {
-    for (const Edge& edge : edges_) {
-      if (matchesAny(edge.label, params_.opaque_labels)) walls_.push_back(edge.floor);
-    }
+  void add(double from, double to) {
+    from_ = std::min(from_, from);
+    to_ = std::max(to_, to);
   }
-
-  const std::vector<Edge>& edges() const { return edges_; }
-
-  /// Whether the floor was seen here, unhidden by this map's edges.
-  bool isSeen(const Eigen::Vector2d& p) const {
-    int views = 0;
-    for (const FloorView& view : seen_.views) {
-      if ((p - view.camera).norm() > params_.range_m || !view.view.shows(p)) continue;
-      const bool is_hidden = std::any_of(walls_.begin(), walls_.end(), [&](const Segment2& wall) {
-        return isCrossed(view.camera, p, wall, params_.near_m);
-      });
-      if (!is_hidden && ++views >= params_.least_views) return true;
-    }
-    return false;
-  }
-
-  /// Edges of another map of which most of what this one saw lies on none of its edges, cut to that part.
-  std::vector<Edge> missing(const std::vector<Edge>& others) const {
-    std::vector<Edge> found;
-    for (const Edge& edge : others) {
-      const int steps = std::max(1, static_cast<int>(std::lround(edge.floor.length() / kStep_m)));
-      int judged = 0;
-      int missing = 0;
-      double first = 1.0;
-      double last = 0.0;
-      for (int i = 0; i < steps; ++i) {
-        const double share = (i + 0.5) / steps;
-        const Eigen::Vector2d p = edge.floor.a + share * (edge.floor.b - edge.floor.a);
-        const bool lies_here = liesOn(p, edge);
-        if (!lies_here && !seen_.views.empty() && (!isSeen(p) || hasTrace(p, edge))) continue;
-        ++judged;
-        if (lies_here) continue;
-        ++missing;
-        first = std::min(first, share - 0.5 / steps);
-        last = std::max(last, share + 0.5 / steps);
-      }
-      const double missing_m = missing * edge.floor.length() / steps;
-      if (missing_m < params_.least_m || missing < params_.gone_share * judged) continue;
-      const Eigen::Vector2d along = edge.floor.b - edge.floor.a;
-      found.push_back({{edge.floor.a + first * along, edge.floor.a + last * along}, edge.label});
-    }
-    return found;
+  Segment2 of(const Segment2& edge) const {
+    const Eigen::Vector2d along = edge.b - edge.a;
+    return {edge.a + std::min(from_, to_) * along, edge.a + to_ * along};
   }
 
  private:
-  bool isNear(const Eigen::Vector2d& p, const Segment2& edge, const Segment2& own) const {
-    return lineAngleDifference(own.direction(), edge.direction()) <= params_.angle_rad &&
-           distanceToSegment(p, own) <= params_.near_m;
-  }
-  bool liesOn(const Eigen::Vector2d& p, const Edge& edge) const {
-    return std::any_of(edges_.begin(), edges_.end(), [&](const Edge& own) {
-      return own.label == edge.label && isNear(p, edge.floor, own.floor);
-    });
-  }
-  bool hasTrace(const Eigen::Vector2d& p, const Edge& edge) const {
-    return std::any_of(seen_.traces.begin(), seen_.traces.end(),
-                       [&](const Segment2& trace) { return isNear(p, edge.floor, trace); });
-  }
-
-  std::vector<Edge> edges_;
-  std::vector<Segment2> walls_;
-  const SeenFloor& seen_;
-  const ChangeParams& params_;
+  double from_ = 1.0;
+  double to_ = 0.0;
 };
+
+/// For the absence of an edge where `there` looked and saw so much.
+/// @param own_views  of its place by the drives that know it: how often it is seen if it is there.
+double natsFor(const SeenMap::Looks& there, const FloorEdge& edge, double own_views,
+               const ChangeParams& params) {
+  constexpr double kLeastRate = 0.05;
+  constexpr double kMostRate = 0.95;
+  constexpr double kUnknownRate = 0.5;  // of an edge that no drive counted
+  const double seen = std::min<double>(edge.times_seen, own_views);
+  const double rate = edge.is_counted && own_views > 0.0
+                          ? std::clamp((seen + 0.5) / (own_views + 1.0), kLeastRate, kMostRate)
+                          : kUnknownRate;
+  const double none = params.false_sighting;
+  const double nats = (there.sightings * std::log(none / rate) +
+                       (there.views - there.sightings) * std::log((1.0 - none) / (1.0 - rate))) /
+                      params.views_in_one;
+  // Sightings of something else near it speak for one side only.
+  return std::max(nats, -2.0 * params.least_nats);
+}
+
+/// @param there   the map that may lack the edge.
+/// @param own     the map that has it.
+/// @param all     whether all of the place counts as seen by `there`.
+Verdict verdictOn(const FloorEdge& edge, const SeenMap& there, const SeenMap& own, bool all,
+                  const ChangeParams& params) {
+  Verdict verdict{edge};
+  MissingStretch missing;
+  MissingStretch unseen;
+  SeenMap::Looks theirs;
+  double own_views = 0.0;
+  const int steps = std::max(1, static_cast<int>(std::lround(edge.floor.length() / kCompareStep_m)));
+  const double step_m = edge.floor.length() / steps;
+  int looked = 0;
+  for (int i = 0; i < steps; ++i) {
+    const double share = (i + 0.5) / steps;
+    const Eigen::Vector2d p = edge.floor.a + share * (edge.floor.b - edge.floor.a);
+    const double from = share - 0.5 / steps;
+    const double to = share + 0.5 / steps;
+    if (there.liesOn(p, edge)) {
+      verdict.here_m += step_m;
+      continue;
+    }
+    const SeenMap::Looks looks = all ? SeenMap::Looks{} : there.looksAt(p, edge);
+    if (!all && looks.views < params.least_views) {
+      verdict.unseen_m += step_m;
+      unseen.add(from, to);
+      continue;
+    }
+    verdict.missing_m += step_m;
+    missing.add(from, to);
+    theirs.views += looks.views;
+    theirs.sightings += looks.sightings;
+    own_views += own.viewsOfOwn(p, edge);
+    ++looked;
+  }
+  verdict.missing = missing.of(edge.floor);
+  verdict.unseen = unseen.of(edge.floor);
+  if (looked == 0) return verdict;
+  // Points of one edge are seen together: their mean counts once.
+  for (double* sum : {&theirs.views, &theirs.sightings, &own_views}) *sum /= looked;
+  verdict.nats = all ? params.least_nats : natsFor(theirs, edge, own_views, params);
+  return verdict;
+}
 
 double distanceOf(const Segment2& a, const Segment2& b) {
   return std::min({distanceToSegment(a.a, b), distanceToSegment(a.b, b), distanceToSegment(b.a, a),
                    distanceToSegment(b.b, a)});
 }
 
-/// Edges of one label that hang together, as things.
-std::vector<MapChange> thingsOf(const std::vector<Edge>& edges, MapChange::Kind kind, double reach_m) {
-  std::vector<MapChange> things;
+/// Indices of edges of one label that hang together.
+std::vector<std::vector<std::size_t>> thingsOf(const std::vector<FloorEdge>& edges, double reach_m) {
+  std::vector<std::vector<std::size_t>> things;
   std::vector<bool> taken(edges.size(), false);
   for (std::size_t first = 0; first < edges.size(); ++first) {
     if (taken[first]) continue;
     taken[first] = true;
-    std::vector<Segment2> group{edges[first].floor};
+    std::vector<std::size_t> group{first};
     for (std::size_t i = 0; i < group.size(); ++i) {
       for (std::size_t j = 0; j < edges.size(); ++j) {
         if (taken[j] || edges[j].label != edges[first].label ||
-            distanceOf(group[i], edges[j].floor) > reach_m)
+            distanceOf(edges[group[i]].floor, edges[j].floor) > reach_m)
           continue;
         taken[j] = true;
-        group.push_back(edges[j].floor);
+        group.push_back(j);
       }
     }
-    MapChange thing{kind, edges[first].label, {}, {}};
-    (kind == MapChange::Kind::kNew ? thing.now : thing.before) = std::move(group);
-    things.push_back(std::move(thing));
+    things.push_back(std::move(group));
   }
   return things;
+}
+
+/// Largest side of the box around edges [m].
+double sizeOf(const std::vector<Segment2>& edges) {
+  Eigen::Vector2d low = edges.front().a;
+  Eigen::Vector2d high = low;
+  for (const Segment2& edge : edges) {
+    low = low.cwiseMin(edge.a).cwiseMin(edge.b);
+    high = high.cwiseMax(edge.a).cwiseMax(edge.b);
+  }
+  return (high - low).maxCoeff();
+}
+
+/// The things of one map that the other one lacks.
+class MissingThings {
+ public:
+  MissingThings(const SeenMap& there, const SeenMap& own, bool all, const ChangeParams& params)
+      : params_(params) {
+    for (const FloorEdge& edge : own.edges()) verdicts_.push_back(verdictOn(edge, there, own, all, params));
+    for (const auto& thing : thingsOf(own.edges(), params.thing_m)) judge(thing);
+  }
+
+  std::vector<MapChange> take(MapChange::Kind kind) {
+    for (MapChange& thing : things_) {
+      thing.kind = kind;
+      if (kind == MapChange::Kind::kNew) std::swap(thing.before, thing.now);
+    }
+    return std::move(things_);
+  }
+  /// Where nobody looked before.
+  std::vector<MapSegment> unseen() const {
+    std::vector<MapSegment> rows;
+    for (std::size_t i = 0; i < verdicts_.size(); ++i) {
+      const Verdict& v = verdicts_[i];
+      if (reported_.count(i) > 0 || v.unseen_m < params_.least_m) continue;
+      MapSegment row;
+      row.label = v.edge.label;
+      row.world.a << v.unseen.a, 0.0;
+      row.world.b << v.unseen.b, 0.0;
+      rows.push_back(row);
+    }
+    return rows;
+  }
+
+ private:
+  /// Edges that meet confirm each other. A lone one that few images showed may have been matched wrongly.
+  bool isSure(const std::vector<std::size_t>& thing) const {
+    const FloorEdge& edge = verdicts_[thing.front()].edge;
+    return thing.size() > 1 || !edge.is_counted || edge.times_seen >= params_.least_alone;
+  }
+  bool isMissing(double missing_m, double judged_m, double nats) const {
+    return missing_m >= params_.least_m && missing_m >= params_.gone_share * judged_m &&
+           nats >= params_.least_nats;
+  }
+  void judge(const std::vector<std::size_t>& thing) {
+    std::vector<Segment2> whole;
+    double missing_m = 0.0;
+    double judged_m = 0.0;
+    double longest_m = 0.0;
+    double nats = 0.0;
+    for (const std::size_t i : thing) {
+      const Verdict& v = verdicts_[i];
+      whole.push_back(v.edge.floor);
+      missing_m += v.missing_m;
+      judged_m += v.judged_m();
+      longest_m = std::max(longest_m, v.missing_m);
+      nats += v.missing_m * v.nats;
+    }
+    // Sides as long as the longest one count fully, scraps hardly.
+    if (longest_m > 0.0) nats /= longest_m;
+    const bool is_rigid = sizeOf(whole) <= params_.most_thing_m;
+    if (is_rigid && isMissing(missing_m, judged_m, nats)) {
+      report(thing, whole);
+    } else {
+      judgeParts(thing, is_rigid);
+    }
+  }
+  /// Edges of a thing of which others are there. A rigid thing's own sides touch: what is missing of it was
+  /// overlooked, but what only stands near it is another thing.
+  void judgeParts(const std::vector<std::size_t>& thing, bool is_rigid) {
+    std::vector<FloorEdge> edges;
+    std::vector<std::size_t> index;
+    std::vector<Segment2> here;
+    for (const std::size_t i : thing) {
+      const Verdict& v = verdicts_[i];
+      if (v.here_m > 0.5 * v.judged_m()) here.push_back(v.edge.floor);
+      if (!isMissing(v.missing_m, v.judged_m(), v.nats)) continue;
+      edges.push_back({v.missing, v.edge.label, v.edge.is_counted, v.edge.times_seen});
+      index.push_back(i);
+    }
+    for (const auto& group : thingsOf(edges, params_.thing_m)) {
+      std::vector<std::size_t> members;
+      std::vector<Segment2> floor;
+      for (const std::size_t g : group) {
+        members.push_back(index[g]);
+        floor.push_back(edges[g].floor);
+      }
+      if (is_rigid && touches(floor, here)) continue;
+      report(members, std::move(floor));
+    }
+  }
+  bool touches(const std::vector<Segment2>& some, const std::vector<Segment2>& others) const {
+    return std::any_of(some.begin(), some.end(), [&](const Segment2& one) {
+      return std::any_of(others.begin(), others.end(),
+                         [&](const Segment2& other) { return distanceOf(one, other) <= params_.near_m; });
+    });
+  }
+  void report(const std::vector<std::size_t>& members, std::vector<Segment2> floor) {
+    if (!isSure(members)) return;
+    reported_.insert(members.begin(), members.end());
+    things_.push_back(
+        {MapChange::Kind::kRemoved, verdicts_[members.front()].edge.label, std::move(floor), {}});
+  }
+
+  const ChangeParams& params_;
+  std::vector<Verdict> verdicts_;
+  std::set<std::size_t> reported_;
+  std::vector<MapChange> things_;
+};
+
+bool isRejected(const MapChange& change, const std::vector<ChangeFact>& rejected) {
+  const std::vector<ChangeFact> facts = factsOf(change);
+  return std::any_of(rejected.begin(), rejected.end(),
+                     [&](const ChangeFact& fact) { return isSameFact(fact, facts.front()); });
+}
+
+/// Whether the drive of today saw what the fact denies: the thing that was gone, or the place of the one that
+/// came, empty.
+bool isContradicted(const ChangeFact& fact, const SeenMap& today, const SeenMap& then,
+                    const ChangeParams& params) {
+  double here_m = 0.0;
+  double missing_m = 0.0;
+  double nats = 0.0;
+  for (const Segment2& edge : fact.edges) {
+    const Verdict verdict = verdictOn({edge, fact.label}, today, then, false, params);
+    here_m += verdict.here_m;
+    missing_m += verdict.missing_m;
+    nats += verdict.nats;
+  }
+  if (fact.is_gone) return here_m > missing_m;
+  return missing_m > here_m && nats >= params.least_nats;
+}
+
+/// The nearest new thing of a label is the removed one. What moved less than maps err did not.
+void pairMoved(std::vector<MapChange>& changes, std::vector<MapChange>& fresh, const ChangeParams& params) {
+  while (true) {
+    std::size_t from = changes.size();
+    std::size_t to = 0;
+    double nearest_m = params.most_moved_m;
+    for (std::size_t r = 0; r < changes.size(); ++r) {
+      if (changes[r].kind != MapChange::Kind::kRemoved) continue;
+      for (std::size_t i = 0; i < fresh.size(); ++i) {
+        const double distance_m = (placeOf(fresh[i].now) - placeOf(changes[r].before)).norm();
+        if (fresh[i].label != changes[r].label || distance_m >= nearest_m) continue;
+        nearest_m = distance_m;
+        from = r;
+        to = i;
+      }
+    }
+    if (from == changes.size()) return;
+    changes[from].kind = MapChange::Kind::kMoved;
+    changes[from].now = std::move(fresh[to].now);
+    fresh.erase(fresh.begin() + static_cast<std::ptrdiff_t>(to));
+    if (nearest_m < params.least_moved_m) changes.erase(changes.begin() + static_cast<std::ptrdiff_t>(from));
+  }
 }
 
 }  // namespace
@@ -156,37 +313,55 @@ Eigen::Vector2d placeOf(const std::vector<Segment2>& edges) {
   return sum / length_m;
 }
 
-std::vector<MapChange> mapChanges(const SegmentMap& before, const SeenFloor& seen_before,
-                                  const SegmentMap& now, const SeenFloor& seen_now,
-                                  const ChangeParams& params) {
-  if (seen_now.views.empty()) return {};
-  const SeenMap then(before, seen_before, params);
-  const SeenMap today(now, seen_now, params);
-  std::vector<MapChange> changes =
-      thingsOf(today.missing(then.edges()), MapChange::Kind::kRemoved, params.thing_m);
-  std::vector<MapChange> fresh = thingsOf(then.missing(today.edges()), MapChange::Kind::kNew, params.thing_m);
-  // The nearest new thing of a label is the removed one.
-  while (true) {
-    MapChange* from = nullptr;
-    std::size_t to = 0;
-    double nearest_m = params.most_moved_m;
-    for (MapChange& removed : changes) {
-      if (removed.kind != MapChange::Kind::kRemoved) continue;
-      for (std::size_t i = 0; i < fresh.size(); ++i) {
-        const double distance_m = (placeOf(fresh[i].now) - placeOf(removed.before)).norm();
-        if (fresh[i].label != removed.label || distance_m >= nearest_m) continue;
-        nearest_m = distance_m;
-        from = &removed;
-        to = i;
-      }
-    }
-    if (!from) break;
-    from->kind = MapChange::Kind::kMoved;
-    from->now = std::move(fresh[to].now);
-    fresh.erase(fresh.begin() + static_cast<std::ptrdiff_t>(to));
-  }
-  changes.insert(changes.end(), fresh.begin(), fresh.end());
-  return changes;
+std::vector<ChangeFact> factsOf(const MapChange& change) {
+  std::vector<ChangeFact> facts;
+  if (!change.before.empty()) facts.push_back({true, change.label, change.before});
+  if (!change.now.empty()) facts.push_back({false, change.label, change.now});
+  return facts;
+}
+
+bool isSameFact(const ChangeFact& one, const ChangeFact& other) {
+  if (one.is_gone != other.is_gone || one.label != other.label) return false;
+  const auto covers = [](const ChangeFact& all, const ChangeFact& part) {
+    return std::all_of(part.edges.begin(), part.edges.end(), [&](const Segment2& edge) {
+      return std::any_of(all.edges.begin(), all.edges.end(), [&](const Segment2& counterpart) {
+        return distanceToSegment(edge.middle(), counterpart) <= kFactNear_m;
+      });
+    });
+  };
+  // One drive may have seen a side of a thing that the other one did not.
+  return (placeOf(one.edges) - placeOf(other.edges)).norm() <= 2.0 * kFactNear_m &&
+         (covers(one, other) || covers(other, one));
+}
+
+SeenFloor transform(const Pose2& T_a_b, SeenFloor seen) {
+  for (SeenView& view : seen.views) view.T_map_camera = toPose3(T_a_b) * view.T_map_camera;
+  for (FloorTrace& trace : seen.traces) trace.floor = transform(T_a_b, trace.floor);
+  return seen;
+}
+
+MapComparison compareMaps(const std::vector<CountedRow>& before, const SeenBefore& seen_before,
+                          const std::vector<CountedRow>& now, const SeenFloor& seen_now,
+                          const ChangeParams& params, const std::vector<ChangeFact>& rejected) {
+  MapComparison found;
+  found.rejected = rejected;
+  if (seen_now.views.empty()) return found;
+  const std::vector<SeenFloor> sessions_now{seen_now};
+  const SeenMap then(before, seen_before.sessions, params);
+  const SeenMap today(now, sessions_now, params);
+  std::erase_if(found.rejected,
+                [&](const ChangeFact& fact) { return isContradicted(fact, today, then, params); });
+  MissingThings removed(today, then, false, params);
+  MissingThings fresh(then, today, seen_before.is_complete, params);
+  found.added = fresh.unseen();
+  found.changes = removed.take(MapChange::Kind::kRemoved);
+  std::vector<MapChange> brought = fresh.take(MapChange::Kind::kNew);
+  // Before pairs are made: a thing that was rejected is no other one's new place.
+  for (std::vector<MapChange>* some : {&found.changes, &brought})
+    std::erase_if(*some, [&](const MapChange& change) { return isRejected(change, found.rejected); });
+  pairMoved(found.changes, brought, params);
+  found.changes.insert(found.changes.end(), brought.begin(), brought.end());
+  return found;
 }
 
 }  // namespace vismem
