@@ -38,7 +38,6 @@ AttentiveVisualMemoryParams AttentiveVisualMemoryParams::standard() {
 
 AttentiveVisualMemoryParams AttentiveVisualMemoryParams::chapter() {
   AttentiveVisualMemoryParams p;
-  p.edge_blur.sigma_px = 0.0;
   p.memory = SegmentMemory::Params::chapter();
   p.kidnap.enabled = false;
   p.shape_edges.enabled = false;
@@ -123,9 +122,8 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::update(const RobotObser
   RobotObservation believed = observation;
   believed.T_robot_camera = tilted(observation.T_robot_camera, memory_.cameraTilt());
   const Pose3 T_odom_camera = toPose3(believed.T_odom_robot) * believed.T_robot_camera;
-  const auto floor =
-      projector_.project(believed.frame.intrinsics, T_odom_camera,
-                         correctEdgeBlur(observed, params_.edge_blur), rate, believed.T_odom_robot.theta);
+  const auto floor = projector_.project(believed.frame.intrinsics, T_odom_camera, observed, rate,
+                                        believed.T_odom_robot.theta);
   memory_.suspectSince(kidnap_.suspectSince());
   ImageAnalysis analysis = memory_.update(believed, observed, floor, rate);
   // Published is the pose of the kinematics: localization estimates the tilt from its own map.

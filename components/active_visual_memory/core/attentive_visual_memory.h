@@ -10,7 +10,6 @@
 #include "active_visual_memory/core/gaze/attention.h"
 #include "active_visual_memory/core/gaze/gaze_controller.h"
 #include "active_visual_memory/core/gaze/gaze_requests.h"
-#include "active_visual_memory/core/ground/edge_blur.h"
 #include "active_visual_memory/core/ground/ground_projector.h"
 #include "active_visual_memory/core/markings/shape_edges.h"
 #include "active_visual_memory/core/memory/segment_memory.h"
@@ -24,7 +23,6 @@ namespace vismem {
 struct AttentiveVisualMemoryParams {
   Rig rig;
   FrameGate::Params gate;
-  EdgeBlurParams edge_blur;
   GroundProjector::Params projector;
   SegmentMemory::Params memory;
   PrimitiveTracker::Params primitives;

@@ -14,7 +14,6 @@ KeyframeParams KeyframeParams::of(const AttentiveVisualMemoryParams& memory) {
   params.projector = memory.projector;
   // The sighting keeps the pixel where the segment ended; the shift is our own.
   params.projector.end_short_px = 0.0;
-  params.edge_blur = memory.edge_blur;
   params.evidence = memory.memory.evidence;
   return params;
 }
@@ -115,9 +114,8 @@ bool KeyframeRecorder::add(const RobotObservation& observation, const MemoryUpda
                       way_m_,
                       turned_rad_,
                       {}};
-    const auto corrected = correctEdgeBlur(analysis.observed, params_.edge_blur);
     const auto floor = GroundProjector(params_.projector)
-                           .project(keyframe.intrinsics, observation.T_robot_camera, corrected, rate);
+                           .project(keyframe.intrinsics, observation.T_robot_camera, analysis.observed, rate);
     std::unordered_map<int, const FloorSegment*> floor_of;
     for (const FloorSegment& segment : floor) floor_of[segment.observed] = &segment;
     const FloorEvidence evidence(observation.frame.image, keyframe.intrinsics, params_.evidence);
@@ -125,8 +123,9 @@ bool KeyframeRecorder::add(const RobotObservation& observation, const MemoryUpda
     for (const ImageAnalysis::Match& match : analysis.matches) {
       const auto placed = floor_of.find(match.observed);
       if (placed == floor_of.end()) continue;
-      keyframe.sightings.push_back(sightingOf(
-          analysis, match, corrected[static_cast<std::size_t>(match.observed)], evidence, *placed->second));
+      keyframe.sightings.push_back(sightingOf(analysis, match,
+                                              analysis.observed[static_cast<std::size_t>(match.observed)],
+                                              evidence, *placed->second));
       ElementSummary& summary = record_.elements[keyframe.sightings.back().element];
       if (summary.sightings++ == 0) summary.first_keyframe = index;
       summary.last_keyframe = index;

@@ -20,7 +20,6 @@ struct KeyframeParams {
   /// The detector ends this short on average; censored ends stay [px].
   double end_short_px = 0.95;
   GroundProjector::Params projector;  ///< of the memory: range, horizon, border and labels off the floor
-  EdgeBlurParams edge_blur;
   FloorEvidence::Params evidence;
 
   static KeyframeParams of(const AttentiveVisualMemoryParams& memory);

@@ -177,6 +177,11 @@ void FloorLine::recentre() {
 }
 
 void FloorLine::fuse(const FloorSegment& observed, const Params& params) {
+  fuseLine(observed, params);
+  fuseExtent(observed, params);
+}
+
+void FloorLine::fuseLine(const FloorSegment& observed, const Params& params) {
   P_(0, 0) += params.offset_noise_m * params.offset_noise_m;
   P_(1, 1) += params.angle_noise_rad * params.angle_noise_rad;
   const Eigen::Vector2d n = normal();
@@ -188,14 +193,11 @@ void FloorLine::fuse(const FloorSegment& observed, const Params& params) {
   updateOffset(ta, ya, varianceAlong(observed.P_a, n) + floor_variance, n.transpose() * observed.D_a);
   updateOffset(tb, yb, varianceAlong(observed.P_b, n) + floor_variance, n.transpose() * observed.D_b);
   applyCorrection();
-  fuseExtent(ta, tb, observed, params);
 }
 
 void FloorLine::fuseExtent(const FloorSegment& observed, const Params& params) {
-  fuseExtent(tOf(observed.odom.a), tOf(observed.odom.b), observed, params);
-}
-
-void FloorLine::fuseExtent(double ta, double tb, const FloorSegment& observed, const Params& params) {
+  const double ta = tOf(observed.odom.a);
+  const double tb = tOf(observed.odom.b);
   a_ = fuseEnds(a_, endAt(ta, observed.P_a, observed.D_a, observed.censored_a), -1.0, params);
   b_ = fuseEnds(b_, endAt(tb, observed.P_b, observed.D_b, observed.censored_b), +1.0, params);
   recentre();

@@ -87,10 +87,11 @@ class FloorLine {
   double disagreement(const FloorSegment& observed, double slack_m,
                       const CameraTiltCovariance& P_tilt = CameraTiltCovariance::Zero()) const;
 
-  /// Kalman update of the supporting line by the offsets of both observed ends, and fusion of the extent.
-  /// @param observed  of the same line, directions within 90 degrees.
+  /// fuseLine and fuseExtent. @param observed  of the same line, directions within 90 degrees.
   void fuse(const FloorSegment& observed, const Params& params);
-  /// Fuses the extent alone: MapFilter estimates the supporting line.
+  /// Kalman update of the supporting line by the offsets of both observed ends.
+  void fuseLine(const FloorSegment& observed, const Params& params);
+  /// Fuses both ends.
   void fuseExtent(const FloorSegment& observed, const Params& params);
   /// Applies a correction of the supporting line.
   /// @param reference  point that offset and turn are counted at [m].
@@ -119,7 +120,6 @@ class FloorLine {
   TiltJacobian tiltJacobianOf(const ExtentEnd& end) const;
   Eigen::Matrix2d covarianceAt(const ExtentEnd& end) const;
   void updateOffset(double t_m, double offset_m, double variance_m2, const TiltJacobianRow& d_tilt);
-  void fuseExtent(double ta, double tb, const FloorSegment& observed, const Params& params);
   void turnTo(double direction_rad);
   void applyCorrection();
   void applyFloor(const Params& params);

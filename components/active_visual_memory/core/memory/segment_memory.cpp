@@ -222,10 +222,12 @@ void SegmentMemory::fuse(MemoryElement& element, const FloorSegment& seen, const
   verifyOnFloor(element, observed, view);
   if (params_.fusion == Fusion::kChapter) {
     element.line.replaceKeepingExtent(observed, params_.line);
-  } else if (in_filter) {
-    element.line.fuseExtent(observed, params_.line);
   } else {
-    element.line.fuse(observed, params_.line);
+    if (!in_filter) element.line.fuseLine(observed, params_.line);
+    // A piece in line may belong to another edge, such as a joint of tiles behind paint: only the landmark's
+    // own label shows how far it extends.
+    const bool same_edge = element.value.label == kUnknownLabel || observed.label == element.value.label;
+    if (same_edge) element.line.fuseExtent(observed, params_.line);
   }
   // A short piece is weak evidence for the whole: it may be another edge in its line.
   const double part = std::min(1.0, observed.odom.length() / std::max(1e-6, element.line.length()));

@@ -45,6 +45,28 @@ TEST(SegmentMemoryExtent, SplitsALineInWhichImagesShowAGap) {
   }
 }
 
+TEST(SegmentMemoryExtent, ALineExtendsByPiecesOfItsLabelOnly) {
+  AttentiveVisualMemory memory(standard());
+  StampUs t = 0;
+  const std::vector<Segment3> paint{{{1.0, -0.3, 0}, {1.0, 0.0, 0}}};
+  // The same line and a joint of tiles that goes on from its end.
+  const std::vector<Segment3> with_joint{{{1.0, -0.3, 0}, {1.0, 0.3, 0}}};
+  const auto length_after = [&](const std::vector<Segment3>& world, const Label& label) {
+    for (int i = 0; i < 5; ++i, t += 33'333) {
+      const auto o = at(t);
+      auto seen = images(o, world);
+      for (ImageSegment& segment : seen) segment.label = label;
+      memory.update(o, seen);
+    }
+    EXPECT_EQ(memory.elements().size(), 1U);
+    EXPECT_EQ(memory.elements()[0].value.label, "line");
+    return memory.elements()[0].value.odom.floor().length();
+  };
+  EXPECT_NEAR(length_after(paint, "line"), 0.3, 0.01);
+  EXPECT_NEAR(length_after(with_joint, kUnknownLabel), 0.3, 0.01);
+  EXPECT_NEAR(length_after(with_joint, "line"), 0.6, 0.01);
+}
+
 TEST(SegmentMemoryExtent, SplitsALineAtEachOfItsGaps) {
   AttentiveVisualMemoryParams params = standard();
   params.memory.gap_votes = 3;
