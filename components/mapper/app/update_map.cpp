@@ -10,11 +10,9 @@
 int main(int argc, char** argv) {
   CLI::App app(
       "Answers what `map_from_drive --since MAP` found and brings the map up to date: NAME.csv with "
-      "NAME.palette, "
-      "NAME.svg, NAME.dxf, NAME.json (times seen and sessions of each row) and NAME.history. Rows that no "
-      "accepted "
-      "change names keep their coordinates. What is left open is offered again after the next drive, what is "
-      "rejected is not. The last line is JSON (docs/mapping.md).");
+      "NAME.palette, NAME.svg, NAME.dxf, NAME.json (times seen and sessions of each row) and NAME.history. "
+      "Rows that no accepted change names keep their coordinates. What is left open is offered again after "
+      "the next drive, what is rejected is not. The last line is JSON (docs/map_sessions.md).");
   vismem::MapUpdateOptions options;
   app.add_option("MAP", options.map, "the earlier map, with NAME.palette and NAME.history beside it")
       ->required();

@@ -28,7 +28,8 @@ class KidnapDetector {
     double duration_s = 1.0;         ///< of images that disagree
     double min_absent_share = 0.25;  ///< of the expected elements
     double max_matched_share = 0.2;
-    double single_weight = 0.5;  ///< weight of an image with one absent element only
+    double weight_per_absent = 0.5;  ///< of an image, for each absent element ..
+    double max_weight = 2.0;         ///< .. at most this
     int min_fresh = 2;
     double agreeing_share = 0.4;    ///< matched share that takes evidence back
     double max_suspicion_s = 40.0;  ///< evidence that is neither confirmed nor taken back by then is dropped
@@ -53,7 +54,7 @@ class KidnapDetector {
     // Behind a moving occluder one or two places look free now and then: the occluded ones must be fewer.
     if (absent_share >= params_.min_absent_share && matched_share <= params_.max_matched_share &&
         scene.absent > scene.occluded && scene.fresh >= params_.min_fresh) {
-      evidence_s_ += (scene.absent > 1 ? 1.0 : params_.single_weight) * seen_s;
+      evidence_s_ += std::min(params_.weight_per_absent * scene.absent, params_.max_weight) * seen_s;
     } else if (matched_share >= params_.agreeing_share) {
       evidence_s_ = std::max(0.0, evidence_s_ - seen_s);
       agreed_us_ = stamp_us;
