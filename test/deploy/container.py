@@ -136,11 +136,18 @@ class FrozenThread:
         self.libc.ptrace(self.DETACH, self.thread, None, None)
 
 
-def busiest_thread(process):
-    """Of all threads but the main one, that with the most processor time."""
-    def ticks(thread):
-        with open(f"/proc/{process}/task/{thread}/stat") as file:
-            fields = file.read().rsplit(")", 1)[1].split()
-        return int(fields[11]) + int(fields[12])
-    threads = [int(name) for name in os.listdir(f"/proc/{process}/task") if int(name) != process]
-    return max(threads, key=ticks)
+def busiest_thread(process, over_s=1.0):
+    """Of all threads but the main one, that which takes the most processor time now: a process that has just begun owes most
+    of its time to its start."""
+    def ticks():
+        taken = {}
+        for name in os.listdir(f"/proc/{process}/task"):
+            with open(f"/proc/{process}/task/{name}/stat") as file:
+                fields = file.read().rsplit(")", 1)[1].split()
+            taken[int(name)] = int(fields[11]) + int(fields[12])
+        return taken
+    before = ticks()
+    time.sleep(over_s)
+    after = ticks()
+    return max((thread for thread in before.keys() & after.keys() if thread != process),
+               key=lambda thread: after[thread] - before[thread])

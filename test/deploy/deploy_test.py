@@ -213,8 +213,9 @@ class InContainer(unittest.TestCase):
     def test_08_restarts_a_component_whose_loop_is_frozen(self):
         name = "active_visual_memory"
         process = self.container.process_of(unit(name))
+        busiest = busiest_thread(process)
         begin = time.monotonic()
-        frozen = FrozenThread(busiest_thread(process))
+        frozen = FrozenThread(busiest)
         try:
             took = self.watch.wait_until_whole(begin, FROZEN_WITHIN_S, restarted=[name])
         except BaseException:
