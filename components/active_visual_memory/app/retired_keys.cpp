@@ -11,9 +11,8 @@ void acceptRetiredMemoryKeys(ConfigReader& reader) {
   reader.group("Vision").retired("Merge.Angle_deg Merge.Offset_px Merge.Gap_px", kFixed);
   reader.group("FrameGate").retired("Distance_m Angle_deg MaximumInterval_s", kFixed);
   reader.group("Ground").retired(
-      "HorizonMargin_px BorderMargin_px EndShort_px Noise.Across_px Noise.Along_px Noise.Timing_s "
-      "LineBlur_px ThinLineBlur_px",
-      kFixed);
+      "HorizonMargin_px BorderMargin_px EndShort_px Noise.Across_px Noise.Along_px Noise.Timing_s", kFixed);
+  reader.group("Ground").retired("LineBlur_px ThinLineBlur_px", "edges are taken as detected");
   reader.group("Ground").retired("Noise.Pitch_deg",
                                  "it is what Memory.CameraTilt.PerFrame_deg says, at least 0.34");
   reader.group("Memory").retired(

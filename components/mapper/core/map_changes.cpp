@@ -26,7 +26,7 @@ struct Verdict {
 };
 
 /// A stretch of an edge, by shares of its length.
-class MissingStretch {
+class Stretch {
  public:
   void add(double from, double to) {
     from_ = std::min(from_, from);
@@ -67,8 +67,8 @@ double natsFor(const SeenMap::Looks& there, const FloorEdge& edge, double own_vi
 Verdict verdictOn(const FloorEdge& edge, const SeenMap& there, const SeenMap& own, bool all,
                   const ChangeParams& params) {
   Verdict verdict{edge};
-  MissingStretch missing;
-  MissingStretch unseen;
+  Stretch missing;
+  Stretch unseen;
   SeenMap::Looks theirs;
   double own_views = 0.0;
   const int steps = std::max(1, static_cast<int>(std::lround(edge.floor.length() / kCompareStep_m)));

@@ -25,7 +25,7 @@ struct ExtentEnd {
 
 /// A supporting line (offset and direction with a 2x2 covariance) and the extent on it. The direction a -> b
 /// carries the polarity. *Pure value.* Invariant: end a lies before end b, covariances are positive.
-/// MapFilter estimates the supporting line of most landmarks; `fuse` is for those outside it, and for
+/// MapFilter estimates the supporting line of most landmarks; `fuseLine` is for those outside it, `fuse` for
 /// merging. The ends are always estimated here, by fuseEnds. The camera tilt is common to all lines: the
 /// state is conditional on the present estimate of the tilt, its derivatives by the tilt are kept, and the
 /// covariance is that for a known tilt. `P_tilt` adds the rest.
