@@ -86,6 +86,9 @@ function(vismem_test name)
   if(VISMEM_SANITIZE)
     math(EXPR A_TIMEOUT "5 * ${A_TIMEOUT}")
   endif()
+  if(CMAKE_CROSSCOMPILING)
+    math(EXPR A_TIMEOUT "15 * ${A_TIMEOUT}")  # an emulated processor is as much slower
+  endif()
   # The paths in cfg/ are relative to the project, where components are started.
   set(wrapper ${CMAKE_CROSSCOMPILING_EMULATOR})
   if(A_EMULATED_DEVICES)

@@ -87,18 +87,19 @@ void Shader::addLight(const Light& light, int count, Lanes& l) const {
   RTCRay8 shadow;
   alignas(32) std::array<int, kPacket> lit{};
   alignas(32) Lanes::Floats cosine{};
-  bool any = false;
+  int first = -1;  // lane that may be lit
   for (int i = 0; i < count; ++i) {
     const float flat = l.gx[i] * lx[i] + l.gy[i] * ly[i] + l.gz[i] * lz[i];
     cosine[i] = l.nx[i] * lx[i] + l.ny[i] * ly[i] + l.nz[i] * lz[i];
     if (!l.hit[i] || flat <= 0.0f || cosine[i] <= 0.0f || strength[i] <= 0.0f) continue;
     lit[i] = -1;
-    any = true;
+    if (first < 0) first = i;
     if (l.smooth[i]) cosine[i] *= fade(cosine[i], 0.0f, kGrazing);
   }
-  if (!any) return;
+  if (first < 0) return;
   for (int i = 0; i < kPacket; ++i) {
-    const int from = i < count ? i : 0;
+    // Where packets are narrower than these, Embree looks at idle lanes too: they must hold a ray.
+    const int from = lit[i] != 0 ? i : first;
     shadow.org_x[i] = l.px[from] + kShadowLift_m * l.gx[from];
     shadow.org_y[i] = l.py[from] + kShadowLift_m * l.gy[from];
     shadow.org_z[i] = l.pz[from] + kShadowLift_m * l.gz[from];
