@@ -74,8 +74,12 @@ TEST(BoardDetector, CornersHaveNoBiasAndLittleScatter) {
     const BoardRenderer renderer(lensOf(60.0, k1));
     BoardDetector detector(BoardSpec{});
     for (int i = 0; i < 10; ++i) {
-      const BoardScene scene = sceneAt(renderer.lens(), 0.35 + 0.25 * unit(random), 40.0 * unit(random),
-                                       360.0 * unit(random), 60.0 * unit(random) - 30.0);
+      // In an order of their own: compilers order the arguments of a call as they like.
+      const double distance_m = 0.35 + 0.25 * unit(random);
+      const double slant_deg = 40.0 * unit(random);
+      const double turn_deg = 360.0 * unit(random);
+      const double roll_deg = 60.0 * unit(random) - 30.0;
+      const BoardScene scene = sceneAt(renderer.lens(), distance_m, slant_deg, turn_deg, roll_deg);
       const BoardDetection found = detector.detect(renderer.render(scene, random), i);
       EXPECT_EQ(found.view.stamp_us, i);
       EXPECT_GE(static_cast<double>(found.view.corners.size()),

@@ -22,7 +22,7 @@ struct SimulatedBodyTrial {
   double seconds = 0.0;     ///< of the robot's time
 };
 
-/// Misreports joints, wheels and stamps of a simulated robot as the drawn one does, and runs the drive.
+/// Runs the drive on a simulated robot that is the drawn one.
 SimulatedBodyTrial runInSimulator(const TrueRobot& truth, std::uint64_t seed, const BodyDriveParams& params);
 
 }  // namespace vismem

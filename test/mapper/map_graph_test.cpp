@@ -113,19 +113,26 @@ TEST(MapGraph, SolvesTheTiltOfTheCameraWithTheMap) {
 
 // Research, section 9: without ends nothing measures the way along a corridor but the wheels.
 TEST(MapGraph, EndsKeepTheLengthOfACorridor) {
-  SyntheticDriveParams params;
-  params.scale_error = 0.05;
-  const SyntheticDrive ring = drive(straightCorridor(), wayThrough({{-6.0, 0.0}, {6.0, 0.0}}, 12.0), params);
-  MapState with = initialState(ring.record, {});
-  solveGraph(ring.record, mapperParams().graph, {.ends = true}, with);
-  MapState without = initialState(ring.record, {});
-  solveGraph(ring.record, mapperParams().graph, {.ends = false}, without);
-  const auto length = [&](const MapState& state) {
-    return (state.poses.back().position() - state.poses.front().position()).norm();
+  const auto lengthError = [](const SyntheticDrive& corridor, bool ends) {
+    MapState state = initialState(corridor.record, {});
+    solveGraph(corridor.record, mapperParams().graph, {.ends = ends}, state);
+    const auto length = [](const auto& from, const auto& to) {
+      return (to.position() - from.position()).norm();
+    };
+    return std::abs(length(state.poses.front(), state.poses.back()) -
+                    length(corridor.truth.front(), corridor.truth.back()));
   };
-  const double truth = (ring.truth.back().position() - ring.truth.front().position()).norm();
-  EXPECT_NEAR(length(with), truth, 0.05);
-  EXPECT_GT(std::abs(length(without) - truth), 0.15);
+  double without = 0.0;
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+    SyntheticDriveParams params;
+    params.scale_error = 0.05;
+    params.seed = seed;
+    const SyntheticDrive corridor =
+        drive(straightCorridor(), wayThrough({{-6.0, 0.0}, {6.0, 0.0}}, 12.0), params);
+    EXPECT_LT(lengthError(corridor, true), 0.05) << "seed " << seed;
+    without += lengthError(corridor, false) / 5.0;
+  }
+  EXPECT_GT(without, 0.15);
 }
 
 TEST(MapGraph, TheSameRecordGivesTheSameMap) {

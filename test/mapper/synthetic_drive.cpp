@@ -207,7 +207,9 @@ SyntheticDrive drive(const std::vector<TrueFloorEdge>& edges, const std::vector<
       seen_m = way_m;
       sighting->element = id;
       for (Eigen::Vector2d* end : {&sighting->px.a, &sighting->px.b}) {
-        *end += params.pixel_sigma * Eigen::Vector2d(normal(random), normal(random));
+        // In the order of two statements: compilers order the arguments of a call as they like.
+        end->x() += params.pixel_sigma * normal(random);
+        end->y() += params.pixel_sigma * normal(random);
       }
       ElementSummary& summary = result.record.elements[id];
       if (summary.sightings++ == 0) summary.first_keyframe = static_cast<int>(k);

@@ -55,6 +55,17 @@ at 9 halt
   EXPECT_EQ(scenario.events[6].slip.right, 0.0);
 }
 
+TEST(Scenario, ModelsMayBeTilted) {
+  const Scenario scenario = parseScenario("scenario 1\nat 1 place a at_m=1,2,3 rotation_deg=10,-20,30\n", "s");
+  const double degree = std::numbers::pi / 180.0;
+  EXPECT_TRUE(scenario.events[0].T_world_model.isApprox(
+      poseFromXyzRpy(1, 2, 3, 10 * degree, -20 * degree, 30 * degree), 1e-12));
+  EXPECT_THAT(problemsOf("scenario 1\nat 1 place a at_m=1,2 heading_deg=3 rotation_deg=1,2,3\n"),
+              ElementsAre("s:2: heading_deg and rotation_deg (only one of them can be)"));
+  EXPECT_THAT(problemsOf("scenario 1\nat 1 place a at_m=1,2 rotation_deg=1,2\n"),
+              ElementsAre("s:2: rotation_deg=1,2 (must be 3 numbers joined by ',' -360..360)"));
+}
+
 TEST(Scenario, NamesEveryMistakeWithItsLine) {
   EXPECT_THAT(problemsOf(""), ElementsAre("s: empty (the first line must be: scenario 1)"));
   EXPECT_THAT(problemsOf("scenario 2\n"),

@@ -196,6 +196,40 @@ TEST(Simulation, SamplesCoverEveryFrame) {
   }
 }
 
+TEST(Simulation, ReportsWhatItsCorrectionsCorrect) {
+  SimulationConfig config = inCorridor();
+  config.odometry = noOdometryError();
+  config.cameras.front().stated_intrinsics = config.cameras.front().intrinsics;
+  config.cameras.front().stated_intrinsics->fx += 7.0;
+  config.joints = {1.02, 0.98, 30'000};
+  config.base.wheel_base_m = 0.34;
+  config.wheels = {{0.98, 1.01, 0.34}, 0.33, 50'000};
+  Simulation simulation(config);
+  simulation.panTilt().command({PanTiltCommand::Kind::kPosition, 0.5, -0.3, 0.0, 0.0});
+  drive(simulation, 2.0, 0.3, 0.2);
+  const Pose3 T_robot_camera =
+      toPose3(simulation.truth().T_world_robot).inverse() * simulation.truePoseOfCamera();
+  const Eigen::Vector3d ahead = T_robot_camera.linear() * Eigen::Vector3d::UnitZ();
+  EXPECT_NEAR(std::atan2(ahead.y(), ahead.x()), 1.02 * 0.5, 1e-6);
+  EXPECT_NEAR(std::asin(ahead.z()), 0.98 * -0.3, 1e-6);
+
+  const PanTiltSample joints = simulation.panTilt().samplesSince(-1, 0ms).samples.back();
+  EXPECT_NEAR(joints.pan_rad, 0.5, 1e-6);
+  EXPECT_EQ(joints.stamp_us, simulation.now() + 30'000);
+  const auto reported = simulation.base().samplesSince(-1, 0ms).samples;
+  WheelCorrection correction(config.wheels);
+  OdometrySample corrected;
+  for (const OdometrySample& sample : reported) corrected = correction.corrected(sample);
+  const Pose2 driven = inverse(config.start) * simulation.truth().T_world_robot;
+  EXPECT_EQ(corrected.stamp_us, simulation.now());
+  EXPECT_NEAR((corrected.T_odom_robot.position() - driven.position()).norm(), 0.0, 1e-6);
+  EXPECT_NEAR(corrected.T_odom_robot.theta, driven.theta, 1e-6);
+  EXPECT_GT((reported.back().T_odom_robot.position() - driven.position()).norm(), 0.005);
+
+  ASSERT_TRUE(simulation.advanceToNextFrame());
+  EXPECT_EQ(simulation.camera().next(0ms).frame->intrinsics.fx, config.cameras.front().intrinsics.fx + 7.0);
+}
+
 TEST(Simulation, KidnapMovesTheTruthAndNotTheOdometry) {
   Simulation simulation(inCorridor());
   drive(simulation, 1.0, 0.3, 0.0);

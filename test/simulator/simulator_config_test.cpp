@@ -11,6 +11,7 @@
 #include "common/config/config_error.h"
 #include "simulator/core/scenario.h"
 #include "support/build_paths.h"
+#include "support/temporary_folder.h"
 
 namespace vismem {
 namespace {
@@ -96,6 +97,49 @@ TEST(SimulatorConfig, MoreCamerasAreLikeTheFirstWhereTheySayNothing) {
   EXPECT_EQ(cameras[2].rate_hz, 5.0);
   EXPECT_TRUE(cameras[2].depth);
   EXPECT_FALSE(cameras[1].depth);
+}
+
+TEST(SimulatorConfig, ReportsAndTruthMayDiffer) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "lens.yaml") << "image_width: 320\nimage_height: 240\n"
+                                         "camera_matrix: {data: [300, 0, 160, 0, 301, 120, 0, 0, 1]}\n";
+  const SimulatorConfig config = parsed("Simulator.Camera.Calibration = " + (folder / "lens.yaml") +
+                                        "\n"
+                                        "Simulator.Cameras.rear.Carrier = robot\n"
+                                        "Simulator.PanTilt.Pan.Backlash_deg = 0.3\n"
+                                        "Simulator.Joints.TiltScale = 1.02\n"
+                                        "Simulator.Joints.Delay_s = 0.03\n"
+                                        "Simulator.Wheels.LeftScale = 0.99\n"
+                                        "Simulator.Base.WheelBase_m = 0.35\n"
+                                        "Simulator.Wheels.ReportedBase_m = 0.33\n");
+  const SimulationConfig& s = config.simulation;
+  ASSERT_TRUE(s.cameras[0].stated_intrinsics);
+  EXPECT_EQ(s.cameras[0].stated_intrinsics->fy, 301.0);
+  EXPECT_NEAR(s.cameras[0].intrinsics.fx, SimulationConfig().cameras[0].intrinsics.fx, 1e-9);
+  EXPECT_FALSE(s.cameras[1].stated_intrinsics);
+  EXPECT_NEAR(s.pan_tilt.backlash_rad.pan_rad, degToRad(0.3), 1e-12);
+  EXPECT_EQ(s.joints.tilt_scale, 1.02);
+  EXPECT_EQ(s.joints.delay_us, 30'000);
+  EXPECT_EQ(s.wheels.model, (WheelModel{0.99, 1.0, 0.35}));
+  EXPECT_EQ(s.wheels.reported_base_m, 0.33);
+}
+
+TEST(SimulatorConfig, ACalibrationMustFitTheImages) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "lens.yaml") << "image_width: 640\nimage_height: 480\n"
+                                         "camera_matrix: {data: [300, 0, 160, 0, 300, 120, 0, 0, 1]}\n";
+  std::ofstream(folder / "no_lens.yaml") << "image_width: 640\n";
+  const auto message = [&](const std::string& file) -> std::string {
+    try {
+      parsed("Simulator.Camera.Calibration = " + (folder / file) + "\n");
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(message("lens.yaml"), HasSubstr("calibration for 640x480 pixels (must be 320x240, as its images)"));
+  EXPECT_THAT(message("no_lens.yaml"), HasSubstr("missing key \"image_height\""));
+  EXPECT_THAT(message("none.yaml"), HasSubstr("none.yaml"));
 }
 
 TEST(SimulatorConfig, ReportsPoseIsAcceptedUnderItsOldNameToo) {

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """own_robot_test.py BIN_DIR: the wizard scripts/own_robot in a copy of the project's cfg/: a simulated robot and a recording
 from the first step to a localized robot, and what it says about wrong input."""
-import bisect
+import json
 import math
 import os
 import re
@@ -18,6 +18,9 @@ BIN = os.path.abspath(sys.argv.pop(1))
 DATA = os.environ.get("AVM_DATA", os.path.join(ROOT, "..", "shared", "data"))
 sys.path.insert(0, os.path.join(ROOT, "scripts", "wizard"))
 sys.dont_write_bytecode = True
+from rigid_motion import best_motion, matched  # noqa: E402
+from setup_files import value_of  # noqa: E402
+from simulated_robot import draw, true_camera  # noqa: E402
 from verdict import judge, read_poses, turned  # noqa: E402
 
 PORTS = (9970, 9971, 9972, 9977, 9990, 9992, 9997, 9999, 11000, 11001, 11002, 11003, 11004, 11005, 11006, 11008)
@@ -36,22 +39,12 @@ def free_port_offset():
 
 
 def aligned_errors(estimate, truth):
-    """RMS of the distance [m] and largest angle [rad] after the best rigid motion: a map has a frame of its own."""
-    truth = sorted(truth)
-    stamps = [pose[0] for pose in truth]
-    pairs = []
-    for pose in estimate:
-        at = bisect.bisect_left(stamps, pose[0])
-        near = min(truth[max(at - 1, 0):at + 1], key=lambda other: abs(other[0] - pose[0]))
-        if abs(near[0] - pose[0]) < 0.02:
-            pairs.append((complex(*pose[1:3]), pose[3], complex(*near[1:3]), near[3]))
-    mean_a = sum(a for a, _, _, _ in pairs) / len(pairs)
-    mean_b = sum(b for _, _, b, _ in pairs) / len(pairs)
-    motion = sum((b - mean_b) * (a - mean_a).conjugate() for a, _, b, _ in pairs)
-    motion /= abs(motion)
-    squares = [abs(motion * (a - mean_a) + mean_b - b) ** 2 for a, _, b, _ in pairs]
-    turn = math.atan2(motion.imag, motion.real)
-    return math.sqrt(sum(squares) / len(squares)), max(abs(turned(ta + turn - tb)) for _, ta, _, tb in pairs)
+    """RMS of the distance [m] and largest angle [rad] after the best rigid motion."""
+    pairs = matched(estimate, truth)
+    motion = best_motion(pairs)
+    squares = [abs(motion.apply(at) - true_at) ** 2 for _, at, _, true_at, _ in pairs]
+    return (math.sqrt(sum(squares) / len(squares)),
+            max(abs(turned(heading + motion.turn - true_heading)) for _, _, heading, _, true_heading in pairs))
 
 
 class Wizard(unittest.TestCase):
@@ -246,6 +239,43 @@ class SimulatedRobot(Wizard):
         self.assertIn("next: scripts/own_robot mine localize", self.step())
         self.assertIn("mine is not localized: its reliability", self.step("localize", code=1))
         self.assertNotIn("localize", self.steps_done())
+
+
+class UncalibratedRobot(Wizard):
+    """It differs from its description: the truth stands in simulator.cfg, which no step reads."""
+
+    def truth(self, key):
+        return [float(part) for part in value_of(self.path("cfg/mine/simulator.cfg"), f"Simulator.{key}").split()]
+
+    def test_finds_the_lens_and_the_height(self):
+        self.step("start", "--simulated", "room", "--seed", "3", "--uncalibrated")
+        focal = self.truth("Camera.Pinhole_px")[0]
+        self.assertGreater(abs(self.stated_focal() - focal), 2.0, "a data sheet is not exact")
+        self.step("target")
+        self.step("ruler")
+        ports = ("--port-offset", str(free_port_offset()))
+        self.assertIn("lens comes first", self.step("body", "--write", *ports, code=1))
+        self.assertIn("Written: out/own_robot/mine/lens/camera.yaml", self.step("lens", *ports))
+        self.assertLess(abs(self.stated_focal() - focal), 1.0)
+        self.assertEqual(self.steps_done(), {"start", "target", "ruler", "lens"})
+
+        # Without driving, the tilt and the height are observable, the wheels are not.
+        self.step("body", "--write", "--head-only", *ports)
+        changed = self.read("cfg/mine/active_visual_memory.cfg")
+        self.assertNotIn("Wheels.", changed)
+        report = json.loads(self.read("out/own_robot/mine/body/report.json"))
+        camera = true_camera(self.path("cfg/mine"))
+        height = report["camera_at_zero"]["camera height"]
+        self.assertLess(abs(1e-3 * height["value"] - camera[1][2]), 0.005)
+        self.assertFalse(os.path.exists(self.path(f"out/mine+{ports[1]}/pids")), "the simulator has ended")
+
+    def stated_focal(self):
+        return float(re.search(r"data: \[([0-9.]+)", self.read("cfg/mine/camera.yaml")).group(1))
+
+    def test_robots_differ_by_their_seed(self):
+        self.assertNotEqual(draw(1), draw(2))
+        self.assertEqual(draw(1), draw(1))
+        self.assertIn("--uncalibrated needs --simulated", self.step("start", "--uncalibrated", code=2))
 
 
 @unittest.skipUnless(os.path.isdir(os.path.join(DATA, "room_path_traced")), "no recording room_path_traced at AVM_DATA")

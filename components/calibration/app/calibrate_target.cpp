@@ -3,6 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "calibration/app/board_world.h"
 #include "calibration/app/commands.h"
 #include "calibration/app/output_files.h"
 #include "calibration/core/target/board_drawing.h"
@@ -21,6 +22,7 @@ struct TargetOptions {
   BoardSpec board;
   double square_mm = 0.0;
   std::vector<double> ruler_mm;
+  bool is_for_simulator = false;
 };
 
 void printSummary(const BoardFile& board, const std::filesystem::path& file, std::size_t pages) {
@@ -59,6 +61,9 @@ int printBoard(TargetOptions options, const std::filesystem::path& file) {
   const std::filesystem::path pdf = options.out / "board.pdf";
   writeWholeFile(pdf, writePdf(pages, "Calibration board"));
   writeWholeFile(file, writeBoardFile({options.board, std::nullopt}));
+  if (options.is_for_simulator) {
+    std::cout << "A world with the board: " << writeBoardWorld(options.board, options.out).string() << "\n";
+  }
   std::cout << "Print " << pdf.string()
             << " at 100 % (not \"fit to page\") and glue it flat onto something stiff.\n"
             << "Measure both rulers and type what they measure:\n  calibrate target --out "
@@ -87,6 +92,8 @@ CalibrateCommand addTargetCommand(CLI::App& calibrate) {
       ->capture_default_str();
   app->add_option("--ruler-mm", options->ruler_mm, "what the rulers of 100 mm measure, across and up [mm]")
       ->expected(1, 2);
+  app->add_flag("--world", options->is_for_simulator,
+                "also OUT/board.world: the board on a floor, for the simulator");
   return {app, [options] {
             const std::filesystem::path file = options->out / "board.json";
             return options->ruler_mm.empty() ? printBoard(*options, file) : enterRuler(*options, file);

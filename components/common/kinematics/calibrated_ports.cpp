@@ -13,6 +13,10 @@ StampUs laterBy(StampUs delay_us, StampUs stamp_us) {
 
 }  // namespace
 
+JointCorrection inverse(const JointCorrection& correction) {
+  return {1.0 / correction.pan_scale, 1.0 / correction.tilt_scale, -correction.delay_us};
+}
+
 PanTiltLimits CalibratedPanTilt::limits() const {
   PanTiltLimits limits = unit_.limits();
   limits.min_pan_rad *= correction_.pan_scale;

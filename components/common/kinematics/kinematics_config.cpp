@@ -30,6 +30,8 @@ void readPanTiltParams(ConfigReader r, PanTiltParams& p) {
   l.min_tilt_rad = r.angleDeg("Tilt.Minimum_deg", radToDeg(l.min_tilt_rad), -90.0, 0.0);
   l.max_pan_rate_radps = degToRad(r.real("Pan.Rate_degps", radToDeg(l.max_pan_rate_radps), 1.0, 2000.0));
   l.max_tilt_rate_radps = degToRad(r.real("Tilt.Rate_degps", radToDeg(l.max_tilt_rate_radps), 1.0, 2000.0));
+  p.backlash_rad.pan_rad = r.angleDeg("Pan.Backlash_deg", radToDeg(p.backlash_rad.pan_rad), 0.0, 10.0);
+  p.backlash_rad.tilt_rad = r.angleDeg("Tilt.Backlash_deg", radToDeg(p.backlash_rad.tilt_rad), 0.0, 10.0);
   p.acceleration_radps2 =
       degToRad(r.real("Acceleration_degps2", radToDeg(p.acceleration_radps2), 1.0, 100000.0));
 }

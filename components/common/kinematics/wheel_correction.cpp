@@ -17,6 +17,13 @@ WheelTravel travelBetween(const Pose2& from, const Pose2& to, double base_m) {
   return {travel - turned, travel + turned};
 }
 
+WheelCorrectionParams inverse(const WheelCorrectionParams& correction) {
+  const WheelModel& m = correction.model;
+  return {{1.0 / m.left_scale, 1.0 / m.right_scale, correction.reported_base_m},
+          m.base_m,
+          -correction.delay_us};
+}
+
 OdometrySample WheelCorrection::corrected(const OdometrySample& reported) {
   OdometrySample sample = reported;
   sample.stamp_us -= params_.delay_us;

@@ -4,6 +4,9 @@
 #include <limits>
 #include <sstream>
 
+#include "camera_server/core/camera_info.h"
+#include "common/config/config_error.h"
+#include "common/config/text_file.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/distortion.h"
 #include "common/kinematics/kinematics_config.h"
@@ -18,6 +21,19 @@ Pose3 readPose(ConfigReader& r, const std::string& prefix, const Pose3& fallback
   return poseFromXyzRpy(p[0], p[1], p[2], degToRad(turn[0]), degToRad(turn[1]), degToRad(turn[2]));
 }
 
+/// The lens that frames state.
+void readStatedLens(ConfigReader& r, SimulatedCameraParams& camera) {
+  const auto file = r.existingFile("Calibration", "a calibration of a camera as ROS writes it");
+  std::error_code absent;
+  if (!std::filesystem::is_regular_file(file, absent)) return;
+  try {
+    camera.stated_intrinsics =
+        parseCameraInfo(readTextFile(file, "a calibration of a camera as ROS writes it"), file.string());
+  } catch (const ConfigError& error) {
+    for (const auto& problem : error.problems()) r.problem("Calibration", problem);
+  }
+}
+
 /// @param camera holds the defaults.
 void readCamera(ConfigReader r, SimulatedCameraParams& camera) {
   CameraIntrinsics& k = camera.intrinsics;
@@ -29,6 +45,7 @@ void readCamera(ConfigReader r, SimulatedCameraParams& camera) {
   const auto pinhole = r.reals("Pinhole_px", {of_view.fx, of_view.fy, of_view.cx, of_view.cy}, -1e5, 1e5);
   const auto d = r.reals("Distortion", {k.k1, k.k2, k.p1, k.p2, k.k3}, -2.0, 2.0);
   k = {width, height, pinhole[0], pinhole[1], pinhole[2], pinhole[3], d[0], d[1], d[2], d[3], d[4]};
+  readStatedLens(r, camera);
   camera.rate_hz = r.real("Rate_hz", camera.rate_hz, 0.1, 100.0);
   camera.latency_s = r.real("Latency_s", camera.latency_s, 0.0, 5.0);
   ImageErrorParams& e = camera.errors;
@@ -50,10 +67,24 @@ void readCamera(ConfigReader r, SimulatedCameraParams& camera) {
   if (!canUndistort(k)) r.problem("Distortion", "folds the image over itself, must be smaller");
 }
 
+/// What the robot reports of joints and wheels, and what is true.
+void readMisreports(ConfigReader r, SimulationConfig& s) {
+  s.joints.pan_scale = r.real("Joints.PanScale", 1.0, 0.5, 2.0);
+  s.joints.tilt_scale = r.real("Joints.TiltScale", 1.0, 0.5, 2.0);
+  s.joints.delay_us = toStampUs(r.real("Joints.Delay_s", 0.0, 0.0, 1.0));
+  WheelModel& wheels = s.wheels.model;
+  wheels.left_scale = r.real("Wheels.LeftScale", 1.0, 0.5, 2.0);
+  wheels.right_scale = r.real("Wheels.RightScale", 1.0, 0.5, 2.0);
+  wheels.base_m = s.base.wheel_base_m;
+  s.wheels.reported_base_m = r.real("Wheels.ReportedBase_m", wheels.base_m, 0.01, 2.0);
+  s.wheels.delay_us = toStampUs(r.real("Wheels.Delay_s", 0.0, 0.0, 1.0));
+}
+
 void readMoreCameras(ConfigReader r, std::vector<SimulatedCameraParams>& cameras) {
   for (const std::string& name : r.children("Cameras")) {
     ConfigReader group = r.group("Cameras." + name);
     SimulatedCameraParams camera = cameras.front();
+    camera.stated_intrinsics.reset();
     camera.name = name;
     camera.on_head = group.choice("Carrier", true, {{"head", true}, {"robot", false}});
     camera.T_carrier_camera_body = readPose(group, "", Pose3::Identity());
@@ -110,6 +141,7 @@ SimulatorConfig readSimulatorConfig(ConfigReader& config) {
   readBaseParams(r.group("Base"), s.base);
   readPanTiltParams(r.group("PanTilt"), s.pan_tilt);
   readOdometryErrorParams(r.group("Odometry"), s.odometry);
+  readMisreports(r, s);
   return c;
 }
 

@@ -1,9 +1,32 @@
 #include "simulator/core/renderer_texture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace vismem {
+namespace {
+
+/// Columns or rows that a pixel of the smaller image covers, and their shares of it.
+struct Cover {
+  int first = 0;
+  int count = 0;
+  std::array<float, 3> weights{};
+};
+
+/// Two halves, or parts of three where the size is odd: a picture whose pixels lie askew would look moved.
+Cover coverOf(int i, int small, int large) {
+  const int begin = i * large;  // both in parts of 1 / small of a pixel
+  const int end = begin + large;
+  Cover cover{begin / small, 0, {}};
+  for (int pixel = cover.first; pixel * small < end; ++pixel) {
+    const int part = std::min(end, (pixel + 1) * small) - std::max(begin, pixel * small);
+    cover.weights[static_cast<std::size_t>(cover.count++)] = static_cast<float>(part) / static_cast<float>(large);
+  }
+  return cover;
+}
+
+}  // namespace
 
 TexturePyramid::TexturePyramid(const Texture& texture) {
   Level whole{texture.width, texture.height, {}};
@@ -18,24 +41,21 @@ TexturePyramid::TexturePyramid(const Texture& texture) {
 TexturePyramid::Level TexturePyramid::halved(const Level& from) {
   Level to{std::max(1, from.width / 2), std::max(1, from.height / 2), {}};
   to.pixels.resize(static_cast<std::size_t>(to.width) * to.height);
-  // The columns and rows that a pixel of the smaller image covers: two, or three where the size is odd.
-  const auto range = [](int i, int small, int large) {
-    return std::pair{i * large / small, std::max(i * large / small + 1, (i + 1) * large / small)};
-  };
   for (int y = 0; y < to.height; ++y) {
-    const auto [y0, y1] = range(y, to.height, from.height);
+    const Cover rows = coverOf(y, to.height, from.height);
     for (int x = 0; x < to.width; ++x) {
-      const auto [x0, x1] = range(x, to.width, from.width);
-      std::array<int, 3> sum{};
-      for (int yy = y0; yy < y1; ++yy) {
-        for (int xx = x0; xx < x1; ++xx) {
-          const auto& pixel = from.pixels[static_cast<std::size_t>(yy) * from.width + xx];
-          for (int c = 0; c < 3; ++c) sum[c] += pixel[c];
+      const Cover columns = coverOf(x, to.width, from.width);
+      std::array<float, 3> mean{0.5f, 0.5f, 0.5f};  // rounds
+      for (int k = 0; k < rows.count; ++k) {
+        for (int l = 0; l < columns.count; ++l) {
+          const auto& pixel =
+              from.pixels[static_cast<std::size_t>(rows.first + k) * from.width + columns.first + l];
+          const float weight = rows.weights[k] * columns.weights[l];
+          for (int c = 0; c < 3; ++c) mean[c] += weight * static_cast<float>(pixel[c]);
         }
       }
-      const int n = (y1 - y0) * (x1 - x0);
       auto& pixel = to.pixels[static_cast<std::size_t>(y) * to.width + x];
-      for (int c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>((sum[c] + n / 2) / n);
+      for (int c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>(mean[c]);
     }
   }
   return to;

@@ -171,8 +171,12 @@ void readPlace(LineReader& line, ScenarioEvent& event) {
                         : line.numbers("at_m", {0.0, 0.0, 0.0}, 2, -kFarthest_m, kFarthest_m);
   const double heading = degToRad(line.number("heading_deg", 0.0, -360.0, 360.0));
   event.T_world_robot = {at[0], at[1], wrapAngle(heading)};
-  event.T_world_model = toPose3(event.T_world_robot);
-  if (!robot) event.T_world_model.translation().z() = at[2];
+  if (robot) return;
+  if (line.has("heading_deg") && line.has("rotation_deg"))
+    line.problem("heading_deg and rotation_deg (only one of them can be)");
+  const auto turn = line.numbers("rotation_deg", {0.0, 0.0, radToDeg(heading)}, 3, -360.0, 360.0);
+  event.T_world_model =
+      poseFromXyzRpy(at[0], at[1], at[2], degToRad(turn[0]), degToRad(turn[1]), degToRad(turn[2]));
 }
 
 /// The settings of an event after its words.

@@ -20,6 +20,10 @@ std::string rule(const SimulatedCameraParams& camera, const char* what, const Va
   return text.str();
 }
 
+std::string sizeOf(const CameraIntrinsics& lens) {
+  return std::to_string(lens.width) + "x" + std::to_string(lens.height);
+}
+
 }  // namespace
 
 std::string checkCamera(const SimulatedCameraParams& c) {
@@ -28,8 +32,12 @@ std::string checkCamera(const SimulatedCameraParams& c) {
     return "camera \"" + c.name + "\": " + problem;
   }
   if (c.intrinsics.width > kMaxSide_px || c.intrinsics.height > kMaxSide_px) {
-    return rule(c, "size", std::to_string(c.intrinsics.width) + "x" + std::to_string(c.intrinsics.height),
-                "at most 8192 a side");
+    return rule(c, "size", sizeOf(c.intrinsics), "at most 8192 a side");
+  }
+  if (const auto& stated = c.stated_intrinsics;
+      stated && (stated->width != c.intrinsics.width || stated->height != c.intrinsics.height)) {
+    const std::string images = sizeOf(c.intrinsics) + ", as its images";
+    return rule(c, "calibration for", sizeOf(*stated) + " pixels", images.c_str());
   }
   if (!(c.rate_hz > 0.0 && c.rate_hz <= kMaxRate_hz))
     return rule(c, "rate in Hz", c.rate_hz, "above 0, at most 100");

@@ -17,6 +17,8 @@ namespace vismem {
 struct SimulatedCameraParams {
   std::string name = "cameraA";
   CameraIntrinsics intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60.0));
+  /// The lens that its frames state; empty: the true one.
+  std::optional<CameraIntrinsics> stated_intrinsics;
   double rate_hz = 30.0;
   double latency_s = 0.0;  ///< time from the exposure, which is the frame's stamp, to the delivery
   /// True: mounted on the head of the pan-tilt unit; false: on the robot's body.

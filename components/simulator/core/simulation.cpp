@@ -175,7 +175,9 @@ Simulation::Simulation(SimulationConfig config)
       odometry_(config_.odometry, config_.base.wheel_base_m, 0),
       pan_tilt_(config_.pan_tilt),
       pan_tilt_port_(std::make_unique<PanTiltPort>(*this)),
-      base_port_(std::make_unique<BasePort>(*this)) {
+      base_port_(std::make_unique<BasePort>(*this)),
+      reported_pan_tilt_(*pan_tilt_port_, inverse(config_.joints)),
+      reported_base_(*base_port_, inverse(config_.wheels)) {
   for (std::size_t i = 0; i < config_.cameras.size(); ++i) {
     camera_ports_.push_back(std::make_unique<CameraPort>(*this, i));
   }
@@ -231,10 +233,10 @@ FrameSource& Simulation::camera(std::size_t index) {
   return *camera_ports_.at(index);
 }
 PanTiltUnit& Simulation::panTilt() {
-  return *pan_tilt_port_;
+  return reported_pan_tilt_;
 }
 MobileBase& Simulation::base() {
-  return *base_port_;
+  return reported_base_;
 }
 
 Simulation::Carriers Simulation::carriers() const {
@@ -400,7 +402,7 @@ std::optional<Frame> Simulation::takeFrame(std::size_t index) {
   Frame frame;
   frame.stamp_us = exposed->stamp_us;
   frame.seq = exposed->seq;
-  frame.intrinsics = intrinsics;
+  frame.intrinsics = camera.params().stated_intrinsics.value_or(intrinsics);
   frame.T_robot_camera = exposed->T_robot_camera;
   frame.image = renderer_->render(intrinsics, exposed->T_world_camera);
   camera.errors().apply(frame.image, exposed->seq, exposed->gain);

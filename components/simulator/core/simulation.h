@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/kinematics/calibrated_ports.h"
 #include "common/kinematics/kinematics.h"
 #include "common/kinematics/random_stream.h"
 #include "common/robot/control_ports.h"
@@ -33,6 +34,9 @@ struct SimulationConfig {
   std::optional<WalkParams> walk;
   PanTiltParams pan_tilt;
   OdometryErrorParams odometry = defaultOdometryError();
+  /// What would correct the angles and stamps of the joints that the robot reports, and its wheels.
+  JointCorrection joints;
+  WheelCorrectionParams wheels;
   RendererOptions rendering;
 
   SimulationConfig();
@@ -148,6 +152,8 @@ class Simulation : public SteppedRobot {
   std::vector<std::unique_ptr<CameraPort>> camera_ports_;
   std::unique_ptr<PanTiltPort> pan_tilt_port_;
   std::unique_ptr<BasePort> base_port_;
+  CalibratedPanTilt reported_pan_tilt_;
+  CalibratedBase reported_base_;
 };
 
 }  // namespace vismem

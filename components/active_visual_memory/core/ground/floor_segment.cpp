@@ -29,7 +29,7 @@ void conditionOnFrameTilt(FloorSegment& segment, const Eigen::Matrix2d& P_frame_
   };
   replace(segment.P_a, segment.D_a);
   replace(segment.P_b, segment.D_b);
-  segment.pitch_sigma_rad = std::sqrt(segment.pitch_sigma_rad * segment.pitch_sigma_rad - known * known);
+  segment.pitch_sigma_rad = std::sqrt((segment.pitch_sigma_rad - known) * (segment.pitch_sigma_rad + known));
 }
 
 bool cutToRange(FloorSegment& segment, const Eigen::Vector2d& below_camera, double range_m) {

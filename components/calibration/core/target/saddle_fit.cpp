@@ -163,8 +163,8 @@ bool minimise(const std::vector<WindowPixel>& window, Unknowns& x) {
   return false;
 }
 
-/// Standard deviation of a pixel's residual, and of the corner: the covariance of a weighted fit to pixels of
-/// equal noise.
+/// Standard deviation of a pixel's residual, and of the corner. Residuals are largest at the edges, which place
+/// the corner: each pixel counts with its own (sandwich estimator of White 1980, HC1).
 std::pair<double, double> spreadOf(const std::vector<WindowPixel>& window, const Unknowns& x) {
   Normal H = Normal::Zero();
   Normal noise = Normal::Zero();
@@ -172,17 +172,17 @@ std::pair<double, double> spreadOf(const std::vector<WindowPixel>& window, const
   double weights = 0.0;
   for (const WindowPixel& pixel : window) {
     Unknowns slope;
-    const double r = residualOf(pixel, x, &slope);
+    const double weighted = pixel.weight * residualOf(pixel, x, &slope);
     H.noalias() += pixel.weight * slope * slope.transpose();
-    noise.noalias() += pixel.weight * pixel.weight * slope * slope.transpose();
-    squares += pixel.weight * r * r;
+    noise.noalias() += weighted * weighted * slope * slope.transpose();
+    squares += weighted * weighted / pixel.weight;
     weights += pixel.weight;
   }
   const auto count = static_cast<double>(window.size());
-  const double variance = squares / weights * count / (count - kUnknowns);
+  const double freedom = count / (count - kUnknowns);
   const Normal inverse = H.ldlt().solve(Normal::Identity());
-  const Normal P = variance * inverse * noise * inverse;
-  return {std::sqrt(variance), std::sqrt(0.5 * (P(0, 0) + P(1, 1)))};
+  const Normal P = freedom * inverse * noise * inverse;
+  return {std::sqrt(freedom * squares / weights), std::sqrt(0.5 * (P(0, 0) + P(1, 1)))};
 }
 
 }  // namespace
