@@ -11,7 +11,7 @@ from setup_files import Failure, say, value_of
 
 
 SPEED_MPS = 0.3  # of the simulated drive
-OVERLAP_M = 4.0  # beyond one round: a place counts as found again by two closings a metre apart
+OVERLAP_M = 10.0  # beyond one round: a place counts as found again by two closings a metre apart
 TURNS = 1.25  # a drive takes this many times its length at SPEED_MPS: it slows down to turn
 SILENCE_S = 30.0  # without an image a drive fails
 

@@ -67,8 +67,8 @@ def draw(seed):
         "Simulator.Mount.Camera.Rotation_deg": texts((within(3), within(3) + within(5), within(3))),
         "Simulator.Camera.Width_px": WIDTH, "Simulator.Camera.Height_px": HEIGHT, "Simulator.Camera.Rate_hz": RATE_HZ,
         "Simulator.Camera.Pinhole_px": texts(pinhole), "Simulator.Camera.Distortion": texts(distortion),
-        "Simulator.PanTilt.Pan.Backlash_deg": f"{drawn.uniform(0, 0.5):.4f}",
-        "Simulator.PanTilt.Tilt.Backlash_deg": f"{drawn.uniform(0, 0.5):.4f}",
+        "Simulator.PanTilt.Pan.Backlash_deg": f"{drawn.uniform(0, 0.1):.4f}",
+        "Simulator.PanTilt.Tilt.Backlash_deg": f"{drawn.uniform(0, 0.1):.4f}",
         "Simulator.Joints.PanScale": f"{1 + within(0.03):.5f}", "Simulator.Joints.TiltScale": f"{1 + within(0.03):.5f}",
         "Simulator.Joints.Delay_s": f"{drawn.uniform(0, 0.1):.4f}",
         "Simulator.Wheels.LeftScale": f"{1 + within(0.03):.5f}", "Simulator.Wheels.RightScale": f"{1 + within(0.03):.5f}",
@@ -132,9 +132,9 @@ def hand(setup, width_m, seed):
         # Towards the camera, then aslant about an axis in the board, then turned in its plane.
         towards = rotation(0.0, math.atan2(v, focal), -math.atan2(u, focal))
         slant, about = math.radians(drawn.uniform(0, 45)), drawn.uniform(0, 2 * math.pi)
-        lean = product(product(rotation(about, 0, 0), rotation(0, slant, 0)), rotation(-about, 0, 0))
+        slanted = product(product(rotation(about, 0, 0), rotation(0, slant, 0)), rotation(-about, 0, 0))
         faces = [[0, 0, -1], [-1, 0, 0], [0, 1, 0]]  # board's x to the camera's right, its y up
-        turn = product(product(towards, lean), product(faces, rotation(0, 0, math.radians(drawn.uniform(-20, 20)))))
+        turn = product(product(towards, slanted), product(faces, rotation(0, 0, math.radians(drawn.uniform(-20, 20)))))
         at = moved(camera, [distance, -distance * u / focal, -distance * v / focal])
         angles = [math.degrees(a) for a in angles_of(product(camera[0], turn))]
         lines.append(f"at {HELD_S * (number + 1):.2f} place board at_m={','.join(f'{x:.4f}' for x in at)} "

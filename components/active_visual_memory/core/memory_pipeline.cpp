@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/vision/reduced_image.h"
+
 namespace vismem {
 
 namespace {
@@ -36,16 +38,22 @@ MemoryPipeline::MemoryPipeline(const Params& params, std::shared_ptr<const Palet
 
 AttentiveVisualMemory::StepResult MemoryPipeline::process(const RobotObservation& observation,
                                                           StageProbe* probe) {
-  if (!memory_.wants(observation)) return memory_.predict(observation, probe);
-  std::optional<RobotObservation> relit;
-  if (correction_) {
-    correction_->correct(observation.frame.image, corrected_);
-    relit = observation;
-    relit->frame.image = corrected_;
+  const CameraIntrinsics& stated = observation.frame.intrinsics;
+  const int block = blockSize(stated);
+  RobotObservation seen = observation;
+  seen.frame.intrinsics = reduced(stated, block);
+  if (!memory_.wants(seen)) return memory_.predict(seen, probe);
+  if (block > 1) {
+    reduceImage(observation.frame.image, stated, block, reduced_);
+    seen.frame.image = reduced_;
   }
-  const RobotObservation& seen = relit ? *relit : observation;
+  const cv::Mat image = seen.frame.image;
+  if (correction_) {
+    correction_->correct(image, corrected_);
+    seen.frame.image = corrected_;
+  }
   const auto segments = extractor_.extract(seen.frame.image, seen.frame.intrinsics, probe);
-  if (light_ && light_->update(observation.frame.image, extractor_.detected())) {
+  if (light_ && light_->update(image, extractor_.detected())) {
     correction_.reset();
     if (!light_->light().isNeutral()) correction_.emplace(light_->light());
   }

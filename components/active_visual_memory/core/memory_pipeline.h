@@ -21,7 +21,8 @@ struct MemoryPipelineParams {
   static MemoryPipelineParams standard();
 };
 
-/// Extracts the segments of the frames worth analysing (V6) and feeds the memory. *Single-threaded* (owner:
+/// Extracts the segments of the frames worth analysing (V6), of fine images after averaging (reduced_image.h),
+/// and feeds the memory. Results are in pixels of ImageAnalysis::intrinsics. *Single-threaded* (owner:
 /// the perception loop). Deterministic.
 class MemoryPipeline {
  public:
@@ -46,6 +47,7 @@ class MemoryPipeline {
   AttentiveVisualMemory memory_;
   std::optional<LightEstimator> light_;
   std::optional<LightTable> correction_;  // of a light that is not neutral
+  cv::Mat reduced_;
   cv::Mat corrected_;
 };
 

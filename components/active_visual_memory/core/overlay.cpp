@@ -39,9 +39,10 @@ cv::Mat drawAnalysis(const cv::Mat& image, const ImageAnalysis& analysis, int sc
   } else {
     canvas = image.clone();
   }
+  const CameraIntrinsics& k = analysis.intrinsics;
+  if (canvas.cols > k.width) cv::resize(canvas, canvas, {k.width, k.height}, 0, 0, cv::INTER_AREA);
   if (scale > 1) cv::resize(canvas, canvas, {}, scale, scale, cv::INTER_NEAREST);
 
-  const CameraIntrinsics& k = analysis.intrinsics;
   const HorizonLine horizon = horizonLine(k, toPose3(analysis.T_odom_robot) * analysis.T_robot_camera);
   if (!horizon.normal.isZero()) {
     const Eigen::Vector2d foot = -horizon.offset * horizon.normal;

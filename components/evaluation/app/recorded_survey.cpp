@@ -25,7 +25,7 @@ void RecordedSurvey::add(const RobotObservation& observation, const ImageAnalysi
   params_.focal_px = observation.frame.intrinsics.fx;
   const Pose3 T_world_camera = toPose3(*T_world_robot) * observation.T_robot_camera;
   floor_.addView(observation.frame.intrinsics, T_world_camera);
-  if (analysis != nullptr) labels_.add(analysis->observed, observation.frame.intrinsics, T_world_camera);
+  if (analysis != nullptr) labels_.add(analysis->observed, analysis->intrinsics, T_world_camera);
 }
 
 nlohmann::json RecordedSurvey::labels() const {

@@ -38,7 +38,7 @@ void drawIdeal(Canvas& canvas, const CameraIntrinsics& k, const Segment2& px, in
 cv::Mat drawProjection(const ImageFigure& figure, int scale) {
   const CameraIntrinsics& k = figure.analysis.intrinsics;
   cv::Mat plain;
-  cv::resize(inColor(figure.image), plain, {}, scale, scale, cv::INTER_NEAREST);
+  cv::resize(inColor(figure.image), plain, {k.width * scale, k.height * scale}, 0, 0, cv::INTER_NEAREST);
   Canvas canvas(plain.cols, plain.rows);
   canvas.picture(plain, {0.0, 0.0});
   const Pose3 T_world_camera = toPose3(*figure.T_world_robot) * figure.analysis.T_robot_camera;

@@ -70,5 +70,27 @@ TEST(MemoryPipeline, RemembersARectangleFromItsImage) {
   }
 }
 
+TEST(MemoryPipeline, FineImagesAreAveragedAndResultsStateTheirLens) {
+  MemoryPipeline pipeline(MemoryPipelineParams::standard(), nullptr);
+  RobotObservation fine = observe(0, 0.0);
+  cv::Mat enlarged;
+  cv::resize(fine.frame.image, enlarged, {1280, 960}, 0, 0, cv::INTER_LINEAR);
+  fine.frame.image = enlarged;
+  fine.frame.intrinsics = intrinsicsFromFieldOfView(1280, 960, degToRad(60.0));
+  const auto result = pipeline.process(fine);
+  const ImageAnalysis& analysis = *result.update.analysis;
+  EXPECT_EQ(analysis.intrinsics.width, 640);
+  EXPECT_EQ(analysis.observed.size(), 4u);
+  for (const ImageSegment& segment : analysis.observed) {
+    const auto p = backProjectToGround(analysis.intrinsics, analysis.T_robot_camera, segment.px.middle(), 50.0);
+    ASSERT_TRUE(p);
+    const double off = std::min({std::abs(p->x() - 1.0), std::abs(p->x() - 1.6), std::abs(std::abs(p->y()) - 0.2)});
+    EXPECT_LT(off, 0.02);
+  }
+  fine.frame.image = observe(0, 0.0).frame.image;
+  fine.frame.stamp_us = kSecondUs;
+  EXPECT_THROW(pipeline.process(fine), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace vismem

@@ -99,7 +99,9 @@ void splitByLine(std::vector<Edge>& edges, std::size_t index, const Line& line,
   const double across = cross2(side.along, edge.along);
   const double beside = other ? other->at : one->at + line.width_m / across;
   const Stretch gap{std::min(one->at, beside), std::max(one->at, beside)};
-  if (gap.to - gap.from > 2.0 * params.range.max_m || gap.to <= 0.0 || gap.from >= edge.length) return;
+  // Where the middle lies beyond its end, both lines meet at a corner, and the outer edges go on to it.
+  const double middle = 0.5 * (gap.from + gap.to);
+  if (gap.to - gap.from > 2.0 * params.range.max_m || middle <= 0.0 || middle >= edge.length) return;
   edge.gaps.push_back(gap);
   if (one->ends) (one->at_b ? side.published.to : side.published.from) = one->side_t;
 }

@@ -57,11 +57,12 @@ export function makeCommands(link: Link, streams: Streams): Record<string, Comma
 
 function gazeCommands(streams: Streams, proxy: (name: string) => any, modes: Record<string, any>): Record<string, Command> {
   return {
-    /** A pixel of the image that is shown, also one of the past. */
-    gazeAtPixel: async (u: number, v: number) => {
+    /** A pixel of the image that is shown and so many pixels wide, also one of the past. */
+    gazeAtPixel: async (u: number, v: number, width: number) => {
       const a = streams.shownAnalysis;
       if (!a) throw new Error("no analysis of an image yet: the pixel's direction is not known");
-      const p = new CameraView(a.robot, a.camera, a.lens).pointAt(u, v);
+      const block = width / a.lens.width;
+      const p = new CameraView(a.robot, a.camera, a.lens).pointAt((u + 0.5) / block - 0.5, (v + 0.5) / block - 0.5);
       return {...replyOf(await proxy("Gaze").fixate(new avm.Vector3(p.x, p.y, p.z))), place: p};
     },
     /** A point of the world. */

@@ -100,7 +100,10 @@ export class Video {
   private drawOverlays(c: OffscreenCanvasRenderingContext2D, picture: Picture, scale: number): void {
     const a = picture.analysis, o = this.overlays;
     if (!a) return;
-    const px = 1 / Math.max(scale, 0.1);
+    // The memory looks at fine images in blocks of pixels.
+    const block = picture.width / a.lens.width;
+    c.transform(block, 0, 0, block, (block - 1) / 2, (block - 1) / 2);
+    const px = 1 / Math.max(scale * block, 0.1);
     if (o.map && picture.estimate?.hasPose) this.drawMap(c, a, picture.estimate, px);
     if (o.horizon) this.drawHorizon(c, a, px);
     if (o.observed) this.drawSegments(c, a, a.observed, 5, "observed", 1.5 * px, []);

@@ -51,7 +51,7 @@ export class CameraPane extends Pane {
     const place = this.store.imagePlace;
     const u = (x - place.x) / place.scale - 0.5, v = (y - place.y) / place.scale - 0.5;
     if (u < -0.5 || v < -0.5 || u > place.width - 0.5 || v > place.height - 0.5) return;
-    void this.store.act(`gaze to pixel ${u.toFixed(0)}, ${v.toFixed(0)}`, "gazeAtPixel", u, v);
+    void this.store.act(`gaze to pixel ${u.toFixed(0)}, ${v.toFixed(0)}`, "gazeAtPixel", u, v, place.width);
   }
 
   private drawStamp(): void {

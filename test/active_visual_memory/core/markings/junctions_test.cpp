@@ -80,6 +80,17 @@ TEST(Junctions, DoNotSplitTheOuterEdgeOfACorner) {
   EXPECT_NEAR(bottom[0].b.x(), 0.95, 1e-3);
 }
 
+TEST(Junctions, KeepTheOuterEdgesOfACornerWhoseInnerEdgeWasRememberedTooLong) {
+  // The inner edge of the bar runs 2 mm past the inner corner: that is no junction, and the right side of the
+  // stem still ends at the outer corner.
+  const Published published =
+      complete({seen(1, kTopOfBar), seen(2, {{-1.0, 0.0}, {0.952, 0.0}}), seen(3, {{0.95, 0.0}, {0.95, -1.0}}),
+                seen(4, {{1.0, -1.0}, {1.0, 0.05}})});
+  const auto right = along(published, std::numbers::pi / 2);
+  ASSERT_EQ(right.size(), 1U);
+  EXPECT_NEAR(right[0].b.y(), 0.05, 1e-3);
+}
+
 TEST(Junctions, SplitALineWhereACircleCrossesIt) {
   Primitive circle;
   circle.id = 7;
