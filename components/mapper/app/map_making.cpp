@@ -5,6 +5,7 @@
 
 #include "common/config/config_error.h"
 #include "common/config/text_file.h"
+#include "common/kinematics/calibrated_ports.h"
 #include "common/recording/bag_advice.h"
 #include "common/tool/progress_line.h"
 #include "evaluation/app/evaluation_setup.h"
@@ -69,7 +70,8 @@ RecordedDrive recordBag(const MapMakingOptions& options) {
   RecordedDrive drive;
   for (const TruePose& pose : robot.log().truth()) append(drive.truth, {pose.stamp_us, pose.T_world_robot});
   Collector collector(drive, params);
-  PerturbedRobot perturbed(robot, options.drive.perturbation);
+  CalibratedRobot calibrated(robot, params.joints, params.wheels);
+  PerturbedRobot perturbed(calibrated, options.drive.perturbation);
   Lockstep run(perturbed, params.assembler, collector.memory());
   std::optional<StampUs> duration;
   if (options.drive.seconds) duration = toStampUs(*options.drive.seconds);
@@ -94,7 +96,8 @@ RecordedDrive recordWorld(const MapMakingOptions& options) {
   const auto robot = makeSimulation(options.drive, route, place);
   RecordedDrive drive;
   Collector collector(drive, params);
-  PerturbedRobot perturbed(*robot, options.drive.perturbation);
+  CalibratedRobot calibrated(*robot, params.joints, params.wheels);
+  PerturbedRobot perturbed(calibrated, options.drive.perturbation);
   Lockstep run(perturbed, params.assembler, collector.memory());
   const double length_m = options.laps * route.length() + options.overlap_m;
   const double seconds = options.drive.seconds.value_or(length_m / kSlowest_mps);
