@@ -19,7 +19,7 @@ struct JointCorrection {
   StampUs delay_us = 0;
 };
 
-/// Its CalibratedPanTilt misreports true angles as this one's would have to be corrected: for simulated robots.
+/// Turns true angles and stamps into those that `correction` corrects: for simulated robots.
 JointCorrection inverse(const JointCorrection& correction);
 
 /// *Thread-safe* as the unit behind it, which must outlive this.

@@ -31,7 +31,7 @@ struct WheelCorrectionParams {
   bool hasReportedWheels() const { return model == WheelModel{1.0, 1.0, reported_base_m}; }
 };
 
-/// Misreports true odometry as this correction expects it: for simulated robots.
+/// Turns true odometry into that which `correction` corrects: for simulated robots.
 WheelCorrectionParams inverse(const WheelCorrectionParams& correction);
 
 /// Turns odometry samples in their order into those of the corrected wheels. Numbers are kept; after a

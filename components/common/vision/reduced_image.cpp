@@ -29,12 +29,16 @@ CameraIntrinsics reduced(const CameraIntrinsics& k, int block) {
   return r;
 }
 
-void reduceImage(const cv::Mat& image, const CameraIntrinsics& k, int block, cv::Mat& out) {
+void requireSize(const cv::Mat& image, const CameraIntrinsics& k) {
   if (image.cols != k.width || image.rows != k.height) {
     throw std::invalid_argument("image of " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
                                 " px (its intrinsics are for " + std::to_string(k.width) + "x" +
                                 std::to_string(k.height) + ")");
   }
+}
+
+void reduceImage(const cv::Mat& image, const CameraIntrinsics& k, int block, cv::Mat& out) {
+  requireSize(image, k);
   const cv::Size size(k.width / block, k.height / block);
   cv::resize(image({0, 0, size.width * block, size.height * block}), out, size, 0, 0, cv::INTER_AREA);
 }

@@ -15,6 +15,9 @@ int blockSize(const CameraIntrinsics& intrinsics);
 CameraIntrinsics reduced(const CameraIntrinsics& intrinsics, int block);
 
 /// @throws std::invalid_argument if the size of the image is not that of its intrinsics.
+void requireSize(const cv::Mat& image, const CameraIntrinsics& intrinsics);
+
+/// Means of the blocks. @throws std::invalid_argument as requireSize().
 void reduceImage(const cv::Mat& image, const CameraIntrinsics& intrinsics, int block, cv::Mat& out);
 
 }  // namespace vismem

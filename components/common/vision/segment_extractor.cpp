@@ -1,10 +1,10 @@
 #include "common/vision/segment_extractor.h"
 
-#include <stdexcept>
 #include <utility>
 
 #include "common/vision/colour_edges.h"
 #include "common/vision/label_split.h"
+#include "common/vision/reduced_image.h"
 
 namespace vismem {
 
@@ -30,11 +30,7 @@ std::vector<ImageSegment> SegmentExtractor::extract(const cv::Mat& image, const 
 std::vector<ImageSegment> SegmentExtractor::extractPieces(const cv::Mat& image,
                                                           const CameraIntrinsics& intrinsics,
                                                           StageProbe* probe) {
-  if (image.cols != intrinsics.width || image.rows != intrinsics.height) {
-    throw std::invalid_argument("image of " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
-                                " px (its intrinsics are for " + std::to_string(intrinsics.width) + "x" +
-                                std::to_string(intrinsics.height) + ")");
-  }
+  requireSize(image, intrinsics);
   enterStage(probe, "detect");
   detector_->detect(image, raw_);
   if (params_.colour_edges && image.channels() == 3) {
