@@ -50,15 +50,33 @@ def focal_px(view_deg):
     return 0.5 * WIDTH / math.tan(0.5 * math.radians(view_deg))
 
 
+def keeps_order(focal, k1, k2):
+    """Whether each place of the image, as far as its corners, shows one direction only."""
+    r, corner = 0.0, 0.5 * math.hypot(WIDTH, HEIGHT) / focal * 1.05
+    while r * (1 + r * r * (k1 + r * r * k2)) < corner:
+        if 1 + r * r * (3 * k1 + r * r * 5 * k2) < 0.2:
+            return False
+        r += 0.01
+    return True
+
+
+def draw_lens(drawn):
+    """Pinhole and distortion of a lens that does not fold the image."""
+    within = lambda most: drawn.uniform(-most, most)  # noqa: E731
+    while True:
+        focal = focal_px(drawn.uniform(45.0, 90.0))
+        pinhole = (focal, focal * (1 + within(0.003)), 0.5 * (WIDTH - 1) + within(12.0), 0.5 * (HEIGHT - 1) + within(12.0))
+        k1 = drawn.uniform(-0.25, 0.05)
+        if keeps_order(focal, k1, 0.3 * k1 * k1):
+            return pinhole, (k1, 0.3 * k1 * k1, within(0.001), within(0.001), 0.0)
+
+
 def draw(seed):
     """What is true of the robot, as keys of its simulator. Lens of 45 to 90 degrees, mounting askew up to 3 degrees and 3 cm,
     zeros of the joints up to 5 degrees (in the mounting), scales of joints and wheels up to 3 % off."""
     drawn = random.Random(f"robot {seed}")
     within = lambda most: drawn.uniform(-most, most)  # noqa: E731
-    focal = focal_px(drawn.uniform(45.0, 90.0))
-    pinhole = (focal, focal * (1 + within(0.003)), 0.5 * (WIDTH - 1) + within(12.0), 0.5 * (HEIGHT - 1) + within(12.0))
-    k1 = drawn.uniform(-0.25, 0.05)
-    distortion = (k1, 0.3 * k1 * k1, within(0.001), within(0.001), 0.0)
+    pinhole, distortion = draw_lens(drawn)
     base = BASE_M * (1 + within(0.03))
     keys = {
         "Simulator.Mount.PanTilt.Position_m": texts((within(0.03), within(0.03), NECK_M + within(0.03))),
@@ -76,7 +94,7 @@ def draw(seed):
         "Simulator.Wheels.Delay_s": f"{drawn.uniform(0, 0.1):.4f}",
     }
     # A data sheet states the field of view in steps of five degrees.
-    return keys, 5 * round(math.degrees(2 * math.atan(0.5 * WIDTH / focal)) / 5)
+    return keys, 5 * round(math.degrees(2 * math.atan(0.5 * WIDTH / pinhole[0])) / 5)
 
 
 def describe(robot, seed):

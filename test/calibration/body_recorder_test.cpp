@@ -38,6 +38,29 @@ TEST(BodyRecorder, CalibratesADrawnRobotFromRenderedImages) {
   EXPECT_EQ(toJson(again), toJson(trial.record));
 }
 
+BodyDriveParams headOnly() {
+  BodyDriveParams params = driveInSimulator();
+  params.drive = false;
+  return params;
+}
+
+TEST(BodyRecorder, GoesOnWhenCommandsAreLost) {
+  const SimulatedBodyTrial trial = runInSimulator(drawnForSimulator(4), 4, headOnly(), [](int command) {
+    return command % 7 == 3 || command % 100 < 10 ? HeadFault::kRefused : HeadFault::kNone;
+  });
+  EXPECT_EQ(trial.drive.phase(), BodyDrivePhase::kDone) << trial.drive.whyStopped();
+  EXPECT_GT(trial.record.views.size(), 20U);
+}
+
+TEST(BodyRecorder, KeepsTheViewsOfADriveThatFails) {
+  const SimulatedBodyTrial trial = runInSimulator(drawnForSimulator(4), 4, headOnly(), [](int command) {
+    return command == 400 ? HeadFault::kThrows : HeadFault::kNone;
+  });
+  EXPECT_EQ(trial.drive.phase(), BodyDrivePhase::kStopped);
+  EXPECT_EQ(trial.drive.whyStopped(), "the head is gone");
+  EXPECT_GT(trial.record.views.size(), 5U);
+}
+
 TEST(BodyRecorder, NamesADamagedFile) {
   nlohmann::json json = toJson(BodyRecord{});
   json["lens"].erase("pinhole_px");

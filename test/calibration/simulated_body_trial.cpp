@@ -1,6 +1,7 @@
 #include "calibration/simulated_body_trial.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "calibration/app/board_world.h"
 #include "simulator/core/simulation.h"
@@ -36,6 +37,29 @@ SimulationConfig configOf(const TrueRobot& truth, std::uint64_t seed) {
   return config;
 }
 
+/// A head some of whose commands fail.
+class FaultyHead : public PanTiltUnit {
+ public:
+  FaultyHead(PanTiltUnit& head, const std::function<HeadFault(int)>& fault) : head_(head), fault_(fault) {}
+
+  PanTiltLimits limits() const override { return head_.limits(); }
+  PortReply start() override { return head_.start(); }
+  PortReply command(const PanTiltCommand& command) override {
+    const HeadFault fault = fault_ ? fault_(commands_++) : HeadFault::kNone;
+    if (fault == HeadFault::kThrows) throw std::runtime_error("the head is gone");
+    return fault == HeadFault::kRefused ? PortReply::rejected("no answer") : head_.command(command);
+  }
+  SampleBatch<PanTiltSample> samplesSince(StampUs after_us, std::chrono::milliseconds timeout) override {
+    return head_.samplesSince(after_us, timeout);
+  }
+  void stop() override { head_.stop(); }
+
+ private:
+  PanTiltUnit& head_;
+  const std::function<HeadFault(int)>& fault_;
+  int commands_ = 0;
+};
+
 }  // namespace
 
 BoardSpec a2Board() {
@@ -63,7 +87,8 @@ BodyDriveParams driveInSimulator() {
   return params;
 }
 
-SimulatedBodyTrial runInSimulator(const TrueRobot& truth, std::uint64_t seed, const BodyDriveParams& params) {
+SimulatedBodyTrial runInSimulator(const TrueRobot& truth, std::uint64_t seed, const BodyDriveParams& params,
+                                  const std::function<HeadFault(int)>& fault) {
   Simulation simulation(configOf(truth, seed));
   SimulatedBodyTrial trial{{}, BodyDrive(params), 0.0, 0.0};
   BodyRecorderOptions options;
@@ -74,7 +99,8 @@ SimulatedBodyTrial runInSimulator(const TrueRobot& truth, std::uint64_t seed, co
     simulation.advanceToNextFrame();
     trial.farthest_m = std::max(trial.farthest_m, simulation.truth().T_world_robot.position().norm());
   };
-  trial.record = recordBody(simulation.camera(), simulation.panTilt(), simulation.base(), trial.drive, options);
+  FaultyHead head(simulation.panTilt(), fault);
+  trial.record = recordBody(simulation.camera(), head, simulation.base(), trial.drive, options);
   trial.seconds = toSeconds(simulation.now());
   return trial;
 }

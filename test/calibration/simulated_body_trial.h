@@ -2,6 +2,8 @@
 /// driven and recorded through its ports as a real one.
 #pragma once
 
+#include <functional>
+
 #include "calibration/app/body_recorder.h"
 #include "calibration/simulated_board_robot.h"
 
@@ -15,6 +17,9 @@ TrueRobot drawnForSimulator(std::uint64_t seed);
 /// A drive that keeps the tags readable.
 BodyDriveParams driveInSimulator();
 
+/// Refused: not followed, as when an answer was late. Throws: the program that commands has a failure.
+enum class HeadFault { kNone, kRefused, kThrows };
+
 struct SimulatedBodyTrial {
   BodyRecord record;
   BodyDrive drive;
@@ -22,7 +27,9 @@ struct SimulatedBodyTrial {
   double seconds = 0.0;     ///< of the robot's time
 };
 
-/// Runs the drive on a simulated robot that is the drawn one.
-SimulatedBodyTrial runInSimulator(const TrueRobot& truth, std::uint64_t seed, const BodyDriveParams& params);
+/// Runs the drive on a simulated robot that is the drawn one. @param fault what becomes of a command of the
+/// head, by its number; empty: all are followed.
+SimulatedBodyTrial runInSimulator(const TrueRobot& truth, std::uint64_t seed, const BodyDriveParams& params,
+                                  const std::function<HeadFault(int)>& fault = {});
 
 }  // namespace vismem

@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// Without a sample of everything for this long of the host's time, the drive ends.
+/// Without a sample of everything, or with commands refused, for this long of the host's time, the drive ends.
 constexpr auto kPatience = 5s;
 constexpr std::size_t kLeastCorners = 8;
 
@@ -51,12 +51,12 @@ class Recorder {
     require("the pan-tilt unit", head_.start());
     require("the base", base_.start());
     const BaseStop stop_at_end(base_);
-    while (!ended()) round();
-    // What follows the last view belongs to it: joints and odometry may be late.
-    for (int i = 0; i < kRoundsAfter; ++i) {
-      if (options_.advance) options_.advance();
-      readSamples();
-      if (options_.every_frame) takeFrame();
+    try {
+      while (!ended()) round();
+      // What follows the last view belongs to it: joints and odometry may be late.
+      for (int i = 0; i < kRoundsAfter; ++i) read();
+    } catch (const std::exception& error) {
+      drive_.stop(error.what());
     }
     return record_;
   }
@@ -73,10 +73,7 @@ class Recorder {
 
   void round() {
     if (options_.stopped && options_.stopped()) drive_.stop("stopped by the user");
-    if (options_.advance) options_.advance();
-    readSamples();
-    std::optional<Frame> frame;
-    if (options_.every_frame || wanted_ || !has_frame_) frame = takeFrame();
+    const std::optional<Frame> frame = read();
     if (record_.joints.empty() || record_.odometry.empty() || !has_frame_) return;
     if (frame && wanted_) look(*frame);
     const OdometrySample& odometry = record_.odometry.back();
@@ -88,9 +85,30 @@ class Recorder {
     if (options_.progress) options_.progress(drive_, record_.views.size());
   }
 
+  /// @return the image, if it was asked for and came.
+  std::optional<Frame> read() {
+    if (options_.advance) options_.advance();
+    readSamples();
+    if (options_.every_frame || wanted_ || !has_frame_) return takeFrame();
+    return std::nullopt;
+  }
+
+  /// The plan commands at every round what it wants: one lost command is made good by the next.
   void send(const BodyDriveCommand& command) {
-    if (command.head) require("the pan-tilt unit", head_.command(*command.head));
-    require("the base", base_.setVelocity(command.v_mps, command.w_radps));
+    std::string refused;
+    const auto note = [&](const char* what, const PortReply& reply) {
+      if (!reply.ok()) refused = std::string(what) + ": " + reply.message;
+    };
+    if (command.head) note("the pan-tilt unit", head_.command(*command.head));
+    note("the base", base_.setVelocity(command.v_mps, command.w_radps));
+    const auto now = Clock::now();
+    if (refused.empty()) {
+      refused_since_.reset();
+    } else if (!refused_since_) {
+      refused_since_ = now;
+    } else if (now - *refused_since_ > kPatience) {
+      throw std::runtime_error(refused);
+    }
   }
 
   void readSamples() {
@@ -159,6 +177,7 @@ class Recorder {
   Clock::time_point joints_at_ = Clock::now();
   Clock::time_point odometry_at_ = Clock::now();
   Clock::time_point frame_at_ = Clock::now();
+  std::optional<Clock::time_point> refused_since_;
   std::string why_joints_ = "none came";
   std::string why_odometry_ = "none came";
   std::string why_frames_ = "none came";

@@ -13,8 +13,6 @@ namespace vismem {
 namespace {
 
 constexpr int kParts = 5;
-/// A richer model must be better by this many standard errors over the views.
-constexpr double kSignificant = 2.0;
 /// Spread of the focal length that autofocus causes at least, and its evidence (mean of squares over sigmas).
 constexpr double kMaxFocalChange = 0.002;
 constexpr double kFocalEvidence = 4.0;
@@ -103,7 +101,7 @@ class LensCalibrator {
   }
 
   ModelScore score(LensModel model, const CameraIntrinsics& start) {
-    ModelScore result{model, 0.0, 0.0, std::vector<double>(views_.size(), 0.0)};
+    ModelScore result{model};
     Squares training;
     Squares held_out;
     for (std::size_t rest = 0; rest < kParts; ++rest, step(1)) {
@@ -115,29 +113,19 @@ class LensCalibrator {
       if (!seen) continue;
       training.add(fitted.fit->views);
       held_out.add(*seen);
-      for (std::size_t i = 0; i < seen->size(); ++i)
-        result.held_out_squares[rest + i * kParts] = std::pow((*seen)[i].rms_px, 2);
     }
     result.training_rms_px = training.rms();
     result.held_out_rms_px = held_out.rms();
     return result;
   }
 
-  /// The simplest model that no richer one beats significantly over the views.
+  /// The least held-out error. Priors keep what a richer model adds near zero where views do not determine it.
   static std::size_t choose(const std::vector<ModelScore>& scores) {
-    std::size_t chosen = 0;
-    for (std::size_t richer = 1; richer < scores.size(); ++richer) {
-      const auto& a = scores[chosen].held_out_squares;
-      const auto& b = scores[richer].held_out_squares;
-      double mean = 0.0;
-      double squares = 0.0;
-      const auto count = static_cast<double>(a.size());
-      for (std::size_t i = 0; i < a.size(); ++i) mean += (a[i] - b[i]) / count;
-      for (std::size_t i = 0; i < a.size(); ++i) squares += std::pow(a[i] - b[i] - mean, 2);
-      const double standard_error = std::sqrt(squares / (count * std::max(1.0, count - 1.0)));
-      if (mean > kSignificant * standard_error) chosen = richer;
-    }
-    return chosen;
+    // 0: nothing could be held out.
+    const auto error = [](const ModelScore& score) {
+      return score.held_out_rms_px > 0.0 ? score.held_out_rms_px : INFINITY;
+    };
+    return static_cast<std::size_t>(std::ranges::min_element(scores, {}, error) - scores.begin());
   }
 
   void describe(LensCalibration& result) const {

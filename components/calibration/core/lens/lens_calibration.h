@@ -17,7 +17,6 @@ struct ModelScore {
   LensModel model = LensModel::kPinhole;
   double training_rms_px = 0.0;
   double held_out_rms_px = 0.0;
-  std::vector<double> held_out_squares;  ///< of each view: mean squared distance [px^2]
 };
 
 struct LensCalibration {
