@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "common/geometry/angles.h"
@@ -45,6 +46,34 @@ TEST(Palettes, ThoseWeShipAreLoaded) {
     EXPECT_FALSE(loadPalette(entry.path()).labels().empty()) << entry.path();
   }
   EXPECT_GE(count, 1);
+}
+
+// Noise makes many windows close calls; some samples lie outside the image.
+TEST(SideSamples, AWindowHasTheLabelOfThatPartOfTheSegment) {
+  const auto palette = fieldPalette();
+  cv::Mat image = stripeImage({{20, 230}, {300, 30}}, 12.0, kGrass, kLine);
+  cv::Mat noise(image.size(), CV_8UC3);
+  cv::RNG(7).fill(noise, cv::RNG::UNIFORM, 0, 70);
+  image += noise;
+  const Segment2 edge{{5, 246}, {310, 28}};
+  LabellerParams window;
+  window.samples = 3;
+  window.trim = 0.0;
+  const Eigen::Vector2d along = (edge.b - edge.a) / edge.length();
+  constexpr int kWindows = 180;
+  const SideSamples samples(image, edge, 1.0, 2.0, kWindows + 2, *palette, window);
+  std::set<Label> seen;
+  for (int i = 0; i < kWindows; ++i) {
+    const Segment2 part{edge.a + 2.0 * i * along, edge.a + (2.0 * i + 6.0) * along};
+    const SegmentSides expected = labelSegment(image, part, *palette, window);
+    const SegmentSides sides = samples.sides(i, 3);
+    EXPECT_EQ(sides.label, expected.label) << i;
+    EXPECT_EQ(sides.bright, expected.bright) << i;
+    EXPECT_EQ(sides.dark, expected.dark) << i;
+    EXPECT_EQ(samples.label(i, 3), expected.label) << i;
+    seen.insert(expected.label);
+  }
+  EXPECT_GT(seen.size(), 1U);
 }
 
 TEST(LabelSegment, NamesThePairOnBothSides) {

@@ -13,7 +13,8 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// Without a sample of everything, or with commands refused, for this long of the host's time, the drive ends.
+/// Without a sample of everything, or with commands refused, for this long of the host's time, the drive
+/// ends.
 constexpr auto kPatience = 5s;
 constexpr std::size_t kLeastCorners = 8;
 

@@ -31,8 +31,8 @@ struct BodyRecorderOptions {
 };
 
 /// Runs the plan to its end. The base is commanded at every round and stopped at the end, whatever happens.
-/// @return the record, also of a drive that was stopped, with the reason in drive.whyStopped(): by the user; no
-/// images, joints or odometry for 5 s, or commands refused so long; a camera whose lens changes.
+/// @return the record, also of a drive that was stopped, with the reason in drive.whyStopped(): by the user;
+/// no images, joints or odometry for 5 s, or commands refused so long; a camera whose lens changes.
 /// @throws std::runtime_error for a port that does not start.
 BodyRecord recordBody(FrameSource& camera, PanTiltUnit& head, MobileBase& base, BodyDrive& drive,
                       const BodyRecorderOptions& options);

@@ -21,7 +21,8 @@ namespace vismem {
 class LeasedRobot {
  public:
   static constexpr int kPriority = 60;
-  /// As long as a busy machine may stand still. A process that dies gives its leases back at once (docs/remote-access.md).
+  /// As long as a busy machine may stand still. A process that dies gives its leases back at once
+  /// (docs/remote-access.md).
   static constexpr double kLease_s = 30.0;
 
   /// @param motors proxy of an avm::Base. @throw ConfigError for a malformed proxy, std::runtime_error when a

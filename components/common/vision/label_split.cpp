@@ -8,8 +8,9 @@
 namespace vismem {
 namespace {
 
-constexpr double kStep_px = 2.0;    // between the windows that are labelled
-constexpr double kWindow_px = 6.0;  // their length: three samples give a majority
+constexpr double kStep_px = 2.0;   // between samples, and between the windows that are labelled
+constexpr int kWindowSamples = 3;  // of a window: they give a majority
+constexpr double kWindow_px = kWindowSamples * kStep_px;
 
 /// An interval of one known label, in pixels from end a.
 struct Run {
@@ -133,17 +134,15 @@ std::vector<LabelledPiece> splitByLabel(const cv::Mat& image, const Segment2& px
     return std::vector<LabelledPiece>{{px, segmentLabel(image, px, palette, params)}};
   };
   const double length = px.length();
-  if (length < 2.0 * minimum_px) return whole();
+  if (length < std::max(2.0 * minimum_px, kWindow_px)) return whole();
   const Eigen::Vector2d along = (px.b - px.a) / length;
-  LabellerParams window = params;
-  window.samples = 3;
-  window.trim = 0.0;
-
+  const int windows = 1 + static_cast<int>((length - kWindow_px) / kStep_px);
+  const SideSamples samples(image, px, 0.5 * kStep_px, kStep_px, windows + kWindowSamples - 1, palette,
+                            params);
   std::vector<Run> runs;
-  const double half = 0.5 * kWindow_px;
-  for (double at = half; at <= length - half; at += kStep_px) {
-    const Segment2 part{px.a + (at - half) * along, px.a + (at + half) * along};
-    const Label& label = segmentLabel(image, part, palette, window);
+  for (int i = 0; i < windows; ++i) {
+    const double at = 0.5 * kWindow_px + i * kStep_px;
+    const Label& label = samples.label(i, kWindowSamples);
     if (label == kUnknownLabel) continue;  // uninformative: neither ends nor begins a run
     if (!runs.empty() && *runs.back().label == label) {
       runs.back().to_px = at;

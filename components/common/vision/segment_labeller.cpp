@@ -11,28 +11,25 @@ namespace vismem {
 namespace {
 
 constexpr std::size_t kMaximumDistances = 16;
+constexpr std::int16_t kOutside = -1;
 
 /// Colour classes at the distances of one side.
-struct Side {
-  std::array<ColorClass, kMaximumDistances> classes{};
-  std::size_t count = 0;
+using Side = std::array<ColorClass, kMaximumDistances>;
 
-  /// The class of the nearest distance with one.
-  ColorClass first() const {
-    const auto* end = classes.data() + count;
-    const auto* found = std::find_if(classes.data(), end, [](ColorClass c) { return c != kNoColorClass; });
-    return found == end ? kNoColorClass : *found;
+/// The class of the nearest distance with one.
+ColorClass firstOf(const Side& side, std::size_t distances) {
+  const auto* end = side.data() + distances;
+  const auto* found = std::find_if(side.data(), end, [](ColorClass c) { return c != kNoColorClass; });
+  return found == end ? kNoColorClass : *found;
+}
+
+void checkDistances(const std::vector<double>& distances_px) {
+  if (distances_px.size() > kMaximumDistances) {
+    throw std::invalid_argument(std::to_string(distances_px.size()) +
+                                " distances on a side of a segment (at most " +
+                                std::to_string(kMaximumDistances) + ")");
   }
-};
-
-/// Both sides, and the label of the nearest pair of distances that has a name, or kUnknownLabel.
-struct Found {
-  Side bright;
-  Side dark;
-  ColorClass bright_class = kNoColorClass;
-  ColorClass dark_class = kNoColorClass;
-  const Label* label = &kUnknownLabel;
-};
+}
 
 /// Nearest pixel to a coordinate, or -1 outside.
 int nearestPixel(double value, int size) {
@@ -40,83 +37,122 @@ int nearestPixel(double value, int size) {
   return std::min(static_cast<int>(value + 0.5), size - 1);
 }
 
-/// The majority class of the samples from `first` on, or kNoColorClass without a clear majority.
-ColorClass classAlong(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step,
-                      const Palette& palette, const LabellerParams& params) {
-  std::array<int, 256> votes;  // of those that the palette has; the rest is never touched
-  const int classes = palette.classCount();
-  std::fill_n(votes.begin(), classes + 1, 0);
-  int inside = 0;
-  for (int i = 0; i < params.samples; ++i) {
+}  // namespace
+
+/// Both sides, and the label of the nearest pair of distances that has a name, or kUnknownLabel.
+struct SideSamples::Found {
+  Side bright{};
+  Side dark{};
+  ColorClass bright_class = kNoColorClass;
+  ColorClass dark_class = kNoColorClass;
+  const Label* label = &kUnknownLabel;
+};
+
+SideSamples::SideSamples(const cv::Mat& image, const Segment2& px, double first_px, double step_px, int count,
+                         const Palette& palette, const LabellerParams& params)
+    : palette_(palette), params_(params) {
+  checkDistances(params.bright_distances_px);
+  checkDistances(params.dark_distances_px);
+  const double length = px.length();
+  if (image.type() != CV_8UC3 || !(length > 0.0)) return;
+  count_ = count;
+  classes_.reserve((params.bright_distances_px.size() + params.dark_distances_px.size()) *
+                   static_cast<std::size_t>(count));
+  const Eigen::Vector2d along = (px.b - px.a) / length;
+  const Eigen::Vector2d first = px.a + first_px * along;
+  const Eigen::Vector2d normal = leftNormal(px);
+  for (const double d : params.bright_distances_px) sample(image, first + d * normal, step_px * along, count);
+  for (const double d : params.dark_distances_px) sample(image, first - d * normal, step_px * along, count);
+}
+
+void SideSamples::sample(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step,
+                         int count) {
+  for (int i = 0; i < count; ++i) {
     const int x = nearestPixel(first.x() + i * step.x(), image.cols);
     const int y = nearestPixel(first.y() + i * step.y(), image.rows);
-    if (x < 0 || y < 0) continue;
-    const std::uint8_t* color = image.ptr<std::uint8_t>(y) + 3 * static_cast<std::ptrdiff_t>(x);
-    ++votes[palette.classOf(color[0], color[1], color[2])];
-    ++inside;
-  }
-  int most = 0;
-  ColorClass best = kNoColorClass;
-  for (int k = 1; k <= classes; ++k) {
-    if (votes[k] > most) {
-      most = votes[k];
-      best = static_cast<ColorClass>(k);
+    if (x < 0 || y < 0) {
+      classes_.push_back(kOutside);
+      continue;
     }
+    const std::uint8_t* color = image.ptr<std::uint8_t>(y) + 3 * static_cast<std::ptrdiff_t>(x);
+    classes_.push_back(palette_.classOf(color[0], color[1], color[2]));
   }
-  return inside == 0 || most < params.minimum_majority * inside ? kNoColorClass : best;
 }
 
-Side lookAside(const cv::Mat& image, const Segment2& px, const Eigen::Vector2d& outwards,
-               const std::vector<double>& distances_px, const Palette& palette,
-               const LabellerParams& params) {
-  Side side;
-  if (distances_px.size() > kMaximumDistances) {
-    throw std::invalid_argument(std::to_string(distances_px.size()) +
-                                " distances on a side of a segment (at most " +
-                                std::to_string(kMaximumDistances) + ")");
+/// The majority class of samples at a distance, or kNoColorClass without a clear majority.
+ColorClass SideSamples::classAt(std::size_t distance, int first, int count) const {
+  const std::int16_t* begin = classes_.data() + distance * static_cast<std::size_t>(count_) + first;
+  const std::int16_t* end = begin + count;
+  const auto inside = count - std::count(begin, end, kOutside);
+  std::ptrdiff_t most = 0;
+  std::int16_t best = kNoColorClass;
+  for (const std::int16_t* one = begin; one != end; ++one) {
+    if (*one <= kNoColorClass || *one == best) continue;
+    const auto votes = std::count(begin, end, *one);
+    if (votes < most || (votes == most && *one > best)) continue;
+    most = votes;
+    best = *one;
   }
-  const Eigen::Vector2d step = (1.0 - 2.0 * params.trim) / params.samples * (px.b - px.a);
-  const Eigen::Vector2d first = px.a + params.trim * (px.b - px.a) + 0.5 * step;
-  for (const double distance_px : distances_px) {
-    side.classes[side.count++] = classAlong(image, first + distance_px * outwards, step, palette, params);
-  }
-  return side;
+  const bool is_clear =
+      inside > 0 && static_cast<double>(most) >= params_.minimum_majority * static_cast<double>(inside);
+  return is_clear ? static_cast<ColorClass>(best) : kNoColorClass;
 }
 
-Found look(const cv::Mat& image, const Segment2& px, const Palette& palette, const LabellerParams& params) {
+SideSamples::Found SideSamples::look(int first, int count) const {
   Found found;
-  if (image.type() != CV_8UC3 || !(px.length() > 0.0)) return found;
-  const Eigen::Vector2d normal = leftNormal(px);
-  found.bright = lookAside(image, px, normal, params.bright_distances_px, palette, params);
-  found.dark = lookAside(image, px, -normal, params.dark_distances_px, palette, params);
+  if (count_ == 0) return found;
+  const std::vector<double>& bright_px = params_.bright_distances_px;
+  const std::vector<double>& dark_px = params_.dark_distances_px;
+  for (std::size_t i = 0; i < bright_px.size(); ++i) found.bright[i] = classAt(i, first, count);
+  for (std::size_t j = 0; j < dark_px.size(); ++j) {
+    found.dark[j] = classAt(bright_px.size() + j, first, count);
+  }
   double nearest_px = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < found.bright.count; ++i) {
-    for (std::size_t j = 0; j < found.dark.count; ++j) {
-      const double distance_px = params.bright_distances_px[i] + params.dark_distances_px[j];
+  for (std::size_t i = 0; i < bright_px.size(); ++i) {
+    for (std::size_t j = 0; j < dark_px.size(); ++j) {
+      const double distance_px = bright_px[i] + dark_px[j];
       if (distance_px >= nearest_px) continue;
-      const Label& label = palette.label(found.bright.classes[i], found.dark.classes[j]);
+      const Label& label = palette_.label(found.bright[i], found.dark[j]);
       if (label == kUnknownLabel) continue;
       nearest_px = distance_px;
-      found.bright_class = found.bright.classes[i];
-      found.dark_class = found.dark.classes[j];
+      found.bright_class = found.bright[i];
+      found.dark_class = found.dark[j];
       found.label = &label;
     }
   }
   return found;
 }
 
+const Label& SideSamples::label(int first, int count) const {
+  return *look(first, count).label;
+}
+
+SegmentSides SideSamples::sides(int first, int count) const {
+  const Found found = look(first, count);
+  if (*found.label != kUnknownLabel) return {found.bright_class, found.dark_class, *found.label};
+  return {firstOf(found.bright, params_.bright_distances_px.size()),
+          firstOf(found.dark, params_.dark_distances_px.size()), kUnknownLabel};
+}
+
+namespace {
+
+SideSamples samplesOf(const cv::Mat& image, const Segment2& px, const Palette& palette,
+                      const LabellerParams& params) {
+  const double length = px.length();
+  const double step_px = (1.0 - 2.0 * params.trim) / params.samples * length;
+  return {image, px, params.trim * length + 0.5 * step_px, step_px, params.samples, palette, params};
+}
+
 }  // namespace
 
 const Label& segmentLabel(const cv::Mat& image, const Segment2& px_raw, const Palette& palette,
                           const LabellerParams& params) {
-  return *look(image, px_raw, palette, params).label;
+  return samplesOf(image, px_raw, palette, params).label(0, params.samples);
 }
 
 SegmentSides labelSegment(const cv::Mat& image, const Segment2& px_raw, const Palette& palette,
                           const LabellerParams& params) {
-  const Found found = look(image, px_raw, palette, params);
-  if (*found.label == kUnknownLabel) return {found.bright.first(), found.dark.first(), kUnknownLabel};
-  return {found.bright_class, found.dark_class, *found.label};
+  return samplesOf(image, px_raw, palette, params).sides(0, params.samples);
 }
 
 }  // namespace vismem

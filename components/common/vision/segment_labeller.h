@@ -27,12 +27,38 @@ struct SegmentSides {
   Label label = kUnknownLabel;
 };
 
+/// Colour classes beside a segment at equal steps along it, at all distances: any window of them has a label.
 /// The class of a side at a distance is that of most samples there. The label is that of the nearest pair of
 /// distances whose classes are a named pair; without one, each side has the class of its nearest distance
-/// with one.
-/// @param image   CV_8UC3, order R, G, B; a gray image gives kUnknownLabel.
-/// @param px_raw  raw pixels, brighter side on the left. Samples outside the image do not count.
-/// @throws std::invalid_argument for more than 16 distances on a side.
+/// with one. *Immutable.*
+class SideSamples {
+ public:
+  /// @param image    CV_8UC3, order R, G, B; a gray image gives kUnknownLabel.
+  /// @param px_raw   raw pixels, brighter side on the left. Samples outside the image do not count.
+  /// @param first_px of the first sample from px_raw.a; the next ones follow at step_px.
+  /// @param palette, params must outlive it.
+  /// @throws std::invalid_argument for more than 16 distances on a side.
+  SideSamples(const cv::Mat& image, const Segment2& px_raw, double first_px, double step_px, int count,
+              const Palette& palette, const LabellerParams& params);
+  /// Samples first..first + count - 1.
+  SegmentSides sides(int first, int count) const;
+  /// Its label alone, which lives as long as the palette.
+  const Label& label(int first, int count) const;
+
+ private:
+  struct Found;
+  void sample(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step, int count);
+  ColorClass classAt(std::size_t distance, int first, int count) const;
+  Found look(int first, int count) const;
+
+  const Palette& palette_;
+  const LabellerParams& params_;
+  int count_ = 0;  ///< along the segment; 0: nothing can be told
+  /// By distance, the bright side first, then along the segment: a class, or kOutside.
+  std::vector<std::int16_t> classes_;
+};
+
+/// Of the whole segment, by LabellerParams::samples and trim.
 SegmentSides labelSegment(const cv::Mat& image, const Segment2& px_raw, const Palette& palette,
                           const LabellerParams& params);
 /// Its label alone, which lives as long as the palette.

@@ -285,12 +285,20 @@ void MapFilter::updateCovariance() {
     auto some = LiHP.middleCols(j, std::min(kAtOnce, n - j));
     innovation_.L.topLeftCorner(m, m).triangularView<Eigen::Lower>().solveInPlace(some);
   }
-  // One triangle is computed, column by column: products of whole matrices would pack them on the heap.
+  // Tiles of the lower triangle: products of whole matrices would pack them on the heap.
   Eigen::Block<Matrix> P = state_.known();
-  for (int j = 0; j < n; ++j) {
-    P.col(j).tail(n - j).noalias() -= LiHP.rightCols(n - j).transpose() * LiHP.col(j);
-    P(j, j) = std::max(P(j, j), kLeastVariance);
-    P.row(j).tail(n - j - 1) = P.col(j).tail(n - j - 1).transpose();
+  for (int j = 0; j < n; j += kAtOnce) {
+    const int columns = std::min(kAtOnce, n - j);
+    for (int i = j; i < n; i += kAtOnce) {
+      const int rows = std::min(kAtOnce, n - i);
+      auto tile = P.block(i, j, rows, columns);
+      tile.noalias() -= LiHP.middleCols(i, rows).transpose() * LiHP.middleCols(j, columns);
+      if (i > j) P.block(j, i, columns, rows) = tile.transpose();
+    }
+    for (int k = j; k < j + columns; ++k) {
+      P(k, k) = std::max(P(k, k), kLeastVariance);
+      for (int i = k + 1; i < j + columns; ++i) P(k, i) = P(i, k);
+    }
   }
 }
 

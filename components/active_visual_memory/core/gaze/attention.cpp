@@ -129,21 +129,30 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
 }
 
 double AttentionPool::objects(const Pose2& T_odom_robot) const {
-  std::vector<PanTilt> groups;
-  double count = 0.0;
+  if (!params_.count_groups) {
+    return static_cast<double>(std::count_if(entries_.begin(), entries_.end(), [](const Entry& entry) {
+      return entry.point.kind == AttentionKind::kSegment;
+    }));
+  }
+  // Unit vectors from the pan-tilt unit: angles of all pairs would cost more than the rest of the gaze.
+  const Pose3 T_pantilt_odom = (toPose3(T_odom_robot) * rig_.mount.T_robot_pantilt).inverse();
+  const double near = std::cos(params_.visit_angle_rad);
+  std::vector<Eigen::Vector3d> groups;
   for (const Entry& entry : entries_) {
     if (entry.point.kind != AttentionKind::kSegment) continue;
-    if (!params_.count_groups) {
-      ++count;
-      continue;
-    }
-    const PanTilt direction = directionOf(entry.point, T_odom_robot);
-    const bool known = std::any_of(groups.begin(), groups.end(), [&](const PanTilt& g) {
-      return angleBetween(g, direction) <= params_.visit_angle_rad;
-    });
-    if (!known) groups.push_back(direction);
+    const Eigen::Vector3d axis = (T_pantilt_odom * *entry.point.p_odom).normalized();
+    const bool known = std::any_of(groups.begin(), groups.end(),
+                                   [&](const Eigen::Vector3d& group) { return group.dot(axis) >= near; });
+    if (!known) groups.push_back(axis);
   }
-  return params_.count_groups ? static_cast<double>(groups.size()) : count;
+  return static_cast<double>(groups.size());
+}
+
+bool AttentionPool::isSearchDue(double elapsed_s, const Pose2& T_odom_robot) const {
+  if (elapsed_s >= params_.max_forced_search_s) return true;
+  // Objects make it later only.
+  return elapsed_s >= params_.forced_search_s &&
+         elapsed_s >= params_.forced_search_s * (1.0 + objects(T_odom_robot) / kForcedSearchObjects);
 }
 
 void AttentionPool::update(StampUs stamp_us, const AttentionObjects& objects, const Pose2& T_odom_robot,
@@ -156,10 +165,7 @@ void AttentionPool::update(StampUs stamp_us, const AttentionObjects& objects, co
     entry.point.salience += ticks * entry.rate;
   }
   if (!last_scan_us_ || stamp_us < *last_scan_us_) last_scan_us_ = stamp_us;
-  const double period =
-      std::min(params_.max_forced_search_s,
-               params_.forced_search_s * (1.0 + this->objects(T_odom_robot) / kForcedSearchObjects));
-  if (lookingAround() || toSeconds(stamp_us - *last_scan_us_) >= period) {
+  if (lookingAround() || isSearchDue(toSeconds(stamp_us - *last_scan_us_), T_odom_robot)) {
     addScanningPoint();
     last_scan_us_ = stamp_us;
   }

@@ -119,7 +119,8 @@ class LensCalibrator {
     return result;
   }
 
-  /// The least held-out error. Priors keep what a richer model adds near zero where views do not determine it.
+  /// The least held-out error. Priors keep what a richer model adds near zero where views do not determine
+  /// it.
   static std::size_t choose(const std::vector<ModelScore>& scores) {
     // 0: nothing could be held out.
     const auto error = [](const ModelScore& score) {

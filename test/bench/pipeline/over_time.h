@@ -1,4 +1,4 @@
-/// @file A long run of the visual memory, minute by minute: its table, file and figure.
+/// @file A long run, minute by minute: its table, file and figure.
 #pragma once
 
 #include <filesystem>
