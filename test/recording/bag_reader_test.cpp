@@ -276,5 +276,22 @@ TEST_F(BagReaderTest, AFileSinkWritesTheSameBytes) {
   EXPECT_THROW(fullDisk(), RecordingError);
 }
 
+TEST(BagsOf, AFileAFolderOrSeveralWithCommasBetween) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path();
+  fs::create_directory(path + "/drive");
+  for (const char* name :
+       {"/drive/b.bag", "/drive/a.bag", "/drive/c.bag.active", "/drive/notes.txt", "/x,y.bag"}) {
+    std::ofstream(path + name) << "-";
+  }
+  const std::vector<std::string> parts{path + "/drive/a.bag", path + "/drive/b.bag",
+                                       path + "/drive/c.bag.active"};
+  EXPECT_EQ(bagsOf(path + "/drive"), parts);
+  EXPECT_EQ(bagsOf(parts[0] + "," + parts[1] + "," + parts[2]), parts);
+  EXPECT_EQ(bagsOf("none.bag," + path + "/drive"),
+            (std::vector<std::string>{"none.bag", parts[0], parts[1], parts[2]}));
+  EXPECT_EQ(bagsOf(path + "/x,y.bag"), std::vector<std::string>{path + "/x,y.bag"});
+}
+
 }  // namespace
 }  // namespace vismem

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """own_robot_test.py BIN_DIR: the wizard scripts/own_robot in a copy of the project's cfg/: a simulated robot and a recording
 from the first step to a localized robot, and what it says about wrong input."""
+import glob
 import json
 import math
 import os
@@ -203,10 +204,11 @@ class SimulatedRobot(Wizard):
         self.assertIn("Simulator.World = cfg/worlds/room.world", self.step("start", "--simulated", "room", "--seed", "3"))
         offset = free_port_offset()
         # The truth is recorded for this test alone: drive leaves it out.
-        drive = self.step("drive", "--port-offset", str(offset), "--Simulator.Camera.Rate_hz=5",
+        drive = self.step("drive", "--port-offset", str(offset), "--Simulator.Camera.Rate_hz=5", "--Recorder.Split.Size_MB=40",
                           f"--Recorder.Simulation.Proxy=Simulation:tcp -h 127.0.0.1 -p {9972 + offset}")
         self.assertRegex(drive, r"recording: \d+ of \d+ s, \d+ images")
         self.assertEqual(self.steps_done(), {"start", "drive"})
+        self.assertGreater(len(glob.glob(self.path("out/own_robot/mine/drive/*.bag"))), 1, "a drive in parts")
         # Without the program that learns a palette, with the one of the world.
         learns = os.access(os.path.join(BIN, "learn_palette"), os.X_OK)
         self.step("colours", *([] if learns else ["--palette", "cfg/maps/room.palette"]))

@@ -217,8 +217,8 @@ int main(int argc, char** argv) {
       "NAME IMAGE U V, with the class, the seconds after the first image (or a file of the folder) and the "
       "pixel; the class ignored names no edge. Lock "
       "exposure and white balance of the camera. The last line is JSON (docs/colours.md)."};
-  auto* bag =
-      app.add_option("--bag", options.bag, "a recording: ROS 1 bag, or a folder with the parts of one");
+  auto* bag = app.add_option("--bag", options.bag,
+                             "a recording: ROS 1 bag, several with commas between, or a folder of them");
   auto* images = app.add_option("--images", options.images, "or a folder of images")->excludes(bag);
   app.add_option("--topic", options.topic, "of the images, when a recording has several")->needs(bag);
   app.add_option("--clicks", options.clicks, "what is what: a file of clicks");

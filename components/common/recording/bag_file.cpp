@@ -347,8 +347,16 @@ std::vector<BagTransform> BagFile::transforms() {
 std::vector<std::string> bagsOf(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
-  if (!fs::is_directory(path, error)) return {path};
   std::vector<std::string> files;
+  const std::size_t comma = path.find(',');
+  if (comma != std::string::npos && !fs::exists(path, error)) {
+    for (const std::string& part : {path.substr(0, comma), path.substr(comma + 1)}) {
+      const auto some = bagsOf(part);
+      files.insert(files.end(), some.begin(), some.end());
+    }
+    return files;
+  }
+  if (!fs::is_directory(path, error)) return {path};
   for (const auto& item : fs::directory_iterator(path, error)) {
     const std::string name = item.path().filename().string();
     if (name.ends_with(".bag") || name.ends_with(".bag.active")) files.push_back(item.path().string());

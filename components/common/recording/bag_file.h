@@ -119,7 +119,9 @@ class BagFile {
 };
 
 /// The bags that a path means: a file itself, or those of a folder, sorted by name (a session's parts, also
-/// the one that was being written when the power failed). @throws RecordingError for a folder without any.
+/// the one that was being written when the power failed); of several paths with commas between, those of
+/// each.
+/// @throws RecordingError for a folder without any.
 std::vector<std::string> bagsOf(const std::string& path);
 
 }  // namespace vismem

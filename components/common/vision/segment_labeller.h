@@ -53,7 +53,7 @@ class SideSamples {
 
   const Palette& palette_;
   const LabellerParams& params_;
-  int count_ = 0;  ///< along the segment; 0: nothing can be told
+  int count_ = 0;  ///< along the segment; 0: there is nothing to sample
   /// By distance, the bright side first, then along the segment: a class, or kOutside.
   std::vector<std::int16_t> classes_;
 };

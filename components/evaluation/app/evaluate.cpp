@@ -18,8 +18,8 @@ struct Arguments {
 };
 
 void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& arguments) {
-  auto* bag =
-      app.add_option("--bag", options.bag, "a recording: ROS 1 bag, or a folder with the parts of one");
+  auto* bag = app.add_option("--bag", options.bag,
+                             "a recording: ROS 1 bag, several with commas between, or a folder of them");
   auto* world = app.add_option("--world", options.world, "or a world to simulate: SDF");
   bag->excludes(world);
   app.add_option("--map", options.map, "map of the world: CSV")->required();

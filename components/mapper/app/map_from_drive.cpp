@@ -23,7 +23,8 @@ struct Arguments {
 void declare(CLI::App& app, Arguments& arguments) {
   vismem::MapMakingOptions& options = arguments.options;
   vismem::EvaluationOptions& drive = options.drive;
-  auto* bag = app.add_option("--bag", drive.bag, "a recording: ROS 1 bag, or a folder with the parts of one");
+  auto* bag = app.add_option("--bag", drive.bag,
+                             "a recording: ROS 1 bag, several with commas between, or a folder of them");
   auto* world = app.add_option("--world", drive.world, "or a world to simulate: SDF, driven along its route");
   bag->excludes(world);
   app.add_option("--drive", options.saved_drive,
