@@ -53,6 +53,8 @@ LensCalibration calibrated(const CameraIntrinsics& lens, unsigned seed) {
 /// The chosen model; its projection must be right within what it states.
 LensModel chosenFor(const CameraIntrinsics& truth, unsigned seed) {
   const LensCalibration found = calibrated(truth, seed);
+  if (found.scores.empty()) return LensModel::kPinhole;  // refused: reported above
+  for (const ModelScore& score : found.scores) EXPECT_LE(found.held_out_rms_px, score.held_out_rms_px);
   const double error_px = projectionDifference(truth, found.fit.lens, pixelGrid(640, 480)).worst_px;
   EXPECT_LT(error_px, 4.0 * found.uncertainty.sigma_px[found.uncertainty.worst]) << nameOf(found.fit.model);
   return found.fit.model;

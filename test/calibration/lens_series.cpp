@@ -162,7 +162,8 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Calibrates lenses drawn by seed from rendered images of a board, and compares with the truth and with "
       "mrcal (Debian "
-      "package mrcal; without it those columns are nan: OPENCV4, OPENCV5). Errors are of the projection over "
+      "package mrcal; columns mrcal4 and mrcal5 are its OPENCV4 and OPENCV5; nan without it). Errors are of "
+      "the projection over "
       "the image, at "
       "worst, a turn of the "
       "camera taken out (column fixed: not taken out). Lenses that the table has already are skipped. Exit "

@@ -1,11 +1,13 @@
 #include "calibration/app/body_recorder.h"
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <stdexcept>
 
 #include "calibration/core/body/body_start.h"
 #include "calibration/core/lens/board_pose.h"
+#include "common/config/config_error.h"
 
 namespace vismem {
 namespace {
@@ -33,6 +35,24 @@ class BaseStop {
   MobileBase& base_;
 };
 
+/// How long a port has failed. The time in which this process stood still counts as one short round: nobody
+/// could answer.
+class Patience {
+ public:
+  /// @return whether it has failed for too long.
+  bool isOver(bool has_succeeded) {
+    const auto now = Clock::now();
+    failed_ =
+        has_succeeded ? Clock::duration::zero() : failed_ + std::min<Clock::duration>(now - last_, 500ms);
+    last_ = now;
+    return failed_ > kPatience;
+  }
+
+ private:
+  Clock::time_point last_ = Clock::now();
+  Clock::duration failed_ = Clock::duration::zero();
+};
+
 class Recorder {
  public:
   Recorder(FrameSource& camera, PanTiltUnit& head, MobileBase& base, BodyDrive& drive,
@@ -52,19 +72,31 @@ class Recorder {
     require("the pan-tilt unit", head_.start());
     require("the base", base_.start());
     const BaseStop stop_at_end(base_);
-    try {
+    guarded([&] {
       while (!ended()) round();
-      // What follows the last view belongs to it: joints and odometry may be late.
+    });
+    // What follows the last view belongs to it: joints and odometry may be late.
+    wanted_ = false;
+    guarded([&] {
       for (int i = 0; i < kRoundsAfter; ++i) read();
-    } catch (const std::exception& error) {
-      drive_.stop(error.what());
-    }
+    });
     return record_;
   }
 
  private:
   static constexpr int kRoundsAfter = 40;
 
+  /// A failure ends the drive, not what it has recorded.
+  template <typename Work>
+  void guarded(const Work& work) {
+    try {
+      work();
+    } catch (const ConfigError&) {
+      throw;
+    } catch (const std::exception& error) {
+      if (!ended()) drive_.stop(error.what());
+    }
+  }
   static void require(const char* what, const PortReply& reply) {
     if (!reply.ok()) throw std::runtime_error(std::string(what) + ": " + reply.message);
   }
@@ -96,20 +128,11 @@ class Recorder {
 
   /// The plan commands at every round what it wants: one lost command is made good by the next.
   void send(const BodyDriveCommand& command) {
-    std::string refused;
-    const auto note = [&](const char* what, const PortReply& reply) {
-      if (!reply.ok()) refused = std::string(what) + ": " + reply.message;
+    const auto check = [](const char* what, const PortReply& reply, Patience& patience) {
+      if (patience.isOver(reply.ok())) throw std::runtime_error(std::string(what) + ": " + reply.message);
     };
-    if (command.head) note("the pan-tilt unit", head_.command(*command.head));
-    note("the base", base_.setVelocity(command.v_mps, command.w_radps));
-    const auto now = Clock::now();
-    if (refused.empty()) {
-      refused_since_.reset();
-    } else if (!refused_since_) {
-      refused_since_ = now;
-    } else if (now - *refused_since_ > kPatience) {
-      throw std::runtime_error(refused);
-    }
+    if (command.head) check("the pan-tilt unit", head_.command(*command.head), head_commands_);
+    check("the base", base_.setVelocity(command.v_mps, command.w_radps), base_commands_);
   }
 
   void readSamples() {
@@ -122,24 +145,21 @@ class Recorder {
       }
       return !batch.samples.empty();
     };
-    if (take(head_, record_.joints, why_joints_)) joints_at_ = Clock::now();
-    if (take(base_, record_.odometry, why_odometry_)) odometry_at_ = Clock::now();
-    const auto now = Clock::now();
-    if (now - joints_at_ > kPatience) throw std::runtime_error("no joint readings: " + why_joints_);
-    if (now - odometry_at_ > kPatience) throw std::runtime_error("no odometry: " + why_odometry_);
-    if (options_.every_frame && now - frame_at_ > kPatience)
-      throw std::runtime_error("no images: " + why_frames_);
+    if (joints_.isOver(take(head_, record_.joints, why_joints_)))
+      throw std::runtime_error("no joint readings: " + why_joints_);
+    if (odometry_.isOver(take(base_, record_.odometry, why_odometry_)))
+      throw std::runtime_error("no odometry: " + why_odometry_);
   }
 
   std::optional<Frame> takeFrame() {
     FrameResult result = camera_.next(options_.frame_wait);
     if (!result.message.empty()) why_frames_ = result.message;
+    if (frames_.isOver(result.frame.has_value())) throw std::runtime_error("no images: " + why_frames_);
     if (!result.frame) return std::nullopt;
-    frame_at_ = Clock::now();
     if (result.frame->T_robot_camera) {
-      throw std::runtime_error(
-          "the images carry the camera's pose from the robot's own kinematics: there is no mounting to "
-          "calibrate");
+      throw ConfigError(
+          {"the images carry the camera's pose from the robot's own kinematics: there is no mounting to "
+           "calibrate"});
     }
     if (has_frame_ && result.frame->intrinsics != record_.intrinsics) {
       throw std::runtime_error(
@@ -175,10 +195,11 @@ class Recorder {
   BodyRecord record_;
   bool has_frame_ = false;
   bool wanted_ = false;  ///< the next image is worth looking at
-  Clock::time_point joints_at_ = Clock::now();
-  Clock::time_point odometry_at_ = Clock::now();
-  Clock::time_point frame_at_ = Clock::now();
-  std::optional<Clock::time_point> refused_since_;
+  Patience joints_;
+  Patience odometry_;
+  Patience frames_;
+  Patience head_commands_;
+  Patience base_commands_;
   std::string why_joints_ = "none came";
   std::string why_odometry_ = "none came";
   std::string why_frames_ = "none came";

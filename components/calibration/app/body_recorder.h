@@ -22,7 +22,7 @@ struct BodyRecorderOptions {
   /// False: images are taken only when one is worth looking at, which saves a simulator in this process their
   /// rendering. Lock-step needs a consumer of every image.
   bool every_frame = true;
-  /// Called once a round, before the ports are read: moves the time of a stepped robot, renews leases.
+  /// Called once a round, before the ports are read: moves the time of a stepped robot.
   std::function<void()> advance;
   /// Whether the user wants an end.
   std::function<bool()> stopped;
@@ -32,8 +32,8 @@ struct BodyRecorderOptions {
 
 /// Runs the plan to its end. The base is commanded at every round and stopped at the end, whatever happens.
 /// @return the record, also of a drive that was stopped, with the reason in drive.whyStopped(): by the user;
-/// no images, joints or odometry for 5 s, or commands refused so long; a camera whose lens changes.
-/// @throws std::runtime_error for a port that does not start.
+/// no images, joints or odometry for 5 s, or commands of a port refused so long; a camera whose lens changes.
+/// @throws std::runtime_error for a port that does not start, ConfigError for images with the camera's pose.
 BodyRecord recordBody(FrameSource& camera, PanTiltUnit& head, MobileBase& base, BodyDrive& drive,
                       const BodyRecorderOptions& options);
 

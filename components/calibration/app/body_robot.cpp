@@ -43,17 +43,6 @@ std::string lease(std::shared_ptr<Prx>& proxy, const char* what) {
 }
 
 template <typename Prx>
-void renew(const std::shared_ptr<Prx>& proxy, const std::string& id, const char* what) {
-  try {
-    boundedProxy(proxy, kCommandTimeout_ms)->renew(id);
-  } catch (const avm::LeaseRefused& refused) {
-    throw std::runtime_error(std::string(what) + ": " + refused.reason);
-  } catch (const Ice::Exception&) {
-    // The next renewal or command may arrive.
-  }
-}
-
-template <typename Prx>
 void release(const std::shared_ptr<Prx>& proxy, const std::string& id) {
   if (id.empty()) return;
   try {
@@ -88,15 +77,6 @@ LeasedRobot::LeasedRobot(const ActiveVisualMemoryConfig& setup, const std::strin
 LeasedRobot::~LeasedRobot() {
   release(motors_, base_lease_);
   release(unit_, head_lease_);
-}
-
-void LeasedRobot::renewLeases() {
-  constexpr std::chrono::seconds kInterval{1};
-  const auto now = std::chrono::steady_clock::now();
-  if (now - renewed_at_ < kInterval) return;
-  renewed_at_ = now;
-  renew(motors_, base_lease_, "base");
-  renew(unit_, head_lease_, "pan-tilt unit");
 }
 
 BodyRecord recordOfBag(const std::string& path, const BoardSpec& board, BoardPlace place) {

@@ -3,7 +3,6 @@
 
 #include <Ice/Ice.h>
 
-#include <chrono>
 #include <memory>
 #include <string>
 
@@ -21,9 +20,8 @@ namespace vismem {
 class LeasedRobot {
  public:
   static constexpr int kPriority = 60;
-  /// As long as a busy machine may stand still. A process that dies gives its leases back at once
-  /// (docs/remote-access.md).
-  static constexpr double kLease_s = 30.0;
+  /// As long as a busy machine may stand still; so long a process that is killed keeps others out.
+  static constexpr double kLease_s = 15.0;
 
   /// @param motors proxy of an avm::Base. @throw ConfigError for a malformed proxy, std::runtime_error when a
   /// lease is refused or a server does not answer.
@@ -31,10 +29,6 @@ class LeasedRobot {
   ~LeasedRobot();
   LeasedRobot(const LeasedRobot&) = delete;
   LeasedRobot& operator=(const LeasedRobot&) = delete;
-
-  /// Makes the leases last their time from now on; asks at most once a second. A server that does not answer
-  /// is no error: its commands show it. @throw std::runtime_error when a lease has ended.
-  void renewLeases();
 
   FrameSource& camera() { return *camera_; }
   PanTiltUnit& head() { return *head_; }
@@ -47,7 +41,6 @@ class LeasedRobot {
   std::shared_ptr<avm::PanTiltPrx> unit_;
   std::string base_lease_;
   std::string head_lease_;
-  std::chrono::steady_clock::time_point renewed_at_ = std::chrono::steady_clock::now();
   std::unique_ptr<RemoteFrameSource> camera_;
   std::unique_ptr<RemotePanTiltUnit> head_;
   std::unique_ptr<RemoteMobileBase> base_;

@@ -108,17 +108,20 @@ BodyRecord drive(const BodyOptions& options, const ActiveVisualMemoryConfig& set
   how.board = board;
   how.place = options.wall ? BoardPlace::kWall : BoardPlace::kFloor;
   how.mount = params.rig.mount;
-  how.advance = [&] { robot.renewLeases(); };
   how.stopped = [&] { return signals.arrived(); };
   how.progress = [&](const BodyDrive& d, std::size_t) {
     line.show(d.stepsDone(), std::max<std::size_t>(d.steps(), 1));
   };
   const BodyRecord record = recordBody(robot.camera(), robot.head(), robot.base(), plan, how);
   if (plan.phase() == BodyDrivePhase::kStopped) {
-    writeWholeFile(options.out / "stopped.json", toJson(record).dump() + "\n");
-    throw std::runtime_error("the drive was stopped: " + plan.whyStopped() + ". Its " +
-                             std::to_string(record.views.size()) + " views are in " +
-                             (options.out / "stopped.json").string());
+    std::string kept;
+    if (!record.views.empty()) {
+      const fs::path file = options.out / ("stopped-" + nameByDate() + ".json");
+      writeWholeFile(file, toJson(record).dump() + "\n");
+      kept = ". Its " + std::to_string(record.views.size()) + " views are in " + file.string() +
+             ": renamed to body.json they are used";
+    }
+    throw std::runtime_error("the drive was stopped: " + plan.whyStopped() + kept);
   }
   return record;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <limits>
 #include <stdexcept>
 
@@ -101,6 +102,7 @@ ColorClass SideSamples::classAt(std::size_t distance, int first, int count) cons
 SideSamples::Found SideSamples::look(int first, int count) const {
   Found found;
   if (count_ == 0) return found;
+  assert(first >= 0 && count > 0 && first + count <= count_);
   const std::vector<double>& bright_px = params_.bright_distances_px;
   const std::vector<double>& dark_px = params_.dark_distances_px;
   for (std::size_t i = 0; i < bright_px.size(); ++i) found.bright[i] = classAt(i, first, count);

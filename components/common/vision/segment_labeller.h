@@ -40,7 +40,9 @@ class SideSamples {
   /// @throws std::invalid_argument for more than 16 distances on a side.
   SideSamples(const cv::Mat& image, const Segment2& px_raw, double first_px, double step_px, int count,
               const Palette& palette, const LabellerParams& params);
-  /// Samples first..first + count - 1.
+  SideSamples(const cv::Mat&, const Segment2&, double, double, int, const Palette&,
+              LabellerParams&&) = delete;
+  /// Samples first..first + count - 1, all of them among those that were taken.
   SegmentSides sides(int first, int count) const;
   /// Its label alone, which lives as long as the palette.
   const Label& label(int first, int count) const;
@@ -58,7 +60,7 @@ class SideSamples {
   std::vector<std::int16_t> classes_;
 };
 
-/// Of the whole segment, by LabellerParams::samples and trim.
+/// Of the whole segment, by LabellerParams::samples and trim. As SideSamples.
 SegmentSides labelSegment(const cv::Mat& image, const Segment2& px_raw, const Palette& palette,
                           const LabellerParams& params);
 /// Its label alone, which lives as long as the palette.

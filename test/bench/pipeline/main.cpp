@@ -48,7 +48,6 @@ struct Options {
 
 struct Lap {
   std::vector<RobotObservation> observations;
-  double seconds = 0.0;
 };
 
 Lap render(const Options& options, const CameraMount& mount) {
@@ -58,7 +57,6 @@ Lap render(const Options& options, const CameraMount& mount) {
   ImageErrors errors(camera.errors, 1);
   Lap lap;
   const int images = static_cast<int>(std::lround(options.lap_s * options.rate_hz));
-  lap.seconds = images / options.rate_hz;
   for (int i = 0; i < images; ++i) {
     const double phase = 2.0 * std::numbers::pi * i / images;
     constexpr double kRadius_m = 0.5;
@@ -157,7 +155,7 @@ Run measure(const Options& options, const EvaluationParams& params) {
   Run run;
   Iterations all;
   Iterations minute;
-  const auto total = static_cast<std::uint64_t>(options.minutes * 60.0 * options.rate_hz);
+  const auto total = static_cast<std::uint64_t>(std::llround(options.minutes * 60.0 * options.rate_hz));
   const auto per_minute =
       std::max<std::size_t>(1, std::llround(std::min(1.0, options.minutes) * 60.0 * options.rate_hz));
   for (std::uint64_t frame = 0; frame < total; ++frame) {
@@ -240,6 +238,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--out", options.out, "folder of over_time.csv and over_time.png")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
+  cv::setNumThreads(1);  // the CPU of other threads is not counted
   try {
     EvaluationOptions evaluation;
     evaluation.world = kRoot / "cfg/worlds" / (options.world + ".world");

@@ -128,7 +128,7 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
   }
 }
 
-double AttentionPool::objects(const Pose2& T_odom_robot) const {
+double AttentionPool::countObjects(const Pose2& T_odom_robot) const {
   if (!params_.count_groups) {
     return static_cast<double>(std::count_if(entries_.begin(), entries_.end(), [](const Entry& entry) {
       return entry.point.kind == AttentionKind::kSegment;
@@ -136,13 +136,14 @@ double AttentionPool::objects(const Pose2& T_odom_robot) const {
   }
   // Unit vectors from the pan-tilt unit: angles of all pairs would cost more than the rest of the gaze.
   const Pose3 T_pantilt_odom = (toPose3(T_odom_robot) * rig_.mount.T_robot_pantilt).inverse();
-  const double near = std::cos(params_.visit_angle_rad);
+  const double least_cosine = std::cos(params_.visit_angle_rad);
   std::vector<Eigen::Vector3d> groups;
   for (const Entry& entry : entries_) {
     if (entry.point.kind != AttentionKind::kSegment) continue;
     const Eigen::Vector3d axis = (T_pantilt_odom * *entry.point.p_odom).normalized();
-    const bool known = std::any_of(groups.begin(), groups.end(),
-                                   [&](const Eigen::Vector3d& group) { return group.dot(axis) >= near; });
+    const bool known = std::any_of(groups.begin(), groups.end(), [&](const Eigen::Vector3d& group) {
+      return group.dot(axis) >= least_cosine;
+    });
     if (!known) groups.push_back(axis);
   }
   return static_cast<double>(groups.size());
@@ -152,7 +153,7 @@ bool AttentionPool::isSearchDue(double elapsed_s, const Pose2& T_odom_robot) con
   if (elapsed_s >= params_.max_forced_search_s) return true;
   // Objects make it later only.
   return elapsed_s >= params_.forced_search_s &&
-         elapsed_s >= params_.forced_search_s * (1.0 + objects(T_odom_robot) / kForcedSearchObjects);
+         elapsed_s >= params_.forced_search_s * (1.0 + countObjects(T_odom_robot) / kForcedSearchObjects);
 }
 
 void AttentionPool::update(StampUs stamp_us, const AttentionObjects& objects, const Pose2& T_odom_robot,

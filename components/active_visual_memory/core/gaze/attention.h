@@ -104,7 +104,7 @@ class AttentionPool {
   const Entry* best() const;
   void follow(const AttentionObjects& objects, const Pose2& T_odom_robot);
   /// Remembered segments, or directions that one visit each would show.
-  double objects(const Pose2& T_odom_robot) const;
+  double countObjects(const Pose2& T_odom_robot) const;
   /// @param elapsed_s since the last search (A3).
   bool isSearchDue(double elapsed_s, const Pose2& T_odom_robot) const;
   PanTilt directionOf(const AttentionPoint& point, const Pose2& T_odom_robot) const;

@@ -104,25 +104,30 @@ class LensCalibrator {
     ModelScore result{model};
     Squares training;
     Squares held_out;
+    bool is_whole = true;
     for (std::size_t rest = 0; rest < kParts; ++rest, step(1)) {
       const auto outside = part(views_, kParts, rest, true);
       const auto fitted =
           fitLens(board_, part(views_, kParts, rest, false), width_, height_, {model, false, start});
-      if (!fitted.fit || outside.empty()) continue;
-      const auto seen = fitPoses(fitted.fit->lens, fitted.fit->bow_m, board_, outside);
-      if (!seen) continue;
+      if (outside.empty()) continue;
+      const auto seen =
+          fitted.fit ? fitPoses(fitted.fit->lens, fitted.fit->bow_m, board_, outside) : std::nullopt;
+      if (!seen) {
+        is_whole = false;
+        continue;
+      }
       training.add(fitted.fit->views);
       held_out.add(*seen);
     }
     result.training_rms_px = training.rms();
-    result.held_out_rms_px = held_out.rms();
+    result.held_out_rms_px = is_whole ? held_out.rms() : 0.0;
     return result;
   }
 
   /// The least held-out error. Priors keep what a richer model adds near zero where views do not determine
   /// it.
   static std::size_t choose(const std::vector<ModelScore>& scores) {
-    // 0: nothing could be held out.
+    // 0: some part could not be fitted.
     const auto error = [](const ModelScore& score) {
       return score.held_out_rms_px > 0.0 ? score.held_out_rms_px : INFINITY;
     };

@@ -114,7 +114,7 @@ void LensSession::restore(const BoardView& view) {
 const LensProgress& LensSession::progress() {
   if (fitted_views_ == views_.size()) return progress_;
   fitted_views_ = views_.size();
-  LensFitOptions options{LensModel::kTangential, false, std::nullopt};
+  LensFitOptions options{LensModel::kFull, false, std::nullopt};
   if (progress_.fit) options.start = progress_.fit->lens;
   progress_.fit = fitLens(board_, views_, width_, height_, options).fit;
   progress_.uncertainty.reset();

@@ -17,7 +17,7 @@ struct LensSessionParams {
   double min_novelty =
       0.04;  ///< mean distance of the corners from those of each accepted view, in image widths
   double max_blur_px = 2.0;  ///< spread of the edges
-  double goal_px = 0.07;     ///< uncertainty of the projection in the worst place at which it is enough
+  double goal_px = 0.1;      ///< uncertainty of the projection in the worst place at which it is enough
   int min_views = 12;
 };
 

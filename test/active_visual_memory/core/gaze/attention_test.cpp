@@ -133,6 +133,12 @@ TEST(Attention, ForcedSearchComesLessOftenTheMoreIsKnown) {
   EXPECT_NEAR(firstScan_s(0), 5.0, 0.06);
   EXPECT_NEAR(firstScan_s(5), 10.0, 0.06);
   EXPECT_NEAR(firstScan_s(12), 17.0, 0.06);
+  EXPECT_NEAR(firstScan_s(40), 17.0, 0.06) << "in 12 directions";
+  p.count_groups = false;
+  EXPECT_NEAR(firstScan_s(12), 17.0, 0.06);
+  EXPECT_NEAR(firstScan_s(40), 20.0, 0.06) << "at the latest";
+  p.forced_search_s = 30.0;
+  EXPECT_NEAR(firstScan_s(0), 20.0, 0.06);
 }
 
 TEST(Attention, ScanningPointsLeadAndGoAfterTheirVisit) {
