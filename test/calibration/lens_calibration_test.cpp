@@ -64,7 +64,7 @@ TEST(CalibrateLens, ChoosesAModelThatHoldsTheLens) {
   chosenFor(lensWith(0.0, 0.0, 0.0), 1);
   EXPECT_GE(chosenFor(lensWith(-0.25, 0.05, 0.0), 2), LensModel::kRadial);
   EXPECT_GE(chosenFor(lensWith(-0.25, 0.05, 0.002), 3), LensModel::kTangential);
-  // Weak, but worth half a pixel at the border.
+  // Weak: 0.3 px in the corners of the image.
   EXPECT_GE(chosenFor(lensWith(-0.2, 0.02, 0.0005), 5), LensModel::kTangential);
 }
 

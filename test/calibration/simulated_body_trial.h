@@ -27,8 +27,8 @@ struct SimulatedBodyTrial {
   double seconds = 0.0;     ///< of the robot's time
 };
 
-/// Runs the drive on a simulated robot that is the drawn one. @param fault what becomes of a command of the
-/// head, by its number; empty: all are followed.
+/// Runs the drive on a simulated robot that is the drawn one.
+/// @param fault what becomes of a command of the head, by its number; empty: all are followed.
 SimulatedBodyTrial runInSimulator(const TrueRobot& truth, std::uint64_t seed, const BodyDriveParams& params,
                                   const std::function<HeadFault(int)>& fault = {});
 

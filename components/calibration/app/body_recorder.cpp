@@ -15,8 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// Without a sample of everything, or with commands refused, for this long of the host's time, the drive
-/// ends.
+/// A port that fails for this long, by Patience, ends the drive.
 constexpr auto kPatience = 5s;
 constexpr std::size_t kLeastCorners = 8;
 

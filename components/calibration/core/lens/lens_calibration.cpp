@@ -124,8 +124,7 @@ class LensCalibrator {
     return result;
   }
 
-  /// The least held-out error. Priors keep what a richer model adds near zero where views do not determine
-  /// it.
+  /// The model of the least held-out error.
   static std::size_t choose(const std::vector<ModelScore>& scores) {
     // 0: some part could not be fitted.
     const auto error = [](const ModelScore& score) {
