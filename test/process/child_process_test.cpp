@@ -40,6 +40,14 @@ TEST(ChildProcess, StopsWaitingForALineWhenTheChildEnds) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 20s);
 }
 
+TEST(ChildProcess, HasReadTheErrorsThatWereWrittenBeforeALineOfTheOutput) {
+  for (int trial = 0; trial < 100; ++trial) {
+    const auto child = shell("yes error | head -n 5000 >&2; echo last >&2; echo ready; exec sleep 100");
+    ASSERT_TRUE(child.waitForLine("ready", 10s));
+    ASSERT_THAT(child.error(), HasSubstr("last\n")) << "trial " << trial;
+  }
+}
+
 TEST(ChildProcess, StopAsksWithSigtermFirst) {
   auto child = shell("trap 'echo bye; exit 0' TERM; echo ready; while :; do sleep 0.01; done");
   ASSERT_TRUE(child.waitForLine("ready", 10s));

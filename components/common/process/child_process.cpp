@@ -170,8 +170,14 @@ void ChildProcess::readUntilExit() {
     // All output is in the pipes when the exit is observed, so it is read afterwards. The end of the streams
     // does not indicate the exit: a grandchild may hold them open.
     exited = waited[2].revents != 0;
-    if (waited[0].fd >= 0 && !readAvailable(out_fd_, Stream::kOut, partial_out)) waited[0].fd = -1;
-    if (waited[1].fd >= 0 && !readAvailable(error_fd_, Stream::kError, partial_error)) waited[1].fd = -1;
+    // Who sees a line of the output also sees all errors that were written before it: the errors are read
+    // later and handed on earlier.
+    std::vector<std::string> out_lines;
+    if (waited[0].fd >= 0 && !readAvailable(out_fd_, partial_out, out_lines)) waited[0].fd = -1;
+    std::vector<std::string> error_lines;
+    if (waited[1].fd >= 0 && !readAvailable(error_fd_, partial_error, error_lines)) waited[1].fd = -1;
+    for (auto& line : error_lines) addLine(Stream::kError, std::move(line));
+    for (auto& line : out_lines) addLine(Stream::kOut, std::move(line));
   }
   if (!partial_out.empty()) addLine(Stream::kOut, std::move(partial_out));
   if (!partial_error.empty()) addLine(Stream::kError, std::move(partial_error));
@@ -183,7 +189,7 @@ void ChildProcess::readUntilExit() {
   changed_.notify_all();
 }
 
-bool ChildProcess::readAvailable(int fd, Stream stream, std::string& partial) {
+bool ChildProcess::readAvailable(int fd, std::string& partial, std::vector<std::string>& lines) {
   std::array<char, 16384> buffer;
   for (;;) {
     const ssize_t count = read(fd, buffer.data(), buffer.size());
@@ -195,7 +201,7 @@ bool ChildProcess::readAvailable(int fd, Stream stream, std::string& partial) {
     partial.append(buffer.data(), static_cast<std::size_t>(count));
     std::size_t begin = 0;
     for (auto end = partial.find('\n'); end != std::string::npos; end = partial.find('\n', begin)) {
-      addLine(stream, partial.substr(begin, end - begin));
+      lines.push_back(partial.substr(begin, end - begin));
       begin = end + 1;
     }
     partial.erase(0, begin);

@@ -63,6 +63,7 @@ class ChildProcess {
 
   /// Waits for a line of either stream that contains `text`; lines read before the call count.
   /// @param from index of the first line to search, from lineCount(): older lines are ignored.
+  /// All that the child wrote to its errors before a line of its output is read when that line is found.
   /// @return the whole line; empty at the deadline, or at once when the child has ended without it.
   std::optional<std::string> waitForLine(const std::string& text, std::chrono::milliseconds timeout,
                                          std::size_t from = 0) const;
@@ -85,8 +86,9 @@ class ChildProcess {
  private:
   void start(const std::vector<std::string>& command);
   void readUntilExit();
+  /// @param[in,out] partial line without its end.
   /// @return false at the end of the stream.
-  bool readAvailable(int fd, Stream stream, std::string& partial);
+  static bool readAvailable(int fd, std::string& partial, std::vector<std::string>& lines);
   void addLine(Stream stream, std::string text);
 
   const Options options_;
