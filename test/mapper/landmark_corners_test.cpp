@@ -48,6 +48,20 @@ TEST(JoinCorners, ABoundReachesFurtherThanAClosedEnd) {
   EXPECT_NEAR(state.worldSegment(state.landmarks[0]).b.x(), 2.0, 1e-9);
 }
 
+TEST(JoinCorners, WallsMeetBehindWhatHidTheirCorner) {
+  LineLandmark one = landmark({{0.0, 1.0}, {1.6, 1.0}}, "skirting");
+  LineLandmark other = landmark({{2.0, 0.5}, {2.0, -1.0}}, "skirting");
+  one.b.closed = other.a.closed = false;
+  MapState state = stateOf({one, other});
+  EXPECT_EQ(joinCorners({}, state), 2);
+  EXPECT_LT((state.worldSegment(state.landmarks[0]).b - Eigen::Vector2d(2.0, 1.0)).norm(), 1e-9);
+  EXPECT_LT((state.worldSegment(state.landmarks[1]).a - Eigen::Vector2d(2.0, 1.0)).norm(), 1e-9);
+  // Lines on the floor may end anywhere.
+  one.label = other.label = "marking";
+  state = stateOf({one, other});
+  EXPECT_EQ(joinCorners({}, state), 0);
+}
+
 TEST(JoinCorners, AWallPassesIntoADoorAtOnePlace) {
   MapState state = stateOf({landmark({{0.0, 0.0}, {2.03, 0.0}}, "skirting"),
                             landmark({{2.09, 0.002}, {3.0, 0.002}}, "door_foot")});

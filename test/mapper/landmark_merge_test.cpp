@@ -54,6 +54,17 @@ TEST(MergeLandmarks, JoinsTwoViewsOfOneEdge) {
   EXPECT_NEAR(joined.length(), 2.9, 0.01);
 }
 
+TEST(MergeLandmarks, AWallGoesOnBehindWhatStandsBeforeIt) {
+  LineLandmark left = landmark({{0.0, 0.0}, {1.0, 0.0}}, "skirting", 0);
+  LineLandmark right = landmark({{1.5, 0.0}, {2.0, 0.0}}, "skirting", 1);
+  MapState seen = stateOf({left, right});
+  EXPECT_EQ(mergeLandmarks(record(), {}, seen), 0) << "images saw both ends";
+  left.b.closed = right.a.closed = false;
+  MapState hidden = stateOf({left, right});
+  EXPECT_EQ(mergeLandmarks(record(), {}, hidden), 1);
+  EXPECT_NEAR(hidden.worldSegment(hidden.landmarks.at(0)).length(), 2.0, 0.01);
+}
+
 TEST(MergeLandmarks, KeepsEdgesApartThatOneImageShowed) {
   MapState state = stateOf({landmark({{0.0, 0.0}, {2.0, 0.0}}, "skirting", 0),
                             landmark({{0.5, 0.02}, {2.9, 0.02}}, "skirting", 0, 1)});

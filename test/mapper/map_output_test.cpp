@@ -91,11 +91,27 @@ TEST(MapOutput, TwoEdgesOfAPaintedLineGetTheirEnds) {
   ASSERT_EQ(rows.size(), 4u);
   EXPECT_TRUE(rows[2].derived);
   EXPECT_NEAR(rows[2].map.length(), 0.05, 1e-9);
+  // Squarely: both edges end there.
+  EXPECT_NEAR(rows[3].map.a.x(), 2.005, 1e-9);
+  EXPECT_NEAR(rows[3].map.b.x(), 2.005, 1e-9);
+  EXPECT_NEAR(rows[0].map.b.x(), 2.005, 1e-9);
   // Walls on both sides of a passage are no line.
   std::vector<MappedRow> walls{mapped({{0.0, 0.0}, {2.0, 0.0}}, "skirting"),
                                mapped({{2.0, 0.8}, {0.0, 0.8}}, "skirting")};
   addStripeEnds(walls, {});
   EXPECT_EQ(walls.size(), 2u);
+}
+
+TEST(MapOutput, APaintedLineThatGoesOnHasNoEndThere) {
+  // An L of lines: its outer edges meet at a corner, its inner ones, too.
+  std::vector<MappedRow> rows{mapped({{0.0, 0.0}, {2.0, 0.0}}, "marking"),
+                              mapped({{2.0, 0.0}, {2.0, 1.0}}, "marking"),
+                              mapped({{1.95, 1.0}, {1.95, 0.05}}, "marking"),
+                              mapped({{1.95, 0.05}, {0.0, 0.05}}, "marking")};
+  // The skew of the corner is above what ends may differ by; also where it is not:
+  rows[0].map.b.x() = 1.97;
+  addStripeEnds(rows, {});
+  EXPECT_EQ(rows.size(), 6U) << "one end for each line";
 }
 
 TEST(MapOutput, EdgesOfAStripeOfThePaletteBecomeOneRow) {

@@ -93,6 +93,7 @@ nlohmann::json toJson(const MapScore& score, const DriveMap& map, const DriveRec
   json["merged"] = map.merged;
   json["dropped"] = map.dropped;
   json["cut"] = map.cut;
+  json["circles"] = map.circles;
   json["closings"] = map.closings.size();
   json["refused_closings"] = map.refused.size();
   for (const ClosingEvidence& search : map.searches) {

@@ -136,6 +136,7 @@ nlohmann::json summaryOf(const RecordedDrive& drive, const DriveMap& map, const 
                       {"way_m", drive.record.keyframes.empty() ? 0.0 : drive.record.keyframes.back().way_m},
                       {"landmarks", map.state.landmarks.size()},
                       {"merged", map.merged},
+                      {"circles", map.circles},
                       {"segments", output.rows.size()},
                       {"closings", map.closings.size()},
                       {"refused_closings", map.refused.size()},

@@ -96,8 +96,9 @@ class Mapping {
     return merged;
   }
 
-  /// Right angles, a person's edits, corners.
+  /// Circles, right angles, a person's edits, corners.
   void finish() {
+    map_.circles = joinCircles(record_, params_.circles, map_.state);
     for (std::string& missing : applyEdits(params_.edits, map_.state))
       map_.notes.push_back(std::move(missing));
     SolveStage last{.kernel = params_.kernel, .right_angles = params_.right_angles};

@@ -7,6 +7,7 @@
 
 #include "active_visual_memory/core/attentive_visual_memory.h"
 #include "mapper/core/closing_finder.h"
+#include "mapper/core/landmark_circles.h"
 #include "mapper/core/landmark_corners.h"
 #include "mapper/core/landmark_ends.h"
 #include "mapper/core/landmark_merge.h"
@@ -22,6 +23,7 @@ struct DriveMapperParams {
   LandmarkEndParams ends;
   OverlapParams overlap;
   CornerJoinParams corners;
+  CircleJoinParams circles;
   ClosingParams closing;
   ConsistencyParams consistency;
   double kernel = 2.0;           ///< Cauchy on lines and ends once the graph is near its solution [sigma]
@@ -40,6 +42,7 @@ struct DriveMap {
   int merged = 0;
   int dropped = 0;
   int cut = 0;
+  int circles = 0;
   std::vector<Closing> closings;  ///< accepted
   std::vector<Closing> refused;   ///< found, but neither consistent nor confirmed
   std::vector<ClosingEvidence> searches;

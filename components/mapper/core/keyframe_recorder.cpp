@@ -29,18 +29,61 @@ bool KeyframeRecorder::isDue(const RobotObservation& observation) const {
                                                                last.T_odom_robot.theta)) >= params_.angle_rad;
 }
 
+namespace {
+
+/// A segment without the faint parts at its ends.
+struct Strong {
+  Segment2 px;
+  bool cut_a = false;
+  bool cut_b = false;
+};
+
+Strong strongPart(const Segment2& px, const FloorEvidence& evidence, const KeyframeParams& params) {
+  constexpr double kStep_px = 2.0;
+  constexpr double kQuantile = 0.75;
+  const int steps = static_cast<int>(px.length() / kStep_px);
+  std::vector<double> contrasts;
+  for (int i = 0; i < steps; ++i) {
+    double contrast = 0.0;
+    // The far end of a thin line has its colour only near the edge.
+    for (const double aside_px : {1.0, 2.0})
+      contrast = std::max(contrast, evidence.contrastAt(px, (i + 0.5) / steps, aside_px).value_or(0.0));
+    contrasts.push_back(contrast);
+  }
+  Strong strong{px};
+  if (contrasts.empty()) return strong;
+  std::vector<double> sorted = contrasts;
+  const auto high = sorted.begin() + static_cast<std::ptrdiff_t>(kQuantile * (steps - 1));
+  std::nth_element(sorted.begin(), high, sorted.end());
+  const double least = params.faint_share * *high;
+  const auto is_strong = [&](double contrast) { return contrast >= least; };
+  const auto first = std::find_if(contrasts.begin(), contrasts.end(), is_strong);
+  const auto last = std::find_if(contrasts.rbegin(), contrasts.rend(), is_strong);
+  const double before_px = kStep_px * static_cast<double>(first - contrasts.begin());
+  const double behind_px = kStep_px * static_cast<double>(last - contrasts.rbegin());
+  const Eigen::Vector2d along = (px.b - px.a).normalized();
+  strong.cut_a = before_px >= params.faint_px;
+  strong.cut_b = behind_px >= params.faint_px;
+  if (strong.cut_a) strong.px.a += before_px * along;
+  if (strong.cut_b) strong.px.b -= behind_px * along;
+  return strong;
+}
+
+}  // namespace
+
 LineSighting KeyframeRecorder::sightingOf(const ImageAnalysis& analysis, const ImageAnalysis::Match& match,
                                           const ImageSegment& observed, const FloorEvidence& evidence,
                                           const FloorSegment& floor) const {
   const PredictedSegment& predicted = analysis.predicted[static_cast<std::size_t>(match.predicted)];
   LineSighting sighting;
   sighting.element = predicted.id;
-  sighting.px = observed.px;
-  sighting.censored_a = floor.censored_a || evidence.isHiddenBeyond(observed.px, false);
-  sighting.censored_b = floor.censored_b || evidence.isHiddenBeyond(observed.px, true);
+  const Strong strong = strongPart(observed.px, evidence, params_);
+  sighting.px = strong.px;
+  sighting.censored_a = !strong.cut_a && (floor.censored_a || evidence.isHiddenBeyond(strong.px, false));
+  sighting.censored_b = !strong.cut_b && (floor.censored_b || evidence.isHiddenBeyond(strong.px, true));
   const Eigen::Vector2d along = (observed.px.b - observed.px.a).normalized();
-  if (!sighting.censored_a) sighting.px.a -= params_.end_short_px * along;
-  if (!sighting.censored_b) sighting.px.b += params_.end_short_px * along;
+  if (!sighting.censored_a && !strong.cut_a) sighting.px.a -= params_.end_short_px * along;
+  if (!sighting.censored_b && !strong.cut_b) sighting.px.b += params_.end_short_px * along;
   if (along.dot(predicted.px.b - predicted.px.a) < 0.0) {
     std::swap(sighting.px.a, sighting.px.b);
     std::swap(sighting.censored_a, sighting.censored_b);

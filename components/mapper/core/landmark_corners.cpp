@@ -22,17 +22,19 @@ struct End {
   bool at_b = false;
   Eigen::Vector2d p = Eigen::Vector2d::Zero();
   Eigen::Vector2d outward = Eigen::Vector2d::UnitX();  ///< along the line
+  bool closed = false;
 };
 
 class Joiner {
  public:
   Joiner(const CornerJoinParams& params, MapState& state) : params_(params), state_(state) {
     for (std::size_t i = 0; i < state.landmarks.size(); ++i) {
+      if (state.landmarks[i].is_chord) continue;
       const Segment2 world = state.worldSegment(state.landmarks[i]);
       if (world.length() <= 0.0) continue;
       const Eigen::Vector2d u = (world.b - world.a) / world.length();
-      ends_.push_back({i, false, world.a, -u});
-      ends_.push_back({i, true, world.b, u});
+      ends_.push_back({i, false, world.a, -u, state.landmarks[i].a.closed});
+      ends_.push_back({i, true, world.b, u, state.landmarks[i].b.closed});
     }
   }
 
@@ -72,16 +74,18 @@ class Joiner {
   }
 
   /// How far outwards the corner with the other end lies; empty without a corner.
-  std::optional<double> cornerOf(const End& end, const End& other) {
+  std::optional<double> cornerOf(const End& end, const End& other) const {
     const double sine = cross2(end.outward, other.outward);
     if (std::abs(sine) < std::sin(params_.least_angle_rad) || !formCorners(of(end), of(other)))
       return std::nullopt;
     const Eigen::Vector2d between = other.p - end.p;
     const double off = cross2(between, other.outward) / sine;
     const double off_other = cross2(between, end.outward) / sine;
+    const bool are_hidden =
+        !end.closed && !other.closed && isObstacle(of(end).label, params_.obstacles);
+    const double reach_m = are_hidden ? params_.open_m : params_.reach_m;
     const auto within = [&](const End& which, double outwards) {
-      const bool closed = endOf(which).closed;
-      return outwards >= -params_.reach_m && outwards <= (closed ? params_.short_m : params_.reach_m);
+      return outwards >= -reach_m && outwards <= (which.closed ? params_.short_m : reach_m);
     };
     if (!within(end, off) || !within(other, off_other)) return std::nullopt;
     return off;
@@ -112,8 +116,8 @@ class Joiner {
     return 0;
   }
 
-  double weightOf(const End& end) {
-    if (!endOf(end).closed) return 0.0;
+  double weightOf(const End& end) const {
+    if (!end.closed) return 0.0;
     return static_cast<double>(of(end).seen.size());
   }
 

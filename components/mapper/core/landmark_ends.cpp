@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "active_visual_memory/core/ground/camera_tilt.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/plane.h"
 #include "common/geometry/projection.h"
@@ -26,11 +25,8 @@ struct SeenEnd {
 
 /// The camera of a keyframe in the frame of a landmark's anchor.
 Pose3 cameraIn(const MapState& state, const DriveRecord& record, int anchor, int keyframe) {
-  const auto k = static_cast<std::size_t>(keyframe);
-  CameraTilt tilt = state.camera_tilt;
-  tilt.head<2>() += state.frame_tilts[k];
-  const Pose2 T_anchor_robot = inverse(state.poses[static_cast<std::size_t>(anchor)]) * state.poses[k];
-  return toPose3(T_anchor_robot) * tilted(record.keyframes[k].T_robot_camera, tilt);
+  const Pose2 T_anchor_world = inverse(state.poses[static_cast<std::size_t>(anchor)]);
+  return toPose3(T_anchor_world) * cameraOf(record, state, keyframe);
 }
 
 std::optional<SeenEnd> placed(const LineLandmark& landmark, const Keyframe& keyframe,

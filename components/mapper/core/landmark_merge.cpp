@@ -34,6 +34,13 @@ std::optional<Beside> beside(const Segment2& one, const Segment2& other, double 
   return Beside{std::abs(cross2(u, p - longer.a)), low - high};
 }
 
+/// Whether no image saw either of the two ends that face each other.
+bool isGapHidden(const LineLandmark& one, const LineLandmark& other, const MapState& state) {
+  const Segment2 first = state.worldSegment(one);
+  const bool is_before = (first.b - first.a).dot(state.worldSegment(other).middle() - first.middle()) > 0.0;
+  return is_before ? !one.b.closed && !other.a.closed : !one.a.closed && !other.b.closed;
+}
+
 double acrossSigma(const LineLandmark& landmark) {
   const double half = 0.5 * (landmark.b.t_m - landmark.a.t_m);
   return std::sqrt(landmark.P_line(0, 0) + half * half * landmark.P_line(1, 1));
@@ -113,7 +120,7 @@ bool areOne(const DriveRecord& record, const LineLandmark& one, const LineLandma
             const MapState& state, const LandmarkMergeParams& params) {
   if (one.label != other.label) return false;
   const auto near = beside(state.worldSegment(one), state.worldSegment(other), params.angle_rad);
-  if (!near || near->gap_m > params.gap_m) return false;
+  if (!near || near->gap_m > (isGapHidden(one, other, state) ? params.open_gap_m : params.gap_m)) return false;
   const double sigma = std::hypot(acrossSigma(one), acrossSigma(other));
   const double gate = std::min(params.most_across_m, std::max(params.across_m, params.sigmas * sigma));
   return near->across_m <= gate && !seenTogether(record, one, other);

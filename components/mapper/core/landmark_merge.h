@@ -12,7 +12,8 @@ struct LandmarkMergeParams {
   double across_m = 0.05;  ///< distance across, at most; more when covariances allow ..
   double sigmas = 3.0;
   double most_across_m = 0.10;  ///< .. but never more
-  double gap_m = 0.06;          ///< between the extents of pieces
+  double gap_m = 0.06;          ///< between the extents of pieces ..
+  double open_gap_m = 0.60;     ///< .. whose ends no image saw: something stands before the edge
   double end_m = 0.08;          ///< ends of pieces nearer than this are one end
 };
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "active_visual_memory/core/ground/camera_tilt.h"
 #include "common/geometry/plane.h"
 
 namespace vismem {
@@ -44,6 +45,13 @@ LineLandmark landmarkOf(std::uint64_t id, const ElementSummary& element) {
 }
 
 }  // namespace
+
+Pose3 cameraOf(const DriveRecord& record, const MapState& state, int keyframe) {
+  const auto k = static_cast<std::size_t>(keyframe);
+  CameraTilt tilt = state.camera_tilt;
+  tilt.head<2>() += state.frame_tilts[k];
+  return toPose3(state.poses[k]) * tilted(record.keyframes[k].T_robot_camera, tilt);
+}
 
 MapState initialState(const DriveRecord& record, const LandmarkParams& params) {
   MapState state;

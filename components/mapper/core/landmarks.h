@@ -43,6 +43,8 @@ struct LineLandmark {
   double sigma_a_m = 0.0;                            ///< of a closed end along the line
   double sigma_b_m = 0.0;
   bool dropped = false;  ///< as ElementSummary, of all elements
+  /// A regular chord of a curve: known from the whole curve, the graph does not estimate its line.
+  bool is_chord = false;
   int sessions = 1;
 
   Eigen::Vector2d along() const;
@@ -70,6 +72,9 @@ struct LandmarkParams {
   int min_sightings = 3;  ///< keyframes
   double min_length_m = 0.04;
 };
+
+/// The camera of a keyframe in world, with the estimated tilts.
+Pose3 cameraOf(const DriveRecord& record, const MapState& state, int keyframe);
 
 /// Dead reckoning of the keyframes from the origin, and a landmark for each confirmed element.
 MapState initialState(const DriveRecord& record, const LandmarkParams& params);

@@ -14,7 +14,7 @@ constexpr double kFactNear_m = 0.15;     // a thing that a second drive finds ag
 
 /// What one map and its views say of an edge of the other one.
 struct Verdict {
-  FloorEdge edge;
+  SeenEdge edge;
   double here_m = 0.0;     ///< lies on an edge of this map
   double missing_m = 0.0;  ///< does not, and its place was looked at
   double unseen_m = 0.0;
@@ -44,7 +44,7 @@ class Stretch {
 
 /// For the absence of an edge where `there` looked and saw so much.
 /// @param own_views  of its place by the drives that know it: how often it is seen if it is there.
-double natsFor(const SeenMap::Looks& there, const FloorEdge& edge, double own_views,
+double natsFor(const SeenMap::Looks& there, const SeenEdge& edge, double own_views,
                const ChangeParams& params) {
   constexpr double kLeastRate = 0.05;
   constexpr double kMostRate = 0.95;
@@ -64,7 +64,7 @@ double natsFor(const SeenMap::Looks& there, const FloorEdge& edge, double own_vi
 /// @param there   the map that may lack the edge.
 /// @param own     the map that has it.
 /// @param all     whether all of the place counts as seen by `there`.
-Verdict verdictOn(const FloorEdge& edge, const SeenMap& there, const SeenMap& own, bool all,
+Verdict verdictOn(const SeenEdge& edge, const SeenMap& there, const SeenMap& own, bool all,
                   const ChangeParams& params) {
   Verdict verdict{edge};
   Stretch missing;
@@ -111,7 +111,7 @@ double distanceOf(const Segment2& a, const Segment2& b) {
 }
 
 /// Indices of edges of one label that hang together.
-std::vector<std::vector<std::size_t>> thingsOf(const std::vector<FloorEdge>& edges, double reach_m) {
+std::vector<std::vector<std::size_t>> thingsOf(const std::vector<SeenEdge>& edges, double reach_m) {
   std::vector<std::vector<std::size_t>> things;
   std::vector<bool> taken(edges.size(), false);
   for (std::size_t first = 0; first < edges.size(); ++first) {
@@ -148,7 +148,7 @@ class MissingThings {
  public:
   MissingThings(const SeenMap& there, const SeenMap& own, bool all, const ChangeParams& params)
       : params_(params) {
-    for (const FloorEdge& edge : own.edges()) verdicts_.push_back(verdictOn(edge, there, own, all, params));
+    for (const SeenEdge& edge : own.edges()) verdicts_.push_back(verdictOn(edge, there, own, all, params));
     for (const auto& thing : thingsOf(own.edges(), params.thing_m)) judge(thing);
   }
 
@@ -177,7 +177,7 @@ class MissingThings {
  private:
   /// Edges that meet confirm each other. A lone one that few images showed may have been matched wrongly.
   bool isSure(const std::vector<std::size_t>& thing) const {
-    const FloorEdge& edge = verdicts_[thing.front()].edge;
+    const SeenEdge& edge = verdicts_[thing.front()].edge;
     return thing.size() > 1 || !edge.is_counted || edge.times_seen >= params_.least_alone;
   }
   bool isMissing(double missing_m, double judged_m, double nats) const {
@@ -210,7 +210,7 @@ class MissingThings {
   /// Edges of a thing of which others are there. A rigid thing's own sides touch: what is missing of it was
   /// overlooked, but what only stands near it is another thing.
   void judgeParts(const std::vector<std::size_t>& thing, bool is_rigid) {
-    std::vector<FloorEdge> edges;
+    std::vector<SeenEdge> edges;
     std::vector<std::size_t> index;
     std::vector<Segment2> here;
     for (const std::size_t i : thing) {

@@ -136,6 +136,7 @@ void Problem::addPriors() {
 
 void Problem::addLandmark(LineLandmark& landmark) {
   using graph::LineResidual;
+  if (landmark.is_chord) return;
   for (const LineLandmark::Seen& seen : landmark.seen) {
     const Keyframe& keyframe = record_.keyframes[static_cast<std::size_t>(seen.keyframe)];
     const graph::Rays rays = raysOf(keyframe, sightingOf(record_, seen), params_.lever_m);
@@ -214,6 +215,7 @@ void Problem::addRightAngles() {
   if (!dominant) return;
   dominant_[0] = *dominant;
   for (LineLandmark& landmark : state_.landmarks) {
+    if (landmark.is_chord) continue;
     const double direction = state_.worldSegment(landmark).direction();
     if (std::abs(std::sin(2.0 * (direction - *dominant))) > 2.0 * params_.right_angle_gate_rad) continue;
     problem_.AddResidualBlock(
@@ -312,6 +314,7 @@ std::string Problem::covariances() {
   }
   if (!covariance.Compute(blocks, &problem_)) return "the graph does not determine all landmarks";
   for (LineLandmark& landmark : state_.landmarks) {
+    if (!problem_.HasParameterBlock(landmark.line.data())) continue;
     Eigen::Matrix<double, 2, 2, Eigen::RowMajor> P;
     if (!covariance.GetCovarianceBlock(landmark.line.data(), landmark.line.data(), P.data())) continue;
     landmark.P_line = P;
@@ -411,6 +414,7 @@ std::optional<double> dominantDirectionOf(const MapState& state, double gate_rad
   std::vector<std::pair<double, double>> lines;  // direction, length
   double all = 0.0;
   for (const LineLandmark& landmark : state.landmarks) {
+    if (landmark.is_chord) continue;
     const Segment2 segment = state.worldSegment(landmark);
     lines.emplace_back(segment.direction(), segment.length());
     all += segment.length();

@@ -52,12 +52,35 @@ std::optional<Pair> pairOf(const MappedRow& one, const MappedRow& other, const M
   return pair;
 }
 
-MappedRow endOf(const MappedRow& one, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+/// A line ends squarely: both its edges end at the same place along it. @return that edge of the end.
+MappedRow squareEnd(MappedRow& one, bool one_at_b, MappedRow& other) {
+  Segment2 edge = one.map;
+  Segment2 facing = other.map;
+  Eigen::Vector2d& end = one_at_b ? edge.b : edge.a;
+  Eigen::Vector2d& end_facing = one_at_b ? facing.a : facing.b;
+  const Eigen::Vector2d u = (edge.b - edge.a).normalized();
+  const double mine = std::max(1, one.times_seen);
+  const double its = std::max(1, other.times_seen);
+  const double skew = u.dot(end_facing - end);
+  end += skew * its / (mine + its) * u;
+  end_facing -= skew * mine / (mine + its) * u;
   MappedRow row = one;
   row.derived = true;
   row.closed_a = row.closed_b = true;
-  setRow(row, {a, b});
+  setRow(row, one_at_b ? Segment2{end, end_facing} : Segment2{end_facing, end});
+  setRow(one, edge);
+  setRow(other, facing);
   return row;
+}
+
+/// Whether a further edge of the label begins or ends near a place: a line goes on there, or its end was seen.
+bool hasOtherEnd(const std::vector<MappedRow>& rows, std::size_t one, std::size_t other,
+                 const Eigen::Vector2d& at, double reach_m) {
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (k == one || k == other || rows[k].derived || rows[k].row.label != rows[one].row.label) continue;
+    if (std::min((rows[k].map.a - at).norm(), (rows[k].map.b - at).norm()) <= reach_m) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -110,14 +133,18 @@ void addStripeEnds(std::vector<MappedRow>& rows, const MapOutputParams& params) 
     for (std::size_t j = i + 1; j < edges; ++j) {
       const auto pair = pairOf(rows[i], rows[j], params);
       if (!pair) continue;
-      const MappedRow one = rows[i];
-      const MappedRow other = rows[j];
-      if (one.closed_a && other.closed_b && std::abs(pair->skew_begin_m) <= params.stripe_skew_m) {
-        rows.push_back(endOf(one, other.map.b, one.map.a));
-      }
-      if (one.closed_b && other.closed_a && std::abs(pair->skew_end_m) <= params.stripe_skew_m) {
-        rows.push_back(endOf(one, one.map.b, other.map.a));
-      }
+      const auto add = [&](bool at_b, double skew_m) {
+        const bool is_closed = at_b ? rows[i].closed_b && rows[j].closed_a : rows[i].closed_a && rows[j].closed_b;
+        if (!is_closed || std::abs(skew_m) > params.stripe_skew_m) return;
+        const Eigen::Vector2d at = at_b ? rows[i].map.b : rows[i].map.a;
+        const Eigen::Vector2d facing = at_b ? rows[j].map.a : rows[j].map.b;
+        for (const Eigen::Vector2d& end : {at, facing}) {
+          if (hasOtherEnd(rows, i, j, end, params.stripe_skew_m)) return;
+        }
+        rows.push_back(squareEnd(rows[i], at_b, rows[j]));
+      };
+      add(false, pair->skew_begin_m);
+      add(true, pair->skew_end_m);
     }
   }
 }

@@ -45,7 +45,8 @@ Pose2 mapFrameOf(const MapState& state);
 /// The labelled edges, in millimetres: rows of CSV, SVG and DXF are the same numbers.
 std::vector<MappedRow> rowsOf(const MapState& state, const Pose2& T_map_world, const MapOutputParams& params);
 
-/// Adds the end edges of painted lines: two edges of one label and opposite polarity that end side by side.
+/// Adds the end edges of painted lines: two edges of one label and opposite polarity that end side by side,
+/// where no further edge of the label does. Both then end at one place along the line.
 void addStripeEnds(std::vector<MappedRow>& rows, const MapOutputParams& params);
 
 /// The stripes of a palette as rows with a width: pairs of such edges over at least most of their length.

@@ -42,7 +42,7 @@ SeenMap::SeenMap(const std::vector<CountedRow>& map, const std::vector<SeenFloor
   }
 }
 
-SeenMap::Looks SeenMap::looksAt(const Eigen::Vector2d& p, const FloorEdge& edge) const {
+SeenMap::Looks SeenMap::looksAt(const Eigen::Vector2d& p, const SeenEdge& edge) const {
   Looks all;
   for (const Session& session : sessions_) {
     const Looks one = looksOf(session, p, edge);
@@ -52,7 +52,7 @@ SeenMap::Looks SeenMap::looksAt(const Eigen::Vector2d& p, const FloorEdge& edge)
   return all;
 }
 
-double SeenMap::viewsOfOwn(const Eigen::Vector2d& p, const FloorEdge& edge) const {
+double SeenMap::viewsOfOwn(const Eigen::Vector2d& p, const SeenEdge& edge) const {
   double own = 0.0;
   double all = 0.0;
   for (const Session& session : sessions_) {
@@ -63,8 +63,8 @@ double SeenMap::viewsOfOwn(const Eigen::Vector2d& p, const FloorEdge& edge) cons
   return own > 0.0 ? own : all;
 }
 
-bool SeenMap::liesOn(const Eigen::Vector2d& p, const FloorEdge& edge) const {
-  return std::any_of(edges_.begin(), edges_.end(), [&](const FloorEdge& own) {
+bool SeenMap::liesOn(const Eigen::Vector2d& p, const SeenEdge& edge) const {
+  return std::any_of(edges_.begin(), edges_.end(), [&](const SeenEdge& own) {
     return own.label == edge.label && isNear(p, edge.floor, own.floor);
   });
 }
@@ -80,7 +80,7 @@ bool SeenMap::isHidden(const Eigen::Vector2d& camera, const Eigen::Vector2d& p) 
 }
 
 SeenMap::Looks SeenMap::looksOf(const Session& session, const Eigen::Vector2d& p,
-                                const FloorEdge& edge) const {
+                                const SeenEdge& edge) const {
   Looks looks;
   for (const View& view : session.views) {
     if ((p - view.camera).norm() > params_.range_m || !view.view.shows(p)) continue;

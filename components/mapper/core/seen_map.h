@@ -9,7 +9,7 @@
 
 namespace vismem {
 
-struct FloorEdge {
+struct SeenEdge {
   Segment2 floor;
   Label label;
   bool is_counted = false;  ///< by drives; a drawing states no number
@@ -23,18 +23,18 @@ class SeenMap {
           const ChangeParams& params);
 
   /// Those on the floor.
-  const std::vector<FloorEdge>& edges() const { return edges_; }
+  const std::vector<SeenEdge>& edges() const { return edges_; }
 
   /// How often a place was looked at, unhidden by this map's edges, and an edge was seen there.
   struct Looks {
     double views = 0.0;
     double sightings = 0.0;
   };
-  Looks looksAt(const Eigen::Vector2d& p, const FloorEdge& edge) const;
+  Looks looksAt(const Eigen::Vector2d& p, const SeenEdge& edge) const;
   /// Views of a place of this map's own edge, by the drives that saw it: it may have come after the others.
-  double viewsOfOwn(const Eigen::Vector2d& p, const FloorEdge& edge) const;
+  double viewsOfOwn(const Eigen::Vector2d& p, const SeenEdge& edge) const;
   /// Whether an edge of this map with its label lies here.
-  bool liesOn(const Eigen::Vector2d& p, const FloorEdge& edge) const;
+  bool liesOn(const Eigen::Vector2d& p, const SeenEdge& edge) const;
 
  private:
   struct View {
@@ -48,9 +48,9 @@ class SeenMap {
 
   bool isNear(const Eigen::Vector2d& p, const Segment2& edge, const Segment2& own) const;
   bool isHidden(const Eigen::Vector2d& camera, const Eigen::Vector2d& p) const;
-  Looks looksOf(const Session& session, const Eigen::Vector2d& p, const FloorEdge& edge) const;
+  Looks looksOf(const Session& session, const Eigen::Vector2d& p, const SeenEdge& edge) const;
 
-  std::vector<FloorEdge> edges_;
+  std::vector<SeenEdge> edges_;
   std::vector<Segment2> walls_;
   std::vector<Session> sessions_;
   const ChangeParams& params_;

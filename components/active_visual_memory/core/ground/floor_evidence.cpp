@@ -101,16 +101,23 @@ bool FloorEvidence::isHiddenBeyond(const Segment2& px, bool at_b) const {
   return isNew(*there_left) && isNew(*there_right);
 }
 
-bool FloorEvidence::isEdgeless(const Segment2& px, double most_contrast) const {
-  if (image_.empty()) return false;
+std::optional<double> FloorEvidence::contrastAt(const Segment2& px, double fraction, double aside_px) const {
+  if (image_.empty()) return std::nullopt;
   const Eigen::Vector2d d = (px.b - px.a).normalized();
-  const Eigen::Vector2d aside = 2.0 * Eigen::Vector2d(d.y(), -d.x());
+  const Eigen::Vector2d aside = aside_px * Eigen::Vector2d(d.y(), -d.x());
+  const Eigen::Vector2d at = px.a + fraction * (px.b - px.a);
+  const auto left = colourAt(at + aside);
+  const auto right = colourAt(at - aside);
+  if (!left || !right) return std::nullopt;
+  return difference(*left, *right);
+}
+
+bool FloorEvidence::isEdgeless(const Segment2& px, double most_contrast) const {
+  constexpr double kAside_px = 2.0;
   // Its ends are uncertain by a pixel or two.
   for (const double fraction : {0.35, 0.5, 0.65}) {
-    const Eigen::Vector2d at = px.a + fraction * (px.b - px.a);
-    const auto left = colourAt(at + aside);
-    const auto right = colourAt(at - aside);
-    if (!left || !right || difference(*left, *right) > most_contrast) return false;
+    const auto contrast = contrastAt(px, fraction, kAside_px);
+    if (!contrast || *contrast > most_contrast) return false;
   }
   return true;
 }

@@ -55,6 +55,9 @@ class FloorEvidence {
   /// Behind a corner or the end of a line marking at least one side continues.
   /// @param at_b which end. @return false also without evidence.
   bool isHiddenBeyond(const Segment2& px_ideal, bool at_b) const;
+  /// Difference of the colours to both sides of a place on the line [grey levels], of that many pixels aside.
+  /// @return empty outside the image.
+  std::optional<double> contrastAt(const Segment2& px_ideal, double fraction, double aside_px) const;
   /// Whether a short piece of a line shows no edge: less than `most_contrast` [grey levels] between points 2
   /// px to both sides of its middle. @return false also without evidence.
   bool isEdgeless(const Segment2& px_ideal, double most_contrast) const;
