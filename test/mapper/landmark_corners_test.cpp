@@ -50,12 +50,18 @@ TEST(JoinCorners, ABoundReachesFurtherThanAClosedEnd) {
 
 TEST(JoinCorners, WallsMeetBehindWhatHidTheirCorner) {
   LineLandmark one = landmark({{0.0, 1.0}, {1.6, 1.0}}, "skirting");
-  LineLandmark other = landmark({{2.0, 0.5}, {2.0, -1.0}}, "skirting");
+  LineLandmark other = landmark({{2.0, 0.6}, {2.0, -1.0}}, "skirting");
   one.b.closed = other.a.closed = false;
   MapState state = stateOf({one, other});
   EXPECT_EQ(joinCorners({}, state), 2);
   EXPECT_LT((state.worldSegment(state.landmarks[0]).b - Eigen::Vector2d(2.0, 1.0)).norm(), 1e-9);
   EXPECT_LT((state.worldSegment(state.landmarks[1]).a - Eigen::Vector2d(2.0, 1.0)).norm(), 1e-9);
+  // Sides of two boxes do not.
+  LineLandmark side = landmark({{1.5, 1.0}, {1.7, 1.0}}, "box_foot");
+  LineLandmark far = landmark({{2.0, 0.9}, {2.0, 0.7}}, "box_foot");
+  side.b.closed = far.a.closed = false;
+  state = stateOf({side, far});
+  EXPECT_EQ(joinCorners({}, state), 0);
   // Lines on the floor may end anywhere.
   one.label = other.label = "marking";
   state = stateOf({one, other});

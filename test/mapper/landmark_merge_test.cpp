@@ -56,13 +56,19 @@ TEST(MergeLandmarks, JoinsTwoViewsOfOneEdge) {
 
 TEST(MergeLandmarks, AWallGoesOnBehindWhatStandsBeforeIt) {
   LineLandmark left = landmark({{0.0, 0.0}, {1.0, 0.0}}, "skirting", 0);
-  LineLandmark right = landmark({{1.5, 0.0}, {2.0, 0.0}}, "skirting", 1);
+  LineLandmark right = landmark({{1.4, 0.0}, {2.0, 0.0}}, "skirting", 1);
   MapState seen = stateOf({left, right});
   EXPECT_EQ(mergeLandmarks(record(), {}, seen), 0) << "images saw both ends";
   left.b.closed = right.a.closed = false;
   MapState hidden = stateOf({left, right});
   EXPECT_EQ(mergeLandmarks(record(), {}, hidden), 1);
   EXPECT_NEAR(hidden.worldSegment(hidden.landmarks.at(0)).length(), 2.0, 0.01);
+  // Two boxes in a row are no long one.
+  LineLandmark box = landmark({{0.0, 0.0}, {0.3, 0.0}}, "box_foot", 0);
+  LineLandmark next = landmark({{0.6, 0.0}, {0.9, 0.0}}, "box_foot", 1);
+  box.b.closed = next.a.closed = false;
+  MapState boxes = stateOf({box, next});
+  EXPECT_EQ(mergeLandmarks(record(), {}, boxes), 0);
 }
 
 TEST(MergeLandmarks, KeepsEdgesApartThatOneImageShowed) {

@@ -196,6 +196,19 @@ TEST(MapChanges, AThingThatWasSeenButNotConfirmedIsNoChange) {
   EXPECT_EQ(mapChanges(roomWith(kBoxes), viewsAllOver(), now, seen).size(), 1U);
 }
 
+TEST(MapChanges, ALoneEdgeCountsByItsEvidence) {
+  SegmentMap now = roomWith({});
+  now.segments.push_back({{{1.0, -1.0, 0.0}, {1.25, -1.0, 0.0}}, "red_foot"});
+  const auto changesOf = [&](int times_seen) {
+    return compareMaps(counted(roomWith({})), {{viewsAllOver()}, false}, counted(now, times_seen), viewsAllOver())
+        .changes.size();
+  };
+  // Some 40 images looked at its place before and showed nothing.
+  EXPECT_EQ(changesOf(20), 1U);
+  EXPECT_EQ(changesOf(10), 1U);
+  EXPECT_EQ(changesOf(1), 0U) << "whoever sees it once in 40 images may have missed it before";
+}
+
 TEST(MapChanges, WhatIsSeldomSeenMustBeMissingInMoreImages) {
   // 144 images, of which about 40 show the middle of the room.
   const std::vector<CountedRow> now = counted(roomWith({}));

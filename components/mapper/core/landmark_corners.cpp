@@ -83,8 +83,10 @@ class Joiner {
     const double off_other = cross2(between, end.outward) / sine;
     const bool are_hidden =
         !end.closed && !other.closed && isObstacle(of(end).label, params_.obstacles);
-    const double reach_m = are_hidden ? params_.open_m : params_.reach_m;
     const auto within = [&](const End& which, double outwards) {
+      const LineLandmark& edge = of(which);
+      const double hidden_m = std::min(params_.open_m, params_.open_share * (edge.b.t_m - edge.a.t_m));
+      const double reach_m = are_hidden ? std::max(hidden_m, params_.reach_m) : params_.reach_m;
       return outwards >= -reach_m && outwards <= (which.closed ? params_.short_m : reach_m);
     };
     if (!within(end, off) || !within(other, off_other)) return std::nullopt;

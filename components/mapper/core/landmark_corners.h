@@ -13,7 +13,8 @@ struct CornerJoinParams {
   double least_angle_rad = 0.35;  ///< between the lines of a corner
   double reach_m = 0.12;          ///< from an end to the intersection of both lines
   double short_m = 0.05;          ///< the same of a closed end that stops before it
-  double open_m = 0.60;           ///< the same between two obstacles of which no image saw the ends there
+  double open_m = 0.60;           ///< the same between two obstacles of which no image saw the ends there ..
+  double open_share = 0.3;        ///< .. and of the length of each
   double across_m = 0.04;         ///< between the lines of edges that follow each other
   double gap_m = 0.10;            ///< between their ends
   double angle_rad = 0.06;        ///< between their directions

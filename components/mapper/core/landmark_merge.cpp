@@ -34,11 +34,17 @@ std::optional<Beside> beside(const Segment2& one, const Segment2& other, double 
   return Beside{std::abs(cross2(u, p - longer.a)), low - high};
 }
 
-/// Whether no image saw either of the two ends that face each other.
-bool isGapHidden(const LineLandmark& one, const LineLandmark& other, const MapState& state) {
+/// More where no image saw either of the two ends that face each other.
+double mostGap(const LineLandmark& one, const LineLandmark& other, const MapState& state,
+               const LandmarkMergeParams& params) {
   const Segment2 first = state.worldSegment(one);
-  const bool is_before = (first.b - first.a).dot(state.worldSegment(other).middle() - first.middle()) > 0.0;
-  return is_before ? !one.b.closed && !other.a.closed : !one.a.closed && !other.b.closed;
+  const Segment2 second = state.worldSegment(other);
+  const bool is_before = (first.b - first.a).dot(second.middle() - first.middle()) > 0.0;
+  const bool is_hidden =
+      is_before ? !one.b.closed && !other.a.closed : !one.a.closed && !other.b.closed;
+  if (!is_hidden) return params.gap_m;
+  const double share_m = params.open_gap_share * (first.length() + second.length());
+  return std::clamp(share_m, params.gap_m, params.open_gap_m);
 }
 
 double acrossSigma(const LineLandmark& landmark) {
@@ -120,7 +126,7 @@ bool areOne(const DriveRecord& record, const LineLandmark& one, const LineLandma
             const MapState& state, const LandmarkMergeParams& params) {
   if (one.label != other.label) return false;
   const auto near = beside(state.worldSegment(one), state.worldSegment(other), params.angle_rad);
-  if (!near || near->gap_m > (isGapHidden(one, other, state) ? params.open_gap_m : params.gap_m)) return false;
+  if (!near || near->gap_m > mostGap(one, other, state, params)) return false;
   const double sigma = std::hypot(acrossSigma(one), acrossSigma(other));
   const double gate = std::min(params.most_across_m, std::max(params.across_m, params.sigmas * sigma));
   return near->across_m <= gate && !seenTogether(record, one, other);

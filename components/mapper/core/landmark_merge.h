@@ -13,7 +13,8 @@ struct LandmarkMergeParams {
   double sigmas = 3.0;
   double most_across_m = 0.10;  ///< .. but never more
   double gap_m = 0.06;          ///< between the extents of pieces ..
-  double open_gap_m = 0.60;     ///< .. whose ends no image saw: something stands before the edge
+  double open_gap_m = 0.60;     ///< .. whose ends no image saw: something stands before the edge ..
+  double open_gap_share = 0.3;  ///< .. which is so much of both pieces' length at most
   double end_m = 0.08;          ///< ends of pieces nearer than this are one end
 };
 

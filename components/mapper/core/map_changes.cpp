@@ -175,10 +175,10 @@ class MissingThings {
   }
 
  private:
-  /// Edges that meet confirm each other. A lone one that few images showed may have been matched wrongly.
+  /// Edges that meet confirm each other. A lone one may have been matched wrongly.
   bool isSure(const std::vector<std::size_t>& thing) const {
-    const SeenEdge& edge = verdicts_[thing.front()].edge;
-    return thing.size() > 1 || !edge.is_counted || edge.times_seen >= params_.least_alone;
+    const Verdict& first = verdicts_[thing.front()];
+    return thing.size() > 1 || !first.edge.is_counted || first.nats >= params_.least_alone_nats;
   }
   bool isMissing(double missing_m, double judged_m, double nats) const {
     return missing_m >= params_.least_m && missing_m >= params_.gone_share * judged_m &&

@@ -31,7 +31,7 @@ struct ChangeParams {
   double most_moved_m = 3.0;
   /// Log likelihood ratio of a place without the edge against one with it, as often seen as before [nats].
   double least_nats = 2.0;
-  int least_alone = 11;          ///< images that showed an edge that is a thing by itself
+  double least_alone_nats = 6.0;  ///< the same of an edge that is a thing by itself
   double false_sighting = 0.02;  ///< probability of a sighting where there is no edge, by image
   double views_in_one = 2.0;     ///< successive images fail together: so many count as one
   /// Labels of what hides the floor behind it (see matchesAny).
