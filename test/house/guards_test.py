@@ -265,5 +265,21 @@ class Pages(Guard):
         self.check("0 problems", code=0)
 
 
+class Types(Guard):
+    def check(self, *needles, code=1):
+        self.expect(os.path.join(HERE, "types"), *needles, code=code)
+
+    def test_names_of_their_own_pass(self):
+        self.write("components/a/edge.h", "namespace vismem {\nstruct Edge {\n};\nclass Late;\n}  // namespace vismem\n")
+        self.write("drivers/b/edge.h", "namespace vismem::b {\nstruct Edge : Base {\n};\nstruct Edge::Impl {\n};\n}  // namespace\n")
+        self.write("test/edge.h", "namespace vismem {\nnamespace {\nstruct Edge {\n};\n}  // namespace\n}  // namespace vismem\n")
+        self.check("types: 2 types of headers, 0 problems", code=0)
+
+    def test_two_types_of_one_name(self):
+        for path in ("components/a/edge.h", "drivers/b/edge.h"):
+            self.write(path, "namespace vismem {\nclass Edge final : public Base {\n};\n}  // namespace vismem\n")
+        self.check("vismem::Edge: components/a/edge.h, drivers/b/edge.h")
+
+
 if __name__ == "__main__":
     unittest.main()
