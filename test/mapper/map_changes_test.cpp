@@ -200,12 +200,14 @@ TEST(MapChanges, ALoneEdgeCountsByItsEvidence) {
   SegmentMap now = roomWith({});
   now.segments.push_back({{{1.0, -1.0, 0.0}, {1.25, -1.0, 0.0}}, "red_foot"});
   const auto changesOf = [&](int times_seen) {
-    return compareMaps(counted(roomWith({})), {{viewsAllOver()}, false}, counted(now, times_seen), viewsAllOver())
+    return compareMaps(counted(roomWith({})), {{viewsAllOver()}, false}, counted(now, times_seen),
+                       viewsAllOver())
         .changes.size();
   };
   // Some 40 images looked at its place before and showed nothing.
   EXPECT_EQ(changesOf(20), 1U);
   EXPECT_EQ(changesOf(10), 1U);
+  EXPECT_EQ(mapChanges(roomWith({}), {}, now, viewsAllOver()).size(), 1U) << "a drawing shows all";
   EXPECT_EQ(changesOf(1), 0U) << "whoever sees it once in 40 images may have missed it before";
 }
 

@@ -104,10 +104,9 @@ TEST(MapOutput, TwoEdgesOfAPaintedLineGetTheirEnds) {
 
 TEST(MapOutput, APaintedLineThatGoesOnHasNoEndThere) {
   // An L of lines: its outer edges meet at a corner, its inner ones, too.
-  std::vector<MappedRow> rows{mapped({{0.0, 0.0}, {2.0, 0.0}}, "marking"),
-                              mapped({{2.0, 0.0}, {2.0, 1.0}}, "marking"),
-                              mapped({{1.95, 1.0}, {1.95, 0.05}}, "marking"),
-                              mapped({{1.95, 0.05}, {0.0, 0.05}}, "marking")};
+  std::vector<MappedRow> rows{
+      mapped({{0.0, 0.0}, {2.0, 0.0}}, "marking"), mapped({{2.0, 0.0}, {2.0, 1.0}}, "marking"),
+      mapped({{1.95, 1.0}, {1.95, 0.05}}, "marking"), mapped({{1.95, 0.05}, {0.0, 0.05}}, "marking")};
   // The skew of the corner is above what ends may differ by; also where it is not:
   rows[0].map.b.x() = 1.97;
   addStripeEnds(rows, {});

@@ -13,7 +13,7 @@ DriveMapperParams DriveMapperParams::of(const AttentiveVisualMemoryParams& memor
   if (is_legged) params.graph.lever_m = memory.memory.estimation.map_filter.gait_height_m;
   params.graph.timing_s = memory.projector.timing_sigma_s;
   params.closing.localizer = localizer;
-  params.corners.obstacles = localizer.map.opaque_labels;
+  params.corners.obstacles = params.merge.obstacles = localizer.map.opaque_labels;
   return params;
 }
 
@@ -49,7 +49,11 @@ class Mapping {
       map_.problem = "no edge on the floor was confirmed";
       return std::move(map_);
     }
-    if (!solve({.ends = false}) || !solve({.ends = true})) return std::move(map_);
+    const bool has_right_angles =
+        params_.right_angles && alignHeadings(record_, params_.graph.odometry, params_.heading, map_.state);
+    for (const bool ends : {false, true}) {
+      if (!solve({.ends = ends, .right_angles = has_right_angles})) return std::move(map_);
+    }
     map_.dropped += dropContradicted(record_, params_, map_.state);
     map_.dropped += dropUprights(record_, params_.ends, map_.state);
     map_.dropped += dropRaised(record_, params_.ends, map_.state);

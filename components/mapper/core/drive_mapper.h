@@ -7,6 +7,7 @@
 
 #include "active_visual_memory/core/attentive_visual_memory.h"
 #include "mapper/core/closing_finder.h"
+#include "mapper/core/heading_alignment.h"
 #include "mapper/core/landmark_circles.h"
 #include "mapper/core/landmark_corners.h"
 #include "mapper/core/landmark_ends.h"
@@ -18,6 +19,7 @@ namespace vismem {
 
 struct DriveMapperParams {
   LandmarkParams landmarks;
+  HeadingParams heading;
   GraphParams graph;
   LandmarkMergeParams merge;
   LandmarkEndParams ends;

@@ -44,14 +44,14 @@ Strong strongPart(const Segment2& px, const FloorEvidence& evidence, const Keyfr
   const int steps = static_cast<int>(px.length() / kStep_px);
   std::vector<double> contrasts;
   for (int i = 0; i < steps; ++i) {
-    double contrast = 0.0;
     // The far end of a thin line has its colour only near the edge.
-    for (const double aside_px : {1.0, 2.0})
-      contrast = std::max(contrast, evidence.contrastAt(px, (i + 0.5) / steps, aside_px).value_or(0.0));
-    contrasts.push_back(contrast);
+    const auto near = evidence.contrastAt(px, (i + 0.5) / steps, 1.0);
+    const auto far = evidence.contrastAt(px, (i + 0.5) / steps, 2.0);
+    if (near && far) contrasts.push_back(std::max(*near, *far));
   }
   Strong strong{px};
-  if (contrasts.empty()) return strong;
+  // At the border of the image nothing can be said.
+  if (static_cast<int>(contrasts.size()) < std::max(1, steps)) return strong;
   std::vector<double> sorted = contrasts;
   const auto high = sorted.begin() + static_cast<std::ptrdiff_t>(kQuantile * (steps - 1));
   std::nth_element(sorted.begin(), high, sorted.end());

@@ -42,7 +42,7 @@ std::vector<SeenChord> chordsOf(const DriveRecord& record, const MapState& state
   std::vector<SeenChord> chords;
   for (std::size_t i = 0; i < state.landmarks.size(); ++i) {
     const LineLandmark& landmark = state.landmarks[i];
-    if (landmark.label != label) continue;
+    if (landmark.label != label || landmark.is_chord) continue;
     for (const LineLandmark::Seen& seen : landmark.seen) {
       const Keyframe& keyframe = record.keyframes[static_cast<std::size_t>(seen.keyframe)];
       const Segment2& px = keyframe.sightings[static_cast<std::size_t>(seen.sighting)].px;
@@ -170,13 +170,17 @@ class Circle {
     constexpr int kMost = 1000;
     regularizeCircle(segments, circle_, widths, params_.chords,
                      [](int n, int edge) { return static_cast<std::uint64_t>(edge * kMost + n); });
-    if (circle_.segments.empty()) return false;
-    const LineLandmark anchor = takeMembers();
+    std::vector<Segment2> chords;
     for (const MemorySegment& segment : segments) {
       const auto& published = circle_.segments;
-      if (!std::binary_search(published.begin(), published.end(), segment.id)) continue;
-      addChord(segment.odom.floor(), anchor);
+      if (std::binary_search(published.begin(), published.end(), segment.id) &&
+          static_cast<int>(seenAt(segment.odom.floor()).size()) >= params_.least_sightings)
+        chords.push_back(segment.odom.floor());
     }
+    const std::vector<std::size_t> members = membersAt(chords);
+    if (chords.empty() || members.empty()) return false;
+    const LineLandmark anchor = take(members);
+    for (const Segment2& chord : chords) addChord(chord, anchor);
     return true;
   }
 
@@ -198,38 +202,65 @@ class Circle {
     return segments;
   }
 
-  bool isLeftover(const LineLandmark& landmark) const {
-    if (landmark.label != label_) return false;
+  bool isLeftover(const LineLandmark& landmark, const std::vector<Segment2>& chords) const {
+    if (landmark.label != label_ || landmark.is_chord) return false;
     const Segment2 world = state_.worldSegment(landmark);
+    const Eigen::Vector2d radial = (world.middle() - ring_.centre).normalized();
+    if (std::abs(radial.dot((world.b - world.a).normalized())) > std::sin(params_.chords.edge_angle_rad))
+      return false;
     const double half_m = 0.5 * circle_.width_m + params_.leftover_m;
     constexpr std::array kShares{0.0, 0.25, 0.5, 0.75, 1.0};
-    return std::all_of(kShares.begin(), kShares.end(), [&](double share) {
+    const bool is_near = std::all_of(kShares.begin(), kShares.end(), [&](double share) {
       const Eigen::Vector2d p = world.a + share * (world.b - world.a);
       return std::abs((p - ring_.centre).norm() - circle_.radius_m) <= half_m;
     });
+    return is_near && std::any_of(chords.begin(), chords.end(), [&](const Segment2& chord) {
+             return (chord.middle() - world.middle()).norm() <= chord.length() + half_m;
+           });
   }
 
-  /// Removes the landmarks of which most sightings are chords. @return the one that was seen most.
-  LineLandmark takeMembers() {
+  /// Landmarks of which most sightings are chords, and what remains of the circle's line.
+  std::vector<std::size_t> membersAt(const std::vector<Segment2>& chords) const {
     std::vector<int> used(state_.landmarks.size(), 0);
     for (const SeenChord& chord : chords_) used[chord.landmark] += chord.is_used;
-    std::vector<LineLandmark> members;
-    std::vector<LineLandmark> others;
+    std::vector<std::size_t> members;
     for (std::size_t i = 0; i < state_.landmarks.size(); ++i) {
       const auto seen = static_cast<double>(state_.landmarks[i].seen.size());
-      const bool is_member =
-          (used[i] > 0 && used[i] >= params_.least_share * seen) || isLeftover(state_.landmarks[i]);
-      (is_member ? members : others).push_back(std::move(state_.landmarks[i]));
+      if ((used[i] > 0 && used[i] >= params_.least_share * seen) || isLeftover(state_.landmarks[i], chords))
+        members.push_back(i);
+    }
+    return members;
+  }
+
+  /// Removes landmarks. @return the one that was seen most.
+  LineLandmark take(const std::vector<std::size_t>& members) {
+    std::vector<LineLandmark> others;
+    LineLandmark best;
+    next_id_ = state_.landmarks[members.front()].id;
+    for (std::size_t i = 0; i < state_.landmarks.size(); ++i) {
+      LineLandmark& landmark = state_.landmarks[i];
+      if (std::binary_search(members.begin(), members.end(), i)) {
+        next_id_ = std::min(next_id_, landmark.id);
+        if (landmark.seen.size() > best.seen.size()) best = landmark;
+      } else {
+        ids_.insert(landmark.id);
+        others.push_back(std::move(landmark));
+      }
     }
     state_.landmarks = std::move(others);
-    for (const LineLandmark& landmark : state_.landmarks) ids_.insert(landmark.id);
-    const auto best = std::max_element(members.begin(), members.end(), [](const auto& a, const auto& b) {
-      return a.seen.size() < b.seen.size();
-    });
-    next_id_ = std::min_element(members.begin(), members.end(), [](const auto& a, const auto& b) {
-                 return a.id < b.id;
-               })->id;
-    return *best;
+    return best;
+  }
+
+  /// Sightings of a chord.
+  std::vector<LineLandmark::Seen> seenAt(const Segment2& chord) const {
+    const Eigen::Vector2d n = (chord.middle() - ring_.centre).normalized();
+    const bool is_left = cross2(n, chord.b - chord.a) > 0.0;
+    std::vector<LineLandmark::Seen> seen;
+    for (const SeenChord& each : chords_) {
+      if (each.is_used && each.turnsLeftAbout(ring_.centre) == is_left && covers(each, n))
+        seen.push_back(each.seen);
+    }
+    return seen;
   }
 
   void addChord(const Segment2& world, const LineLandmark& anchor) {
@@ -238,8 +269,7 @@ class Circle {
     chord.label = label_;
     chord.elements = anchor.elements;
     chord.anchor = anchor.anchor;
-    const Segment2 local =
-        transform(inverse(state_.poses[static_cast<std::size_t>(anchor.anchor)]), world);
+    const Segment2 local = transform(inverse(state_.poses[static_cast<std::size_t>(anchor.anchor)]), world);
     chord.reference = local.middle();
     chord.direction_rad = local.direction();
     chord.a.t_m = -0.5 * local.length();
@@ -250,11 +280,7 @@ class Circle {
     J << n, is_left ? 0.0 : 1.0, is_left ? 1.0 : 0.0;
     const double variance = J.dot(ring_.P * J);
     chord.P_line = Eigen::Vector2d(variance, variance / (circle_.radius_m * circle_.radius_m)).asDiagonal();
-    for (const SeenChord& seen : chords_) {
-      if (seen.is_used && seen.turnsLeftAbout(ring_.centre) == is_left && covers(seen, n))
-        chord.seen.push_back(seen.seen);
-    }
-    if (static_cast<int>(chord.seen.size()) < params_.least_sightings) return;
+    chord.seen = seenAt(world);
     while (!ids_.insert(next_id_).second) ++next_id_;
     chord.id = next_id_;
     state_.landmarks.push_back(std::move(chord));

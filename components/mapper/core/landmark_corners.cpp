@@ -6,15 +6,10 @@
 
 #include "common/geometry/angles.h"
 #include "common/geometry/plane.h"
+#include "localization/core/map/visibility.h"
 
 namespace vismem {
 namespace {
-
-bool isObstacle(const Label& label, const std::vector<std::string>& obstacles) {
-  return std::any_of(obstacles.begin(), obstacles.end(), [&](const std::string& pattern) {
-    return pattern.front() == '*' ? label.ends_with(pattern.substr(1)) : label == pattern;
-  });
-}
 
 /// One end of a landmark in world.
 struct End {
@@ -23,6 +18,7 @@ struct End {
   Eigen::Vector2d p = Eigen::Vector2d::Zero();
   Eigen::Vector2d outward = Eigen::Vector2d::UnitX();  ///< along the line
   bool closed = false;
+  double length_m = 0.0;  ///< of its landmark
 };
 
 class Joiner {
@@ -33,8 +29,8 @@ class Joiner {
       const Segment2 world = state.worldSegment(state.landmarks[i]);
       if (world.length() <= 0.0) continue;
       const Eigen::Vector2d u = (world.b - world.a) / world.length();
-      ends_.push_back({i, false, world.a, -u, state.landmarks[i].a.closed});
-      ends_.push_back({i, true, world.b, u, state.landmarks[i].b.closed});
+      ends_.push_back({i, false, world.a, -u, state.landmarks[i].a.closed, world.length()});
+      ends_.push_back({i, true, world.b, u, state.landmarks[i].b.closed, world.length()});
     }
   }
 
@@ -43,17 +39,15 @@ class Joiner {
     for (std::size_t i = 0; i < ends_.size(); ++i) {
       const auto& keep = params_.keep;
       if (std::find(keep.begin(), keep.end(), of(ends_[i]).id) != keep.end()) continue;
-      const End* best = nullptr;
-      double best_off = 0.0;
+      std::optional<Corner> best;
       for (std::size_t j = 0; j < ends_.size(); ++j) {
         if (ends_[j].landmark == ends_[i].landmark) continue;
-        const auto off = cornerOf(ends_[i], ends_[j]);
-        if (!off || (best && std::abs(*off) >= std::abs(best_off))) continue;
-        best = &ends_[j];
-        best_off = *off;
+        const auto corner = cornerOf(ends_[i], ends_[j]);
+        if (!corner || (best && std::abs(corner->outwards_m) >= std::abs(best->outwards_m))) continue;
+        best = corner;
       }
       if (best) {
-        moved += move(ends_[i], best_off);
+        moved += move(ends_[i], best->outwards_m, !best->is_hidden);
       } else {
         moved += joinFollowing(ends_[i]);
       }
@@ -70,33 +64,35 @@ class Joiner {
 
   bool formCorners(const LineLandmark& one, const LineLandmark& other) const {
     return one.label == other.label ||
-           (isObstacle(one.label, params_.obstacles) && isObstacle(other.label, params_.obstacles));
+           (matchesAny(one.label, params_.obstacles) && matchesAny(other.label, params_.obstacles));
   }
 
-  /// How far outwards the corner with the other end lies; empty without a corner.
-  std::optional<double> cornerOf(const End& end, const End& other) const {
+  struct Corner {
+    double outwards_m = 0.0;
+    bool is_hidden = false;  ///< no image saw it: the lines say where it is, and the ends stay bounds
+  };
+  /// The corner with the other end; empty without one.
+  std::optional<Corner> cornerOf(const End& end, const End& other) const {
     const double sine = cross2(end.outward, other.outward);
     if (std::abs(sine) < std::sin(params_.least_angle_rad) || !formCorners(of(end), of(other)))
       return std::nullopt;
     const Eigen::Vector2d between = other.p - end.p;
     const double off = cross2(between, other.outward) / sine;
     const double off_other = cross2(between, end.outward) / sine;
-    const bool are_hidden =
-        !end.closed && !other.closed && isObstacle(of(end).label, params_.obstacles);
+    const bool is_hidden = !end.closed && !other.closed && matchesAny(of(end).label, params_.obstacles);
     const auto within = [&](const End& which, double outwards) {
-      const LineLandmark& edge = of(which);
-      const double hidden_m = std::min(params_.open_m, params_.open_share * (edge.b.t_m - edge.a.t_m));
-      const double reach_m = are_hidden ? std::max(hidden_m, params_.reach_m) : params_.reach_m;
-      return outwards >= -reach_m && outwards <= (which.closed ? params_.short_m : reach_m);
+      double most_m = which.closed ? params_.short_m : params_.reach_m;
+      if (is_hidden) most_m = std::max(most_m, std::min(params_.open_m, params_.open_share * which.length_m));
+      return outwards >= -params_.reach_m && outwards <= most_m;
     };
     if (!within(end, off) || !within(other, off_other)) return std::nullopt;
-    return off;
+    return Corner{off, is_hidden && std::max(off, off_other) > params_.reach_m};
   }
 
-  int move(const End& end, double outwards_m) {
+  int move(const End& end, double outwards_m, bool is_seen = true) {
     LandmarkEnd& moved = endOf(end);
     moved.t_m += end.at_b ? outwards_m : -outwards_m;
-    moved.closed = true;
+    moved.closed = is_seen;
     return 1;
   }
 

@@ -8,6 +8,7 @@
 
 #include "common/geometry/angles.h"
 #include "common/geometry/plane.h"
+#include "localization/core/map/visibility.h"
 
 namespace vismem {
 namespace {
@@ -40,9 +41,8 @@ double mostGap(const LineLandmark& one, const LineLandmark& other, const MapStat
   const Segment2 first = state.worldSegment(one);
   const Segment2 second = state.worldSegment(other);
   const bool is_before = (first.b - first.a).dot(second.middle() - first.middle()) > 0.0;
-  const bool is_hidden =
-      is_before ? !one.b.closed && !other.a.closed : !one.a.closed && !other.b.closed;
-  if (!is_hidden) return params.gap_m;
+  const bool is_hidden = is_before ? !one.b.closed && !other.a.closed : !one.a.closed && !other.b.closed;
+  if (!is_hidden || !matchesAny(one.label, params.obstacles)) return params.gap_m;
   const double share_m = params.open_gap_share * (first.length() + second.length());
   return std::clamp(share_m, params.gap_m, params.open_gap_m);
 }

@@ -26,7 +26,7 @@ struct Verdict {
 };
 
 /// A stretch of an edge, by shares of its length.
-class Stretch {
+class ShareRange {
  public:
   void add(double from, double to) {
     from_ = std::min(from_, from);
@@ -67,8 +67,8 @@ double natsFor(const SeenMap::Looks& there, const SeenEdge& edge, double own_vie
 Verdict verdictOn(const SeenEdge& edge, const SeenMap& there, const SeenMap& own, bool all,
                   const ChangeParams& params) {
   Verdict verdict{edge};
-  Stretch missing;
-  Stretch unseen;
+  ShareRange missing;
+  ShareRange unseen;
   SeenMap::Looks theirs;
   double own_views = 0.0;
   const int steps = std::max(1, static_cast<int>(std::lround(edge.floor.length() / kCompareStep_m)));
@@ -101,7 +101,9 @@ Verdict verdictOn(const SeenEdge& edge, const SeenMap& there, const SeenMap& own
   if (looked == 0) return verdict;
   // Points of one edge are seen together: their mean counts once.
   for (double* sum : {&theirs.views, &theirs.sightings, &own_views}) *sum /= looked;
-  verdict.nats = all ? params.least_nats : natsFor(theirs, edge, own_views, params);
+  // A drawing shows all: what it lacks is new.
+  verdict.nats =
+      all ? std::max(params.least_nats, params.least_alone_nats) : natsFor(theirs, edge, own_views, params);
   return verdict;
 }
 

@@ -32,8 +32,8 @@ struct ChangeParams {
   /// Log likelihood ratio of a place without the edge against one with it, as often seen as before [nats].
   double least_nats = 2.0;
   double least_alone_nats = 6.0;  ///< the same of an edge that is a thing by itself
-  double false_sighting = 0.02;  ///< probability of a sighting where there is no edge, by image
-  double views_in_one = 2.0;     ///< successive images fail together: so many count as one
+  double false_sighting = 0.02;   ///< probability of a sighting where there is no edge, by image
+  double views_in_one = 2.0;      ///< successive images fail together: so many count as one
   /// Labels of what hides the floor behind it (see matchesAny).
   std::vector<std::string> opaque_labels{"skirting", "*_foot"};
 };

@@ -35,6 +35,7 @@ struct Pair {
 
 std::optional<Pair> pairOf(const MappedRow& one, const MappedRow& other, const MapOutputParams& params) {
   if (one.row.label != other.row.label || one.derived || other.derived) return std::nullopt;
+  if (one.is_chord || other.is_chord) return std::nullopt;
   const Eigen::Vector2d u = (one.map.b - one.map.a).normalized();
   if (u.dot(other.map.b - other.map.a) >= 0.0) return std::nullopt;
   if (lineAngleDifference(one.map.direction(), other.map.direction()) > params.stripe_angle_rad) {
@@ -73,7 +74,7 @@ MappedRow squareEnd(MappedRow& one, bool one_at_b, MappedRow& other) {
   return row;
 }
 
-/// Whether a further edge of the label begins or ends near a place: a line goes on there, or its end was seen.
+/// Whether a further edge of the label ends near a place: a line goes on there, or its end was seen.
 bool hasOtherEnd(const std::vector<MappedRow>& rows, std::size_t one, std::size_t other,
                  const Eigen::Vector2d& at, double reach_m) {
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -121,6 +122,7 @@ std::vector<MappedRow> rowsOf(const MapState& state, const Pose2& T_map_world,
     row.sigma_b_m = landmark.sigma_b_m;
     row.times_seen = static_cast<int>(landmark.seen.size());
     row.sessions = landmark.sessions;
+    row.is_chord = landmark.is_chord;
     setRow(row, transform(T_map_world, state.worldSegment(landmark)));
     rows.push_back(std::move(row));
   }
@@ -134,7 +136,8 @@ void addStripeEnds(std::vector<MappedRow>& rows, const MapOutputParams& params) 
       const auto pair = pairOf(rows[i], rows[j], params);
       if (!pair) continue;
       const auto add = [&](bool at_b, double skew_m) {
-        const bool is_closed = at_b ? rows[i].closed_b && rows[j].closed_a : rows[i].closed_a && rows[j].closed_b;
+        const bool is_closed =
+            at_b ? rows[i].closed_b && rows[j].closed_a : rows[i].closed_a && rows[j].closed_b;
         if (!is_closed || std::abs(skew_m) > params.stripe_skew_m) return;
         const Eigen::Vector2d at = at_b ? rows[i].map.b : rows[i].map.a;
         const Eigen::Vector2d facing = at_b ? rows[j].map.a : rows[j].map.b;

@@ -24,7 +24,8 @@ struct MappedRow {
   double sigma_b_m = 0.0;
   int times_seen = 0;  ///< keyframes
   int sessions = 1;
-  bool derived = false;  ///< the end of a painted line, from its two edges
+  bool derived = false;   ///< the end of a painted line, from its two edges
+  bool is_chord = false;  ///< of a circle
 
   /// Sets the ends of `row` from `map`, in millimetres.
   void updateWorld();
