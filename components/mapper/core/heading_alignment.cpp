@@ -1,9 +1,10 @@
 #include "mapper/core/heading_alignment.h"
 
-#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
+#include "active_visual_memory/core/estimation/dominant_direction.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
 
@@ -30,33 +31,19 @@ std::vector<SeenLine> linesOf(const Keyframe& keyframe, const HeadingParams& par
   return lines;
 }
 
-/// To the nearest quarter turn, in [-pi/4, pi/4].
-double offQuarter(double angle_rad) {
-  return 0.25 * wrapAngle(4.0 * angle_rad);
-}
-
-/// The direction that most length of the first stretch follows.
-double firstDirection(const DriveRecord& record, const MapState& state,
-                      const std::vector<std::vector<SeenLine>>& lines, const HeadingParams& params) {
-  std::vector<SeenLine> in_world;
+/// Of the first stretch, which dead reckoning does not bend.
+std::optional<double> dominantDirectionAtStart(const DriveRecord& record, const MapState& state,
+                                               const std::vector<std::vector<SeenLine>>& lines,
+                                               const HeadingParams& params) {
+  DominantDirectionParams first;
+  first.least_m = params.least_m;
+  first.least_share = params.least_share;
+  DominantDirection dominant(first);
   for (std::size_t k = 0; k < lines.size() && record.keyframes[k].way_m <= params.start_m; ++k) {
     for (const SeenLine& line : lines[k])
-      in_world.push_back({line.direction_rad + state.poses[k].theta, line.length_m});
+      dominant.add(line.direction_rad + state.poses[k].theta, line.length_m);
   }
-  double best_m = 0.0;
-  double direction = 0.0;
-  for (const SeenLine& candidate : in_world) {
-    double length_m = 0.0;
-    for (const SeenLine& line : in_world) {
-      const bool follows =
-          std::abs(offQuarter(line.direction_rad - candidate.direction_rad)) <= params.near_rad;
-      if (follows) length_m += line.length_m;
-    }
-    if (length_m <= best_m) continue;
-    best_m = length_m;
-    direction = candidate.direction_rad;
-  }
-  return direction;
+  return dominant.direction();
 }
 
 }  // namespace
@@ -65,7 +52,8 @@ bool alignHeadings(const DriveRecord& record, const OdometryErrors& odometry, co
                    MapState& state) {
   std::vector<std::vector<SeenLine>> lines;
   for (const Keyframe& keyframe : record.keyframes) lines.push_back(linesOf(keyframe, params));
-  const double dominant = firstDirection(record, state, lines, params);
+  const auto dominant = dominantDirectionAtStart(record, state, lines, params);
+  if (!dominant) return false;
   std::vector<double> corrections;
   double correction = 0.0;
   double variance = 0.0;
@@ -80,7 +68,8 @@ bool alignHeadings(const DriveRecord& record, const OdometryErrors& odometry, co
                   std::pow(odometry.turn_per_rad * turned, 2);
     }
     for (const SeenLine& line : lines[k]) {
-      const double off = offQuarter(dominant - state.poses[k].theta - correction - line.direction_rad);
+      const double off =
+          offDominantDirection(*dominant - state.poses[k].theta - correction, line.direction_rad);
       all_m += line.length_m;
       if (std::abs(off) > params.gate_rad) continue;
       if (std::abs(off) <= params.near_rad) along_m += line.length_m;

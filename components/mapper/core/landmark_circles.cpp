@@ -16,9 +16,6 @@
 namespace vismem {
 namespace {
 
-/// A line fitted to a shallow arc cuts it at this share of its half length from its middle.
-const double kCut = 1.0 / std::sqrt(3.0);
-
 /// A sighting on the floor of the world.
 struct SeenChord {
   std::size_t landmark = 0;
@@ -28,7 +25,7 @@ struct SeenChord {
   bool is_used = false;
 
   std::array<Eigen::Vector2d, 2> cuts() const {
-    const Eigen::Vector2d half = 0.5 * kCut * (floor.b - floor.a);
+    const Eigen::Vector2d half = 0.5 * kArcCut * (floor.b - floor.a);
     return {floor.middle() - half, floor.middle() + half};
   }
   bool turnsLeftAbout(const Eigen::Vector2d& centre) const {
@@ -55,7 +52,7 @@ std::vector<SeenChord> chordsOf(const DriveRecord& record, const MapState& state
       const auto nearer = place(px.middle() + Eigen::Vector2d::UnitY());
       const auto middle = place(px.middle());
       if (!a || !b || !nearer || !middle) continue;
-      const double sigma_m = std::max(params.placing.least_sigma_m, (*middle - *nearer).norm());
+      const double sigma_m = std::max(params.least_sigma_m, (*middle - *nearer).norm());
       chords.push_back({i, seen, {a->head<2>(), b->head<2>()}, sigma_m});
     }
   }

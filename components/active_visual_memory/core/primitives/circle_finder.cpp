@@ -15,9 +15,6 @@
 namespace vismem {
 namespace {
 
-/// A line fitted to a shallow arc cuts it at these distances from its middle, in half lengths.
-const double kCut = 1.0 / std::sqrt(3.0);
-
 /// An edge as a chord of an unknown circle: where the fitted line cuts the arc.
 struct Chord {
   Eigen::Vector2d p;
@@ -26,7 +23,7 @@ struct Chord {
 
 Chord chordOf(const FloorEdge& edge) {
   const Eigen::Vector2d middle = edge.line.middle();
-  const Eigen::Vector2d half = 0.5 * kCut * edge.length * edge.along;
+  const Eigen::Vector2d half = 0.5 * kArcCut * edge.length * edge.along;
   return {middle - half, middle + half};
 }
 
