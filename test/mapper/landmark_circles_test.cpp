@@ -8,6 +8,7 @@
 
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
+#include "synthetic_drive.h"
 
 namespace vismem {
 namespace {
@@ -86,12 +87,7 @@ class Looks {
     keyframe.sightings.push_back(sighting);
   }
   void addPose(const Pose2& T_world_robot) {
-    CameraMount mount;
-    mount.T_robot_pantilt.translation().z() = 0.5;
-    Keyframe keyframe;
-    keyframe.intrinsics = intrinsicsFromFieldOfView(320, 240, 1.0);
-    keyframe.T_robot_camera = cameraPose(mount, 0.0, degToRad(-25.0));
-    record.keyframes.push_back(keyframe);
+    record.keyframes.push_back(lookDown());
     state.poses.push_back(T_world_robot);
     state.frame_tilts.push_back(Eigen::Vector2d::Zero());
   }

@@ -93,12 +93,7 @@ struct Looks {
 
  private:
   void addPose(const Pose2& T_world_robot) {
-    CameraMount mount;
-    mount.T_robot_pantilt.translation().z() = 0.5;
-    Keyframe keyframe;
-    keyframe.intrinsics = intrinsicsFromFieldOfView(320, 240, 1.0);
-    keyframe.T_robot_camera = cameraPose(mount, 0.0, degToRad(-25.0));
-    record.keyframes.push_back(keyframe);
+    record.keyframes.push_back(lookDown());
     state.poses.push_back(T_world_robot);
     state.frame_tilts.push_back(Eigen::Vector2d::Zero());
   }

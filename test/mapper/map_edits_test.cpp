@@ -48,6 +48,25 @@ std::vector<std::uint64_t> doors(const DriveMap& map) {
   return ids;
 }
 
+TEST(MapEdits, AChordOfACircleIsDeletedOrRelabelledOnly) {
+  MapState state;
+  for (const std::uint64_t id : {100, 200}) {
+    LineLandmark landmark;
+    landmark.id = id;
+    landmark.is_chord = id == 200;
+    state.landmarks.push_back(landmark);
+  }
+  const auto edits =
+      parseMapEdits("join 100 200\nsplit 200 0.1 0.2\nsquare 100 200\nlength 200 0.3\n", "map.edits");
+  const auto notes = applyEdits(edits, state);
+  ASSERT_EQ(notes.size(), 4U);
+  EXPECT_EQ(notes[0], "map.edits:1: chords of a circle can be deleted and relabelled only");
+  EXPECT_TRUE(constraintsOf(edits, state).empty());
+  EXPECT_EQ(state.landmarks.size(), 2U);
+  EXPECT_TRUE(applyEdits(parseMapEdits("delete 200\n", "map.edits"), state).empty());
+  EXPECT_EQ(state.landmarks.size(), 1U);
+}
+
 TEST(MapEdits, AreReplayedAfterEachSolve) {
   const SyntheticDrive drive = hall();
   const DriveMap first = mapDrive(drive.record, {}, params());

@@ -66,6 +66,15 @@ std::optional<LineSighting> see(const TrueFloorEdge& edge, const View& view, dou
 
 }  // namespace
 
+Keyframe lookDown() {
+  CameraMount mount;
+  mount.T_robot_pantilt.translation().z() = 0.5;
+  Keyframe keyframe;
+  keyframe.intrinsics = intrinsicsFromFieldOfView(320, 240, 1.0);
+  keyframe.T_robot_camera = cameraPose(mount, 0.0, degToRad(-25.0));
+  return keyframe;
+}
+
 std::vector<TrueFloorEdge> ringOfCorridors() {
   std::vector<TrueFloorEdge> edges;
   addWall(edges, {-5.2, 3.7}, {5.2, 3.7}, {{0.9, 1.8}, {3.1, 3.9}, {6.0, 7.0}, {8.7, 9.4}});

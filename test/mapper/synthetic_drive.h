@@ -53,6 +53,9 @@ std::vector<Pose2> wayThrough(const std::vector<Eigen::Vector2d>& points, double
 /// The way along the middle of ringOfCorridors().
 std::vector<Pose2> ringWay(double length_m);
 
+/// An image without sightings, by a camera 0.5 m above its robot that looks 25 degrees down.
+Keyframe lookDown();
+
 SyntheticDrive drive(const std::vector<TrueFloorEdge>& edges, const std::vector<Pose2>& way,
                      const SyntheticDriveParams& params);
 
