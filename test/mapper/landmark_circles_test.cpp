@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
+#include "mapper/core/map_graph.h"
 #include "synthetic_drive.h"
 
 namespace vismem {
@@ -52,7 +54,8 @@ class Looks {
   }
   void addLandmark(const std::vector<Segment2>& seen) {
     LineLandmark landmark;
-    landmark.id = 100 * (state.landmarks.size() + 1);
+    landmark.elements = {addElement()};
+    landmark.id = 100 * landmark.elements.front();
     landmark.label = "marking";
     const Segment2& held = seen.front();
     const Segment2 local = transform(inverse(state.poses[0]), held);
@@ -60,8 +63,22 @@ class Looks {
     landmark.direction_rad = local.direction();
     landmark.a = {-0.6 * held.length(), true};  // longer than any image showed it
     landmark.b = {0.6 * held.length(), true};
-    for (std::size_t k = 0; k < seen.size(); ++k) addSighting(landmark, k, seen[k]);
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      if (addSighting(landmark.elements.front(), k, seen[k]))
+        landmark.seen.push_back(
+            {static_cast<int>(k), static_cast<int>(record.keyframes[k].sightings.size()) - 1});
+    }
     state.landmarks.push_back(landmark);
+  }
+  /// Chords that the memory knew for one image each: they are of no landmark.
+  void addShortLivedArcs(double radius_m, bool left, double share, double arc_rad) {
+    for (std::size_t k = 0; k < state.poses.size(); ++k) {
+      for (int n = 0; n < static_cast<int>(std::lround(share * 16.0)); ++n) {
+        Segment2 chord = chordOf(radius_m, kTurn * n / 16.0 + 0.05 * static_cast<double>(k), arc_rad);
+        if (!left) std::swap(chord.a, chord.b);
+        addSighting(addElement(), k, chord);
+      }
+    }
   }
 
   DriveRecord record;
@@ -73,21 +90,31 @@ class Looks {
     const double reach = radius_m * (1.0 + std::cos(0.5 * arc_rad)) / 2.0 / std::cos(0.5 * arc_rad);
     return {onCircle(reach, middle_rad - 0.5 * arc_rad), onCircle(reach, middle_rad + 0.5 * arc_rad)};
   }
-  void addSighting(LineLandmark& landmark, std::size_t k, const Segment2& world) {
+  std::uint64_t addElement() {
+    const std::uint64_t id = record.elements.size() + 1;
+    record.elements[id].label = "marking";
+    return id;
+  }
+  bool addSighting(std::uint64_t element, std::size_t k, const Segment2& world) {
     Keyframe& keyframe = record.keyframes[k];
     const Pose3 T_camera_world = cameraOf(record, state, static_cast<int>(k)).inverse();
     const auto a =
         projectToIdeal(keyframe.intrinsics, T_camera_world * Eigen::Vector3d(world.a.x(), world.a.y(), 0));
     const auto b =
         projectToIdeal(keyframe.intrinsics, T_camera_world * Eigen::Vector3d(world.b.x(), world.b.y(), 0));
-    if (!a || !b) return;
+    if (!a || !b) return false;
     LineSighting sighting;
+    sighting.element = element;
     sighting.px = {*a, *b};
-    landmark.seen.push_back({static_cast<int>(k), static_cast<int>(keyframe.sightings.size())});
     keyframe.sightings.push_back(sighting);
+    return true;
   }
   void addPose(const Pose2& T_world_robot) {
     record.keyframes.push_back(lookDown());
+    record.keyframes.back().T_odom_robot = T_world_robot;
+    if (!state.poses.empty())
+      record.keyframes.back().way_m = record.keyframes[record.keyframes.size() - 2].way_m +
+                                      (T_world_robot.position() - state.poses.back().position()).norm();
     state.poses.push_back(T_world_robot);
     state.frame_tilts.push_back(Eigen::Vector2d::Zero());
   }
@@ -107,7 +134,7 @@ TEST(JoinCircles, ChordsOfAPaintedCircleBecomeRegularOnesOfBothEdges) {
   int inner = 0;
   int outer = 0;
   for (const LineLandmark& chord : looks.state.landmarks) {
-    EXPECT_TRUE(chord.is_chord);
+    EXPECT_TRUE(chord.isChord());
     EXPECT_FALSE(chord.a.closed || chord.b.closed) << "the circle goes on";
     EXPECT_GE(chord.seen.size(), 3U);
     const Segment2 world = looks.state.worldSegment(chord);
@@ -129,6 +156,68 @@ TEST(JoinCircles, AnArcIsMappedAsFarAsItWasSeen) {
     const Eigen::Vector2d middle = looks.state.worldSegment(chord).middle() - kCentre;
     // Seen from 0 to 180 degrees, and a chord to each side.
     EXPECT_GT(std::atan2(middle.y(), middle.x()), degToRad(-35.0));
+  }
+}
+
+/// Mean over the chords of one edge.
+double meanRadius(const MapState& state, bool is_left) {
+  double sum = 0.0;
+  int count = 0;
+  for (const LineLandmark& chord : state.landmarks) {
+    const Segment2 world = state.worldSegment(chord);
+    if (!chord.isChord() || (cross2(world.middle() - kCentre, world.b - world.a) > 0.0) != is_left) continue;
+    sum += radiusOf(world);
+    ++count;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
+TEST(JoinCircles, ChordsThatTheMemoryHeldForOneImageEachMakeACircle) {
+  Looks looks;
+  looks.addShortLivedArcs(kOuter_m, true, 1.0, 0.5);
+  looks.addShortLivedArcs(kInner_m, false, 1.0, 0.5);
+  ASSERT_TRUE(looks.state.landmarks.empty());
+  EXPECT_EQ(joinCircles(looks.record, {}, looks.state), 1);
+  EXPECT_NEAR(meanRadius(looks.state, true), kOuter_m, 0.005);
+  EXPECT_NEAR(meanRadius(looks.state, false), kInner_m, 0.005);
+}
+
+TEST(JoinCircles, PiecesOfLongLinesAreNoChords) {
+  Looks looks;
+  looks.addShortLivedArcs(kOuter_m, true, 1.0, 0.5);
+  std::vector<SeenChord> chords = seenChords(looks.record, looks.state, {});
+  EXPECT_EQ(findSeenCircles(chords, {}).size(), 1U);
+  for (SeenChord& chord : chords) chord.line_m = 2.0;
+  EXPECT_TRUE(findSeenCircles(chords, {}).empty());
+}
+
+TEST(TakeCircles, TheGraphFindsTheTiltOfTheCameraByTheCurve) {
+  Looks looks;
+  looks.state.camera_tilt[1] = degToRad(0.6);  // nose down: unknown to the kinematics
+  looks.addArcs(kOuter_m, true, 1.0, 0.5);
+  looks.addArcs(kInner_m, false, 1.0, 0.5);
+  looks.state.camera_tilt.setZero();
+  MapState untaken = looks.state;
+  EXPECT_EQ(joinCircles(looks.record, {}, untaken), 1);
+  EXPECT_GT(std::abs(meanRadius(untaken, true) - kOuter_m), 0.004);
+  EXPECT_EQ(takeCircles(looks.record, {}, looks.state), 1);
+  EXPECT_TRUE(looks.state.landmarks.empty()) << "a line along an arc is none";
+  ASSERT_TRUE(solveGraph(looks.record, {}, {.kernel = 2.0}, looks.state).usable);
+  // That of the mount and that of the camera are one while the head looks ahead.
+  EXPECT_NEAR(radToDeg(looks.state.camera_tilt[1] - looks.state.camera_tilt[2]), 0.6, 0.1);
+  EXPECT_EQ(joinCircles(looks.record, {}, looks.state), 1);
+  EXPECT_NEAR(meanRadius(looks.state, true), kOuter_m, 0.004);
+}
+
+TEST(TakeCircles, ChordsHaveTheCovarianceOfTheirCircle) {
+  Looks looks;
+  looks.addArcs(kOuter_m, true, 1.0, 0.5);
+  looks.addArcs(kInner_m, false, 1.0, 0.5);
+  EXPECT_EQ(joinCircles(looks.record, {}, looks.state), 1);
+  ASSERT_EQ(addCovariances(looks.record, {}, {}, looks.state), "");
+  for (const LineLandmark& chord : looks.state.landmarks) {
+    EXPECT_GT(chord.P_line(0, 0), 0.0);
+    EXPECT_LT(std::sqrt(chord.P_line(0, 0)), 0.03);
   }
 }
 
@@ -156,7 +245,7 @@ TEST(JoinCircles, WhatRemainsOfTheLineOfACircleGoesAndItsSurroundingsStay) {
       views, {kCentre + Eigen::Vector2d(0.6, -1.0), kCentre + Eigen::Vector2d(0.6, 1.0)}));
   EXPECT_EQ(joinCircles(looks.record, {}, looks.state), 1);
   int others = 0;
-  for (const LineLandmark& landmark : looks.state.landmarks) others += !landmark.is_chord;
+  for (const LineLandmark& landmark : looks.state.landmarks) others += !landmark.isChord();
   EXPECT_EQ(others, 1);
 }
 

@@ -53,7 +53,7 @@ TEST(MapEdits, AChordOfACircleIsDeletedOrRelabelledOnly) {
   for (const std::uint64_t id : {100, 200}) {
     LineLandmark landmark;
     landmark.id = id;
-    landmark.is_chord = id == 200;
+    landmark.circle = id == 200 ? 0 : -1;
     state.landmarks.push_back(landmark);
   }
   const auto edits =

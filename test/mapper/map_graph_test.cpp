@@ -44,6 +44,14 @@ double endError(const MapState& state, const std::vector<TrueFloorEdge>& edges, 
   return score.ends_rms_m;
 }
 
+TEST(InitialState, UnconfirmedElementsAreLandmarksOnlyWhereThatIsSaid) {
+  SyntheticDrive ring = drive(ringOfCorridors(), ringWay(kRing_m), {});
+  const std::size_t all = initialState(ring.record, {}).landmarks.size();
+  ring.record.elements.begin()->second.confirmed = false;
+  EXPECT_EQ(initialState(ring.record, {}).landmarks.size(), all - 1);
+  EXPECT_EQ(initialState(ring.record, {.confirmed_only = false}).landmarks.size(), all);
+}
+
 TEST(MapGraph, FindsTheLastingErrorsOfTheWheels) {
   SyntheticDriveParams params;
   params.scale_error = 0.02;

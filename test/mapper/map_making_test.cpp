@@ -3,10 +3,19 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <fstream>
+#include <numbers>
+#include <vector>
 
 #include "common/config/text_file.h"
+#include "common/geometry/plane.h"
+#include "common/segment_map/segment_map.h"
+#include "mapper/core/map_output.h"
 #include "support/build_paths.h"
+#include "support/data_folder.h"
 #include "support/temporary_folder.h"
 
 namespace vismem {
@@ -32,11 +41,71 @@ DriveRecord driven(const std::string& keys) {
 
 TEST(MapMaking, TheDriveIsThatOfTheCalibratedRobot) {
   const DriveRecord described = driven("");
-  const DriveRecord calibrated = driven(
-      "\nActiveVisualMemory.Wheels.LeftScale = 0.5\nActiveVisualMemory.Wheels.RightScale = 0.5\n");
+  const DriveRecord calibrated =
+      driven("\nActiveVisualMemory.Wheels.LeftScale = 0.5\nActiveVisualMemory.Wheels.RightScale = 0.5\n");
   ASSERT_GT(described.keyframes.size(), 2U);
   ASSERT_GT(calibrated.keyframes.size(), 1U);
   EXPECT_NEAR(calibrated.keyframes.back().way_m / described.keyframes.back().way_m, 0.5, 0.1);
+}
+
+/// Centre of the first circle in world.
+Eigen::Vector2d centreOf(const MapState& state) {
+  const CircleLandmark& circle = state.circles.front();
+  return transform(state.poses[static_cast<std::size_t>(circle.anchor)], circle.centre);
+}
+
+/// Mean of both edges, of the mapped chords.
+double radiusOfCircle(const MapState& state) {
+  const Eigen::Vector2d centre = centreOf(state);
+  std::array<double, 2> sums{};
+  std::array<int, 2> counts{};
+  for (const LineLandmark& landmark : state.landmarks) {
+    if (!landmark.isChord()) continue;
+    const Segment2 world = state.worldSegment(landmark);
+    const bool is_left = cross2(world.middle() - centre, world.b - world.a) > 0.0;
+    sums[is_left] += 0.5 * ((world.middle() - centre).norm() + (world.a - centre).norm());
+    ++counts[is_left];
+  }
+  return 0.5 * (sums[0] / counts[0] + sums[1] / counts[1]);
+}
+
+/// Share of the map's length within 0.1 m of the middle of a true line, with the circle's centre at the
+/// field's and one of its lines along the map's longest edge.
+double shareOnField(const MapState& state, const SegmentMap& field) {
+  const Pose2 T_map_world = mapFrameOf(state);
+  const Eigen::Vector2d centre = transform(T_map_world, centreOf(state));
+  const auto shareAt = [&](double turn_rad) {
+    const Pose2 T_field_map = Pose2{0.0, 0.0, turn_rad} * Pose2{-centre.x(), -centre.y(), 0.0};
+    int near = 0;
+    int all = 0;
+    constexpr double kStep_m = 0.02;
+    for (const LineLandmark& landmark : state.landmarks) {
+      if (!isMapped(landmark)) continue;
+      const Segment2 edge = transform(T_field_map * T_map_world, state.worldSegment(landmark));
+      for (double t = 0.0; t < edge.length(); t += kStep_m, ++all) {
+        const Eigen::Vector2d p = edge.a + t * (edge.b - edge.a).normalized();
+        near += std::any_of(field.segments.begin(), field.segments.end(), [&](const MapSegment& line) {
+          return distanceToSegment(p, line.world.floor()) <= 0.1;
+        });
+      }
+    }
+    return static_cast<double>(near) / all;
+  };
+  constexpr double kQuarter = 0.5 * std::numbers::pi;
+  return std::max({shareAt(0.0), shareAt(kQuarter), shareAt(2.0 * kQuarter), shareAt(3.0 * kQuarter)});
+}
+
+TEST(MapMaking, ARecordedNaoMapsThePartOfItsFieldThatItSaw) {
+  const std::filesystem::path folder = dataFolder() / "nao_field_2009";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here: set AVM_DATA";
+  MapMakingOptions options;
+  options.drive.bag = folder / "nao_field_2009.bag";
+  options.drive.setup = "nao";
+  const RecordedDrive drive = recordDrive(options);
+  const DriveMap map = mapDrive(drive.record, drive.updates, drive.params);
+  ASSERT_EQ(map.circles, 1);
+  EXPECT_NEAR(radiusOfCircle(map.state), 0.6, 0.04);
+  EXPECT_GT(shareOnField(map.state, loadSegmentMap(folder / "map.csv")), 0.8);
 }
 
 }  // namespace

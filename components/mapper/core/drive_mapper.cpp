@@ -7,6 +7,7 @@ namespace vismem {
 DriveMapperParams DriveMapperParams::of(const AttentiveVisualMemoryParams& memory,
                                         const LocalizerParams& localizer) {
   DriveMapperParams params;
+  params.landmarks.confirmed_only = memory.primitives.finder.confirmed_only;
   params.graph.odometry = memory.memory.estimation.map_filter.odometry;
   params.graph.tilt = memory.memory.estimation.tilt_prior;
   const bool is_legged = params.graph.tilt.per_frame_rad >= memory.memory.estimation.min_legged_tilt_rad;
@@ -66,6 +67,7 @@ class Mapping {
     }
     tidy();
     dropRefuted();
+    takeCircles(record_, params_.circles, map_.state);
     if (!solve({.kernel = params_.kernel})) return std::move(map_);
     updateEnds(record_, params_.ends, map_.state);
     finish();

@@ -2,7 +2,8 @@
 /// differentiation. Pure. All residuals are in sigmas. See B6.
 ///
 /// Parameter blocks: keyframe (x, y, theta, roll and pitch of its frame tilt), line (offset, turn), end (t),
-/// camera tilt (CameraTilt), odometry errors (MapState::odometry).
+/// circle (shift of the centre, change of both radii), camera tilt (CameraTilt), odometry errors
+/// (MapState::odometry).
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -19,6 +20,7 @@ namespace vismem::graph {
 constexpr int kKeyframe = 5;
 constexpr int kLine = 2;
 constexpr int kEnd = 1;
+constexpr int kCircle = 4;
 constexpr int kTilt = 4;
 constexpr int kOdometry = 3;
 
@@ -49,6 +51,16 @@ Vector3<T> toCamera(const Eigen::Matrix3d& R_robot_camera, const T* tilt, const 
   const Vector3<T> camera(-tilt[2], T(0.0), -tilt[3]);
   const Vector3<T> v = R_robot_camera.transpose().cast<T>() * turnedBy(mount, v_robot);
   return turnedBy(camera, v);
+}
+
+/// A direction of the camera's frame in the robot's.
+template <typename T>
+Vector3<T> toRobot(const Eigen::Matrix3d& R_robot_camera, const T* tilt, const T* frame_tilt,
+                   const Vector3<T>& v_camera) {
+  const Vector3<T> mount(tilt[0] + frame_tilt[0], tilt[1] + frame_tilt[1], T(0.0));
+  const Vector3<T> camera(tilt[2], T(0.0), tilt[3]);
+  const Vector3<T> v = R_robot_camera.cast<T>() * turnedBy(camera, v_camera);
+  return turnedBy(mount, v);
 }
 
 /// The landmark's line in the frame of the anchor: a point and the direction.
@@ -93,6 +105,15 @@ struct Rays {
   Vector3<T> to(const Vector2<T>& p, const T* frame_tilt) const {
     return {p.x() - T(camera.x()) - T(lever_m) * frame_tilt[1],
             p.y() - T(camera.y()) + T(lever_m) * frame_tilt[0], T(-camera.z())};
+  }
+  /// Where a direction of the robot's frame meets the floor. @return false for none.
+  template <typename T>
+  bool floorAt(const Vector3<T>& direction, const T* frame_tilt, Vector2<T>& p) const {
+    if (!(direction.z() < T(-0.02))) return false;
+    const T depth = T(-camera.z()) / direction.z();
+    p = Vector2<T>(T(camera.x()) + T(lever_m) * frame_tilt[1] + depth * direction.x(),
+                   T(camera.y()) - T(lever_m) * frame_tilt[0] + depth * direction.y());
+    return true;
   }
 };
 
@@ -161,6 +182,40 @@ struct EndResidual {
   template <typename T>
   bool operator()(const T* keyframe, const T* line, const T* end, const T* tilt, T* residual) const {
     return evaluate(keyframe, keyframe, line, end, tilt, residual);
+  }
+};
+
+/// Distances of the points where a seen chord cuts its arc from the circle [sigma].
+struct CircleResidual {
+  Rays rays;  ///< of both cuts
+  Eigen::Vector2d centre;
+  double radius_m;
+  bool is_left;
+  double sigma_m;
+
+  template <typename T>
+  bool evaluate(const T* anchor, const T* keyframe, const T* circle, const T* tilt, T* residual) const {
+    using std::sqrt;
+    for (int i = 0; i < 2; ++i) {
+      const Eigen::Vector2d& seen = i == 0 ? rays.a : rays.b;
+      const Vector3<T> ray(T(seen.x()), T(seen.y()), T(1.0));
+      Vector2<T> p;
+      if (!rays.floorAt(toRobot(rays.R_robot_camera, tilt, keyframe + 3, ray), keyframe + 3, p)) return false;
+      Vector2<T> along(T(1.0), T(0.0));
+      if (anchor != keyframe) between(keyframe, anchor, p, along);
+      const Vector2<T> from = p - centre.cast<T>() - Vector2<T>(circle[0], circle[1]);
+      const T distance = sqrt(from.squaredNorm() + T(1e-12));
+      residual[i] = (distance - T(radius_m) - circle[is_left ? 3 : 2]) / T(sigma_m);
+    }
+    return true;
+  }
+  template <typename T>
+  bool operator()(const T* anchor, const T* keyframe, const T* circle, const T* tilt, T* residual) const {
+    return evaluate(anchor, keyframe, circle, tilt, residual);
+  }
+  template <typename T>
+  bool operator()(const T* keyframe, const T* circle, const T* tilt, T* residual) const {
+    return evaluate(keyframe, keyframe, circle, tilt, residual);
   }
 };
 

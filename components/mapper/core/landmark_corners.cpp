@@ -25,7 +25,7 @@ class Joiner {
  public:
   Joiner(const CornerJoinParams& params, MapState& state) : params_(params), state_(state) {
     for (std::size_t i = 0; i < state.landmarks.size(); ++i) {
-      if (state.landmarks[i].is_chord) continue;
+      if (state.landmarks[i].isChord()) continue;
       const Segment2 world = state.worldSegment(state.landmarks[i]);
       if (world.length() <= 0.0) continue;
       const Eigen::Vector2d u = (world.b - world.a) / world.length();

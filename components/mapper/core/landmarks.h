@@ -43,15 +43,37 @@ struct LineLandmark {
   double sigma_a_m = 0.0;                            ///< of a closed end along the line
   double sigma_b_m = 0.0;
   bool dropped = false;  ///< as ElementSummary, of all elements
-  /// A regular chord of a curve: known from the whole curve, the graph does not estimate its line.
-  bool is_chord = false;
+  /// Of MapState::circles, which it is a regular chord of: the graph estimates the circle, not its line. < 0:
+  /// none.
+  int circle = -1;
   int sessions = 1;
 
+  bool isChord() const { return circle >= 0; }
   Eigen::Vector2d along() const;
   Eigen::Vector2d pointAt(double t_m) const;  ///< in the anchor's frame
   Segment2 segment() const { return {pointAt(a.t_m), pointAt(b.t_m)}; }
   /// Takes the present line and extent as the nominal ones: `line` becomes zero, the reference its middle.
   void recentre();
+};
+
+/// A painted circle about a reference centre in the frame of its anchor. *Value.*
+struct CircleLandmark {
+  /// What one image saw of it.
+  struct Seen {
+    LineLandmark::Seen chord;
+    bool is_left = false;  ///< the chord runs counter-clockwise: the brighter side is inside
+    double px_m = 0.0;     ///< of one pixel on the floor, across
+    /// Where the chord cuts the arc, as rays of the camera at depth 1.
+    std::array<Eigen::Vector2d, 2> cuts;
+  };
+
+  int anchor = 0;                                    ///< keyframe
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< in the anchor's frame, where `shape` is zero [m]
+  /// Of the edges whose brighter side lies outside (0) and inside (1), where `shape` is zero.
+  std::array<double, 2> radius_m{};
+  std::array<double, 4> shape{};                ///< shift of the centre, change of both radii [m]
+  Eigen::Matrix4d P = Eigen::Matrix4d::Zero();  ///< of `shape`, relative to the anchor
+  std::vector<Seen> seen;
 };
 
 /// The estimate of a drive.
@@ -62,6 +84,7 @@ struct MapState {
   /// Lasting errors of odometry: of the way per metre, of the turn per radian, and turn per metre [rad/m].
   Eigen::Vector3d odometry = Eigen::Vector3d::Zero();
   std::vector<LineLandmark> landmarks;
+  std::vector<CircleLandmark> circles;  ///< that hold the graph; their chords are landmarks
 
   Segment2 worldSegment(const LineLandmark& landmark) const {
     return transform(poses[static_cast<std::size_t>(landmark.anchor)], landmark.segment());
@@ -71,6 +94,7 @@ struct MapState {
 struct LandmarkParams {
   int min_sightings = 3;  ///< keyframes
   double min_length_m = 0.04;
+  bool confirmed_only = true;  ///< leaves out what was not confirmed to lie on the floor
 };
 
 /// The camera of a keyframe in world, with the estimated tilts.

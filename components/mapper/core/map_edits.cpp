@@ -186,7 +186,7 @@ std::vector<std::string> applyEdits(const std::vector<MapEdit>& edits, MapState&
     }
     if (indices.size() < edit.ids.size()) continue;
     const bool has_chord = std::any_of(indices.begin(), indices.end(),
-                                       [&](std::size_t i) { return state.landmarks[i].is_chord; });
+                                       [&](std::size_t i) { return state.landmarks[i].isChord(); });
     if (has_chord && edit.kind != Kind::kDelete && edit.kind != Kind::kRelabel) {
       missing.push_back(edit.where + ": chords of a circle can be deleted and relabelled only");
       continue;
@@ -218,14 +218,14 @@ std::vector<LineConstraint> constraintsOf(const std::vector<MapEdit>& edits, con
   std::vector<LineConstraint> constraints;
   for (const MapEdit& edit : edits) {
     const auto first = indexOf(state, edit.ids.front());
-    if (!first || state.landmarks[*first].is_chord) continue;
+    if (!first || state.landmarks[*first].isChord()) continue;
     if (edit.kind == Kind::kLength) {
       constraints.push_back({LineConstraint::Kind::kLength, *first, *first, edit.from_m});
     }
     if (edit.kind != Kind::kSquare && edit.kind != Kind::kStraighten) continue;
     for (std::size_t i = 1; i < edit.ids.size(); ++i) {
       const auto other = indexOf(state, edit.ids[i]);
-      if (!other || *other == *first || state.landmarks[*other].is_chord) continue;
+      if (!other || *other == *first || state.landmarks[*other].isChord()) continue;
       constraints.push_back(
           {edit.kind == Kind::kSquare ? LineConstraint::Kind::kSquare : LineConstraint::Kind::kStraight,
            *first, *other, 0.0});

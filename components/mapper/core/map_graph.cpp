@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/geometry/angles.h"
+#include "common/geometry/plane.h"
 #include "mapper/core/graph_residuals.h"
 
 namespace vismem {
@@ -52,14 +53,30 @@ class Problem {
   ceres::LossFunction* kernel() const {
     return stage_.kernel > 0.0 ? new ceres::CauchyLoss(stage_.kernel) : nullptr;
   }
+  /// Blocks: those of both keyframes, which are one where the anchor itself saw it, then the others.
+  template <typename Residual, int kResiduals, int... kSizes, typename... Blocks>
+  void addSighting(Residual* residual, double* anchor, double* at, Blocks*... blocks) {
+    using graph::kKeyframe;
+    if (at == anchor) {
+      problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<Residual, kResiduals, kKeyframe, kSizes...>(residual), kernel(), at,
+          blocks...);
+    } else {
+      problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<Residual, kResiduals, kKeyframe, kKeyframe, kSizes...>(residual),
+          kernel(), anchor, at, blocks...);
+    }
+  }
   void addOdometry();
   void addPriors();
   void addLandmark(LineLandmark& landmark);
   void addEnd(LineLandmark& landmark, const LineLandmark::Seen& seen, const graph::Rays& rays, bool at_b,
               double sigma_px);
+  void addCircle(CircleLandmark& circle);
   void addClosing(const Closing& closing);
   void addRightAngles();
   void addConstraint(const LineConstraint& constraint);
+  Eigen::Matrix2d chordCovariance(const LineLandmark& chord) const;
   void writeBack();
 
   const DriveRecord& record_;
@@ -78,6 +95,7 @@ Problem::Problem(const DriveRecord& record, const GraphParams& params, const Sol
   addOdometry();
   addPriors();
   for (LineLandmark& landmark : state.landmarks) addLandmark(landmark);
+  for (CircleLandmark& circle : state.circles) addCircle(circle);
   for (const Closing& closing : closings) addClosing(closing);
   if (stage.right_angles) addRightAngles();
   for (const LineConstraint& constraint : stage.constraints) addConstraint(constraint);
@@ -136,7 +154,7 @@ void Problem::addPriors() {
 
 void Problem::addLandmark(LineLandmark& landmark) {
   using graph::LineResidual;
-  if (landmark.is_chord) return;
+  if (landmark.isChord()) return;
   for (const LineLandmark::Seen& seen : landmark.seen) {
     const Keyframe& keyframe = record_.keyframes[static_cast<std::size_t>(seen.keyframe)];
     const graph::Rays rays = raysOf(keyframe, sightingOf(record_, seen), params_.lever_m);
@@ -146,17 +164,7 @@ void Problem::addLandmark(LineLandmark& landmark) {
     double* at = keyframes_[static_cast<std::size_t>(seen.keyframe)].data();
     double* anchor = keyframes_[static_cast<std::size_t>(landmark.anchor)].data();
     double* tilt = state_.camera_tilt.data();
-    if (at == anchor) {
-      problem_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<LineResidual, 2, graph::kKeyframe, graph::kLine, graph::kTilt>(
-              cost),
-          kernel(), at, landmark.line.data(), tilt);
-    } else {
-      problem_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<LineResidual, 2, graph::kKeyframe, graph::kKeyframe, graph::kLine,
-                                          graph::kTilt>(cost),
-          kernel(), anchor, at, landmark.line.data(), tilt);
-    }
+    addSighting<LineResidual, 2, graph::kLine, graph::kTilt>(cost, anchor, at, landmark.line.data(), tilt);
     if (!stage_.ends) continue;
     const double along_px = std::hypot(params_.along_px, timing_px);
     addEnd(landmark, seen, rays, false, along_px);
@@ -186,16 +194,31 @@ void Problem::addEnd(LineLandmark& landmark, const LineLandmark::Seen& seen, con
   if (!offAt(end.t_m, off_px) || !offAt(end.t_m + kStep_m, further_px)) return;
   const double px_per_m = std::abs(further_px - off_px) / kStep_m;
   if (std::abs(off_px) > std::max(params_.end_gate_px, params_.end_gate_m * px_per_m)) return;
-  auto* cost = new EndResidual(residual);
-  if (at == anchor) {
-    problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<EndResidual, 1, graph::kKeyframe, graph::kLine,
-                                                              graph::kEnd, graph::kTilt>(cost),
-                              kernel(), at, landmark.line.data(), &end.t_m, tilt);
-  } else {
-    problem_.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<EndResidual, 1, graph::kKeyframe, graph::kKeyframe, graph::kLine,
-                                        graph::kEnd, graph::kTilt>(cost),
-        kernel(), anchor, at, landmark.line.data(), &end.t_m, tilt);
+  addSighting<EndResidual, 1, graph::kLine, graph::kEnd, graph::kTilt>(new EndResidual(residual), anchor, at,
+                                                                       landmark.line.data(), &end.t_m, tilt);
+}
+
+void Problem::addCircle(CircleLandmark& circle) {
+  using graph::CircleResidual;
+  constexpr double kWide_m = 1.0;
+  double* shape = circle.shape.data();
+  // An edge of which nothing was seen is held by nothing else.
+  using Radii = graph::PriorResidual<graph::kCircle>;
+  problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<Radii, graph::kCircle, graph::kCircle>(
+                                new Radii{0, {0.0, 0.0, kWide_m, kWide_m}}),
+                            nullptr, shape);
+  for (const CircleLandmark::Seen& seen : circle.seen) {
+    const Keyframe& keyframe = record_.keyframes[static_cast<std::size_t>(seen.chord.keyframe)];
+    graph::Rays rays = raysOf(keyframe, sightingOf(record_, seen.chord), params_.lever_m);
+    rays.a = seen.cuts[0];
+    rays.b = seen.cuts[1];
+    const double timing_px = params_.timing_s * keyframe.turn_rate_radps * rays.focal_px;
+    auto* cost = new CircleResidual{rays, circle.centre, circle.radius_m[seen.is_left], seen.is_left,
+                                    seen.px_m * std::hypot(params_.across_px, timing_px)};
+    double* at = keyframes_[static_cast<std::size_t>(seen.chord.keyframe)].data();
+    double* anchor = keyframes_[static_cast<std::size_t>(circle.anchor)].data();
+    double* tilt = state_.camera_tilt.data();
+    addSighting<CircleResidual, 2, graph::kCircle, graph::kTilt>(cost, anchor, at, shape, tilt);
   }
 }
 
@@ -215,7 +238,7 @@ void Problem::addRightAngles() {
   if (!dominant) return;
   dominant_[0] = *dominant;
   for (LineLandmark& landmark : state_.landmarks) {
-    if (landmark.is_chord) continue;
+    if (landmark.isChord()) continue;
     const double direction = state_.worldSegment(landmark).direction();
     if (std::abs(std::sin(2.0 * (direction - *dominant))) > 2.0 * params_.right_angle_gate_rad) continue;
     problem_.AddResidualBlock(
@@ -298,6 +321,16 @@ SolveReport Problem::solve() {
   return report;
 }
 
+Eigen::Matrix2d Problem::chordCovariance(const LineLandmark& chord) const {
+  const CircleLandmark& circle = state_.circles[static_cast<std::size_t>(chord.circle)];
+  const Eigen::Vector2d out = (chord.reference - circle.centre).normalized();
+  const bool is_left = cross2(out, chord.along()) > 0.0;
+  const Eigen::Vector4d J(out.x(), out.y(), is_left ? 0.0 : 1.0, is_left ? 1.0 : 0.0);
+  const double variance = J.dot(circle.P * J);
+  const double radius_m = circle.radius_m[is_left];
+  return Eigen::Vector2d(variance, variance / (radius_m * radius_m)).asDiagonal();
+}
+
 std::string Problem::covariances() {
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::SPARSE_QR;
@@ -312,8 +345,14 @@ std::string Problem::covariances() {
     ask(&landmark.a.t_m);
     ask(&landmark.b.t_m);
   }
+  for (const CircleLandmark& circle : state_.circles) ask(circle.shape.data());
   if (!covariance.Compute(blocks, &problem_)) return "the graph does not determine all landmarks";
+  for (CircleLandmark& circle : state_.circles) {
+    Eigen::Matrix<double, graph::kCircle, graph::kCircle, Eigen::RowMajor> P;
+    if (covariance.GetCovarianceBlock(circle.shape.data(), circle.shape.data(), P.data())) circle.P = P;
+  }
   for (LineLandmark& landmark : state_.landmarks) {
+    if (landmark.isChord()) landmark.P_line = chordCovariance(landmark);
     if (!problem_.HasParameterBlock(landmark.line.data())) continue;
     Eigen::Matrix<double, 2, 2, Eigen::RowMajor> P;
     if (!covariance.GetCovarianceBlock(landmark.line.data(), landmark.line.data(), P.data())) continue;
@@ -414,7 +453,7 @@ std::optional<double> dominantDirectionOf(const MapState& state, double gate_rad
   std::vector<std::pair<double, double>> lines;  // direction, length
   double all = 0.0;
   for (const LineLandmark& landmark : state.landmarks) {
-    if (landmark.is_chord) continue;
+    if (landmark.isChord()) continue;
     const Segment2 segment = state.worldSegment(landmark);
     lines.emplace_back(segment.direction(), segment.length());
     all += segment.length();

@@ -122,7 +122,7 @@ std::vector<MappedRow> rowsOf(const MapState& state, const Pose2& T_map_world,
     row.sigma_b_m = landmark.sigma_b_m;
     row.times_seen = static_cast<int>(landmark.seen.size());
     row.sessions = landmark.sessions;
-    row.is_chord = landmark.is_chord;
+    row.is_chord = landmark.isChord();
     setRow(row, transform(T_map_world, state.worldSegment(landmark)));
     rows.push_back(std::move(row));
   }
