@@ -37,10 +37,9 @@ struct Variant {
 };
 
 constexpr Variant kVariants[] = {
-    {"corridor", "corridor", "sim", 1.0},
-    {"corridor_irregular", "corridor_irregular", "sim", 1.0},
-    {"room", "room", "sim", 1.0},
-    {"corridor_humanoid", "corridor", "humanoid", 1.0},
+    {"corridor", "corridor", "sim", 1.0}, {"corridor_irregular", "corridor_irregular", "sim", 1.0},
+    {"room", "room", "sim", 1.0},         {"corridor_humanoid", "corridor", "humanoid", 1.0},
+    {"field", "field_6x4", "sim", 1.0},   {"field_humanoid", "field_6x4", "humanoid", 1.0},
 };
 
 /// The drive with the true places of its keyframes.
