@@ -109,7 +109,7 @@ struct Rays {
   /// Where a direction of the robot's frame meets the floor. @return false for none.
   template <typename T>
   bool floorAt(const Vector3<T>& direction, const T* frame_tilt, Vector2<T>& p) const {
-    if (!(direction.z() < T(-0.02))) return false;
+    if (!(direction.z() < T(-1e-3))) return false;  // a low camera sees far lines at flat angles
     const T depth = T(-camera.z()) / direction.z();
     p = Vector2<T>(T(camera.x()) + T(lever_m) * frame_tilt[1] + depth * direction.x(),
                    T(camera.y()) - T(lever_m) * frame_tilt[0] + depth * direction.y());
