@@ -1,5 +1,6 @@
 #include "experiments/app/mapping.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -85,19 +86,15 @@ Drive driveLaps(ExperimentRun& run, const Route& route, double laps) {
 constexpr double kFalseClosing_m = 0.5;
 
 nlohmann::json closingsJson(const DriveMap& map, const std::vector<Pose2>& truth) {
-  int false_closings = 0;
-  double worst_m = 0.0;
-  for (const Closing& closing : map.closings) {
+  const auto isFalse = [&](const Closing& closing) {
     const Pose2 T_from_to =
         inverse(truth[static_cast<std::size_t>(closing.from)]) * truth[static_cast<std::size_t>(closing.to)];
-    const double off_m = (closing.T_from_to.position() - T_from_to.position()).norm();
-    worst_m = std::max(worst_m, off_m);
-    if (off_m > kFalseClosing_m) ++false_closings;
-  }
+    return (closing.T_from_to.position() - T_from_to.position()).norm() > kFalseClosing_m;
+  };
   return {{"closings", map.closings.size()},
-          {"false_closings", false_closings},
-          {"worst_closing_m", worst_m},
-          {"refused_closings", map.refused.size()}};
+          {"false_closings", std::count_if(map.closings.begin(), map.closings.end(), isFalse)},
+          {"refused_closings", map.refused.size()},
+          {"refused_false_closings", std::count_if(map.refused.begin(), map.refused.end(), isFalse)}};
 }
 
 nlohmann::json toJson(const MapScore& score, const DriveMap& map, const Drive& drive) {
