@@ -99,6 +99,7 @@ struct Looks {
   }
 };
 
+constexpr int kLeastViews = 3;
 constexpr double kQuarterTurn = std::numbers::pi / 2;
 
 TEST(UpdateEnds, AnEdgeReachesNoFurtherThanImagesShowedIt) {
@@ -116,8 +117,8 @@ TEST(UpdateEnds, AnUprightEdgeInLineWithAFootIsNoPartOfIt) {
   // image.
   Looks looks({{0.0, 0.0}, {1.0, 0.0}});
   for (const double x : {-1.2, -1.1, -1.0, -0.9}) looks.add({x, 0.0}, 0.0, {0.0, 0.0, 0.0}, {0.3, 0.0, 0.25});
-  for (const double x : {0.0, 0.2}) looks.add({x, -1.0}, kQuarterTurn, {0.0, 0.0, 0.0}, {0.3, 0.0, 0.0});
-  EXPECT_EQ(dropUprights(looks.record, {}, looks.state), 0);
+  for (const double x : {0.0, 0.1, 0.2}) looks.add({x, -1.0}, kQuarterTurn, {0.0, 0.0, 0.0}, {0.3, 0.0, 0.0});
+  EXPECT_EQ(dropUprights(looks.record, {}, kLeastViews, looks.state), 0);
   updateEnds(looks.record, {}, looks.state);
   EXPECT_NEAR(looks.landmark().b.x(), 0.3, 0.01);
 }
@@ -125,8 +126,15 @@ TEST(UpdateEnds, AnUprightEdgeInLineWithAFootIsNoPartOfIt) {
 TEST(DropUprights, WhatEveryImageMayHaveSeenUprightIsNotOnTheFloor) {
   Looks looks({{0.0, 0.0}, {1.0, 0.0}});
   for (const double x : {-1.2, -1.1, -1.0}) looks.add({x, 0.0}, 0.0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.25});
-  EXPECT_EQ(dropUprights(looks.record, {}, looks.state), 1);
+  EXPECT_EQ(dropUprights(looks.record, {}, kLeastViews, looks.state), 1);
   EXPECT_TRUE(looks.state.landmarks.empty());
+}
+
+TEST(DropUprights, TwoLooksAtAnotherThingDoNotPutAnUprightOnTheFloor) {
+  Looks looks({{0.0, 0.0}, {1.0, 0.0}});
+  for (const double x : {-1.3, -1.2, -1.1, -1.0}) looks.add({x, 0.0}, 0.0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.25});
+  for (const double x : {0.5, 0.6}) looks.add({x, -1.0}, kQuarterTurn, {0.4, 0.0, 0.0}, {0.7, 0.0, 0.0});
+  EXPECT_EQ(dropUprights(looks.record, {}, kLeastViews, looks.state), 1);
 }
 
 class RaisedEdge : public testing::TestWithParam<double> {};

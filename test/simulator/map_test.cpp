@@ -242,7 +242,7 @@ TEST(RoomPrimitives, HaveTheirSidesInTheMap) {
 
 INSTANTIATE_TEST_SUITE_P(OwnWorlds, WorldMap,
                          testing::Values("corridor", "corridor_irregular", "room", "curve", "field_6x4",
-                                         "field_9x6", "texture", "furniture"),
+                                         "field_9x6", "texture", "furniture", "alike_wings"),
                          [](const auto& world) { return std::string(world.param); });
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "experiments/app/mapping.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -37,16 +38,20 @@ struct Variant {
 };
 
 constexpr Variant kVariants[] = {
-    {"corridor", "corridor", "sim", 1.0}, {"corridor_irregular", "corridor_irregular", "sim", 1.0},
-    {"room", "room", "sim", 1.0},         {"corridor_humanoid", "corridor", "humanoid", 1.0},
-    {"field", "field_6x4", "sim", 1.0},   {"field_humanoid", "field_6x4", "humanoid", 1.0},
+    {"corridor", "corridor", "sim", 1.0},
+    {"corridor_irregular", "corridor_irregular", "sim", 1.0},
+    {"room", "room", "sim", 1.0},
+    {"corridor_humanoid", "corridor", "humanoid", 1.0},
+    {"field", "field_6x4", "sim", 1.0},
+    {"field_humanoid", "field_6x4", "humanoid", 1.0},
+    {"alike_wings", "alike_wings", "sim", 1.0},
 };
 
 /// The drive with the true places of its keyframes.
 struct Drive {
   DriveRecord record;
   std::vector<MemoryUpdate> updates;
-  std::vector<Eigen::Vector2d> truth;  ///< of the keyframes
+  std::vector<Pose2> truth;  ///< of the keyframes
 };
 
 Drive driveLaps(ExperimentRun& run, const Route& route, double laps) {
@@ -55,7 +60,7 @@ Drive driveLaps(ExperimentRun& run, const Route& route, double laps) {
   run.onFrame([&](const LockstepFrame& frame) {
     drive.updates.push_back(frame.memory.update);
     if (recorder.add(frame.observation, frame.memory.update, run.pipeline().memory().elements())) {
-      drive.truth.push_back(run.trueRobot().position());
+      drive.truth.push_back(run.trueRobot());
     }
   });
   SimulatedOperator driver(route, RouteFollowerParams{});
@@ -79,7 +84,22 @@ Drive driveLaps(ExperimentRun& run, const Route& route, double laps) {
   return drive;
 }
 
-nlohmann::json toJson(const MapScore& score, const DriveMap& map, const DriveRecord& record) {
+/// Closings that join places further apart than this are false: no race errs so far about its own place.
+constexpr double kFalseClosing_m = 0.5;
+
+nlohmann::json closingsJson(const DriveMap& map, const std::vector<Pose2>& truth) {
+  const auto isFalse = [&](const Closing& closing) {
+    const Pose2 T_from_to =
+        inverse(truth[static_cast<std::size_t>(closing.from)]) * truth[static_cast<std::size_t>(closing.to)];
+    return (closing.T_from_to.position() - T_from_to.position()).norm() > kFalseClosing_m;
+  };
+  return {{"closings", map.closings.size()},
+          {"false_closings", std::count_if(map.closings.begin(), map.closings.end(), isFalse)},
+          {"refused_closings", map.refused.size()},
+          {"refused_false_closings", std::count_if(map.refused.begin(), map.refused.end(), isFalse)}};
+}
+
+nlohmann::json toJson(const MapScore& score, const DriveMap& map, const Drive& drive) {
   nlohmann::json json = toJson(score.edges);
   json["ends_rms_m"] = score.ends_rms_m;
   json["ends_worst_m"] = score.ends_worst_m;
@@ -87,14 +107,13 @@ nlohmann::json toJson(const MapScore& score, const DriveMap& map, const DriveRec
   json["across_rms_m"] = score.across_rms_m;
   json["worst_piece_rms_m"] = score.worst_piece_rms_m;
   json["scale"] = score.scale;
-  json["keyframes"] = record.keyframes.size();
+  json["keyframes"] = drive.record.keyframes.size();
   json["landmarks"] = map.state.landmarks.size();
   json["merged"] = map.merged;
   json["dropped"] = map.dropped;
   json["cut"] = map.cut;
   json["circles"] = map.circles;
-  json["closings"] = map.closings.size();
-  json["refused_closings"] = map.refused.size();
+  json.update(closingsJson(map, drive.truth));
   for (const ClosingEvidence& search : map.searches) {
     json["searches"].push_back({{"way_m", search.way_m},
                                 {"map_m", search.map_m},
@@ -155,11 +174,15 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
   addStripeEnds(rows, {});
   std::vector<MappedEdge> edges;
   for (const MappedRow& row : rows) edges.push_back({row.map, row.row.label, row.closed_a, row.closed_b});
-  std::vector<Eigen::Vector2d> poses;
-  for (const Pose2& pose : map.state.poses) poses.push_back(pose.position());
+  const auto positions = [](const std::vector<Pose2>& poses) {
+    std::vector<Eigen::Vector2d> found;
+    for (const Pose2& pose : poses) found.push_back(pose.position());
+    return found;
+  };
   MapScoreParams params;
   params.memory.focal_px = drive.record.keyframes.front().intrinsics.fx;
-  const MapScore score = scoreMap(edges, run.truth().edges(), rigidFit(poses, drive.truth), params);
+  const Pose2 T_world_map = rigidFit(positions(map.state.poses), positions(drive.truth));
+  const MapScore score = scoreMap(edges, run.truth().edges(), T_world_map, params);
   std::vector<RememberedEdge> remembered;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     remembered.push_back({i + 1, transform(score.T_world_map, edges[i].map), edges[i].label, true});
@@ -177,7 +200,7 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
               {{std::move(panel)}},
               legendOfScore()};
   writeImageFile(drawBoard(board, kPanel_px), options.out / (std::string("map_") + variant.name + ".png"));
-  nlohmann::json json = toJson(score, map, drive.record);
+  nlohmann::json json = toJson(score, map, drive);
   if (options.trials > 0) {
     for (MappedRow& row : rows) row.row.world = transform(score.T_world_map, row.row.world);
     json["use"] = useOf(segmentMapOf(rows), variant, options);

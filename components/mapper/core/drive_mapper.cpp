@@ -56,7 +56,7 @@ class Mapping {
       if (!solve({.ends = ends, .right_angles = has_right_angles})) return std::move(map_);
     }
     map_.dropped += dropContradicted(record_, params_, map_.state);
-    map_.dropped += dropUprights(record_, params_.ends, map_.state);
+    map_.dropped += dropUprights(record_, params_.ends, params_.landmarks.min_sightings, map_.state);
     map_.dropped += dropRaised(record_, params_.ends, map_.state);
     tidy();
     if (!solve({.kernel = params_.kernel})) return std::move(map_);

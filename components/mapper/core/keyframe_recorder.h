@@ -12,8 +12,8 @@
 namespace vismem {
 
 struct KeyframeParams {
-  double distance_m = 0.10;                           ///< a keyframe after this way ..
-  double angle_rad = 8.0 * std::numbers::pi / 180.0;  ///< .. or when robot or camera axis turned this far
+  double distance_m = 0.05;                           ///< a keyframe after this way ..
+  double angle_rad = 4.0 * std::numbers::pi / 180.0;  ///< .. or when robot or camera axis turned this far
   /// An element that leaves the memory within this time after it was seen was not forgotten but refuted.
   double dropped_s = 4.0;
   double max_turn_radps = 1.5;  ///< images of a faster camera are left out

@@ -164,14 +164,17 @@ void updateEnds(const DriveRecord& record, const LandmarkEndParams& params, MapS
   }
 }
 
-int dropUprights(const DriveRecord& record, const LandmarkEndParams& params, MapState& state) {
+int dropUprights(const DriveRecord& record, const LandmarkEndParams& params, int least_views,
+                 MapState& state) {
   return static_cast<int>(std::erase_if(state.landmarks, [&](const LineLandmark& landmark) {
-    return std::all_of(landmark.seen.begin(), landmark.seen.end(), [&](const LineLandmark::Seen& seen) {
-      const Keyframe& keyframe = record.keyframes[static_cast<std::size_t>(seen.keyframe)];
-      const LineSighting& sighting = keyframe.sightings[static_cast<std::size_t>(seen.sighting)];
-      return uprightEnd(keyframe, cameraIn(state, record, landmark.anchor, seen.keyframe), sighting.px,
-                        params) != UprightEnd::kNone;
-    });
+    const auto of_floor =
+        std::count_if(landmark.seen.begin(), landmark.seen.end(), [&](const LineLandmark::Seen& seen) {
+          const Keyframe& keyframe = record.keyframes[static_cast<std::size_t>(seen.keyframe)];
+          const LineSighting& sighting = keyframe.sightings[static_cast<std::size_t>(seen.sighting)];
+          return uprightEnd(keyframe, cameraIn(state, record, landmark.anchor, seen.keyframe), sighting.px,
+                            params) == UprightEnd::kNone;
+        });
+    return of_floor < least_views;
   }));
 }
 

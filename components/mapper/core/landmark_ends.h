@@ -26,8 +26,10 @@ struct LandmarkEndParams {
 /// called when the graph is near its solution.
 void updateEnds(const DriveRecord& record, const LandmarkEndParams& params, MapState& state);
 
-/// Removes landmarks of which every sighting may be of an upright edge. @return how many.
-int dropUprights(const DriveRecord& record, const LandmarkEndParams& params, MapState& state);
+/// Removes landmarks of which fewer than `least_views` sightings cannot be of an upright edge. @return how
+/// many.
+int dropUprights(const DriveRecord& record, const LandmarkEndParams& params, int least_views,
+                 MapState& state);
 
 /// Removes landmarks whose ends lie at one place for all images at some height, but not on the floor: an edge
 /// along the way of the robot shows its height by its ends alone. @return how many.

@@ -63,9 +63,10 @@ MapState initialState(const DriveRecord& record, const LandmarkParams& params) {
   }
   std::map<std::uint64_t, std::size_t> index_of;
   for (const auto& [id, element] : record.elements) {
-    const bool usable = (element.confirmed || !params.confirmed_only) &&
-                        element.sightings >= params.min_sightings &&
-                        element.robot.length() >= params.min_length_m;
+    const bool usable =
+        (element.confirmed || !params.confirmed_only) &&
+        element.sightings >= (element.confirmed ? params.min_sightings : params.min_unconfirmed) &&
+        element.robot.length() >= params.min_length_m;
     if (!usable) continue;
     index_of[id] = state.landmarks.size();
     state.landmarks.push_back(landmarkOf(id, element));

@@ -94,7 +94,8 @@ struct MapState {
 struct LandmarkParams {
   int min_sightings = 3;  ///< keyframes
   double min_length_m = 0.04;
-  bool confirmed_only = true;  ///< leaves out what was not confirmed to lie on the floor
+  bool confirmed_only = true;  ///< leaves out what was not confirmed to lie on the floor ..
+  int min_unconfirmed = 6;     ///< .. or asks for so many keyframes
 };
 
 /// The camera of a keyframe in world, with the estimated tilts.

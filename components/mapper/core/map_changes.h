@@ -21,7 +21,7 @@ struct ChangeParams {
   double near_m = 0.08;     ///< an edge this near is the same one
   double angle_rad = 0.2;   ///< and of this direction
   double range_m = 3.0;     ///< the floor is seen up to here
-  int least_views = 5;      ///< of a place on the floor before its emptiness counts
+  int least_views = 3;      ///< of a place on the floor before its emptiness counts
   double gone_share = 0.7;  ///< of what was seen of an edge: it is gone, or it is new
   double least_m = 0.12;    ///< shorter changes are left out
   double thing_m = 0.12;    ///< edges of one label this near belong to one thing
