@@ -131,6 +131,23 @@ TEST_F(LearnPalette, NamesWhatWasClickedAndSaysWhatIsWrongWithClicks) {
   EXPECT_FALSE(std::filesystem::exists(file("x")));
 }
 
+TEST_F(LearnPalette, LearnsPairsOfEqualBrightnessWhichTheMemorySeesToo) {
+  std::filesystem::create_directories(file("images"));
+  for (int i = 0; i < 8; ++i) {
+    cv::Mat image(240, 320, CV_8UC3, cv::Scalar::all(120));
+    // Brightness 0.299 * 200 + 0.587 * 70 + 0.114 * 167 = 120.
+    cv::rectangle(image, {0, 0, 320, 100 + 5 * i}, cv::Scalar(167, 70, 200), cv::FILLED);  // B, G, R
+    cv::imwrite(file("images/" + std::to_string(i) + ".png"), image);
+  }
+  std::ofstream(file("clicks")) << "door 0.png 100 50\nfloor 0.png 100 200\n";
+  const ToolRun learnt = runTool("learn_palette", {"--images", file("images"), "--clicks", file("clicks"),
+                                                   "--out", file("own.palette")});
+  ASSERT_EQ(learnt.code, 0) << learnt.error;
+  EXPECT_EQ(learnt.summary()["named_share"], 1.0);
+  const Palette palette = loadPalette(file("own.palette"));
+  EXPECT_EQ(palette.label(palette.classNamed("door"), palette.classNamed("floor")), "door_foot");
+}
+
 TEST_F(LearnPalette, GreyImagesAndFoldersWithoutImagesAreErrors) {
   std::filesystem::create_directories(file("none"));
   EXPECT_EQ(runTool("learn_palette", {"--images", file("none"), "--out", file("x")}).code, 2);

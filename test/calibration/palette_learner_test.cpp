@@ -223,6 +223,21 @@ TEST(ColourClusters, LightAndShadeOfOneColourAreOneCluster) {
   for (std::size_t i = 2; i < colours.size(); ++i) EXPECT_EQ(found.cluster_of[i], found.cluster_of[i % 2]);
 }
 
+TEST(ColourClusters, AreCutBetweenColoursThatPeopleCallDifferent) {
+  // One ramp from a red to a yellow, so near that it is one cluster.
+  std::vector<Rgb> colours;
+  for (int green = 100; green < 140; ++green) colours.push_back({160, static_cast<std::uint8_t>(green), 100});
+  const ColourClusters one = clusterColours(colours, std::vector<double>(colours.size(), 1.0));
+  ASSERT_EQ(one.count, 1U);
+  const ColourClusters two = cutBetweenGroups(one, colours, {{0, 1, 2}, {37, 38, 39}}, 0.05);
+  ASSERT_EQ(two.count, 2U);
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    if (i < 15 || i >= 25) EXPECT_EQ(two.cluster_of[i], i < 15 ? 0U : 1U) << i;
+  }
+  EXPECT_EQ(cutBetweenGroups(one, colours, {{0, 1, 39}, {0, 38, 39}}, 0.05).count, 1U) << "they overlap";
+  EXPECT_EQ(cutBetweenGroups(one, colours, {{0, 1, 2}}, 0.05).count, 1U) << "one name";
+}
+
 TEST(ColourRegion, RegionsThatAreApartDoNotOverlap) {
   // Two reds on both sides of hue 0, and a grey.
   const auto cloud = [](double hue_deg, double saturation, double value) {

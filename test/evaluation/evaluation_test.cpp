@@ -73,6 +73,18 @@ TEST_F(EvaluateTest, SimulationGivesTheSameBytesTwiceForOneSeed) {
   EXPECT_NE(contents(out_ / "a/odometry.tum"), contents(out_ / "c/odometry.tum"));
 }
 
+TEST_F(EvaluateTest, TheDriveInASecondWorldDiffersByThatWorldAlone) {
+  EvaluationOptions options = corridor("drive", 3);
+  options.seconds = 4.0;
+  options.record = out_ / "first";
+  options.second_world = options.world;
+  options.second_record = out_ / "second";
+  evaluate(options);
+  const std::string first = contents(out_ / "first/first_0000.bag");
+  EXPECT_GT(first.size(), 1'000'000u);
+  EXPECT_TRUE(first == contents(out_ / "second/second_0000.bag")) << "the same world";
+}
+
 TEST_F(EvaluateTest, KeepsAKnownStart) {
   EvaluationOptions options = corridor("known", 1);
   options.start = Pose2{0.0, 2.25, 0.0};

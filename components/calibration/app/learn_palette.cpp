@@ -30,6 +30,18 @@ constexpr std::size_t kPictures = 3;
 constexpr std::size_t kShown = 12;
 constexpr double kSecondsStep_s = 0.005;  // of the names of shown images
 
+/// The edges that the memory sees, those between colours of equal brightness among them.
+SegmentExtractor makeExtractor(std::shared_ptr<const Palette> palette) {
+  ExtractorParams params;
+  params.colour_edges = true;
+  return {params, std::move(palette)};
+}
+
+/// Of any view: nothing here asks for directions.
+CameraIntrinsics anyIntrinsics(const cv::Mat& image) {
+  return intrinsicsFromFieldOfView(image.cols, image.rows, 1.0);
+}
+
 struct Options {
   std::string bag;
   std::string images;
@@ -146,8 +158,8 @@ class Lesson {
   }
 
   void learnImage(const cv::Mat& image) {
-    detector_->detect(image, segments_);
-    learner_.addImage(image, segments_);
+    extractor_.extract(image, anyIntrinsics(image));
+    learner_.addImage(image, extractor_.detected());
     ++learnt_from_;
   }
 
@@ -173,13 +185,13 @@ class Lesson {
 
   /// Of the edges' length in images that were not learnt from. Writes the picture, if one is wanted.
   double namedShare(const std::shared_ptr<const Palette>& palette) {
-    SegmentExtractor extractor(ExtractorParams{}, palette);
+    SegmentExtractor extractor = makeExtractor(palette);
     double all_px = 0.0;
     double named_px = 0.0;
     cv::Mat figure;
     for (std::size_t i = 0; i < judges_.size(); ++i) {
       const cv::Mat& image = judges_[i];
-      const auto segments = extractor.extract(image, intrinsicsFromFieldOfView(image.cols, image.rows, 1.0));
+      const auto segments = extractor.extract(image, anyIntrinsics(image));
       for (const ImageSegment& segment : segments) {
         all_px += segment.px.length();
         if (segment.label != kUnknownLabel) named_px += segment.px.length();
@@ -198,9 +210,8 @@ class Lesson {
 
   const Options& options_;
   std::vector<Click> clicks_;
-  std::unique_ptr<SegmentDetector> detector_ = makeSolisDetector();
+  SegmentExtractor extractor_ = makeExtractor(nullptr);
   PaletteLearner learner_;
-  std::vector<RawSegment> segments_;
   std::vector<cv::Mat> judges_;
   std::size_t learnt_from_ = 0;
 };

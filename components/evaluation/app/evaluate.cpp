@@ -60,6 +60,12 @@ void declare(CLI::App& app, vismem::EvaluationOptions& options, Arguments& argum
   app.add_option("--record", options.record,
                  "of a world: record the robot into this folder, for --bag FOLDER")
       ->needs(world);
+  auto* second =
+      app.add_option("--second-world", options.second_world,
+                     "another world, in which the same robot gets the same commands, for --second-record");
+  second->needs(app.add_option("--second-record", options.second_record,
+                               "record the robot of the second world into this folder")
+                    ->needs(second->needs(world)));
   app.add_option("--route", options.route, "way-points (default: beside the world, .route)")->needs(world);
   app.add_option(
       "--setup", options.setup,

@@ -12,6 +12,7 @@
 #include "evaluation/app/cpu_stages.h"
 #include "evaluation/app/evaluation_record.h"
 #include "evaluation/app/evaluation_setup.h"
+#include "evaluation/app/mirrored_robot.h"
 #include "evaluation/app/perturbed_robot.h"
 #include "evaluation/app/recorded_robot.h"
 #include "evaluation/app/recorded_survey.h"
@@ -133,6 +134,37 @@ void addProfile(nlohmann::json& json, CpuStages& stages, double wall_s, double r
   json["real_time_factor_of_cpu"] = robot_s / sum_s;
 }
 
+/// A simulated robot, and its recording where the options want one.
+class RecordedSimulation {
+ public:
+  RecordedSimulation(const EvaluationOptions& options, const std::optional<Route>& route,
+                     const std::optional<Pose2>& start)
+      : simulation_(makeSimulation(options, route, start)) {
+    if (options.record.empty()) return;
+    recorded_ = std::make_unique<RecordedRobot>(*simulation_, options.record);
+    copyConfiguration(options);
+  }
+
+  Simulation& simulation() { return *simulation_; }
+  SteppedRobot& robot() { return recorded_ ? static_cast<SteppedRobot&>(*recorded_) : *simulation_; }
+  void recordTruth() {
+    if (recorded_) recorded_->addTruth(simulation_->truth());
+  }
+  void finish() {
+    if (recorded_) recorded_->finish();
+  }
+
+ private:
+  std::unique_ptr<Simulation> simulation_;
+  std::unique_ptr<RecordedRobot> recorded_;
+};
+
+EvaluationOptions inSecondWorld(EvaluationOptions options) {
+  options.world = options.second_world;
+  options.record = options.second_record;
+  return options;
+}
+
 nlohmann::json evaluateWorld(const EvaluationOptions& options) {
   const EvaluationParams params = loadParams(options, true);
   std::optional<Route> route = findRoute(options);
@@ -142,13 +174,14 @@ nlohmann::json evaluateWorld(const EvaluationOptions& options) {
     place = drawn.T_world_robot;
     if (drawn.backwards) route = reversed(*route);
   }
-  const auto robot = makeSimulation(options, route, place);
-  std::unique_ptr<RecordedRobot> recorded;
-  if (!options.record.empty()) {
-    recorded = std::make_unique<RecordedRobot>(*robot, options.record);
-    copyConfiguration(options);
+  RecordedSimulation world(options, route, place);
+  std::optional<RecordedSimulation> second;
+  std::optional<MirroredRobot> mirrored;
+  if (!options.second_world.empty()) {
+    second.emplace(inSecondWorld(options), route, place);
+    mirrored.emplace(world.robot(), second->robot());
   }
-  CalibratedRobot calibrated(recorded ? static_cast<SteppedRobot&>(*recorded) : *robot, params.joints,
+  CalibratedRobot calibrated(mirrored ? static_cast<SteppedRobot&>(*mirrored) : world.robot(), params.joints,
                              params.wheels);
   PerturbedRobot stepped(calibrated, options.perturbation);
   EvaluationRecord record(options, params);
@@ -162,17 +195,20 @@ nlohmann::json evaluateWorld(const EvaluationOptions& options) {
   run.run(
       [&](const LockstepFrame& frame) {
         start.afterFrame();
-        const TruthSample truth = robot->truth();
+        const TruthSample truth = world.simulation().truth();
         record.addTruth({truth.stamp_us, truth.T_world_robot});
-        if (recorded) recorded->addTruth(truth);
+        world.recordTruth();
+        if (second) second->recordTruth();
         record.add(frame, false);
       },
       duration(options));
-  if (recorded) recorded->finish();
+  world.finish();
+  if (second) second->finish();
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - began;
   nlohmann::json json = record.finish(run, memory, options.world.string());
-  for (const auto& problem : robot->takeScenarioProblems()) json["scenario_problems"].push_back(problem);
-  if (options.profile) addProfile(json, stages, spent.count(), toSeconds(robot->now()));
+  for (const auto& problem : world.simulation().takeScenarioProblems())
+    json["scenario_problems"].push_back(problem);
+  if (options.profile) addProfile(json, stages, spent.count(), toSeconds(world.simulation().now()));
   return json;
 }
 

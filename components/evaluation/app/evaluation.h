@@ -31,6 +31,8 @@ struct EvaluationOptions {
   SurveyFiles survey;             ///< of a bag with true poses
   std::string topics;             ///< of a bag: ROLE=/topic,...; empty: found by type
   std::filesystem::path record;   ///< of a world: a folder for a recording; empty: none
+  std::filesystem::path second_world;   ///< another world, in which the same commands drive the same robot
+  std::filesystem::path second_record;  ///< a folder for what the robot records there
   std::string setup;  ///< cfg/SETUP holds the components and a world's robot; empty: sim, of a bag replay
   std::filesystem::path scenario;  ///< of a world: its events; empty: only the drive along the route
   Perturbation perturbation;       ///< of the camera

@@ -46,6 +46,37 @@ void climb(std::vector<Bin>& bins, double maximum_step) {
   }
 }
 
+/// Means of the groups within one cluster.
+class GroupMeans {
+ public:
+  void add(const std::vector<Eigen::Vector3d>& colours) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& colour : colours) sum += colour;
+    means_.emplace_back(sum / static_cast<double>(colours.size()));
+    groups_.push_back(colours);
+  }
+  std::size_t size() const { return means_.size(); }
+  std::size_t nearest(const Eigen::Vector3d& colour) const {
+    const auto distance = [&](const Eigen::Vector3d& mean) { return (mean - colour).squaredNorm(); };
+    const auto best = std::min_element(means_.begin(), means_.end(), [&](const auto& a, const auto& b) {
+      return distance(a) < distance(b);
+    });
+    return static_cast<std::size_t>(best - means_.begin());
+  }
+  bool areApart(double stray) const {
+    for (std::size_t k = 0; k < groups_.size(); ++k) {
+      const auto off = std::count_if(groups_[k].begin(), groups_[k].end(),
+                                     [&](const Eigen::Vector3d& colour) { return nearest(colour) != k; });
+      if (static_cast<double>(off) > stray * static_cast<double>(groups_[k].size())) return false;
+    }
+    return true;
+  }
+
+ private:
+  std::vector<Eigen::Vector3d> means_;
+  std::vector<std::vector<Eigen::Vector3d>> groups_;
+};
+
 }  // namespace
 
 Eigen::Vector3d colourFeature(const Rgb& rgb) {
@@ -95,6 +126,29 @@ ColourClusters clusterColours(const std::vector<Rgb>& samples, const std::vector
   result.count = order.size();
   for (const std::size_t bin : bin_of) result.cluster_of.push_back(rank.at(top[bin]));
   return result;
+}
+
+ColourClusters cutBetweenGroups(ColourClusters clusters, const std::vector<Rgb>& samples,
+                                const std::vector<std::vector<std::size_t>>& groups, double stray) {
+  const std::size_t count = clusters.count;
+  for (std::size_t cluster = 0; cluster < count; ++cluster) {
+    GroupMeans means;
+    for (const auto& group : groups) {
+      std::vector<Eigen::Vector3d> here;
+      for (const std::size_t i : group) {
+        if (clusters.cluster_of[i] == cluster) here.push_back(colourFeature(samples[i]));
+      }
+      if (static_cast<double>(here.size()) > stray * static_cast<double>(group.size())) means.add(here);
+    }
+    if (means.size() < 2 || !means.areApart(stray)) continue;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if (clusters.cluster_of[i] != cluster) continue;
+      const std::size_t nearest = means.nearest(colourFeature(samples[i]));
+      if (nearest > 0) clusters.cluster_of[i] = clusters.count + nearest - 1;
+    }
+    clusters.count += means.size() - 1;
+  }
+  return clusters;
 }
 
 }  // namespace vismem

@@ -24,13 +24,21 @@ struct ClusterParams {
 };
 
 struct ColourClusters {
-  /// Of each sample, 0..count - 1, most weight first.
+  /// Of each sample, 0..count - 1.
   std::vector<std::size_t> cluster_of;
   std::size_t count = 0;
 };
 
 /// @param weights of the samples, as many, >= 0.
+/// @return the clusters, most weight first.
 ColourClusters clusterColours(const std::vector<Rgb>& samples, const std::vector<double>& weights,
                               const ClusterParams& params = {});
+
+/// Cuts clusters that hold several groups of samples which people call different: each of their colours goes
+/// to the nearest group's mean. A cluster stays whole where groups overlap.
+/// @param groups indices of samples.
+/// @param stray share of a group that is of no account.
+ColourClusters cutBetweenGroups(ColourClusters clusters, const std::vector<Rgb>& samples,
+                                const std::vector<std::vector<std::size_t>>& groups, double stray);
 
 }  // namespace vismem

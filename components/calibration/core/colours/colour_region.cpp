@@ -14,7 +14,7 @@ constexpr double kGrey_percent = 12.0;   // of less saturation, hue is noise
 constexpr double kDark_percent = 8.0;    // of less value, too
 constexpr double kPale_percent = 45.0;   // for names alone
 constexpr double kHueMargin_deg = 10.0;  // light of another colour, and noise
-constexpr double kSaturationMargin_percent = 8.0;
+constexpr double kSaturationMargin_percent = 15.0;
 constexpr double kValueFactor = 1.35;  // light and shade beyond what the images show
 // Differences that are equally clear.
 constexpr double kHueUnit_deg = 25.0;

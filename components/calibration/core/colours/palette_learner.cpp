@@ -264,7 +264,11 @@ void PaletteLearner::nameRest(std::vector<Cluster>& found) const {
 
 LearntPalette PaletteLearner::learn() const {
   LearntPalette result;
-  std::vector<Cluster> found = gather(clusterColours(colours_, weights_), result.notes);
+  std::vector<std::vector<std::size_t>> clicked;
+  for (const auto& [name, colours] : clicks_) clicked.push_back(colours);
+  const ColourClusters clusters =
+      cutBetweenGroups(clusterColours(colours_, weights_), colours_, clicked, kOtherName);
+  std::vector<Cluster> found = gather(clusters, result.notes);
   nameRest(found);
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.region.volume() < b.region.volume(); });
