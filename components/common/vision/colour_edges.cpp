@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/geometry/angles.h"
+#include "common/vision/edge_rows.h"
 #include "common/vision/edge_sampling.h"
 
 namespace vismem {
@@ -16,7 +17,6 @@ constexpr double kWithinShare = 0.8;  // lying in another by so much, an edge is
 
 /// Length of the part of `base` that `other` lies beside, 0 when they are not one line [px].
 double overlapOnLine(const Segment2& base, const Segment2& other) {
-  if (lineAngleDifference(base.direction(), other.direction()) > kSameDirection_rad) return 0.0;
   const double length = base.length();
   const double ta = projectionFraction(other.a, base) * length;
   const double tb = projectionFraction(other.b, base) * length;
@@ -32,11 +32,7 @@ double overlapOnLine(const Segment2& base, const Segment2& other) {
 void strongestChannel(const cv::Mat& rgb, cv::Mat& plane) {
   plane.create(rgb.size(), CV_8UC1);
   for (int v = 0; v < rgb.rows; ++v) {
-    const unsigned char* from = rgb.ptr<unsigned char>(v);
-    unsigned char* to = plane.ptr<unsigned char>(v);
-    for (int u = 0; u < rgb.cols; ++u) {
-      to[u] = std::max(std::max(from[3 * u], from[3 * u + 1]), from[3 * u + 2]);
-    }
+    bestEdgeRows().strongest(rgb.ptr<std::uint8_t>(v), rgb.cols, plane.ptr<std::uint8_t>(v));
   }
 }
 
@@ -44,11 +40,19 @@ void joinColourEdges(const cv::Mat& image, const std::vector<RawSegment>& found_
                      std::vector<RawSegment>& segments) {
   const std::size_t gray = segments.size();
   std::vector<bool> replaced(gray, false);
+  std::vector<double> directions;
+  for (const RawSegment& segment : segments) directions.push_back(segment.px_raw.direction());
+  std::vector<std::size_t> parallel;
   for (const RawSegment& found : found_in_plane) {
-    double covered = 0.0;
-    for (std::size_t i = 0; i < gray; ++i) covered += overlapOnLine(found.px_raw, segments[i].px_raw);
-    if (covered >= kKnownShare * found.px_raw.length()) continue;
+    const double direction = found.px_raw.direction();
+    parallel.clear();
     for (std::size_t i = 0; i < gray; ++i) {
+      if (lineAngleDifference(direction, directions[i]) <= kSameDirection_rad) parallel.push_back(i);
+    }
+    double covered = 0.0;
+    for (const std::size_t i : parallel) covered += overlapOnLine(found.px_raw, segments[i].px_raw);
+    if (covered >= kKnownShare * found.px_raw.length()) continue;
+    for (const std::size_t i : parallel) {
       const double length = segments[i].px_raw.length();
       if (overlapOnLine(segments[i].px_raw, found.px_raw) >= kWithinShare * length) replaced[i] = true;
     }

@@ -7,8 +7,6 @@
 #include <cstring>
 #include <iterator>
 
-#include "common/vision/edge_sampling.h"
-
 namespace vismem {
 namespace {
 
@@ -20,7 +18,6 @@ constexpr int kCacheLine = 64;
 using SecondDifferences = std::array<std::uint16_t, 8 * 256 + 1>;
 
 /// @return the number of places.
-template <int kChannels>
 int countDifferences(const cv::Mat& image, SecondDifferences& histogram) {
   constexpr int kAlong = 64;  // places in each direction, at most
   constexpr int kDown = 48;
@@ -34,13 +31,10 @@ int countDifferences(const cv::Mat& image, SecondDifferences& histogram) {
     // Prefetches the next rows: hardware prefetchers do not follow such distances.
     for (int row = y + step_y - 1; row <= std::min(y + step_y + 1, image.rows - 1); ++row) {
       const std::uint8_t* later = image.ptr<std::uint8_t>(row);
-      for (int i = 0; i < kChannels * image.cols; i += kCacheLine) __builtin_prefetch(later + i);
+      for (int i = 0; i < image.cols; i += kCacheLine) __builtin_prefetch(later + i);
     }
     for (int x = 1; x + 1 < image.cols; x += step_x) {
-      const auto column = [&](int at) {
-        return brightness(above, at, kChannels) - 2 * brightness(here, at, kChannels) +
-               brightness(below, at, kChannels);
-      };
+      const auto column = [&](int at) { return above[at] - 2 * here[at] + below[at]; };
       ++histogram[std::abs(column(x - 1) - 2 * column(x) + column(x + 1))];
       ++total;
     }
@@ -66,8 +60,7 @@ double estimateNoise(const cv::Mat& image) {
   constexpr double kLowerQuartile = 0.3186;  // of |x| for a normal x of deviation 1
   if (image.cols < 3 || image.rows < 3) return 0.0;
   SecondDifferences histogram{};
-  const int total =
-      image.channels() == 1 ? countDifferences<1>(image, histogram) : countDifferences<3>(image, histogram);
+  const int total = countDifferences(image, histogram);
   // The quartile between integer values, by linear interpolation inside its bin [k - 1/2, k + 1/2].
   const double wanted = 0.25 * total;
   double below_count = 0.0;
@@ -105,7 +98,6 @@ void EdgePointFinder::prepare(const cv::Mat& image) {
   std::memset(mask_.data(), 0, std::size_t{kWordBits} * words_);
   columns_.reserve(stride_);
   packed_.reserve(std::size_t{4} * stride_);
-  if (image.channels() == 3) gray_.reserve(std::size_t{5} * width_);
   layPlanes();
 }
 
@@ -142,23 +134,9 @@ void EdgePointFinder::find(const cv::Mat& image, double minimum_contrast, bool b
   std::fill(row_begins_.data() + height_ - 2, row_begins_.data() + height_ + 1, count_);
 }
 
-/// Row y of the image, the nearest one beyond its borders. Rows of a colour image are converted in order.
-const std::uint8_t* EdgePointFinder::grayRow(const cv::Mat& image, int y) {
-  const int row = std::clamp(y, 0, height_ - 1);
-  return image.channels() == 1 ? image.ptr<std::uint8_t>(row)
-                               : gray_.data() + static_cast<std::size_t>(row % 5) * width_;
-}
-
 void EdgePointFinder::gradientRow(const cv::Mat& image, int y) {
-  if (image.channels() == 3) {
-    const int last = std::min(y + 2, height_ - 1);
-    for (int row = y == 0 ? 0 : y + 2; row <= last; ++row) {
-      kernel_.gray(image.ptr<std::uint8_t>(row), width_,
-                   gray_.data() + static_cast<std::size_t>(row % 5) * width_);
-    }
-  }
-  const std::uint8_t* rows[5];
-  for (int k = 0; k < 5; ++k) rows[k] = grayRow(image, y + k - 2);
+  const std::uint8_t* rows[5];  // beyond the borders the nearest one
+  for (int k = 0; k < 5; ++k) rows[k] = image.ptr<std::uint8_t>(std::clamp(y + k - 2, 0, height_ - 1));
   std::int16_t* smooth = smooth_.data() + kEdgeRowMargin;
   std::int16_t* difference = difference_.data() + kEdgeRowMargin;
   kernel_.columns(rows, width_, smooth, difference);

@@ -33,7 +33,7 @@ class EdgePointFinder {
  public:
   explicit EdgePointFinder(const EdgeRowKernel& kernel) : kernel_(kernel) {}
 
-  /// @param image CV_8UC1 or CV_8UC3 (R, G, B), at least 5x5; none of the outer 2 px are edge points.
+  /// @param image CV_8UC1, at least 5x5; none of the outer 2 px are edge points.
   /// @param minimum_contrast of an ideal step that is an edge [grey levels].
   /// @param bridge whether a single missing point is bridged.
   void find(const cv::Mat& image, double minimum_contrast, bool bridge);
@@ -62,7 +62,6 @@ class EdgePointFinder {
 
   void prepare(const cv::Mat& image);
   void layPlanes();
-  const std::uint8_t* grayRow(const cv::Mat& image, int y);
   void gradientRow(const cv::Mat& image, int y);
   void pointsOfRow(int y);
   void join(int y, int above, int aside);
@@ -88,7 +87,6 @@ class EdgePointFinder {
   Room<std::int32_t> row_begins_;
   Room<std::int16_t> next_;
   Room<std::uint8_t> previous_;
-  Room<std::uint8_t> gray_;  // five rows of a colour image
   Room<std::int16_t> smooth_, difference_;
   Room<std::int16_t> gradient_, magnitude_, kind_;  // three rows each
   Room<std::int32_t> maps_;                         // index of the point at each column, where there is one
@@ -104,7 +102,7 @@ class EdgePointFinder {
 /// Standard deviation of the image noise [grey levels]: from the lower quartile of second differences, which
 /// are insensitive to edges and slopes and little sensitive to texture. Samples a few thousand places of the
 /// image. 0 for a uniform image.
-/// @param image CV_8UC1, or CV_8UC3 (R, G, B) for the noise of its brightness.
+/// @param image CV_8UC1.
 double estimateNoise(const cv::Mat& image);
 
 /// Length of the gradient in the middle of an ideal step of one grey level.

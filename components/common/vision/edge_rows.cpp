@@ -71,10 +71,10 @@ const EdgeRowKernel& avx512EdgeRows();
 #endif
 
 const EdgeRowKernel& portableEdgeRows() {
-  static constexpr EdgeRowKernel kKernel{"portable",         kWordBlock,    grayLoop,        columnsLoop,
-                                         gradientLoop,       maximaLoop,    listLoop,        pointsLoop,
-                                         linkLoop,           listLinksLoop, bridgeSteepLoop, bridgeFlatLoop,
-                                         bridgeDiagonalLoop, startsLoop,    findRuns,        overlapsLoop};
+  static constexpr EdgeRowKernel kKernel{
+      "portable",     kWordBlock,         grayLoop,   strongestLoop, columnsLoop,   gradientLoop,
+      maximaLoop,     listLoop,           pointsLoop, linkLoop,      listLinksLoop, bridgeSteepLoop,
+      bridgeFlatLoop, bridgeDiagonalLoop, startsLoop, findRuns,      overlapsLoop};
   return kKernel;
 }
 

@@ -37,6 +37,8 @@ struct EdgeRowKernel {
   int word_block;  ///< planes have a multiple of so many words
   /// Brightness of R, G, B pixels with the weights of ITU-R BT.601.
   void (*gray)(const std::uint8_t* rgb, int width, std::uint8_t* gray);
+  /// The largest of R, G and B.
+  void (*strongest)(const std::uint8_t* rgb, int width, std::uint8_t* most);
   /// Five rows of the image, top to bottom -> smoothed and differentiated down the columns.
   void (*columns)(const std::uint8_t* const rows[5], int width, std::int16_t* smooth,
                   std::int16_t* difference);

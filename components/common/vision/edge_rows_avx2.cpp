@@ -78,9 +78,9 @@ void pointsLoop(const std::int16_t* const gradient[3], const EdgeRowPoints& row,
 const EdgeRowKernel& avx2EdgeRows();
 const EdgeRowKernel& avx2EdgeRows() {
   static constexpr EdgeRowKernel kKernel{
-      "avx2",     kWordBlock,  grayLoop,      columnsLoop,     gradientLoop,   maximaLoop,         listLoop,
-      pointsLoop, linkLoop,    listLinksLoop, bridgeSteepLoop, bridgeFlatLoop, bridgeDiagonalLoop, startsLoop,
-      findRuns,   overlapsLoop};
+      "avx2",         kWordBlock,         grayLoop,   strongestLoop, columnsLoop,   gradientLoop,
+      maximaLoop,     listLoop,           pointsLoop, linkLoop,      listLinksLoop, bridgeSteepLoop,
+      bridgeFlatLoop, bridgeDiagonalLoop, startsLoop, findRuns,      overlapsLoop};
   return kKernel;
 }
 

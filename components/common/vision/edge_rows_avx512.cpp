@@ -227,10 +227,10 @@ EdgeChainEnds startsMasks(const std::int16_t* next, const std::uint8_t* previous
 
 const EdgeRowKernel& avx512EdgeRows();
 const EdgeRowKernel& avx512EdgeRows() {
-  static constexpr EdgeRowKernel kKernel{"avx512",           kWordBlock,     grayLoop,        columnsLoop,
-                                         gradientLoop,       maximaMasks,    listMasks,       pointsMasks,
-                                         linkLoop,           listLinksMasks, bridgeSteepLoop, bridgeFlatLoop,
-                                         bridgeDiagonalLoop, startsMasks,    findRuns,        overlapsMasks};
+  static constexpr EdgeRowKernel kKernel{
+      "avx512",       kWordBlock,         grayLoop,    strongestLoop, columnsLoop,    gradientLoop,
+      maximaMasks,    listMasks,          pointsMasks, linkLoop,      listLinksMasks, bridgeSteepLoop,
+      bridgeFlatLoop, bridgeDiagonalLoop, startsMasks, findRuns,      overlapsMasks};
   return kKernel;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -93,7 +94,8 @@ void LightEstimator::add(const cv::Mat& image, const Segment2& px) {
   const Eigen::Vector2d middle(0.5 * (image.cols - 1), 0.5 * (image.rows - 1));
   const double r2 = (0.5 * (px.a + px.b) - middle).squaredNorm() / middle.squaredNorm();
   const auto ring = static_cast<std::uint8_t>(LightTable::ring(std::min(r2, 1.0)));
-  const Sample sample{{*bright, *dark}, ring, std::pow(std::min(px.length(), kLongest_px), 2)};
+  Sample sample{{*bright, *dark}, ring, std::pow(std::min(px.length(), kLongest_px), 2), false};
+  sample.named = nameUnder(table_, sample) != kNoName;
   if (samples_.size() < kWindow) {
     samples_.push_back(sample);
   } else {
@@ -112,15 +114,20 @@ int LightEstimator::nameUnder(const LightTable& table, const Sample& sample) con
   return names_[classOf(0) * (palette_->classCount() + 1) + classOf(1)];
 }
 
-double LightEstimator::shareUnder(const ImageLight& light) const {
-  const LightTable table(light);
+template <typename IsNamed>
+double LightEstimator::shareOf(const IsNamed& is_named) const {
   double named = 0.0;
   double all = 0.0;
   for (const Sample& sample : samples_) {
     all += sample.weight;
-    if (nameUnder(table, sample) != kNoName) named += sample.weight;
+    if (std::invoke(is_named, sample)) named += sample.weight;
   }
   return all > 0.0 ? named / all : 1.0;
+}
+
+double LightEstimator::shareUnder(const ImageLight& light) const {
+  const LightTable table(light);
+  return shareOf([&](const Sample& sample) { return nameUnder(table, sample) != kNoName; });
 }
 
 bool LightEstimator::renames(const ImageLight& light) const {
@@ -226,6 +233,8 @@ bool LightEstimator::search() {
   patience_ = kWindow / 4;
   x_ = next;
   light_ = x_.isZero() ? ImageLight{} : lightOf(x_);
+  table_ = LightTable(light_);
+  for (Sample& sample : samples_) sample.named = nameUnder(table_, sample) != kNoName;
   return true;
 }
 
@@ -238,11 +247,11 @@ bool LightEstimator::update(const cv::Mat& image, const std::vector<RawSegment>&
                     [](const Segment2& a, const Segment2& b) { return a.length() > b.length(); });
   for (std::size_t i = 0; i < most; ++i) add(image, longest_[i]);
   if (samples_.empty()) return false;
-  named_share_ = shareUnder(light_);
+  named_share_ = shareOf(&Sample::named);
   const bool fell = unsearched_ >= kLeast && named_share_ < searched_share_ - kShareFell;
   if (samples_.size() < kLeast || (unsearched_ < patience_ && !fell)) return false;
   const bool changed = search();
-  named_share_ = shareUnder(light_);
+  named_share_ = shareOf(&Sample::named);
   searched_share_ = named_share_;
   return changed;
 }

@@ -38,6 +38,7 @@ class LightEstimator {
     std::array<std::array<std::uint8_t, 3>, 2> sides;
     std::uint8_t ring = 0;  ///< LightTable::ring of its middle
     double weight = 0.0;    ///< squared length [px^2]
+    bool named = false;     ///< under the present light
   };
   /// Common gain, red and blue against green (logarithms), logarithm of gamma, vignette.
   using Unknowns = Eigen::Matrix<double, 5, 1>;
@@ -47,6 +48,9 @@ class LightEstimator {
   static ImageLight lightOf(const Unknowns& x);
   void add(const cv::Mat& image, const Segment2& px);
   int nameUnder(const LightTable& table, const Sample& sample) const;
+  /// Share of the samples that `is_named` holds for, by weight; 1 without samples.
+  template <typename IsNamed>
+  double shareOf(const IsNamed& is_named) const;
   double shareUnder(const ImageLight& light) const;
   /// Whether a light gives other names to edges that the neutral one names.
   bool renames(const ImageLight& light) const;
@@ -67,6 +71,7 @@ class LightEstimator {
   std::size_t patience_;        // samples until the next one
   Unknowns x_ = Unknowns::Zero();
   ImageLight light_;
+  LightTable table_{light_};
   double named_share_ = 1.0;
   double searched_share_ = 1.0;  // at the last search
 };

@@ -57,26 +57,29 @@ SideSamples::SideSamples(const cv::Mat& image, const Segment2& px, double first_
   const double length = px.length();
   if (image.type() != CV_8UC3 || !(length > 0.0)) return;
   count_ = count;
-  classes_.reserve((params.bright_distances_px.size() + params.dark_distances_px.size()) *
-                   static_cast<std::size_t>(count));
+  classes_.resize((params.bright_distances_px.size() + params.dark_distances_px.size()) *
+                  static_cast<std::size_t>(count));
+  std::int16_t* classes = classes_.data();
   const Eigen::Vector2d along = (px.b - px.a) / length;
   const Eigen::Vector2d first = px.a + first_px * along;
   const Eigen::Vector2d normal = leftNormal(px);
-  for (const double d : params.bright_distances_px) sample(image, first + d * normal, step_px * along, count);
-  for (const double d : params.dark_distances_px) sample(image, first - d * normal, step_px * along, count);
+  const auto sampleAt = [&](double aside_px) {
+    sample(image, first + aside_px * normal, step_px * along, count, classes);
+    classes += count;
+  };
+  for (const double d : params.bright_distances_px) sampleAt(d);
+  for (const double d : params.dark_distances_px) sampleAt(-d);
 }
 
 void SideSamples::sample(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step,
-                         int count) {
+                         int count, std::int16_t* classes) const {
   for (int i = 0; i < count; ++i) {
     const int x = nearestPixel(first.x() + i * step.x(), image.cols);
     const int y = nearestPixel(first.y() + i * step.y(), image.rows);
-    if (x < 0 || y < 0) {
-      classes_.push_back(kOutside);
-      continue;
-    }
+    classes[i] = kOutside;
+    if (x < 0 || y < 0) continue;
     const std::uint8_t* color = image.ptr<std::uint8_t>(y) + 3 * static_cast<std::ptrdiff_t>(x);
-    classes_.push_back(palette_.classOf(color[0], color[1], color[2]));
+    classes[i] = palette_.classOf(color[0], color[1], color[2]);
   }
 }
 
@@ -111,9 +114,10 @@ SideSamples::Found SideSamples::look(int first, int count) const {
   }
   double nearest_px = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < bright_px.size(); ++i) {
+    if (found.bright[i] == kNoColorClass) continue;
     for (std::size_t j = 0; j < dark_px.size(); ++j) {
       const double distance_px = bright_px[i] + dark_px[j];
-      if (distance_px >= nearest_px) continue;
+      if (distance_px >= nearest_px || found.dark[j] == kNoColorClass) continue;
       const Label& label = palette_.label(found.bright[i], found.dark[j]);
       if (label == kUnknownLabel) continue;
       nearest_px = distance_px;

@@ -49,7 +49,9 @@ class SideSamples {
 
  private:
   struct Found;
-  void sample(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step, int count);
+  /// @param classes  room for `count` of them.
+  void sample(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step, int count,
+              std::int16_t* classes) const;
   ColorClass classAt(std::size_t distance, int first, int count) const;
   Found look(int first, int count) const;
 

@@ -36,12 +36,13 @@ class StepInGap final : public GapEvidence {
 class SolisDetector final : public SegmentDetector {
  public:
   SolisDetector(const SolisParams& params, const EdgeRowKernel& kernel)
-      : params_(params), edges_(kernel), run_finder_(params, kernel), merger_(kernel) {}
+      : params_(params), kernel_(kernel), edges_(kernel), run_finder_(params, kernel), merger_(kernel) {}
 
-  void detect(const cv::Mat& image, std::vector<RawSegment>& out) override {
+  void detect(const cv::Mat& given, std::vector<RawSegment>& out) override {
     out.clear();
-    checkPixelType(image);
-    if (image.cols < 16 || image.rows < 16) return;
+    checkPixelType(given);
+    if (given.cols < 16 || given.rows < 16) return;
+    const cv::Mat& image = grayOf(given);
     reserve(image.total());
     // Noise of the gradient, in the contrast of the step that would give it.
     const double noise = estimateNoise(image);
@@ -83,7 +84,19 @@ class SolisDetector final : public SegmentDetector {
     merger_.reserve(count);
   }
 
+  /// The brightness of a colour image, which is read many times.
+  const cv::Mat& grayOf(const cv::Mat& image) {
+    if (image.channels() == 1) return image;
+    gray_.create(image.size(), CV_8UC1);
+    for (int y = 0; y < image.rows; ++y) {
+      kernel_.gray(image.ptr<std::uint8_t>(y), image.cols, gray_.ptr<std::uint8_t>(y));
+    }
+    return gray_;
+  }
+
   SolisParams params_;
+  const EdgeRowKernel& kernel_;
+  cv::Mat gray_;
   std::size_t reserved_pixels_ = 0;
   EdgePointFinder edges_;
   LineRunFinder run_finder_;

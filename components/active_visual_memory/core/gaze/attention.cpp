@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
+#include <utility>
 
 #include "common/geometry/angles.h"
 #include "common/geometry/segment.h"
@@ -101,13 +101,16 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
   const auto key = [](AttentionKind kind, std::uint64_t id) {
     return 4 * id + static_cast<std::uint64_t>(kind);
   };
-  std::unordered_map<std::uint64_t, Object*> by_key;
-  for (Object& object : alive) by_key.emplace(key(object.kind, object.id), &object);
+  std::vector<std::pair<std::uint64_t, Object*>> by_key;
+  by_key.reserve(alive.size());
+  for (Object& object : alive) by_key.emplace_back(key(object.kind, object.id), &object);
+  std::sort(by_key.begin(), by_key.end());
   double highest = 0.0;
   std::erase_if(entries_, [&](Entry& entry) {
     if (entry.object_id != 0) {
-      const auto found = by_key.find(key(entry.point.kind, entry.object_id));
-      if (found == by_key.end()) return true;
+      const std::uint64_t wanted = key(entry.point.kind, entry.object_id);
+      const auto found = std::lower_bound(by_key.begin(), by_key.end(), std::pair{wanted, alive.data()});
+      if (found == by_key.end() || found->first != wanted) return true;
       entry.point.p_odom = found->second->place;
       found->second->old = true;
     }

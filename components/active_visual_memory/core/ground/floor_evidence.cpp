@@ -13,6 +13,14 @@ double difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return (a - b).cwiseAbs().maxCoeff();
 }
 
+/// Nearest of `size` pixels, or -1 outside; std::lround would dominate the sampling.
+int nearestPixel(double place, int size) {
+  if (!(place > -0.5 && place < size)) return -1;
+  const int below = static_cast<int>(place);
+  const int nearest = below + (place - below >= 0.5 ? 1 : 0);
+  return nearest < size ? nearest : -1;
+}
+
 }  // namespace
 
 FloorEvidence::FloorEvidence(const cv::Mat& image, const CameraIntrinsics& intrinsics, const Params& params)
@@ -20,9 +28,9 @@ FloorEvidence::FloorEvidence(const cv::Mat& image, const CameraIntrinsics& intri
 
 std::optional<Eigen::Vector3d> FloorEvidence::colourAt(const Eigen::Vector2d& px_ideal) const {
   const Eigen::Vector2d raw = distortPixel(intrinsics_, px_ideal);
-  const int u = static_cast<int>(std::lround(raw.x()));
-  const int v = static_cast<int>(std::lround(raw.y()));
-  if (u < 0 || v < 0 || u >= image_.cols || v >= image_.rows) return std::nullopt;
+  const int u = nearestPixel(raw.x(), image_.cols);
+  const int v = nearestPixel(raw.y(), image_.rows);
+  if (u < 0 || v < 0) return std::nullopt;
   if (image_.type() == CV_8UC3) {
     const auto& c = image_.at<cv::Vec3b>(v, u);
     return Eigen::Vector3d(c[0], c[1], c[2]);

@@ -27,15 +27,27 @@ bool encloseDarkStrip(const Segment2& one, const Segment2& other, const ShadowPa
 
 void withdrawShadows(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
                      const ShadowParams& params) {
+  struct Foot {
+    const MemoryElement* element;
+    Segment2 line;
+    double most_strength;  ///< of an edge of its shadow
+  };
+  std::vector<Foot> feet;
+  for (const MemoryElement& element : elements) {
+    if (!element.value.confirmed || !element.colours) continue;
+    feet.push_back({&element, element.line.segment(), params.strength_share * element.strength});
+  }
   for (MemorySegment& segment : segments) {
     if (!segment.confirmed) continue;
     const MemoryElement* element = findElement(elements, segment.id);
     if (!element || !element->colours) continue;
-    const bool of_shadow = std::any_of(elements.begin(), elements.end(), [&](const MemoryElement& foot) {
-      return foot.value.confirmed && foot.value.label == segment.label && foot.colours &&
-             element->strength <= params.strength_share * foot.strength &&
-             encloseDarkStrip(element->line.segment(), foot.line.segment(), params) &&
-             (foot.colours->left - element->colours->left).cwiseAbs().maxCoeff() > params.min_difference;
+    const Segment2 line = element->line.segment();
+    const double strength = element->strength;
+    const bool of_shadow = std::any_of(feet.begin(), feet.end(), [&](const Foot& foot) {
+      return strength <= foot.most_strength && encloseDarkStrip(line, foot.line, params) &&
+             foot.element->value.label == segment.label &&
+             (foot.element->colours->left - element->colours->left).cwiseAbs().maxCoeff() >
+                 params.min_difference;
     });
     if (of_shadow) segment.confirmed = false;
   }

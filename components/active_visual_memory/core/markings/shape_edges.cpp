@@ -49,10 +49,9 @@ MarkingEdge turned(const MarkingEdge& side) {
   return t;
 }
 
-/// The end edge from end b of one edge to end a of the other, square to the line.
+/// The end edge from end b of one edge to end a of the other, antiparallel one, square to the line.
 std::optional<LineEnd> endBetween(const MarkingEdge& one, const MarkingEdge& other,
                                   const ShapeEdges::Params& params) {
-  if (one.along.dot(other.along) > -std::cos(kMaxAngle_rad)) return std::nullopt;
   const double l1 = one.line.length();
   const double l2 = other.line.length();
   const Eigen::Vector2d u = (l1 * one.along - l2 * other.along).normalized();
@@ -134,13 +133,12 @@ bool endsAlone(const MarkingEdge& side, double width, double ahead_m, const Mark
   });
 }
 
-/// Both edges of a line marking end at one place.
+/// Both edges of a line marking end at one place. @param one, other  antiparallel.
 /// @return by how much end b of `one` lies behind end a of `other` [m]; empty if it does not, or if they are
 /// not the two edges of a line.
 std::optional<double> overshoot(const MarkingEdge& one, const MarkingEdge& other,
                                 const std::vector<MemorySegment>& segments,
                                 const ShapeEdges::Params& params) {
-  if (one.along.dot(other.along) > -std::cos(kMaxAngle_rad)) return std::nullopt;
   const double width = distanceToLine(other.line.middle(), one.line);
   if (width > params.line_width.max_m) return std::nullopt;  // edges of a distant narrow line coincide
   if (other.a.censored || other.a.views < kMinViews) return std::nullopt;
@@ -249,10 +247,12 @@ void ShapeEdges::addLineEnds(std::vector<MemorySegment>& segments, std::span<con
   }
   std::vector<MarkingEdge> lines;
   for (const MemoryElement* side : sides) lines.push_back(markingEdge(*side));
-  // Both edges of paint have equal contrast; those of a shadow strip differ.
+  // Both edges of paint are antiparallel and have equal contrast; those of a shadow strip differ.
+  const double least_against = -std::cos(kMaxAngle_rad);
   const auto areEdgesOfOneMarking = [&](std::size_t i, std::size_t k, double strength_share) {
+    if (lines[i].along.dot(lines[k].along) > least_against) return false;
     const auto [weak, strong] = std::minmax(sides[i]->strength, sides[k]->strength);
-    return i != k && sides[i]->value.label == sides[k]->value.label && weak >= strength_share * strong;
+    return sides[i]->value.label == sides[k]->value.label && weak >= strength_share * strong;
   };
   for (std::size_t i = 0; i < lines.size(); ++i) {
     for (std::size_t k = 0; k < lines.size(); ++k) {

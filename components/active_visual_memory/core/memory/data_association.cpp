@@ -9,13 +9,14 @@
 
 namespace vismem {
 
-std::optional<double> associationCost(const ImageSegment& observed, const Expectation& expected,
-                                      const AssociationParams& params) {
+namespace {
+
+/// @param angle  between both.
+std::optional<double> costAt(double angle, const ImageSegment& observed, const Expectation& expected,
+                             const AssociationParams& params) {
   if (!labelsCompatible(observed.label, expected.predicted.label)) return std::nullopt;
   const Segment2& o = observed.px;
   const Segment2& p = expected.predicted.px;
-  const double angle = lineAngleDifference(o.direction(), p.direction());
-  if (angle > params.max_angle_rad) return std::nullopt;
   const bool polarity_known =
       observed.strength >= params.min_polarity_strength && expected.strength >= params.min_polarity_strength;
   if (params.use_polarity && polarity_known && (o.b - o.a).dot(p.b - p.a) < 0.0) return std::nullopt;
@@ -38,8 +39,6 @@ std::optional<double> associationCost(const ImageSegment& observed, const Expect
   return normal / params.max_normal_px + angle / params.max_angle_rad + (1.0 - std::min(1.0, overlap));
 }
 
-namespace {
-
 /// Whether both lie on one straight line, as fragments of an edge do.
 bool inLine(const Segment2& fragment, const Segment2& match, const AssociationParams& params) {
   const double length = match.length();
@@ -53,12 +52,24 @@ bool inLine(const Segment2& fragment, const Segment2& match, const AssociationPa
 
 }  // namespace
 
+std::optional<double> associationCost(const ImageSegment& observed, const Expectation& expected,
+                                      const AssociationParams& params) {
+  const double angle = lineAngleDifference(observed.px.direction(), expected.predicted.px.direction());
+  if (angle > params.max_angle_rad) return std::nullopt;
+  return costAt(angle, observed, expected, params);
+}
+
 AssociationResult associate(const std::vector<ImageSegment>& observed,
                             const std::vector<Expectation>& expected, const AssociationParams& params) {
   std::vector<std::tuple<double, int, int>> candidates;
+  std::vector<double> directions;
+  for (const Expectation& e : expected) directions.push_back(e.predicted.px.direction());
   for (int o = 0; o < static_cast<int>(observed.size()); ++o) {
+    const double direction = observed[o].px.direction();
     for (int p = 0; p < static_cast<int>(expected.size()); ++p) {
-      if (const auto cost = associationCost(observed[o], expected[p], params)) {
+      const double angle = lineAngleDifference(direction, directions[p]);
+      if (angle > params.max_angle_rad) continue;
+      if (const auto cost = costAt(angle, observed[o], expected[p], params)) {
         candidates.emplace_back(*cost, o, p);
       }
     }

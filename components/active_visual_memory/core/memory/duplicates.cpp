@@ -31,6 +31,12 @@ Neighbourhood neighbourhood(const Segment2& base, const Segment2& other) {
           from - to};
 }
 
+Eigen::AlignedBox2d boxAround(const Segment2& segment, double margin_m) {
+  constexpr double kOblique = 1.1;  // the lines are compared square to one of them
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kOblique * margin_m);
+  return {segment.a.cwiseMin(segment.b) - margin, segment.a.cwiseMax(segment.b) + margin};
+}
+
 std::vector<FloorSegment> cleanDuplicates(const std::vector<FloorSegment>& segments, double max_angle_rad,
                                           double max_distance_m, double max_gap_m) {
   std::vector<FloorSegment> clean;

@@ -2,6 +2,7 @@
 /// Pure. Implements M2. See M3.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "active_visual_memory/core/ground/floor_segment.h"
@@ -23,6 +24,10 @@ struct Neighbourhood {
 
 /// @param base  of length > 0.
 Neighbourhood neighbourhood(const Segment2& base, const Segment2& other);
+
+/// Box around a segment. Segments with a neighbourhood of at most 0.12 rad, `d` [m] and a gap of `g` [m] have
+/// boxes that meet when one of them has the margin `d + g`: a fast test before the exact one.
+Eigen::AlignedBox2d boxAround(const Segment2& segment, double margin_m = 0.0);
 
 /// The gates of `Memory.Near.*` are multiplied by this within one image. Copies of a line in one image share
 /// the errors of camera pose and odometry, so they agree better with each other than an image agrees with the

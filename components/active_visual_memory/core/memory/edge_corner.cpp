@@ -18,8 +18,8 @@ double endReach(const ExtentEnd& end, const CornerParams& params) {
 
 bool findCorner(const CornerEdge& one, const CornerEdge& other, const CornerParams& params,
                 EdgeCorner& corner) {
-  if (one.element->line.endB().censored || other.element->line.endA().censored) return false;
   if ((one.line.b - other.line.a).norm() > 2.0 * params.most_reach_m) return false;
+  if (one.element->line.endB().censored || other.element->line.endA().censored) return false;
   const double cross = cross2(one.along, other.along);
   if (std::abs(cross) < std::sin(params.min_angle_rad)) return false;
   const Eigen::Vector2d between = other.line.a - one.line.b;

@@ -40,7 +40,9 @@ struct MemoryElement {
   bool on_floor = false;  ///< its floor place rests while the camera moves (M1)
   bool stands = false;    ///< its floor place moves with the camera: it is off the floor or moves by itself
   bool not_vertical = false;  ///< a view across the viewing ray excluded a vertical edge
-  FloorLine anchor_line;      ///< the line at the first sample of `parallax`
+  /// Whether it rests for good: parallax and anchor line are not used any more.
+  bool isVerified() const { return on_floor && not_vertical; }
+  FloorLine anchor_line;  ///< the line at the first sample of `parallax`
   Eigen::Vector2d anchor_camera = Eigen::Vector2d::Zero();
   double anchor_turn_rad = 0.0;
   double seen_travel_m = 0.0;  ///< odometer when last fused

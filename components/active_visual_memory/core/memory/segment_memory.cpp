@@ -188,7 +188,7 @@ void SegmentMemory::addEndParallax(MemoryElement& element, const FloorSegment& o
 
 void SegmentMemory::verifyOnFloor(MemoryElement& element, const FloorSegment& observed, const View& view) {
   // An edge seen only along the viewing ray may still be vertical.
-  if (!params_.confirmation.by_parallax || (element.on_floor && element.not_vertical)) return;
+  if (!params_.confirmation.by_parallax || element.isVerified()) return;
   renewAnchor(element, observed, view);
   const double drift = driftSinceAnchor(element, (observed.odom.middle() - view.camera).norm());
   addOffsetParallax(element, observed, view, drift);
@@ -398,10 +398,12 @@ MemoryElement* SegmentMemory::nearest(const FloorSegment& segment, const View& v
   const double distance = (segment.odom.middle() - view.camera).norm();
   MemoryElement* best = nullptr;
   double best_distance = params_.gates.near_distance_m + kFarDistanceShare * distance;
+  const Eigen::AlignedBox2d around = boxAround(segment.odom, kMaxGap_m + best_distance);
   for (const int i : cache(view.observation.T_odom_robot)) {
     MemoryElement& element = elements_[i];
-    if (!labelsCompatible(element.value.label, segment.label)) continue;
     const Segment2 stored = element.line.segment();
+    if (!around.intersects(boxAround(stored)) || !labelsCompatible(element.value.label, segment.label))
+      continue;
     if (!samePolarity(stored, element.strength, segment.odom, segment.strength)) continue;
     const Neighbourhood near = neighbourhood(stored, segment.odom);
     if (near.angle_rad > kNearAngle_rad || near.gap_m > kMaxGap_m) continue;

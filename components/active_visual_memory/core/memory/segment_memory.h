@@ -21,7 +21,7 @@ namespace vismem {
 /// Motion prediction (M6): elements rest in odom and only the camera moves; the estimated odometry drift
 /// moves all elements together, so that they stay right relative to the robot. Elements within
 /// `cache_radius_m` serve matching and fusion (M5). Invariants: life in [threshold, maximum]; at most
-/// max_elements; ids are never used twice.
+/// max_elements; ids are never used twice and ascend.
 class SegmentMemory {
  public:
   using Params = SegmentMemoryParams;
@@ -160,6 +160,7 @@ class SegmentMemory {
   bool isFree(const Segment2& place, const MemoryElement& element, const View& view) const;
   bool isOfAnotherKind(const Segment2& place, const MemoryElement& element,
                        const std::vector<FloorSegment>& floor) const;
+  static bool areDuplicates(const MemoryElement& a, const MemoryElement& b, double reach_m);
   /// Joins pairs within the gates, except across ends marked as split.
   void mergeDuplicates(const std::vector<int>& cached);
   void publish(MemoryElement& element) const;

@@ -80,6 +80,7 @@ void SegmentMemory::applyCorrection(const Correction& correction, std::vector<Fl
     } else {
       element.line.applyTiltChange(correction.camera_tilt);
     }
+    if (element.isVerified()) continue;
     element.anchor_line.applyTiltChange(correction.camera_tilt);
     element.parallax.applyTiltChange(correction.camera_tilt);
   }

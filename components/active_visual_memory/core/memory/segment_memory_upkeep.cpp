@@ -22,7 +22,7 @@ void SegmentMemory::transformAll(const PlanarIncrement& motion) {
   if (motion.turn_rad == 0.0 && motion.shift.isZero()) return;
   for (MemoryElement& element : elements_) {
     element.line.transform(motion);
-    element.anchor_line.transform(motion);
+    if (!element.isVerified()) element.anchor_line.transform(motion);
     element.anchor_camera = motion.apply(element.anchor_camera);
     for (MemoryElement::GapVotes& gap : element.gaps) {
       gap.from = motion.apply(gap.from);
@@ -72,33 +72,56 @@ void SegmentMemory::merge(const View& view) {
   mergeDuplicates(cached);
 }
 
+bool SegmentMemory::areDuplicates(const MemoryElement& a, const MemoryElement& b, double reach_m) {
+  if (!labelsCompatible(a.value.label, b.value.label)) return false;
+  const Segment2 sa = a.line.segment();
+  const Segment2 sb = b.line.segment();
+  if (!samePolarity(sa, a.strength, sb, b.strength)) return false;
+  const bool a_longer = a.line.length() >= b.line.length();
+  const Neighbourhood near = neighbourhood(a_longer ? sa : sb, a_longer ? sb : sa);
+  if (near.angle_rad > kNearAngle_rad || near.gap_m > kMaxGap_m) return false;
+  const double sigma = std::sqrt(a.line.offsetVariance(0.0) + b.line.offsetVariance(0.0));
+  if (near.distance_m > std::min(reach_m, 0.02 + 3.0 * sigma)) return false;
+  if (areSplit(a.line, b.line)) return false;
+  // Pieces that only touch end to end must have nearly one direction.
+  return near.gap_m <= 0.0 || near.angle_rad <= kDuplicateGateShare * kNearAngle_rad;
+}
+
 void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
+  // Lines of one filter share their errors, so copies may lie further apart.
+  const double reach = (params_.estimation.enabled ? kMapFilterReach : 1.0) * params_.gates.near_distance_m;
+  struct Candidate {
+    Eigen::AlignedBox2d box;
+    bool observed;
+    bool gone;
+  };
+  std::vector<Candidate> candidates;
+  candidates.reserve(cached.size());
+  for (const int i : cached) {
+    const MemoryElement& element = elements_[i];
+    candidates.push_back({boxAround(element.line.segment()), element.sighting == Sighting::kObserved, false});
+  }
+  // Only observed elements have changed: the others are compared with the next observed ones.
+  std::vector<std::size_t> next_observed(cached.size() + 1, cached.size());
+  for (std::size_t n = cached.size(); n-- > 0;) {
+    next_observed[n] = candidates[n].observed ? n : next_observed[n + 1];
+  }
   std::vector<bool> gone(elements_.size(), false);
   for (std::size_t m = 0; m < cached.size(); ++m) {
+    Candidate& a = candidates[m];
+    if (a.gone) continue;
+    Eigen::AlignedBox2d near = boxAround(elements_[cached[m]].line.segment(), kMaxGap_m + reach);
     for (std::size_t n = m + 1; n < cached.size(); ++n) {
-      MemoryElement& a = elements_[cached[m]];
-      const MemoryElement& b = elements_[cached[n]];
-      if (gone[cached[m]]) break;
-      if (gone[cached[n]]) continue;
-      // Only observed elements have changed.
-      if (a.sighting != Sighting::kObserved && b.sighting != Sighting::kObserved) continue;
-      if (!labelsCompatible(a.value.label, b.value.label)) continue;
-      const Segment2 sa = a.line.segment();
-      const Segment2 sb = b.line.segment();
-      if (!samePolarity(sa, a.strength, sb, b.strength)) continue;
-      const bool a_longer = a.line.length() >= b.line.length();
-      const Neighbourhood near = neighbourhood(a_longer ? sa : sb, a_longer ? sb : sa);
-      if (near.angle_rad > kNearAngle_rad || near.gap_m > kMaxGap_m) continue;
-      const double sigma = std::sqrt(a.line.offsetVariance(0.0) + b.line.offsetVariance(0.0));
-      // Lines of one filter share their errors, so copies may lie further apart.
-      const double reach =
-          (params_.estimation.enabled ? kMapFilterReach : 1.0) * params_.gates.near_distance_m;
-      if (near.distance_m > std::min(reach, 0.02 + 3.0 * sigma)) continue;
-      if (areSplit(a.line, b.line)) continue;
-      // Pieces that only touch end to end must have nearly one direction.
-      if (near.gap_m > 0.0 && near.angle_rad > kDuplicateGateShare * kNearAngle_rad) continue;
-      join(a, b);
-      gone[cached[n]] = true;
+      if (!a.observed) n = next_observed[n];
+      if (n == cached.size()) break;
+      Candidate& b = candidates[n];
+      if (b.gone || !near.intersects(b.box)) continue;
+      MemoryElement& whole = elements_[cached[m]];
+      if (!areDuplicates(whole, elements_[cached[n]], reach)) continue;
+      join(whole, elements_[cached[n]]);
+      gone[cached[n]] = b.gone = true;
+      a.observed = true;
+      near = boxAround(whole.line.segment(), kMaxGap_m + reach);
     }
   }
   std::size_t kept = 0;
