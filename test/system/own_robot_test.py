@@ -99,7 +99,7 @@ class WrongInput(Wizard):
         self.assertIn("next: scripts/own_robot mine start", self.step())
 
     def test_wrong_arguments_are_named_with_what_is_expected(self):
-        self.assertIn("--simulated moon: no such world (expected an SDF file or one of corridor", self.step("start", "--simulated", "moon", code=2))
+        self.assertIn("--simulated moon: no such world (expected an SDF file or one of alike_wings corridor", self.step("start", "--simulated", "moon", code=2))
         self.assertIn("found --fast", self.step("start", "--fast", code=2))
         self.assertIn("--bag none.bag: no such file (expected a ROS 1 bag", self.step("drive", "--bag", "none.bag", code=2))
         self.assertIn("cfg: a folder without a bag", self.step("drive", "--bag", "cfg", code=2))
