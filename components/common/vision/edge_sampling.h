@@ -1,6 +1,7 @@
 /// @file Brightness beside a segment. Pure. Used by detectors and labeller.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
@@ -22,6 +23,12 @@ inline int brightness(const std::uint8_t* row, int x, int channels) {
 /// Gray image of a CV_8UC1 (shared) or CV_8UC3 (R, G, B) image.
 /// @throws std::invalid_argument for another type.
 cv::Mat toGray(const cv::Mat& image);
+
+/// Nearest of `size` pixels to a coordinate, or -1 outside, faster than std::lround.
+inline int nearestPixel(double value, int size) {
+  if (!(value > -0.5 && value < size - 0.5)) return -1;
+  return std::min(static_cast<int>(value + 0.5), size - 1);
+}
 
 /// Unit normal to the left of a -> b, as seen on the screen (v points down). Length must be > 0.
 Eigen::Vector2d leftNormal(const Segment2& px);

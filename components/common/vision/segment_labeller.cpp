@@ -32,12 +32,6 @@ void checkDistances(const std::vector<double>& distances_px) {
   }
 }
 
-/// Nearest pixel to a coordinate, or -1 outside.
-int nearestPixel(double value, int size) {
-  if (!(value > -0.5 && value < size - 0.5)) return -1;
-  return std::min(static_cast<int>(value + 0.5), size - 1);
-}
-
 }  // namespace
 
 /// Both sides, and the label of the nearest pair of distances that has a name, or kUnknownLabel.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/geometry/plane.h"
+#include "common/vision/edge_sampling.h"
 
 namespace vismem {
 namespace {
@@ -11,14 +12,6 @@ namespace {
 /// The largest difference of a channel.
 double difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return (a - b).cwiseAbs().maxCoeff();
-}
-
-/// Nearest of `size` pixels, or -1 outside; std::lround would dominate the sampling.
-int nearestPixel(double place, int size) {
-  if (!(place > -0.5 && place < size)) return -1;
-  const int below = static_cast<int>(place);
-  const int nearest = below + (place - below >= 0.5 ? 1 : 0);
-  return nearest < size ? nearest : -1;
 }
 
 }  // namespace
