@@ -26,7 +26,7 @@ struct LandmarkEndParams {
 /// called when the graph is near its solution.
 void updateEnds(const DriveRecord& record, const LandmarkEndParams& params, MapState& state);
 
-/// Removes landmarks of which fewer than `least_views` sightings cannot be of an upright edge. @return how
+/// Removes landmarks unless `least_views` of their sightings cannot be of an upright edge. @return how
 /// many.
 int dropUprights(const DriveRecord& record, const LandmarkEndParams& params, int least_views,
                  MapState& state);

@@ -101,7 +101,8 @@ struct LandmarkParams {
 /// The camera of a keyframe in world, with the estimated tilts.
 Pose3 cameraOf(const DriveRecord& record, const MapState& state, int keyframe);
 
-/// Dead reckoning of the keyframes from the origin, and a landmark for each confirmed element.
+/// Dead reckoning of the keyframes from the origin, and a landmark for each element that was seen often
+/// enough.
 MapState initialState(const DriveRecord& record, const LandmarkParams& params);
 
 }  // namespace vismem
