@@ -76,6 +76,50 @@ TEST(SideSamples, AWindowHasTheLabelOfThatPartOfTheSegment) {
   EXPECT_GT(seen.size(), 1U);
 }
 
+// The colours of a surface near the border of its class: noise moves half of the samples out of it.
+TEST(LabelSegment, NamesNoisySurfacesByTheirMeanColour) {
+  const Palette palette = Palette::parse(
+      "class.floor = saturation 12..100\nclass.paint = saturation 0..11.99\npair.edge = floor paint\n",
+      "a.palette");
+  const Segment2 middle{{40, 120}, {280, 120}};
+  // Saturations 13.5 % and 10.5 %.
+  const cv::Mat clean = stripeImage(middle, 40.0, cv::Scalar(100, 93, 86.5), cv::Scalar(200, 189, 179));
+  const Segment2 edge{{50, 100}, {270, 100}};
+  LabellerParams majority_only;
+  majority_only.maximum_scatter = 0.0;
+  int named = 0;
+  int by_majority = 0;
+  constexpr int kSeeds = 50;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    cv::Mat noise(clean.size(), CV_16SC3);
+    cv::RNG(seed).fill(noise, cv::RNG::NORMAL, 0.0, 10.0);
+    cv::Mat wide;
+    clean.convertTo(wide, CV_16SC3);
+    wide += noise;
+    cv::Mat image;
+    wide.convertTo(image, CV_8UC3);
+    for (int i = 0; i < 10; ++i) {
+      const Segment2 part{edge.a + Eigen::Vector2d(20.0 * i, 0.0),
+                          edge.a + Eigen::Vector2d(20.0 * i + 18.0, 0.0)};
+      named += labelSegment(image, part, palette, {}).label == "edge";
+      by_majority += labelSegment(image, part, palette, majority_only).label == "edge";
+    }
+  }
+  EXPECT_GE(named, 9 * kSeeds) << "of " << 10 * kSeeds;
+  EXPECT_LE(by_majority, 6 * kSeeds) << "the majority alone";
+}
+
+TEST(LabelSegment, GivesAMixtureOfTwoSurfacesNoClassOfItsOwn) {
+  // Half of the darker side is black, half is white: their mean is the grey of a class.
+  const Palette palette = Palette::parse(
+      "class.black = value 0..10\nclass.white = value 90..100\nclass.grey = value 40..60\npair.edge = white "
+      "grey\n",
+      "a.palette");
+  cv::Mat image(240, 320, CV_8UC3, cv::Scalar(250, 250, 250));
+  for (int u = 0; u < image.cols; u += 2) image(cv::Rect(u, 100, 1, 60)) = cv::Scalar(5, 5, 5);
+  EXPECT_EQ(labelSegment(image, {{50, 100}, {250, 100}}, palette, {}).label, kUnknownLabel);
+}
+
 TEST(LabelSegment, NamesThePairOnBothSides) {
   const auto palette = fieldPalette();
   cv::Mat image(240, 320, CV_8UC3, kGrass);

@@ -12,7 +12,6 @@ namespace vismem {
 namespace {
 
 constexpr std::size_t kMaximumDistances = 16;
-constexpr std::int16_t kOutside = -1;
 
 /// Colour classes at the distances of one side.
 using Side = std::array<ColorClass, kMaximumDistances>;
@@ -51,49 +50,72 @@ SideSamples::SideSamples(const cv::Mat& image, const Segment2& px, double first_
   const double length = px.length();
   if (image.type() != CV_8UC3 || !(length > 0.0)) return;
   count_ = count;
-  classes_.resize((params.bright_distances_px.size() + params.dark_distances_px.size()) *
+  samples_.resize((params.bright_distances_px.size() + params.dark_distances_px.size()) *
                   static_cast<std::size_t>(count));
-  std::int16_t* classes = classes_.data();
+  Sample* samples = samples_.data();
   const Eigen::Vector2d along = (px.b - px.a) / length;
   const Eigen::Vector2d first = px.a + first_px * along;
   const Eigen::Vector2d normal = leftNormal(px);
   const auto sampleAt = [&](double aside_px) {
-    sample(image, first + aside_px * normal, step_px * along, count, classes);
-    classes += count;
+    sample(image, first + aside_px * normal, step_px * along, count, samples);
+    samples += count;
   };
   for (const double d : params.bright_distances_px) sampleAt(d);
   for (const double d : params.dark_distances_px) sampleAt(-d);
 }
 
 void SideSamples::sample(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step,
-                         int count, std::int16_t* classes) const {
+                         int count, Sample* samples) const {
   for (int i = 0; i < count; ++i) {
     const int x = nearestPixel(first.x() + i * step.x(), image.cols);
     const int y = nearestPixel(first.y() + i * step.y(), image.rows);
-    classes[i] = kOutside;
+    samples[i] = {};
     if (x < 0 || y < 0) continue;
-    const std::uint8_t* color = image.ptr<std::uint8_t>(y) + 3 * static_cast<std::ptrdiff_t>(x);
-    classes[i] = palette_.classOf(color[0], color[1], color[2]);
+    const std::uint8_t* rgb = image.ptr<std::uint8_t>(y) + 3 * static_cast<std::ptrdiff_t>(x);
+    samples[i] = {{rgb[0], rgb[1], rgb[2]}, palette_.classOf(rgb[0], rgb[1], rgb[2])};
   }
 }
 
-/// The majority class of samples at a distance, or kNoColorClass without a clear majority.
 ColorClass SideSamples::classAt(std::size_t distance, int first, int count) const {
-  const std::int16_t* begin = classes_.data() + distance * static_cast<std::size_t>(count_) + first;
-  const std::int16_t* end = begin + count;
-  const auto inside = count - std::count(begin, end, kOutside);
+  const std::span samples(samples_.data() + distance * static_cast<std::size_t>(count_) + first,
+                          static_cast<std::size_t>(count));
+  const auto votesFor = [&](std::int16_t color_class) {
+    return std::count_if(samples.begin(), samples.end(),
+                         [=](const Sample& one) { return one.color_class == color_class; });
+  };
+  const auto inside = static_cast<int>(count - votesFor(kOutside));
+  if (inside == 0) return kNoColorClass;
   std::ptrdiff_t most = 0;
   std::int16_t best = kNoColorClass;
-  for (const std::int16_t* one = begin; one != end; ++one) {
-    if (*one <= kNoColorClass || *one == best) continue;
-    const auto votes = std::count(begin, end, *one);
-    if (votes < most || (votes == most && *one > best)) continue;
+  for (const Sample& one : samples) {
+    if (one.color_class <= kNoColorClass || one.color_class == best) continue;
+    const auto votes = votesFor(one.color_class);
+    if (votes < most || (votes == most && one.color_class > best)) continue;
     most = votes;
-    best = *one;
+    best = one.color_class;
   }
-  const bool is_clear =
-      inside > 0 && static_cast<double>(most) >= params_.minimum_majority * static_cast<double>(inside);
-  return is_clear ? static_cast<ColorClass>(best) : kNoColorClass;
+  if (static_cast<double>(most) >= params_.minimum_majority * inside) return static_cast<ColorClass>(best);
+  return meanClass(samples, inside);
+}
+
+/// Noise scatters the samples of one surface over neighbouring classes; their mean has its colour.
+ColorClass SideSamples::meanClass(std::span<const Sample> samples, int inside) const {
+  std::array<int, 3> sum{};
+  int squares = 0;
+  for (const Sample& one : samples) {
+    if (one.color_class == kOutside) continue;
+    for (std::size_t c = 0; c < sum.size(); ++c) {
+      sum[c] += one.rgb[c];
+      squares += one.rgb[c] * one.rgb[c];
+    }
+  }
+  const double of_means = (static_cast<double>(sum[0]) * sum[0] + static_cast<double>(sum[1]) * sum[1] +
+                           static_cast<double>(sum[2]) * sum[2]) /
+                          inside;
+  const double variance = (squares - of_means) / (3.0 * inside);
+  if (variance > params_.maximum_scatter * params_.maximum_scatter) return kNoColorClass;
+  const auto mean = [&](std::size_t c) { return static_cast<std::uint8_t>((sum[c] + inside / 2) / inside); };
+  return palette_.classOf(mean(0), mean(1), mean(2));
 }
 
 SideSamples::Found SideSamples::look(int first, int count) const {

@@ -1,7 +1,9 @@
 /// @file The colour label of a segment. Pure. Implements V3.
 #pragma once
 
+#include <array>
 #include <opencv2/core/mat.hpp>
+#include <span>
 #include <vector>
 
 #include "common/geometry/segment.h"
@@ -17,7 +19,10 @@ struct LabellerParams {
   std::vector<double> dark_distances_px{1.5, 2.5, 3.5};
   int samples = 9;                ///< along the segment, at each distance
   double trim = 0.1;              ///< share of the length left out at each end, because of corners
-  double minimum_majority = 0.6;  ///< share of the samples of a side that must have one class
+  double minimum_majority = 0.6;  ///< share of the samples of a side that must have one class; else ..
+  /// .. the mean colour decides, if the samples are of one surface: largest standard deviation of a channel
+  /// [grey levels], above the noise of cameras and below the steps between materials.
+  double maximum_scatter = 20.0;
 };
 
 /// Colour classes on both sides of a segment, and its label.
@@ -28,9 +33,9 @@ struct SegmentSides {
 };
 
 /// Colour classes beside a segment at equal steps along it, at all distances: any window of them has a label.
-/// The class of a side at a distance is that of most samples there. The label is that of the nearest pair of
-/// distances whose classes are a named pair; without one, each side has the class of its nearest distance
-/// with one. *Immutable.*
+/// The class of a side at a distance is that of most samples there, or of their mean colour. The label is
+/// that of the nearest pair of distances whose classes are a named pair; without one, each side has the class
+/// of its nearest distance with one. *Immutable.*
 class SideSamples {
  public:
   /// @param image    CV_8UC3, order R, G, B; a gray image gives kUnknownLabel.
@@ -49,17 +54,25 @@ class SideSamples {
 
  private:
   struct Found;
-  /// @param classes  room for `count` of them.
+  static constexpr std::int16_t kOutside = -1;
+  struct Sample {
+    std::array<std::uint8_t, 3> rgb{};
+    std::int16_t color_class = kOutside;
+  };
+  /// @param samples  room for `count` of them.
   void sample(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step, int count,
-              std::int16_t* classes) const;
+              Sample* samples) const;
+  /// The majority class of samples at a distance; without one that of their mean colour; else kNoColorClass.
   ColorClass classAt(std::size_t distance, int first, int count) const;
+  /// @param inside  samples inside the image, > 0.
+  ColorClass meanClass(std::span<const Sample> samples, int inside) const;
   Found look(int first, int count) const;
 
   const Palette& palette_;
   const LabellerParams& params_;
   int count_ = 0;  ///< along the segment; 0: there is nothing to sample
-  /// By distance, the bright side first, then along the segment: a class, or kOutside.
-  std::vector<std::int16_t> classes_;
+  /// By distance, the bright side first, then along the segment.
+  std::vector<Sample> samples_;
 };
 
 /// Of the whole segment, by LabellerParams::samples and trim. As SideSamples.
