@@ -53,6 +53,11 @@ void absorb(MemoryElement& element, const MemoryElement& other, const FloorLine:
   element.sightings = std::max(element.sightings, other.sightings);
 }
 
+bool isLocated(const MemorySegment& published) {
+  const double largest = std::max(published.P_a.trace(), published.P_b.trace());
+  return 0.5 * largest <= kMaxConfirmedSigma_m * kMaxConfirmedSigma_m;
+}
+
 void publish(MemoryElement& element, bool confirmed, const CameraTiltCovariance& P_tilt) {
   const Segment2 floor = element.line.segment();
   element.value.odom = {{floor.a.x(), floor.a.y(), 0.0}, {floor.b.x(), floor.b.y(), 0.0}};

@@ -74,6 +74,12 @@ const MemoryElement* findElement(std::span<const MemoryElement> elements, std::u
 /// Joins another element that is a piece or a copy of the same edge; the id stays (M2, M9).
 void absorb(MemoryElement& element, const MemoryElement& other, const FloorLine::Params& params);
 
+/// Standard deviation of an end up to which parallax confirms an element: clients rely on its place [m].
+inline constexpr double kMaxConfirmedSigma_m = 0.12;
+
+/// Whether both published ends are known to kMaxConfirmedSigma_m in the mean of all directions.
+bool isLocated(const MemorySegment& published);
+
 /// Updates `value` from the state.
 /// @param confirmed  whether it counts as confirmed.
 /// @param P_tilt     covariance of the camera tilt [rad^2].

@@ -10,12 +10,12 @@
 namespace vismem {
 namespace {
 
-/// Whether it has a label, two true ends, and no parallax off the floor. A censored edge may continue
-/// anywhere.
+/// Whether it is located and has a label, two true ends, and no parallax off the floor. A censored edge may
+/// continue anywhere.
 bool mayBeConfirmed(const MemoryElement& element, double least_length_m, const CornerParams& params) {
   const FloorLine& line = element.line;
-  return !element.stands && element.value.label != kUnknownLabel && !line.endA().censored &&
-         !line.endB().censored && line.endA().views >= params.min_views &&
+  return !element.stands && isLocated(element.value) && element.value.label != kUnknownLabel &&
+         !line.endA().censored && !line.endB().censored && line.endA().views >= params.min_views &&
          line.endB().views >= params.min_views && line.length() >= least_length_m;
 }
 

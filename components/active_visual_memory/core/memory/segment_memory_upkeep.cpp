@@ -172,6 +172,7 @@ void SegmentMemory::publish(MemoryElement& element) const {
   const bool large = !params_.confirmation.by_parallax || !params_.confirmation.snap_to_dominant_direction ||
                      length >= least;
   vismem::publish(element, element.on_floor && named && large, cameraTiltCovariance());
+  if (params_.confirmation.by_parallax && !isLocated(element.value)) element.value.confirmed = false;
   if (!snaps) return;
   const Eigen::Vector2d middle = 0.5 * (element.value.odom.a + element.value.odom.b).head<2>();
   const Eigen::Vector2d half = 0.5 * length * (Eigen::Rotation2Dd(-off) * element.line.along());

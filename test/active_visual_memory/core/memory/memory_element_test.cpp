@@ -56,6 +56,19 @@ TEST(MemoryElement, AbsorbingAPieceKeepsTheIdTheLongestExtentAndTheBetterValues)
   EXPECT_NEAR(element.line.segment().b.x(), 1.8, 0.01);
 }
 
+TEST(MemoryElement, IsLocatedIfBothEndsAreKnown) {
+  MemorySegment segment;
+  const auto withSigma = [](double sigma_m) {
+    Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
+    P.topLeftCorner<2, 2>() = sigma_m * sigma_m * Eigen::Matrix2d::Identity();
+    return P;
+  };
+  segment.P_a = segment.P_b = withSigma(0.9 * kMaxConfirmedSigma_m);
+  EXPECT_TRUE(isLocated(segment));
+  segment.P_b = withSigma(1.1 * kMaxConfirmedSigma_m);
+  EXPECT_FALSE(isLocated(segment)) << "one end is unknown";
+}
+
 TEST(MemoryElement, PublishedCovariancesContainTheUnknownCameraTilt) {
   FloorSegment segment = observed({{2.0, -0.5}, {2.0, 0.5}});
   segment.D_a(0, 2) = segment.D_b(0, 2) = 10.0;  // 10 m of x per radian of camera pitch

@@ -32,6 +32,11 @@ TEST(PlaneConfirmation, ConfirmsAnEdgeBetweenTwoConfirmedCorners) {
   MemoryElement unknown = seen(2, middle);
   unknown.value.label = kUnknownLabel;
   EXPECT_FALSE(confirms(unknown));
+  std::vector<MemoryElement> vague{seen(1, first), seen(2, middle), seen(3, last)};
+  publish(vague[1], false, CameraTiltCovariance::Zero());
+  vague[1].value.P_a.topLeftCorner<2, 2>() += 0.04 * Eigen::Matrix2d::Identity();
+  confirmBetweenCorners(vague, {});
+  EXPECT_FALSE(vague[1].value.confirmed) << "an end is known to 20 cm";
   // The ends of a narrow line meet its edges; what is as short has no direction.
   std::vector<MemoryElement> thin{seen(1, kLower), seen(2, {{1.0, 0.0}, {1.0, 0.05}}), seen(3, kUpper)};
   publish(thin[1], false, CameraTiltCovariance::Zero());
