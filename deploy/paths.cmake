@@ -14,8 +14,8 @@ endif()
 set(SETUPS ${etc}/vismem)
 set(units ${lib}/systemd/system)
 
-# The programs that run as units. The recorder starts on request only.
-set(components active_visual_memory base_server camera_server fleet_agent localization pantilt_server recorder replay_server simulator)
+# The programs that run as units. Recorder and mapper start on request only.
+set(components active_visual_memory base_server camera_server fleet_agent localization mapper pantilt_server recorder replay_server simulator)
 
 # install_file(INPUT OUTPUT [EXECUTABLE]): replaces @NAME@ and writes OUTPUT, a path of the installation.
 function(install_file input output)

@@ -37,12 +37,14 @@ struct View {
 
 class DrawnRoom {
  public:
-  explicit DrawnRoom(unsigned seed) : random_(seed) {
+  /// @param drift  of the exposure from the first to the last image [powers of two].
+  explicit DrawnRoom(unsigned seed, double drift = 0.0) : random_(seed) {
     colours_[kFloor] = rgbOf(uniform(0, 360), uniform(0.0, 0.25), uniform(0.16, 0.3));
     colours_[kWall] = rgbOf(uniform(20, 60), uniform(0.2, 0.4), uniform(0.6, 0.8));
     colours_[kDoor] = rgbOf(uniform(90, 330), uniform(0.65, 0.9), uniform(0.4, 0.7));
     colours_[kLine] = rgbOf(0, 0.0, uniform(0.88, 0.95));
-    for (int i = 0; i < kImages; ++i) views_.push_back(draw());
+    for (int i = 0; i < kImages; ++i)
+      views_.push_back(draw(std::exp2(drift * (static_cast<double>(i) / (kImages - 1) - 0.5))));
   }
 
   const std::vector<View>& views() const { return views_; }
@@ -71,7 +73,7 @@ class DrawnRoom {
  private:
   double uniform(double low, double high) { return std::uniform_real_distribution(low, high)(random_); }
 
-  View draw() {
+  View draw(double exposure) {
     const int foot = static_cast<int>(uniform(90, 130));
     View view{cv::Mat(kSize, CV_8UC3, colours_[kWall]), cv::Mat(kSize, CV_8UC1, cv::Scalar(kWall))};
     const auto fill = [&](const cv::Rect& where, Surface surface) {
@@ -83,8 +85,8 @@ class DrawnRoom {
     fill({0, static_cast<int>(uniform(160, 220)), kSize.width, 12}, kLine);
     cv::GaussianBlur(view.image, view.image, {}, 0.8);
     // Light falls off to one side.
-    const double left = uniform(0.7, 1.1);
-    const double right = uniform(0.7, 1.1);
+    const double left = exposure * uniform(0.7, 1.1);
+    const double right = exposure * uniform(0.7, 1.1);
     cv::Mat noisy;
     view.image.convertTo(noisy, CV_32FC3);
     std::normal_distribution<float> noise(0.0F, 2.0F);
@@ -157,6 +159,22 @@ TEST_P(PaletteLearnerDrawn, GivesEverySurfaceAClassOfItsOwnWithoutAClick) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Rooms, PaletteLearnerDrawn, testing::Range(1U, 13U));
+
+// Research, section 9: a camera whose exposure is not locked while it learns.
+TEST(PaletteLearner, AnExposureThatDriftsWhileLearningIsLearntOver) {
+  for (const unsigned seed : {2U, 4U, 6U}) {
+    const DrawnRoom room(seed, 0.5);
+    const LearntPalette learnt = room.seen().learn();
+    const Palette palette = Palette::parse(learnt.text(), "learnt");
+    std::set<std::string> names;
+    for (const Surface surface : {kFloor, kWall, kLine}) {
+      const auto shares = classesOf(palette, room.views(), surface);
+      const std::string name = mostFrequent(shares);
+      EXPECT_TRUE(names.insert(name).second) << "seed " << seed << " " << surface << " is " << name;
+      EXPECT_GE(shares.at(name), 0.9) << "seed " << seed << " " << name << "\n" << learnt.text();
+    }
+  }
+}
 
 TEST(PaletteLearner, ClicksNameTheClasses) {
   const DrawnRoom room(3);

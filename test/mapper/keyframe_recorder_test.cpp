@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/geometry/angles.h"
+#include "common/vision/reduced_image.h"
 
 namespace vismem {
 namespace {
@@ -28,7 +29,9 @@ class OneLine {
     cv::rectangle(observation.frame.image, {from, kRow - side_px, to - from, side_px},
                   cv::Scalar(value, value, value), cv::FILLED);
   }
-  LineSighting recorded(double from, double to) {
+  LineSighting recorded(double from, double to) { return recorded(from, to, observation.frame.intrinsics); }
+  /// @param seen  lens of the image that the memory analysed.
+  LineSighting recorded(double from, double to, const CameraIntrinsics& seen) {
     auto analysis = std::make_shared<ImageAnalysis>();
     analysis->stamp_us = observation.frame.stamp_us;
     ImageSegment segment;
@@ -37,10 +40,12 @@ class OneLine {
     analysis->observed = {segment};
     analysis->predicted = {{7, segment.px, "marking"}};
     analysis->matches = {{0, 0}};
+    analysis->intrinsics = seen;
+    analysis->T_robot_camera = observation.T_robot_camera;
     auto snapshot = std::make_shared<MemorySnapshot>();
     KeyframeRecorder recorder(KeyframeParams{});
-    EXPECT_TRUE(recorder.add(observation, {snapshot, analysis}, {}));
-    const DriveRecord record = recorder.take();
+    EXPECT_TRUE(recorder.add(observation.frame, {snapshot, analysis}));
+    const DriveRecord& record = recorder.record();
     EXPECT_EQ(record.keyframes.at(0).sightings.size(), 1U);
     return record.keyframes.at(0).sightings.at(0);
   }
@@ -57,6 +62,21 @@ TEST(KeyframeRecorder, AStripeEndsWhereAShadowGoesOnInItsLine) {
   EXPECT_FALSE(sighting.censored_b);
   EXPECT_NEAR(sighting.px.a.x(), 60.0, 3.0);
   EXPECT_FALSE(sighting.censored_a);
+}
+
+// A fine camera: the memory saw the mean of 2 x 2 pixels, and so does the keyframe.
+TEST(KeyframeRecorder, AFineImageIsJudgedAsTheMemorySawIt) {
+  OneLine view;
+  view.paint(0, 320, 100, 58);
+  view.paint(60, 200, 12, 235);
+  const CameraIntrinsics seen = view.observation.frame.intrinsics = intrinsicsFromFieldOfView(320, 240, 0.52);
+  Frame& frame = view.observation.frame;
+  cv::resize(frame.image, frame.image, {640, 480}, 0, 0, cv::INTER_NEAREST);
+  frame.intrinsics = intrinsicsFromFieldOfView(640, 480, 0.52);
+  ASSERT_EQ(blockSize(frame.intrinsics), 2);
+  const LineSighting sighting = view.recorded(60, 290, seen);
+  EXPECT_NEAR(sighting.px.b.x(), 200.0, 3.0);
+  EXPECT_NEAR(sighting.px.a.x(), 60.0, 3.0);
 }
 
 TEST(KeyframeRecorder, AnEvenlyFaintEdgeStaysWhole) {

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "common/geometry/angles.h"
+#include "common/geometry/projection.h"
 #include "drive_score.h"
 #include "mapper/core/drive_mapper.h"
 #include "synthetic_drive.h"
@@ -141,6 +144,84 @@ TEST(MapGraph, RightAnglesDoNotBendAPlaceThatHasNone) {
   const double without = placeError(mapDrive(wing.record, {}, params).state, wing);
   EXPECT_LT(with, without + 0.01);
   EXPECT_LT(with, 0.06);
+}
+
+// Research, section 9: most of a building has right angles, one wing has not.
+TEST(MapGraph, RightAnglesLeaveAWingAt45DegreesAsItIs) {
+  for (const std::uint64_t seed : {1, 2}) {
+    SyntheticDriveParams wheels_err;
+    wheels_err.seed = seed;
+    const SyntheticDrive floor = drive(cornerWithSlantedWing(), wayIntoSlantedWing(), wheels_err);
+    DriveMapperParams params = mapperParams();
+    const DriveMap map = mapDrive(floor.record, {}, params);
+    params.right_angles = false;
+    const double without = placeError(mapDrive(floor.record, {}, params).state, floor);
+    EXPECT_LT(placeError(map.state, floor), without + 0.01) << "seed " << seed;
+    EXPECT_LT(placeError(map.state, floor), 0.06) << "seed " << seed;
+    // Both walls of the wing, at 45 degrees to the first corridor.
+    double slanted_m = 0.0;
+    double first = 0.0;
+    double longest_m = 0.0;
+    for (const LineLandmark& landmark : map.state.landmarks) {
+      const Segment2 world = map.state.worldSegment(landmark);
+      if (world.length() <= longest_m) continue;
+      longest_m = world.length();
+      first = world.direction();
+    }
+    for (const LineLandmark& landmark : map.state.landmarks) {
+      const Segment2 world = map.state.worldSegment(landmark);
+      const double angle = lineAngleDifference(world.direction(), first);
+      if (std::abs(radToDeg(angle) - 45.0) < 2.0) slanted_m += world.length();
+    }
+    EXPECT_GT(slanted_m, 5.0) << "seed " << seed;
+  }
+}
+
+/// What an image shows of a segment that lies in the frame of its robot.
+std::optional<LineSighting> sightingOf(const Keyframe& keyframe, const Segment2& robot, std::uint64_t id) {
+  const auto px = projectSegment(keyframe.intrinsics, keyframe.T_robot_camera,
+                                 {{robot.a.x(), robot.a.y(), 0.0}, {robot.b.x(), robot.b.y(), 0.0}});
+  if (!px || px->length() < 5.0) return std::nullopt;
+  LineSighting sighting;
+  sighting.element = id;
+  sighting.px = *px;
+  return sighting;
+}
+
+/// Somebody walks before the robot, and the memory took the foot for an edge of the floor.
+void walkAhead(SyntheticDrive& drive, double across_mps, std::uint64_t id) {
+  ElementSummary& walker = drive.record.elements[id];
+  walker.label = "door_foot";
+  walker.confirmed = true;
+  constexpr int kFirst = 20;
+  for (int k = kFirst; k < kFirst + 30; ++k) {
+    Keyframe& keyframe = drive.record.keyframes[static_cast<std::size_t>(k)];
+    const double left = -0.15 + across_mps * (k - kFirst - 15);
+    const Segment2 foot{{1.6, left}, {1.6, left + 0.3}};
+    const auto sighting = sightingOf(keyframe, foot, id);
+    if (!sighting) continue;
+    keyframe.sightings.push_back(*sighting);
+    if (walker.sightings++ == 0) walker.first_keyframe = k;
+    walker.last_keyframe = k;
+    walker.robot = foot;
+  }
+  ASSERT_GT(walker.sightings, 5);
+}
+
+// Research, section 9: people walk along while the map is made.
+TEST(MapGraph, WhoWalksAlongIsNoEdgeAndBendsNothing) {
+  const SyntheticDrive alone = drive(ringOfCorridors(), ringWay(kRing_m), {});
+  const double error = endError(mapDrive(alone.record, {}, mapperParams()).state, ringOfCorridors(), alone);
+  for (const double across_mps : {0.0, 0.05}) {
+    constexpr std::uint64_t kWalker = 9999;
+    SyntheticDrive visited = alone;
+    walkAhead(visited, across_mps, kWalker);
+    const DriveMap map = mapDrive(visited.record, {}, mapperParams());
+    for (const LineLandmark& landmark : map.state.landmarks)
+      EXPECT_EQ(std::count(landmark.elements.begin(), landmark.elements.end(), kWalker), 0)
+          << "across " << across_mps;
+    EXPECT_LT(endError(map.state, ringOfCorridors(), visited), error + 0.01) << "across " << across_mps;
+  }
 }
 
 TEST(MapGraph, SolvesTheTiltOfTheCameraWithTheMap) {

@@ -7,10 +7,12 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <vector>
 
 #include "common/config/text_file.h"
+#include "common/geometry/angles.h"
 #include "common/geometry/plane.h"
 #include "common/segment_map/segment_map.h"
 #include "mapper/core/map_output.h"
@@ -46,6 +48,38 @@ TEST(MapMaking, TheDriveIsThatOfTheCalibratedRobot) {
   ASSERT_GT(described.keyframes.size(), 2U);
   ASSERT_GT(calibrated.keyframes.size(), 1U);
   EXPECT_NEAR(calibrated.keyframes.back().way_m / described.keyframes.back().way_m, 0.5, 0.1);
+}
+
+Pose2 poseOf(const nlohmann::json& values) {
+  return {values.at(0).get<double>(), values.at(1).get<double>(), values.at(2).get<double>()};
+}
+
+// Research, section 9: the second drive begins on the other side, so its map lies half a turn about.
+TEST(MapMaking, ASecondSessionHalfATurnAboutIsPlacedInTheFirst) {
+  const TemporaryFolder folder;
+  MapMakingOptions options;
+  options.drive.world = (kCfg / "worlds" / "room.world").string();
+  options.drive.palette = kCfg / "maps" / "room.palette";
+  options.drive.setup = "sim";
+  options.drive.camera_rate_hz = 5.0;
+  options.drive.seconds = 25.0;
+  options.close = false;
+  options.drive.out = folder.path() / "monday";
+  const nlohmann::json first = makeMapFromDrive(options);
+  ASSERT_FALSE(first.contains("problems")) << first["problems"];
+  options.files.since = folder.path() / "monday" / "map.csv";
+  options.drive.out = folder.path() / "tuesday";
+  options.drive.start = Pose2{0.5, 1.2, 0.0};
+  options.drive.seed = 2;
+  const nlohmann::json second = makeMapFromDrive(options);
+  ASSERT_FALSE(second.contains("problems")) << second["problems"];
+  const Pose2 T_old_map = poseOf(second.at("T_old_map"));
+  const Pose2 truth =
+      inverse(poseOf(first.at("truth").at("T_world_map"))) * poseOf(second.at("truth").at("T_world_map"));
+  EXPECT_GT(std::abs(truth.theta), 3.0) << "the frames are not half a turn apart";
+  EXPECT_LT(std::abs(angleDifference(T_old_map.theta, truth.theta)), degToRad(1.5));
+  EXPECT_LT((T_old_map.position() - truth.position()).norm(), 0.08);
+  EXPECT_TRUE(second.at("changes").empty()) << second.at("changes");
 }
 
 /// Centre of the first circle in world.

@@ -106,6 +106,23 @@ std::vector<TrueFloorEdge> slantedWing() {
   return edges;
 }
 
+std::vector<TrueFloorEdge> cornerWithSlantedWing() {
+  std::vector<TrueFloorEdge> edges;
+  addWall(edges, {0.8, -6.8}, {0.8, -0.66}, {{1.1, 2.0}, {4.0, 4.8}});
+  addWall(edges, {-0.8, 0.0}, {-0.8, -6.8}, {{2.3, 3.1}, {5.0, 5.9}});
+  addWall(edges, {-6.0, 0.8}, {0.0, 0.8}, {{1.0, 1.9}, {3.6, 4.2}});
+  addWall(edges, {-0.8, -0.8}, {-6.0, -0.8}, {{1.4, 2.3}, {3.4, 4.2}});
+  const double s = std::sqrt(0.5);
+  addWall(edges, {0.0, 0.8}, {3.5 * s, 0.8 + 3.5 * s}, {{1.2, 2.0}});
+  addWall(edges, {0.8 + 3.5 * s, -0.66 + 3.5 * s}, {0.8, -0.66}, {{0.9, 1.8}});
+  return edges;
+}
+
+std::vector<Pose2> wayIntoSlantedWing() {
+  const double s = std::sqrt(0.5);
+  return wayThrough({{-5.0, 0.0}, {0.0, 0.0}, {0.0, -6.0}, {0.0, 0.0}, {0.2 + 3.0 * s, 3.0 * s}}, 20.0);
+}
+
 std::vector<TrueFloorEdge> threeBlocks() {
   constexpr double kHalf_m = 0.8;
   constexpr double kBlock_m = 12.0;

@@ -43,6 +43,11 @@ std::vector<TrueFloorEdge> straightCorridor();
 /// Two wings at 45 degrees to each other.
 std::vector<TrueFloorEdge> slantedWing();
 
+/// Two corridors at right angles, and a shorter wing at 45 degrees behind them.
+std::vector<TrueFloorEdge> cornerWithSlantedWing();
+/// 20 m along its middle: through both corridors and into the wing.
+std::vector<Pose2> wayIntoSlantedWing();
+
 /// A floor of three blocks with corridors around them, 36 x 12 m along their middles; all wings alike.
 std::vector<TrueFloorEdge> threeBlocks();
 /// 245 m through it: around each block, then around all.

@@ -14,6 +14,7 @@
 #include "common/process/setup.h"
 #include "common/process/status.h"
 #include "common/process/stream_health.h"
+#include "support/build_paths.h"
 #include "support/temporary_folder.h"
 
 namespace vismem {
@@ -25,6 +26,13 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 const SteadyTime kStart = SteadyTime{} + 1000s;
+
+TEST(Setup, RecorderAndMapperRunOnRequestOnly) {
+  std::vector<std::string> names;
+  for (const SetupComponent& component : componentsOfSetup(VISMEM_SOURCE_DIR "/cfg/sim"))
+    names.push_back(component.name);
+  EXPECT_THAT(names, ElementsAre("active_visual_memory", "gui_server", "localization", "simulator"));
+}
 
 TEST(NameByDate, SortsByTimeAsText) {
   const std::string name = nameByDate();

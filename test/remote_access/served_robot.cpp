@@ -58,6 +58,11 @@ ServedRobot::ServedRobot()
                          {"--Recorder.Folder=" + recordings_.path().string(), "--Recorder.StartNow=no",
                           "--Recorder.Odometry.Proxy=" + simulator.proxy("Encoders")});
   list(recorder, "recorder", {"Recorder"});
+  auto& mapper = start("mapper", "Mapper",
+                       {"cfg/sim/mapper.cfg", "--Mapper.Folder=" + recordings_.path().string(),
+                        "--Mapper.VisualMemory.Proxy=" + memory.proxy("VisualMemory"),
+                        "--Mapper.Camera.Proxy=" + simulator.proxy("cameraA")});
+  list(mapper, "mapper", {"Mapper"});
 }
 
 ServedRobot::~ServedRobot() {

@@ -130,7 +130,7 @@ class UntrustedClients : public testing::Test {
 };
 
 TEST_F(UntrustedClients, TheRobotGoesOn) {
-  components_.reserve(8);
+  components_.reserve(9);
   auto& simulator = start("simulator", "Simulator", {"cfg/sim/simulator.cfg"},
                           {"cameraA", "PanTilt", "Motors", "Encoders", "Simulation"});
   aim(simulator);
@@ -159,6 +159,12 @@ TEST_F(UntrustedClients, TheRobotGoesOn) {
             {"--Recorder.Folder=" + recordings.path().string(), "--Recorder.StartNow=no",
              "--Recorder.Odometry.Proxy=" + simulator.process->proxy("Encoders")},
             {"Recorder"}));
+  const TemporaryFolder maps;
+  aim(start("mapper", "Mapper",
+            {"cfg/sim/mapper.cfg", "--Mapper.Folder=" + maps.path().string(),
+             "--Mapper.VisualMemory.Proxy=" + memory.process->proxy("VisualMemory"),
+             "--Mapper.Camera.Proxy=" + simulator.process->proxy("cameraA")},
+            {"Mapper"}));
 
   // Untrusted clients may pause and speed up what can be paused and sped up: the owner sets it right again
   // and again.

@@ -47,4 +47,16 @@ void PeerLink::publish(PeerState::Change change) {
   log_.write(bad ? LogLevel::kWarning : LogLevel::kInfo, line);
 }
 
+std::function<void(const std::string& failure)> reportTo(const std::string& name,
+                                                         const std::shared_ptr<Ice::ObjectPrx>& proxy,
+                                                         StatusBoard& status, Logger& log) {
+  return [link = std::make_shared<PeerLink>(name, proxy, status, log)](const std::string& failure) {
+    if (failure.empty()) {
+      link->succeeded();
+    } else {
+      link->failed(failure);
+    }
+  };
+}
+
 }  // namespace vismem

@@ -55,6 +55,11 @@ class PeerLink {
   bool trying_ = false;
 };
 
+/// For the clients of remote ports (LinkReport): shows the outcome of their requests as the state of a peer.
+std::function<void(const std::string& failure)> reportTo(const std::string& name,
+                                                         const std::shared_ptr<Ice::ObjectPrx>& proxy,
+                                                         StatusBoard& status, Logger& log);
+
 /// A proxy that connects at its first use and again after every loss, with a pause between attempts. It logs
 /// each change once: "waiting for Camera at ...", "Camera is back". Its state is part of the component's
 /// status. Thread-safe. Made by ComponentHost::peer.

@@ -36,7 +36,7 @@ std::string shiftPorts(const std::string& text, int offset) {
 }
 
 bool isOptionalComponent(const std::string& name) {
-  return name == "recorder";
+  return name == "recorder" || name == "mapper";
 }
 
 bool mayBeLeftOut(const std::string& name) {

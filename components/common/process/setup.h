@@ -25,7 +25,7 @@ struct SetupComponent {
   std::string robot;
 };
 
-/// Whether a setup works without this component, which runs only on request: the recorder.
+/// Whether a setup works without this component, which runs only on request: recorder and mapper.
 bool isOptionalComponent(const std::string& name);
 
 /// Whether a setup also runs whole without this component: the server of the page, which --no-gui leaves out.

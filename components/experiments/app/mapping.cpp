@@ -19,8 +19,8 @@
 #include "experiments/app/trial_run.h"
 #include "experiments/app/trial_series.h"
 #include "experiments/trials/trial_score.h"
+#include "mapper/core/drive_collector.h"
 #include "mapper/core/drive_mapper.h"
-#include "mapper/core/keyframe_recorder.h"
 #include "mapper/core/map_output.h"
 
 namespace vismem {
@@ -55,13 +55,11 @@ struct Drive {
 };
 
 Drive driveLaps(ExperimentRun& run, const Route& route, double laps) {
-  KeyframeRecorder recorder(KeyframeParams::of(run.params().pipeline.memory));
+  DriveCollector collected(KeyframeParams::of(run.params().pipeline.memory),
+                           run.params().localizer.robust.observation.range_m);
   Drive drive;
   run.onFrame([&](const LockstepFrame& frame) {
-    drive.updates.push_back(frame.memory.update);
-    if (recorder.add(frame.observation, frame.memory.update, run.pipeline().memory().elements())) {
-      drive.truth.push_back(run.trueRobot());
-    }
+    if (collected.add(frame.observation.frame, frame.memory.update)) drive.truth.push_back(run.trueRobot());
   });
   SimulatedOperator driver(route, RouteFollowerParams{});
   const double length_m = laps * route.length() + kOverlap_m;
@@ -80,7 +78,8 @@ Drive driveLaps(ExperimentRun& run, const Route& route, double laps) {
   if (!run.run(command, done, length_m / kSlowest_mps)) {
     throw std::runtime_error("the robot did not get round: something holds it");
   }
-  drive.record = recorder.take();
+  drive.record = collected.record();
+  drive.updates = collected.updates();
   return drive;
 }
 

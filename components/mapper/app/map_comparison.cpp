@@ -134,8 +134,8 @@ MapHistory historyBeside(const std::filesystem::path& map) {
 }
 
 nlohmann::json compareWithMap(const RecordedDrive& drive, const SegmentMap& map, const MapHistory& today,
-                              const std::vector<Pose2>& poses, const std::filesystem::path& old_file,
-                              const MapMakingOptions& options) {
+                              const std::vector<Pose2>& poses, const MapFilesOptions& options) {
+  const std::filesystem::path& old_file = options.since;
   const SegmentMap old = expandStripes(loadSegmentMap(old_file), drive.stripes);
   const SegmentMap now = expandStripes(map, drive.stripes);
   const MapHistory history = historyBeside(old_file);
@@ -143,7 +143,7 @@ nlohmann::json compareWithMap(const RecordedDrive& drive, const SegmentMap& map,
   if (!start) {
     Eigen::Vector2d middle = Eigen::Vector2d::Zero();
     for (const Pose2& pose : poses) middle += pose.position() / static_cast<double>(poses.size());
-    const std::vector<Pose2> places = placesInOldMap(drive, old, poses, options.drive.seed);
+    const std::vector<Pose2> places = placesInOldMap(drive, old, poses, options.seed);
     start = agreedPlace(places, middle);
     if (!start) return notFound(old_file, places.size());
   }
@@ -159,9 +159,8 @@ nlohmann::json compareWithMap(const RecordedDrive& drive, const SegmentMap& map,
                       {"added", found.added.size()},
                       {"T_old_map", {T_old_map.x, T_old_map.y, T_old_map.theta}}};
   for (const MapChange& change : found.changes) json["changes"].push_back(jsonOf(change));
-  writeTextFile(options.drive.out / (options.name + ".changes"),
-                writeChangeList(changeListOf(found, T_old_map)));
-  drawChanges(found, in_old, options.drive.out / (options.name + "_changes.png"));
+  writeTextFile(options.out / (options.name + ".changes"), writeChangeList(changeListOf(found, T_old_map)));
+  drawChanges(found, in_old, options.out / (options.name + "_changes.png"));
   return json;
 }
 

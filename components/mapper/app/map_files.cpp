@@ -68,12 +68,7 @@ nlohmann::json estimatesJson(const DriveMap& map) {
   return json;
 }
 
-fs::path sourceOf(const MapMakingOptions& options) {
-  if (!options.saved_drive.empty()) return options.saved_drive;
-  return options.drive.bag.empty() ? options.drive.world : options.drive.bag;
-}
-
-void drawPicture(const Output& output, const RecordedDrive& drive, const MapMakingOptions& options,
+void drawPicture(const Output& output, const RecordedDrive& drive, const std::string& source,
                  const DriveMap& map, const fs::path& file) {
   Plan plan;
   Eigen::Vector2d low = output.map.low();
@@ -96,8 +91,7 @@ void drawPicture(const Output& output, const RecordedDrive& drive, const MapMaki
   plan.high = high + margin;
   Board board;
   board.title = "A map from a drive";
-  board.subtitle = (drive.truth.empty() ? "" : "the path of the robot is the estimated one; ") +
-                   sourceOf(options).filename().string();
+  board.subtitle = (drive.truth.empty() ? "" : "the path of the robot is the estimated one; ") + source;
   BoardPanel panel;
   panel.title = std::to_string(output.rows.size()) + " edges, " + std::to_string(map.closings.size()) +
                 " places found again";
@@ -187,8 +181,8 @@ void writeDrawings(const SegmentMap& map, const fs::path& palette, const fs::pat
 }
 
 nlohmann::json writeMapFiles(const RecordedDrive& drive, const DriveMap& map,
-                             const MapMakingOptions& options) {
-  const fs::path& out = options.drive.out;
+                             const MapFilesOptions& options) {
+  const fs::path& out = options.out;
   fs::create_directories(out);
   const Output output = outputOf(drive, map);
   nlohmann::json summary = summaryOf(drive, map, output);
@@ -214,11 +208,10 @@ nlohmann::json writeMapFiles(const RecordedDrive& drive, const DriveMap& map,
   writeTextFile(file(".drive"), writeDriveRecord({drive.record, map.closings}));
   const MapHistory history = historyOf(drive, output);
   writeTextFile(file(".history"), writeMapHistory(history));
-  drawPicture(output, drive, options, map, file(".png"));
+  drawPicture(output, drive, options.source, map, file(".png"));
   summary["file"] = file(".csv").string();
   if (!options.since.empty()) {
-    nlohmann::json compared =
-        compareWithMap(drive, output.map, history, output.poses, options.since, options);
+    nlohmann::json compared = compareWithMap(drive, output.map, history, output.poses, options);
     for (auto& problem : compared["problems"]) summary["problems"].push_back(problem);
     compared.erase("problems");
     summary.update(compared);

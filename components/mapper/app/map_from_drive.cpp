@@ -6,6 +6,7 @@
 
 #include "common/config/config_error.h"
 #include "common/tool/command_line_tool.h"
+#include "mapper/app/live_map.h"
 #include "mapper/app/map_making.h"
 
 namespace {
@@ -16,6 +17,7 @@ struct Arguments {
   std::vector<double> place;
   double seconds = 0.0;
   std::string perturb;
+  std::string live;
   bool no_closing = false;
   bool no_right_angles = false;
 };
@@ -32,8 +34,14 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->excludes(world)
       ->excludes(bag);
   app.add_option("--edits", options.edits, "changes by hand, replayed after each solve: docs/mapping.md");
+  app.add_option("--live", arguments.live,
+                 "or the drive that a running mapper records: its proxy, Mapper:tcp -h 127.0.0.1 -p 9974; it "
+                 "writes into its own folder")
+      ->excludes(world)
+      ->excludes(bag)
+      ->excludes("--drive");
   auto* since = app.add_option(
-      "--since", options.since,
+      "--since", options.files.since,
       "an earlier map of the place, made with the same palette: what was moved, removed and brought in "
       "(NAME.changes, for update_map)");
   app.add_option("--place", arguments.place,
@@ -42,8 +50,8 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->expected(3)
       ->needs(since);
   app.add_option("--palette", drive.palette, "colours (default: the configuration's)");
-  app.add_option("--out", drive.out, "folder for all that is written")->required();
-  app.add_option("--name", options.name, "of the map's files")->capture_default_str();
+  app.add_option("--out", drive.out, "folder for all that is written (but not with --live)");
+  app.add_option("--name", options.files.name, "of the map's files")->capture_default_str();
   app.add_option(
       "--config", drive.config,
       "keys ActiveVisualMemory.* and Localization.* in one file (default: the components' files in "
@@ -73,7 +81,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->needs(world);
   app.add_option("--perturb", arguments.perturb, "camera and odometry: as of evaluate")
       ->check([](const std::string& text) { return vismem::parsePerturbation(text).error; });
-  app.add_option("--resolution", options.resolution_m, "of the occupancy grid [m]")
+  app.add_option("--resolution", options.files.resolution_m, "of the occupancy grid [m]")
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
   app.add_flag("--no-closing", arguments.no_closing, "do not look for places seen before");
@@ -94,16 +102,21 @@ int main(int argc, char** argv) {
   declare(app, arguments);
   if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   vismem::MapMakingOptions& options = arguments.options;
-  if (options.drive.bag.empty() && options.drive.world.empty() && options.saved_drive.empty()) {
-    std::cerr << "map_from_drive: expected one of --bag FILE, --world FILE and --drive FILE\n";
+  if (options.drive.bag.empty() && options.drive.world.empty() && options.saved_drive.empty() &&
+      arguments.live.empty()) {
+    std::cerr << "map_from_drive: expected one of --bag FILE, --world FILE, --drive FILE and --live PROXY\n";
+    return vismem::kExitUsage;
+  }
+  if (options.drive.out.empty() && arguments.live.empty()) {
+    std::cerr << "map_from_drive: --out is required\n";
     return vismem::kExitUsage;
   }
   if (!arguments.start.empty()) {
     options.drive.start = vismem::Pose2{arguments.start[0], arguments.start[1], arguments.start[2]};
   }
   if (!arguments.place.empty())
-    options.place = vismem::Pose2{arguments.place[0], arguments.place[1], arguments.place[2]};
-  if (!options.since.empty() && !options.saved_drive.empty() && !options.place) {
+    options.files.place = vismem::Pose2{arguments.place[0], arguments.place[1], arguments.place[2]};
+  if (!options.files.since.empty() && !options.saved_drive.empty() && !options.files.place) {
     std::cerr
         << "map_from_drive: --drive with --since needs --place: the record holds no images to find it\n";
     return vismem::kExitUsage;
@@ -113,7 +126,10 @@ int main(int argc, char** argv) {
   options.close = !arguments.no_closing;
   options.right_angles = !arguments.no_right_angles;
   try {
-    const nlohmann::json summary = vismem::makeMapFromDrive(options);
+    const nlohmann::json summary =
+        arguments.live.empty()
+            ? vismem::makeMapFromDrive(options)
+            : vismem::makeLiveMap(arguments.live, app.count("--name") > 0 ? options.files.name : "");
     std::cout << summary.dump() << std::endl;
     if (!summary.contains("problems")) return 0;
     for (const auto& problem : summary["problems"]) {

@@ -11,52 +11,43 @@
 #include "evaluation/app/evaluation_setup.h"
 #include "evaluation/app/perturbed_robot.h"
 #include "evaluation/core/lockstep.h"
-#include "mapper/app/map_files.h"
+#include "mapper/core/drive_collector.h"
 #include "mapper/core/drive_record_io.h"
-#include "mapper/core/keyframe_recorder.h"
 #include "replay_server/core/stepped_log.h"
 
 namespace vismem {
 namespace {
 
-constexpr StampUs kUpdateEvery_us = 190'000;  ///< localization iterates at 5 Hz
 constexpr double kSlowest_mps = 0.03;
+
+RecordedDrive emptyDrive(const EvaluationParams& params) {
+  RecordedDrive drive;
+  drive.palette_file = params.palette_file;
+  drive.stripes = params.palette->stripes();
+  drive.params = DriveMapperParams::of(params.pipeline.memory, params.localizer);
+  return drive;
+}
 
 /// Collects the record of a run in lock-step.
 class Collector {
  public:
-  Collector(RecordedDrive& drive, const EvaluationParams& params)
-      : drive_(drive),
-        recorder_(KeyframeParams::of(params.pipeline.memory)),
-        memory_(params.pipeline, params.palette) {
-    drive.palette_file = params.palette_file;
-    drive.stripes = params.palette->stripes();
-    drive.params = DriveMapperParams::of(params.pipeline.memory, params.localizer);
-  }
+  Collector(const EvaluationParams& params, const RecordedDrive& drive)
+      : collected_(KeyframeParams::of(params.pipeline.memory),
+                   drive.params.closing.localizer.robust.observation.range_m),
+        memory_(params.pipeline, params.palette) {}
 
   MemoryPipeline& memory() { return memory_; }
-  bool isBroken() const { return recorder_.isBroken(); }
-  double way_m() const {
-    const auto& keyframes = recorder_.record().keyframes;
-    return keyframes.empty() ? 0.0 : keyframes.back().way_m;
-  }
-  void add(const LockstepFrame& frame) {
-    const MemoryUpdate& update = frame.memory.update;
-    recorder_.add(frame.observation, update, memory_.memory().elements());
-    if (!drive_.updates.empty() &&
-        update.snapshot->stamp_us < drive_.updates.back().snapshot->stamp_us + kUpdateEvery_us) {
-      return;
-    }
-    drive_.updates.push_back(update);
-  }
-  void finish() {
-    drive_.broken = recorder_.isBroken();
-    drive_.record = recorder_.take();
+  bool isBroken() const { return collected_.isBroken(); }
+  double way_m() const { return collected_.way_m(); }
+  void add(const LockstepFrame& frame) { collected_.add(frame.observation.frame, frame.memory.update); }
+  void into(RecordedDrive& drive) const {
+    drive.broken = collected_.isBroken();
+    drive.record = collected_.record();
+    drive.updates = collected_.updates();
   }
 
  private:
-  RecordedDrive& drive_;
-  KeyframeRecorder recorder_;
+  DriveCollector collected_;
   MemoryPipeline memory_;
 };
 
@@ -67,16 +58,16 @@ RecordedDrive recordBag(const MapMakingOptions& options) {
   }
   SteppedLog robot(RobotLog::open(options.drive.bag.string(), log));
   const EvaluationParams params = loadParams(options.drive, !robot.log().knowsCameraPose());
-  RecordedDrive drive;
+  RecordedDrive drive = emptyDrive(params);
   for (const TruePose& pose : robot.log().truth()) append(drive.truth, {pose.stamp_us, pose.T_world_robot});
-  Collector collector(drive, params);
+  Collector collector(params, drive);
   CalibratedRobot calibrated(robot, params.joints, params.wheels);
   PerturbedRobot perturbed(calibrated, options.drive.perturbation);
   Lockstep run(perturbed, params.assembler, collector.memory());
   std::optional<StampUs> duration;
   if (options.drive.seconds) duration = toStampUs(*options.drive.seconds);
   run.run([&](const LockstepFrame& frame) { collector.add(frame); }, duration);
-  collector.finish();
+  collector.into(drive);
   return drive;
 }
 
@@ -94,8 +85,8 @@ RecordedDrive recordWorld(const MapMakingOptions& options) {
     if (drawn.backwards) route = reversed(route);
   }
   const auto robot = makeSimulation(options.drive, route, place);
-  RecordedDrive drive;
-  Collector collector(drive, params);
+  RecordedDrive drive = emptyDrive(params);
+  Collector collector(params, drive);
   CalibratedRobot calibrated(*robot, params.joints, params.wheels);
   PerturbedRobot perturbed(calibrated, options.drive.perturbation);
   Lockstep run(perturbed, params.assembler, collector.memory());
@@ -113,7 +104,7 @@ RecordedDrive recordWorld(const MapMakingOptions& options) {
     if (!options.drive.seconds && collector.way_m() >= length_m) break;
     if (!run.step(visit)) break;
   }
-  collector.finish();
+  collector.into(drive);
   return drive;
 }
 
@@ -126,13 +117,20 @@ RecordedDrive readSavedDrive(const MapMakingOptions& options) {
   if (with_palette.drive.palette.empty() && std::filesystem::exists(beside))
     with_palette.drive.palette = beside;
   const EvaluationParams params = loadParams(with_palette.drive, true);
-  RecordedDrive drive;
-  drive.palette_file = params.palette_file;
-  drive.stripes = params.palette->stripes();
-  drive.params = DriveMapperParams::of(params.pipeline.memory, params.localizer);
+  RecordedDrive drive = emptyDrive(params);
   drive.record = std::move(saved.record);
   drive.closings = std::move(saved.closings);
   return drive;
+}
+
+MapFilesOptions filesOf(const MapMakingOptions& options) {
+  std::filesystem::path source = options.drive.bag.empty() ? options.drive.world : options.drive.bag;
+  if (!options.saved_drive.empty()) source = options.saved_drive;
+  MapFilesOptions files = options.files;
+  files.out = options.drive.out;
+  files.seed = options.drive.seed;
+  files.source = source.filename().string();
+  return files;
 }
 
 }  // namespace
@@ -150,14 +148,15 @@ nlohmann::json makeMapFromDrive(const MapMakingOptions& options) {
   if (!options.edits.empty()) {
     drive.params.edits = parseMapEdits(readTextFile(options.edits, "edits of a map"), options.edits.string());
   }
+  const MapFilesOptions files = filesOf(options);
   if (!options.saved_drive.empty()) {
-    return writeMapFiles(drive, mapDriveAgain(drive.record, drive.closings, drive.params), options);
+    return writeMapFiles(drive, mapDriveAgain(drive.record, drive.closings, drive.params), files);
   }
   ProgressLine progress("cm of the drive searched for places seen before");
   const DriveMap map = mapDrive(drive.record, drive.updates, drive.params, [&](double done_m, double all_m) {
     progress.show(static_cast<std::size_t>(100.0 * done_m), static_cast<std::size_t>(100.0 * all_m));
   });
-  return writeMapFiles(drive, map, options);
+  return writeMapFiles(drive, map, files);
 }
 
 }  // namespace vismem

@@ -107,7 +107,7 @@ class Mapping {
     map_.circles = joinCircles(record_, params_.circles, map_.state);
     for (std::string& missing : applyEdits(params_.edits, map_.state))
       map_.notes.push_back(std::move(missing));
-    SolveStage last{.kernel = params_.kernel, .right_angles = params_.right_angles};
+    SolveStage last{.kernel = params_.kernel, .right_angles = params_.right_angles, .tolerance = 1e-6};
     last.constraints = constraintsOf(params_.edits, map_.state);
     CornerJoinParams corners = params_.corners;
     for (const LineConstraint& constraint : last.constraints) {

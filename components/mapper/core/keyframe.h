@@ -43,7 +43,7 @@ struct ElementSummary {
   int first_keyframe = 0;  ///< that showed it
   int last_keyframe = 0;
   Segment2 robot;           ///< in the frame of the robot at `last_keyframe` [m]
-  bool censored_a = false;  ///< the end is only a bound
+  bool censored_a = false;  ///< no image showed the end: it is only a bound
   bool censored_b = false;
   int sightings = 0;  ///< keyframes that showed it
   /// The memory dropped it soon after it was last seen: it was absent, or became a part of another element.

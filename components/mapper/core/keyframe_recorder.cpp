@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/geometry/angles.h"
+#include "common/vision/reduced_image.h"
 
 namespace vismem {
 
@@ -18,15 +19,44 @@ KeyframeParams KeyframeParams::of(const AttentiveVisualMemoryParams& memory) {
   return params;
 }
 
-bool KeyframeRecorder::isDue(const RobotObservation& observation) const {
+namespace {
+
+Pose3 cameraInOdom(const Pose2& T_odom_robot, const Pose3& T_robot_camera) {
+  return toPose3(T_odom_robot) * T_robot_camera;
+}
+
+}  // namespace
+
+bool KeyframeRecorder::isDue(const ImageAnalysis& analysis) const {
   if (record_.keyframes.empty()) return true;
   const Keyframe& last = record_.keyframes.back();
   if (way_m_ - last.way_m >= params_.distance_m) return true;
-  const Pose3 before = toPose3(last.T_odom_robot) * last.T_robot_camera;
-  const Pose3 now = toPose3(observation.T_odom_robot) * observation.T_robot_camera;
+  const Pose3 before = cameraInOdom(last.T_odom_robot, last.T_robot_camera);
+  const Pose3 now = cameraInOdom(analysis.T_odom_robot, analysis.T_robot_camera);
   const double turn = std::acos(std::clamp(before.linear().col(2).dot(now.linear().col(2)), -1.0, 1.0));
-  return turn >= params_.angle_rad || std::abs(angleDifference(observation.T_odom_robot.theta,
-                                                               last.T_odom_robot.theta)) >= params_.angle_rad;
+  return turn >= params_.angle_rad ||
+         std::abs(angleDifference(analysis.T_odom_robot.theta, last.T_odom_robot.theta)) >= params_.angle_rad;
+}
+
+double KeyframeRecorder::turnRate(const ImageAnalysis& analysis) const {
+  if (!last_ || analysis.stamp_us <= last_->stamp_us) return 0.0;
+  const Pose3 before = cameraInOdom(last_->T_odom_robot, last_->T_robot_camera);
+  const Pose3 now = cameraInOdom(analysis.T_odom_robot, analysis.T_robot_camera);
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(before.linear().transpose() * now.linear()));
+  return std::abs(turn.angle()) / toSeconds(analysis.stamp_us - last_->stamp_us);
+}
+
+bool KeyframeRecorder::jumpsTo(const ImageAnalysis& analysis) const {
+  // As of ObservationAssembler, and what a fast robot drives between two updates that a reader saw.
+  constexpr double kJump_m = 0.5;
+  constexpr double kJump_rad = 1.0;
+  constexpr double kFastest_mps = 1.5;
+  constexpr double kFastest_radps = 3.0;
+  if (!last_) return false;
+  const double dt = toSeconds(analysis.stamp_us - last_->stamp_us);
+  const double shift_m = (analysis.T_odom_robot.position() - last_->T_odom_robot.position()).norm();
+  const double turn_rad = std::abs(angleDifference(analysis.T_odom_robot.theta, last_->T_odom_robot.theta));
+  return dt < 0.0 || shift_m > kJump_m + kFastest_mps * dt || turn_rad > kJump_rad + kFastest_radps * dt;
 }
 
 namespace {
@@ -91,92 +121,104 @@ LineSighting KeyframeRecorder::sightingOf(const ImageAnalysis& analysis, const I
   return sighting;
 }
 
-void KeyframeRecorder::noteDropped(StampUs stamp_us, std::uint32_t memory_epoch,
-                                   const std::vector<MemoryElement>& elements) {
+void KeyframeRecorder::noteDropped(const MemoryUpdate& update) {
+  const StampUs now_us = update.snapshot->stamp_us;
   std::map<std::uint64_t, StampUs> alive;
-  for (const MemoryElement& element : elements) {
-    if (record_.elements.count(element.value.id) > 0) alive[element.value.id] = element.value.last_seen_us;
+  const auto keep = [&](std::uint64_t id, StampUs seen_us) {
+    if (record_.elements.count(id) > 0) alive[id] = seen_us;
+  };
+  // An element that is published in parts (junctions, circles) is still predicted as one.
+  for (const PredictedSegment& predicted : update.analysis->predicted) {
+    const auto known = alive_.find(predicted.id);
+    keep(predicted.id, known == alive_.end() ? now_us : known->second);
   }
+  for (const ImageAnalysis::Match& match : update.analysis->matches)
+    keep(update.analysis->predicted[static_cast<std::size_t>(match.predicted)].id, now_us);
+  for (const MemorySegment& segment : update.snapshot->segments) keep(segment.id, segment.last_seen_us);
   // A memory that began anew dropped all, whatever it knew of them.
-  if (memory_epoch == memory_epoch_) {
+  if (update.snapshot->epoch == memory_epoch_) {
     for (const auto& [id, seen_us] : alive_) {
       if (alive.count(id) == 0) {
-        record_.elements[id].dropped = toSeconds(stamp_us - seen_us) <= params_.dropped_s;
+        record_.elements[id].dropped = toSeconds(now_us - seen_us) <= params_.dropped_s;
       }
     }
   }
-  memory_epoch_ = memory_epoch;
+  memory_epoch_ = update.snapshot->epoch;
   alive_ = std::move(alive);
 }
 
-void KeyframeRecorder::summarize(const RobotObservation& observation,
-                                 const std::vector<MemoryElement>& elements) {
+void KeyframeRecorder::summarize(const MemorySnapshot& snapshot) {
   const int index = static_cast<int>(record_.keyframes.size()) - 1;
   const Pose2 T_robot_odom = inverse(record_.keyframes.back().T_odom_robot);
-  for (const MemoryElement& element : elements) {
-    if (element.value.last_seen_us != observation.frame.stamp_us) continue;
-    const auto known = record_.elements.find(element.value.id);
+  for (const MemorySegment& segment : snapshot.segments) {
+    if (segment.last_seen_us != snapshot.stamp_us) continue;
+    const auto known = record_.elements.find(segment.id);
     if (known == record_.elements.end()) continue;
     ElementSummary& summary = known->second;
-    summary.label = element.value.label;
-    summary.confirmed = element.value.confirmed;
+    summary.label = segment.label;
+    summary.confirmed = segment.confirmed;
     summary.last_keyframe = index;
-    summary.robot = transform(T_robot_odom, element.line.segment());
-    summary.censored_a = element.line.endA().censored;
-    summary.censored_b = element.line.endB().censored;
+    summary.robot = transform(T_robot_odom, segment.odom.floor());
   }
 }
 
-bool KeyframeRecorder::add(const RobotObservation& observation, const MemoryUpdate& update,
-                           const std::vector<MemoryElement>& elements) {
-  if (epoch_ && *epoch_ != observation.epoch) broken_ = true;
-  epoch_ = observation.epoch;
+void KeyframeRecorder::addKeyframe(const Frame& frame, const ImageAnalysis& analysis,
+                                   double turn_rate_radps) {
+  Keyframe keyframe{analysis.stamp_us,
+                    analysis.T_odom_robot,
+                    analysis.T_robot_camera,
+                    analysis.intrinsics,
+                    turn_rate_radps,
+                    way_m_,
+                    turned_rad_,
+                    {}};
+  cv::Mat image = frame.image;
+  if (const int block = blockSize(frame.intrinsics); block > 1) {
+    reduceImage(frame.image, frame.intrinsics, block, reduced_);
+    image = reduced_;
+  }
+  const auto floor =
+      GroundProjector(params_.projector)
+          .project(keyframe.intrinsics, analysis.T_robot_camera, analysis.observed, turn_rate_radps);
+  std::unordered_map<int, const FloorSegment*> floor_of;
+  for (const FloorSegment& segment : floor) floor_of[segment.observed] = &segment;
+  const FloorEvidence evidence(image, keyframe.intrinsics, params_.evidence);
+  const int index = static_cast<int>(record_.keyframes.size());
+  for (const ImageAnalysis::Match& match : analysis.matches) {
+    const auto placed = floor_of.find(match.observed);
+    if (placed == floor_of.end()) continue;
+    keyframe.sightings.push_back(sightingOf(analysis, match,
+                                            analysis.observed[static_cast<std::size_t>(match.observed)],
+                                            evidence, *placed->second));
+    const LineSighting& sighting = keyframe.sightings.back();
+    ElementSummary& summary = record_.elements[sighting.element];
+    const bool is_first = summary.sightings++ == 0;
+    if (is_first) summary.first_keyframe = index;
+    summary.last_keyframe = index;
+    summary.censored_a = sighting.censored_a && (is_first || summary.censored_a);
+    summary.censored_b = sighting.censored_b && (is_first || summary.censored_b);
+  }
+  record_.keyframes.push_back(std::move(keyframe));
+}
+
+bool KeyframeRecorder::add(const Frame& frame, const MemoryUpdate& update) {
   const ImageAnalysis& analysis = *update.analysis;
-  if (broken_ || analysis.stamp_us != observation.frame.stamp_us) return false;
-  if (last_odom_) {
-    way_m_ += (observation.T_odom_robot.position() - last_odom_->position()).norm();
-    turned_rad_ += std::abs(angleDifference(observation.T_odom_robot.theta, last_odom_->theta));
+  if (broken_ || analysis.stamp_us != frame.stamp_us) return false;
+  if (last_ && last_->frame_seq == analysis.frame_seq && last_->stamp_us == analysis.stamp_us) return false;
+  if (jumpsTo(analysis)) {
+    broken_ = true;
+    return false;
   }
-  last_odom_ = observation.T_odom_robot;
-  const Pose3 T_odom_camera = toPose3(observation.T_odom_robot) * observation.T_robot_camera;
-  double rate = 0.0;
-  if (last_camera_ && observation.frame.stamp_us > last_stamp_us_) {
-    const Eigen::AngleAxisd turn(
-        Eigen::Matrix3d(last_camera_->linear().transpose() * T_odom_camera.linear()));
-    rate = std::abs(turn.angle()) / toSeconds(observation.frame.stamp_us - last_stamp_us_);
+  if (last_) {
+    way_m_ += (analysis.T_odom_robot.position() - last_->T_odom_robot.position()).norm();
+    turned_rad_ += std::abs(angleDifference(analysis.T_odom_robot.theta, last_->T_odom_robot.theta));
   }
-  last_camera_ = T_odom_camera;
-  last_stamp_us_ = observation.frame.stamp_us;
-  const bool due = rate <= params_.max_turn_radps && isDue(observation);
-  if (due) {
-    Keyframe keyframe{observation.frame.stamp_us,
-                      observation.T_odom_robot,
-                      observation.T_robot_camera,
-                      observation.frame.intrinsics,
-                      rate,
-                      way_m_,
-                      turned_rad_,
-                      {}};
-    const auto floor = GroundProjector(params_.projector)
-                           .project(keyframe.intrinsics, observation.T_robot_camera, analysis.observed, rate);
-    std::unordered_map<int, const FloorSegment*> floor_of;
-    for (const FloorSegment& segment : floor) floor_of[segment.observed] = &segment;
-    const FloorEvidence evidence(observation.frame.image, keyframe.intrinsics, params_.evidence);
-    const int index = static_cast<int>(record_.keyframes.size());
-    for (const ImageAnalysis::Match& match : analysis.matches) {
-      const auto placed = floor_of.find(match.observed);
-      if (placed == floor_of.end()) continue;
-      keyframe.sightings.push_back(sightingOf(analysis, match,
-                                              analysis.observed[static_cast<std::size_t>(match.observed)],
-                                              evidence, *placed->second));
-      ElementSummary& summary = record_.elements[keyframe.sightings.back().element];
-      if (summary.sightings++ == 0) summary.first_keyframe = index;
-      summary.last_keyframe = index;
-    }
-    record_.keyframes.push_back(std::move(keyframe));
-  }
-  if (!record_.keyframes.empty()) summarize(observation, elements);
-  noteDropped(observation.frame.stamp_us, update.snapshot->epoch, elements);
+  const double rate = turnRate(analysis);
+  last_ = update.analysis;
+  const bool due = !frame.image.empty() && rate <= params_.max_turn_radps && isDue(analysis);
+  if (due) addKeyframe(frame, analysis, rate);
+  if (!record_.keyframes.empty()) summarize(*update.snapshot);
+  noteDropped(update);
   return due;
 }
 

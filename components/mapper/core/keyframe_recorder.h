@@ -34,35 +34,38 @@ class KeyframeRecorder {
  public:
   explicit KeyframeRecorder(const KeyframeParams& params) : params_(params) {}
 
-  /// To be called after each image.
-  /// @param update    of that image, from the memory.
-  /// @param elements  of the memory after it.
+  /// To be called after each image, in the order of stamps; an update that is not of this image is left out.
+  /// @param frame   the image of the update; without pixels the update becomes no keyframe. Images of more
+  ///                pixels than the analysis are averaged (reduced_image.h).
+  /// @param update  of the memory, as published.
   /// @return whether it became a keyframe.
-  bool add(const RobotObservation& observation, const MemoryUpdate& update,
-           const std::vector<MemoryElement>& elements);
+  /// @throws std::invalid_argument if the size of the image is not that of its intrinsics.
+  bool add(const Frame& frame, const MemoryUpdate& update);
 
   const DriveRecord& record() const { return record_; }
-  DriveRecord take() { return std::move(record_); }
   /// The odometry jumped: a map needs one continuous drive. Later images are ignored.
   bool isBroken() const { return broken_; }
 
  private:
-  bool isDue(const RobotObservation& observation) const;
+  bool isDue(const ImageAnalysis& analysis) const;
+  /// Of the camera since the last update [rad/s].
+  double turnRate(const ImageAnalysis& analysis) const;
+  /// Whether time or odometry jumped since the last update.
+  bool jumpsTo(const ImageAnalysis& analysis) const;
+  void addKeyframe(const Frame& frame, const ImageAnalysis& analysis, double turn_rate_radps);
   LineSighting sightingOf(const ImageAnalysis& analysis, const ImageAnalysis::Match& match,
                           const ImageSegment& observed, const FloorEvidence& evidence,
                           const FloorSegment& floor) const;
-  void noteDropped(StampUs stamp_us, std::uint32_t memory_epoch, const std::vector<MemoryElement>& elements);
-  void summarize(const RobotObservation& observation, const std::vector<MemoryElement>& elements);
+  void noteDropped(const MemoryUpdate& update);
+  void summarize(const MemorySnapshot& snapshot);
 
   KeyframeParams params_;
   DriveRecord record_;
   bool broken_ = false;
-  std::optional<std::uint32_t> epoch_;
-  std::optional<Pose2> last_odom_;
-  std::optional<Pose3> last_camera_;  ///< in odom, of the last image
-  StampUs last_stamp_us_ = 0;
-  std::map<std::uint64_t, StampUs> alive_;  ///< recorded elements of the memory, when last seen
+  std::shared_ptr<const ImageAnalysis> last_;  ///< of the last update
+  std::map<std::uint64_t, StampUs> alive_;     ///< recorded elements of the memory, when last seen
   std::uint32_t memory_epoch_ = 0;
+  cv::Mat reduced_;
   double way_m_ = 0.0;
   double turned_rad_ = 0.0;
 };

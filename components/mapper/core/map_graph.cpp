@@ -305,7 +305,7 @@ SolveReport Problem::solve() {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.max_num_iterations = stage_.iterations;
-  options.function_tolerance = 1e-7;
+  options.function_tolerance = stage_.tolerance;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;

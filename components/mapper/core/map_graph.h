@@ -44,6 +44,8 @@ struct SolveStage {
   double kernel = 0.0;  ///< Cauchy on lines and ends [sigma]; 0: least squares
   bool right_angles = false;
   int iterations = 50;
+  /// Ends when an iteration lowers the cost by less than this share: the next stage starts near enough.
+  double tolerance = 1e-4;
   std::vector<LineConstraint> constraints{};
 };
 

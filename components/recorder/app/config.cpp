@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/config/file_name.h"
+
 namespace vismem {
 namespace {
 
@@ -74,7 +76,7 @@ RecorderConfig readRecorderConfig(ConfigReader& reader) {
   config.start_now = reader.boolean("StartNow", true);
   config.name = reader.text("Name", "");
   if (!config.name.empty()) {
-    if (const auto wrong = checkRecordingName(config.name); !wrong.empty()) reader.problem("Name", wrong);
+    if (const auto wrong = checkFileName(config.name); !wrong.empty()) reader.problem("Name", wrong);
   }
   config.durable = reader.boolean("Sync", true);
   config.queue_bytes = megabytes(reader, "Memory_MB", 64.0, 1.0, 65536.0);

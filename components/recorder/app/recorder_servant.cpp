@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/config/file_name.h"
+
 namespace vismem {
 namespace {
 
@@ -19,7 +21,7 @@ avm::RecorderState toIce(RecorderReport::State state) {
 
 /// @throws avm::InvalidArgument.
 std::string checkedName(const std::string& name) {
-  if (const std::string wrong = checkRecordingName(name); !wrong.empty()) throw avm::InvalidArgument(wrong);
+  if (const std::string wrong = checkFileName(name); !wrong.empty()) throw avm::InvalidArgument(wrong);
   return name;
 }
 

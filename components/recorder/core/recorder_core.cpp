@@ -4,12 +4,12 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/config/file_name.h"
 #include "common/recording/ros_messages.h"
 
 namespace vismem {
 namespace {
 
-constexpr std::size_t kMaxName = 100;
 constexpr std::size_t kMaxMark = 10'000;
 const char* const kMarks = "/recorder/marks";
 const char* const kDrops = "/recorder/drops";
@@ -20,17 +20,6 @@ std::string dump(const nlohmann::json& json) {
 }
 
 }  // namespace
-
-std::string checkRecordingName(const std::string& name) {
-  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
-           c == '_' || c == '-';
-  });
-  if (!name.empty() && name.size() <= kMaxName && plain && name.front() != '.' && name.front() != '-')
-    return {};
-  return "name = \"" + name.substr(0, kMaxName) +
-         "\" (must be 1..100 letters, digits, '.', '_' or '-', beginning with a letter, digit or '_')";
-}
 
 std::shared_ptr<const LogTopic> makeTopic(const std::string& name, const std::string& type, bool image,
                                           bool latched) {
@@ -47,7 +36,7 @@ RecorderCore::RecorderCore(const RecorderParams& params, RecordingStore& store)
 
 PortReply RecorderCore::start(const std::string& name) {
   if (recording_) return PortReply::rejected("a recording is on already: " + last_.path);
-  if (const std::string wrong = checkRecordingName(name); !wrong.empty()) return PortReply::rejected(wrong);
+  if (const std::string wrong = checkFileName(name); !wrong.empty()) return PortReply::rejected(wrong);
   try {
     parts_ = store_.create(name);
     recording_ = std::make_unique<BagRecording>(params_.bag, *parts_);
@@ -94,7 +83,7 @@ PortReply RecorderCore::saveRing(const std::string& name) {
   if (params_.ring_us == 0) {
     return PortReply::rejected("there is no ring buffer: Recorder.Ring.Length_s is 0");
   }
-  if (const std::string wrong = checkRecordingName(name); !wrong.empty()) return PortReply::rejected(wrong);
+  if (const std::string wrong = checkFileName(name); !wrong.empty()) return PortReply::rejected(wrong);
   const std::vector<RecordedMessage> messages = ring_.contents();
   if (messages.empty()) return PortReply::rejected("the ring buffer is empty");
   try {

@@ -84,9 +84,6 @@ class RecorderCore {
   std::map<std::string, std::pair<std::uint64_t, std::uint64_t>> reported_drops_;
 };
 
-/// @return empty, or what is wrong with the name of a recording: value and rule.
-std::string checkRecordingName(const std::string& name);
-
 /// A message of type std_msgs/String.
 RecordedMessage textMessage(const std::shared_ptr<const LogTopic>& topic, StampUs stamp_us,
                             const std::string& text);

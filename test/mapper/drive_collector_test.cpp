@@ -1,0 +1,94 @@
+// What a drive keeps for its map. Tests B6.
+#include "mapper/core/drive_collector.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "localization/core/observation/floor_observation.h"
+
+namespace vismem {
+namespace {
+
+using testing::IsEmpty;
+
+MemorySegment segmentAt(std::uint64_t id, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                        StampUs seen_us) {
+  MemorySegment segment;
+  segment.id = id;
+  segment.odom = {{a.x(), a.y(), 0.0}, {b.x(), b.y(), 0.0}};
+  segment.label = "skirting";
+  segment.confirmed = true;
+  segment.last_seen_us = seen_us;
+  return segment;
+}
+
+/// The robot stands at (10, 0) among walls near and far.
+MemoryUpdate updateAt(StampUs stamp_us) {
+  auto snapshot = std::make_shared<MemorySnapshot>();
+  snapshot->stamp_us = stamp_us;
+  snapshot->revision = static_cast<std::uint64_t>(stamp_us);
+  snapshot->T_odom_robot = {10.0, 0.0, 0.3};
+  const StampUs long_ago = stamp_us - 30 * kSecondUs;
+  snapshot->segments = {
+      segmentAt(1, {9.0, 1.0}, {11.0, 1.0}, stamp_us), segmentAt(2, {-20.0, 1.0}, {-10.0, 1.0}, long_ago),
+      segmentAt(3, {-20.0, -1.0}, {30.0, -1.0}, long_ago), segmentAt(4, {16.0, 9.0}, {17.0, 9.0}, stamp_us)};
+  snapshot->primitives.resize(3);
+  auto analysis = std::make_shared<ImageAnalysis>();
+  analysis->stamp_us = stamp_us;
+  analysis->frame_seq = static_cast<std::uint64_t>(stamp_us);
+  analysis->T_odom_robot = snapshot->T_odom_robot;
+  analysis->predicted.resize(2);
+  return {snapshot, analysis};
+}
+
+TEST(DriveCollector, RacesSeeTheSameOfTheShortenedUpdates) {
+  const MemoryUpdate whole = updateAt(100 * kSecondUs);
+  const MemoryUpdate part = searchedPart(whole, ObservationParams{}.range_m);
+  std::vector<std::uint64_t> ids;
+  for (const MemorySegment& segment : part.snapshot->segments) ids.push_back(segment.id);
+  EXPECT_EQ(ids, (std::vector<std::uint64_t>{1, 3, 4})) << "the far wall is not looked at";
+  EXPECT_THAT(part.snapshot->primitives, IsEmpty());
+  EXPECT_THAT(part.analysis->predicted, IsEmpty());
+  SegmentMap map;
+  map.segments.push_back({{{0.0, 0.0, 0.0}, {5.0, 0.0, 0.0}}, "skirting"});
+  const MapIndex index(map, {});
+  const FloorObservation all = observeMemory(*whole.snapshot, index, {});
+  const FloorObservation some = observeMemory(*part.snapshot, index, {});
+  ASSERT_EQ(all.points.size(), some.points.size());
+  ASSERT_GT(all.points.size(), 10U);
+  for (std::size_t i = 0; i < all.points.size(); ++i) {
+    EXPECT_EQ(all.points[i].p_robot, some.points[i].p_robot);
+    EXPECT_EQ(all.points[i].weight, some.points[i].weight);
+    EXPECT_EQ(all.points[i].sigma_m, some.points[i].sigma_m);
+  }
+}
+
+TEST(DriveCollector, KeepsUpdatesAtTheRateOfLocalization) {
+  DriveCollector drive(KeyframeParams{}, 5.0);
+  for (int i = 0; i <= 30; ++i) {
+    const MemoryUpdate update = updateAt(100 * kSecondUs + i * kSecondUs / 30);
+    Frame frame;
+    frame.stamp_us = update.analysis->stamp_us;
+    drive.add(frame, update);
+  }
+  EXPECT_EQ(drive.updates().size(), 6U);
+}
+
+TEST(DriveCollector, NothingIsKeptBehindAJumpOfTheOdometry) {
+  DriveCollector drive(KeyframeParams{}, 5.0);
+  for (const double x : {0.0, 0.1, 5.0, 5.1}) {
+    const StampUs stamp_us = (100 + static_cast<StampUs>(2 * drive.updates().size())) * kSecondUs / 2;
+    MemoryUpdate update = updateAt(stamp_us);
+    auto analysis = std::make_shared<ImageAnalysis>(*update.analysis);
+    analysis->T_odom_robot = {x, 0.0, 0.0};
+    Frame frame;
+    frame.stamp_us = stamp_us;
+    drive.add(frame, {update.snapshot, analysis});
+  }
+  EXPECT_TRUE(drive.isBroken());
+  EXPECT_EQ(drive.updates().size(), 2U);
+}
+
+}  // namespace
+}  // namespace vismem
