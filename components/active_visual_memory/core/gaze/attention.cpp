@@ -28,16 +28,10 @@ int stops(double low, double high, double step) {
 
 Eigen::Vector3d focusOf(const Segment3& odom, const Eigen::Vector2d& robot, double distance_m) {
   const Segment2 floor = odom.floor();
-  const Eigen::Vector2d d = floor.b - floor.a;
-  const double squared = d.squaredNorm();
-  if (squared == 0.0) return odom.a;
-  const double nearest = -(floor.a - robot).dot(d) / squared;
-  const Eigen::Vector2d foot = floor.a + nearest * d;
-  const double height2 = (foot - robot).squaredNorm();
-  const double half = std::sqrt(std::max(0.0, distance_m * distance_m - height2) / squared);
-  const double low = std::clamp(nearest - half, 0.0, 1.0);
-  const double high = std::clamp(nearest + half, 0.0, 1.0);
-  return odom.a + 0.5 * (low + high) * (odom.b - odom.a);
+  const auto near = clipToDisc(floor, robot, distance_m);
+  const double at =
+      near ? 0.5 * (near->first + near->second) : std::clamp(projectionFraction(robot, floor), 0.0, 1.0);
+  return odom.a + at * (odom.b - odom.a);
 }
 
 void AttentionPool::Params::visit(ParameterVisitor& v) {

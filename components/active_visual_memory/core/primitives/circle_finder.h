@@ -1,16 +1,12 @@
 /// @file Circles among remembered segments: chords of one arc. Pure. See M8.
 #pragma once
 
-#include <cmath>
 #include <vector>
 
 #include "active_visual_memory/core/primitives/floor_edge.h"
 #include "common/visual_memory/primitive.h"
 
 namespace vismem {
-
-/// A line fitted to a shallow arc cuts it at this share of its half length from its middle.
-inline const double kArcCut = 1.0 / std::sqrt(3.0);
 
 struct CircleParams {
   double min_radius_m = 0.10;
