@@ -1,5 +1,3 @@
-#include "active_visual_memory/core/primitives/circle_finder.h"
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -8,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "active_visual_memory/core/primitives/finders.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/plane.h"
 #include "common/visual_memory/labels.h"
