@@ -27,7 +27,7 @@ struct Edge : PublishedEdge {
     return cross2(other.line.a - line.a, other.along) / cross2(along, other.along);
   }
   double reach(bool at_b, const JunctionParams& params) const {
-    return params.reach.of(element ? (at_b ? element->line.endB() : element->line.endA()) : ExtentEnd{});
+    return params.reach.of(element ? element->line.end(at_b) : ExtentEnd{});
   }
 };
 

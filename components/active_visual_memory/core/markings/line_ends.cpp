@@ -29,7 +29,6 @@ struct Side : PublishedEdge {
 
   explicit Side(const PublishedEdge& edge)
       : PublishedEdge(edge), ends{element->line.endA(), element->line.endB()} {}
-  const Eigen::Vector2d& place(bool at_b) const { return at_b ? line.b : line.a; }
   void moveEnd(bool at_b, const Eigen::Vector2d& to, const ExtentEnd& end) {
     (at_b ? line.b : line.a) = to;
     ends[at_b] = end;

@@ -27,22 +27,18 @@ double sigmaOf(const MemoryElement& element, double t_m) {
 /// @param limit  least height as a share of the distance from the camera.
 bool goesOn(const PublishedEdge& edge, const PublishedEdge& next, bool at_b, double limit,
             const CornerParams& params) {
-  const FloorLine& line = edge.element->line;
-  const ExtentEnd& end = at_b ? line.endB() : line.endA();
-  const ExtentEnd& begin = at_b ? next.element->line.endA() : next.element->line.endB();
-  if (end.censored) return false;
-  if (edge.along.dot(next.along) < std::cos(params.max_line_rad)) return false;
-  const Eigen::Vector2d gap =
-      at_b ? Eigen::Vector2d(next.line.a - edge.line.b) : Eigen::Vector2d(edge.line.a - next.line.b);
+  const ExtentEnd& end = edge.element->line.end(at_b);
+  const ExtentEnd& begin = next.element->line.end(!at_b);
+  if (end.censored || edge.along.dot(next.along) < std::cos(params.max_line_rad)) return false;
+  const Eigen::Vector2d gap = next.place(!at_b) - edge.place(at_b);
   if (std::abs(edge.along.dot(gap)) > params.reach.of(end) + params.reach.of(begin)) return false;
   // Higher edges are projected behind the line by more than the uncertainty of both.
   const Eigen::Vector2d n = turned90(edge.along);
   const double camera = std::abs(n.dot(next.element->anchor_camera - edge.line.a));
-  const double t_end = at_b ? line.endB().t_m : line.endA().t_m;
   double off = 0.0;
   for (const Eigen::Vector2d& p : {next.line.a, next.line.b})
     off = std::max(off, std::abs(n.dot(p - edge.line.a)));
-  const double sigma = std::hypot(sigmaOf(*edge.element, t_end), sigmaOf(*next.element, 0.0));
+  const double sigma = std::hypot(sigmaOf(*edge.element, end.t_m), sigmaOf(*next.element, 0.0));
   return off + params.sigmas * sigma + params.slack_m <= limit * camera;
 }
 
@@ -50,12 +46,11 @@ bool goesOn(const PublishedEdge& edge, const PublishedEdge& next, bool at_b, dou
 bool turnsAway(const PublishedEdge& edge, const PublishedEdge& next, bool at_b, double limit,
                const CornerParams& params) {
   if (edge.published->label != next.published->label) return false;
-  const ExtentEnd& begin = at_b ? next.element->line.endA() : next.element->line.endB();
   const auto corner = at_b ? findCorner(edge, next, params) : findCorner(next, edge, params);
   if (!corner) return false;
   const double distance = (corner->place - next.element->anchor_camera).norm();
-  const ExtentEnd& end = at_b ? edge.element->line.endB() : edge.element->line.endA();
-  const double sigma = std::sqrt(end.best_m2 + begin.best_m2);
+  const double sigma =
+      std::sqrt(edge.element->line.end(at_b).best_m2 + next.element->line.end(!at_b).best_m2);
   return corner->distance_m + params.sigmas * sigma + params.slack_m <= limit * distance;
 }
 

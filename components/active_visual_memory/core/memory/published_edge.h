@@ -25,6 +25,7 @@ struct PublishedEdge {
 
   PublishedEdge(MemorySegment& published_segment, const MemoryElement* of);
   double length() const { return line.length(); }
+  const Eigen::Vector2d& place(bool at_b) const { return at_b ? line.b : line.a; }
   bool confirmed() const { return published->confirmed; }
 };
 
