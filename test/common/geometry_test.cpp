@@ -106,6 +106,19 @@ TEST(Segment, ClipsToBoxAndKeepsDirection) {
   EXPECT_FALSE(clipToBox({{-1, 3}, {3, 3}}, {0, 0}, {2, 2}));
 }
 
+TEST(Segment, ClipsToADisc) {
+  // The line y = 3 meets a circle of 5 about the origin at x = -4 and x = 4.
+  const auto inside = clipToDisc({{-10.0, 3.0}, {10.0, 3.0}}, {0.0, 0.0}, 5.0);
+  ASSERT_TRUE(inside);
+  EXPECT_NEAR(inside->first, 0.3, 1e-12);
+  EXPECT_NEAR(inside->second, 0.7, 1e-12);
+  EXPECT_NEAR(clipToDisc({{0.0, 3.0}, {10.0, 3.0}}, {0.0, 0.0}, 5.0)->first, 0.0, 1e-12) << "begins inside";
+  EXPECT_FALSE(clipToDisc({{5.0, 3.0}, {10.0, 3.0}}, {0.0, 0.0}, 5.0));
+  EXPECT_FALSE(clipToDisc({{-10.0, 6.0}, {10.0, 6.0}}, {0.0, 0.0}, 5.0));
+  EXPECT_EQ(clipToDisc({{1.0, 1.0}, {1.0, 1.0}}, {0.0, 0.0}, 5.0), std::pair(0.0, 1.0)) << "a point";
+  EXPECT_FALSE(clipToDisc({{6.0, 1.0}, {6.0, 1.0}}, {0.0, 0.0}, 5.0));
+}
+
 TEST(Segment, DistancesToSegmentAndLineDifferBeyondTheEnds) {
   const Segment2 segment{{0, 0}, {1, 0}};
   EXPECT_NEAR(distanceToSegment(Eigen::Vector2d(4, 4), segment), 5.0, 1e-12);  // 3-4-5 from (1, 0)

@@ -6,12 +6,12 @@
 
 #include "active_visual_memory/app/memory_parameters.h"
 #include "active_visual_memory/app/perception_loop.h"
-#include "active_visual_memory/core/overlay.h"
 #include "common/memory_ice/gaze_ice.h"
 #include "common/memory_ice/visual_memory_ice.h"
 #include "common/robot_ice/base_ice.h"
 #include "common/robot_ice/camera_ice.h"
 #include "common/robot_ice/pantilt_ice.h"
+#include "common/visual_memory/overlay.h"
 
 namespace vismem {
 namespace {

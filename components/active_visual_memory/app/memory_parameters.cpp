@@ -25,8 +25,9 @@ class Lister {
     });
   }
 
-  void addRate(AttentionKind kind, const std::string& name, double configured, const std::string& of_what) {
-    add({name, "", 0.0, kHighestRate, false, configured,
+  void addRate(AttentionPool::Params configured, AttentionKind kind, const std::string& name,
+               const std::string& of_what) {
+    add({"Attention." + name, "", 0.0, kHighestRate, false, configured.rateOf(kind),
          "Growth of salience per tick of 200 ms of " + of_what + ": how often the camera looks there"},
         [kind](MemoryPipeline& pipeline, double rate) { pipeline.memory().attention().setRate(kind, rate); });
   }
@@ -55,14 +56,10 @@ void listMemoryParameters(ParameterTable& table, const ActiveVisualMemoryConfig&
       [](MemoryPipeline& pipeline, double length_px) { pipeline.extractor().setMinimumLength(length_px); });
   if (!config.hasPanTilt()) return;
   const AttentionPool::Params& attention = config.pipeline.memory.attention;
-  lister.addRate(AttentionKind::kSegment, "Attention.SegmentRate", attention.rates.segment,
-                 "remembered segments");
-  lister.addRate(AttentionKind::kPrimitive, "Attention.PrimitiveRate", attention.rates.primitive,
-                 "primitives");
-  lister.addRate(AttentionKind::kHypothesis, "Attention.HypothesisRate", attention.rates.hypothesis,
-                 "inferred corners");
-  lister.addRate(AttentionKind::kClient, "Attention.ClientRate", attention.rates.client,
-                 "clients' requests, times their priority");
+  lister.addRate(attention, AttentionKind::kSegment, "SegmentRate", "remembered segments");
+  lister.addRate(attention, AttentionKind::kPrimitive, "PrimitiveRate", "primitives");
+  lister.addRate(attention, AttentionKind::kHypothesis, "HypothesisRate", "inferred corners");
+  lister.addRate(attention, AttentionKind::kClient, "ClientRate", "clients' requests, times their priority");
   lister.add({"Attention.ForcedSearch_s", "s", 0.1, kLongestSearch_s, false, attention.forced_search_s,
               "Time between forced searches, which grows with the number of objects"},
              [](MemoryPipeline& pipeline, double interval_s) {

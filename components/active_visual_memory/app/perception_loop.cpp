@@ -34,44 +34,6 @@ void pauseFor(const std::stop_token& stop, milliseconds duration) {
 
 }  // namespace
 
-PortReply SharedGazeClient::setMode(GazeMode mode) {
-  if (!has_pan_tilt_ && mode != GazeMode::kOff) return PortReply::rejected("no pan-tilt unit is configured");
-  const std::scoped_lock lock(mutex_);
-  return gaze_requests_.setMode(mode);
-}
-
-PortReply SharedGazeClient::fixate(const Eigen::Vector3d& p_odom) {
-  if (!has_pan_tilt_) return PortReply::rejected("no pan-tilt unit is configured");
-  const std::scoped_lock lock(mutex_);
-  return gaze_requests_.fixate(p_odom);
-}
-
-PortReply SharedGazeClient::request(const GazeRequest& request) {
-  if (!has_pan_tilt_) return PortReply::rejected("no pan-tilt unit is configured");
-  const std::scoped_lock lock(mutex_);
-  return gaze_requests_.request(request);
-}
-
-PortReply SharedGazeClient::withdraw(const std::string& client, const std::string& key) {
-  const std::scoped_lock lock(mutex_);
-  return gaze_requests_.withdraw(client, key);
-}
-
-std::optional<GazeStatus> SharedGazeClient::status() {
-  const std::scoped_lock lock(mutex_);
-  return gaze_requests_.status();
-}
-
-std::vector<GazeRequestQueue::Item> SharedGazeClient::take() {
-  const std::scoped_lock lock(mutex_);
-  return gaze_requests_.take();
-}
-
-void SharedGazeClient::publish(const GazeStatus& status, const Eigen::Vector2d& p_odom_robot) {
-  const std::scoped_lock lock(mutex_);
-  gaze_requests_.publish(status, p_odom_robot);
-}
-
 PerceptionLoop::PerceptionLoop(const Params& params, std::shared_ptr<const Palette> palette,
                                FrameSource& camera, PanTiltUnit* pan_tilt, MobileBase& base,
                                SharedGazeClient& gaze, StatusBoard& status)
@@ -98,7 +60,9 @@ void PerceptionLoop::start(Consumer consumer, NoImages no_images, Failed failed)
   consumer_ = std::move(consumer);
   no_images_ = std::move(no_images);
   failed_ = std::move(failed);
-  startThread([this](const auto& stop) { readCamera(stop); });
+  startThread([this](const auto& stop) {
+    read(stop, "reader of the camera", camera_, [this] { return takeFrame(); });
+  });
   startThread([this](const auto& stop) {
     readSamples(stop, "reader of the odometry", base_, inbox_.odometry_samples);
   });
@@ -129,58 +93,49 @@ PortReply PerceptionLoop::change(std::function<void(MemoryPipeline&)> change) {
   return PortReply::accepted();
 }
 
-void PerceptionLoop::readCamera(const std::stop_token& stop) {
-  const std::string name = "reader of the camera";
+template <typename Port, typename Take>
+void PerceptionLoop::read(const std::stop_token& stop, const char* name, Port& port, Take take) {
   status_.alive(name);
-  camera_.start();
+  port.start();
   while (!stop.stop_requested()) {
     status_.alive(name);
     const auto asked = Clock::now();
-    FrameResult result = camera_.next(kPortWait);
-    {
-      const std::scoped_lock lock(inbox_mutex_);
-      inbox_.camera_state = result.state;
-      inbox_.camera_message = result.message;
-      if (result.frame) inbox_.frames.push_back(std::move(*result.frame));
-      if (inbox_.frames.size() > kMaxFrames) {
-        inbox_.frames.pop_front();
-        status_.count("frames dropped");
-      }
-    }
-    if (result.state == SourceState::kRunning) {
-      status_.count("frames");
+    if (take()) {
       inbox_filled_.notify_one();
     } else if (Clock::now() - asked < kPause) {
       pauseFor(stop, kPause);
     }
   }
-  camera_.stop();
+  port.stop();
   status_.ended(name);
+}
+
+bool PerceptionLoop::takeFrame() {
+  FrameResult result = camera_.next(kPortWait);
+  const bool running = result.state == SourceState::kRunning;
+  if (running) status_.count("frames");
+  const std::scoped_lock lock(inbox_mutex_);
+  inbox_.camera_state = result.state;
+  inbox_.camera_message = result.message;
+  if (result.frame) inbox_.frames.push_back(std::move(*result.frame));
+  if (inbox_.frames.size() > kMaxFrames) {
+    inbox_.frames.pop_front();
+    status_.count("frames dropped");
+  }
+  return running;
 }
 
 template <typename Port, typename Sample>
 void PerceptionLoop::readSamples(const std::stop_token& stop, const char* name, Port& port,
                                  std::vector<Sample>& inbox) {
-  status_.alive(name);
-  port.start();
-  StampUs newest = std::numeric_limits<StampUs>::min();
-  while (!stop.stop_requested()) {
-    status_.alive(name);
-    const auto asked = Clock::now();
-    SampleBatch<Sample> batch = port.samplesSince(newest, kPortWait);
-    if (batch.samples.empty()) {
-      if (Clock::now() - asked < kPause) pauseFor(stop, kPause);
-      continue;
-    }
+  read(stop, name, port, [this, &port, &inbox, newest = std::numeric_limits<StampUs>::min()]() mutable {
+    const SampleBatch<Sample> batch = port.samplesSince(newest, kPortWait);
+    if (batch.samples.empty()) return false;
     newest = batch.samples.back().stamp_us;
-    {
-      const std::scoped_lock lock(inbox_mutex_);
-      inbox.insert(inbox.end(), batch.samples.begin(), batch.samples.end());
-    }
-    inbox_filled_.notify_one();
-  }
-  port.stop();
-  status_.ended(name);
+    const std::scoped_lock lock(inbox_mutex_);
+    inbox.insert(inbox.end(), batch.samples.begin(), batch.samples.end());
+    return true;
+  });
 }
 
 PerceptionLoop::Inbox PerceptionLoop::takeInbox(const std::stop_token& stop) {
@@ -213,8 +168,8 @@ void PerceptionLoop::run(const std::stop_token& stop) {
     Inbox inbox = takeInbox(stop);
     if (inbox.reset_wanted) pipeline_.memory().reset();
     for (const auto& change_pipeline : inbox.changes) change_pipeline(pipeline_);
-    const auto requests = gaze_.take();
-    for (const auto& message_in : requests) pipeline_.memory().gazeClient().push(message_in);
+    auto requests = gaze_.take();
+    for (auto& request : requests) pipeline_.memory().gazeClient().push(std::move(request));
     checkClocks(inbox, clocks);
     for (const OdometrySample& sample : inbox.odometry_samples) assembler.add(sample);
     for (const PanTiltSample& sample : inbox.pan_tilt_samples) assembler.add(sample);

@@ -29,19 +29,44 @@ class SharedGazeClient final : public GazeClient {
  public:
   explicit SharedGazeClient(bool has_pan_tilt) : has_pan_tilt_(has_pan_tilt) {}
 
-  PortReply setMode(GazeMode mode) override;
-  PortReply fixate(const Eigen::Vector3d& p_odom) override;
-  PortReply request(const GazeRequest& request) override;
-  PortReply withdraw(const std::string& client, const std::string& key) override;
-  std::optional<GazeStatus> status() override;
+  PortReply setMode(GazeMode mode) override {
+    return guarded(mode == GazeMode::kOff, [&] { return queue_.setMode(mode); });
+  }
+  PortReply fixate(const Eigen::Vector3d& p_odom) override {
+    return guarded(false, [&] { return queue_.fixate(p_odom); });
+  }
+  PortReply request(const GazeRequest& request) override {
+    return guarded(false, [&] { return queue_.request(request); });
+  }
+  PortReply withdraw(const std::string& client, const std::string& key) override {
+    return guarded(true, [&] { return queue_.withdraw(client, key); });
+  }
+  std::optional<GazeStatus> status() override {
+    const std::scoped_lock lock(mutex_);
+    return queue_.status();
+  }
 
-  std::vector<GazeRequestQueue::Item> take();
-  void publish(const GazeStatus& status, const Eigen::Vector2d& p_odom_robot);
+  std::vector<GazeRequestQueue::Item> take() {
+    const std::scoped_lock lock(mutex_);
+    return queue_.take();
+  }
+  void publish(const GazeStatus& status, const Eigen::Vector2d& p_odom_robot) {
+    const std::scoped_lock lock(mutex_);
+    queue_.publish(status, p_odom_robot);
+  }
 
  private:
+  /// @param without_unit whether `call` makes sense without a pan-tilt unit.
+  template <typename Call>
+  PortReply guarded(bool without_unit, Call call) {
+    if (!has_pan_tilt_ && !without_unit) return PortReply::rejected("no pan-tilt unit is configured");
+    const std::scoped_lock lock(mutex_);
+    return call();
+  }
+
   const bool has_pan_tilt_;
   std::mutex mutex_;
-  GazeRequestQueue gaze_requests_;
+  GazeRequestQueue queue_;
 };
 
 /// *Thread-safe*: start and stop from one thread, reset from any.
@@ -95,7 +120,11 @@ class PerceptionLoop {
   };
 
   void startThread(std::function<void(const std::stop_token&)> work);
-  void readCamera(const std::stop_token& stop);
+  /// Runs a port until it is to stop. @param take  takes what is new into the inbox; returns whether there
+  /// was any.
+  template <typename Port, typename Take>
+  void read(const std::stop_token& stop, const char* name, Port& port, Take take);
+  bool takeFrame();
   template <typename Port, typename Sample>
   void readSamples(const std::stop_token& stop, const char* name, Port& port, std::vector<Sample>& inbox);
   void run(const std::stop_token& stop);

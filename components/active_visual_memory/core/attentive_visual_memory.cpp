@@ -74,23 +74,7 @@ void AttentiveVisualMemory::followEpoch(const RobotObservation& observation) {
 }
 
 void AttentiveVisualMemory::readGazeRequests() {
-  using Kind = GazeRequestQueue::Item::Kind;
-  for (const auto& message : gaze_requests_.take()) {
-    switch (message.kind) {
-      case Kind::kMode:
-        gaze_.setMode(message.mode);
-        break;
-      case Kind::kFixate:
-        gaze_.fixate(message.p_odom);
-        break;
-      case Kind::kRequest:
-        pool_.request(message.request);
-        break;
-      case Kind::kWithdraw:
-        pool_.withdraw(message.request.client, message.request.key);
-        break;
-    }
-  }
+  for (const auto& apply : gaze_requests_.take()) apply(gaze_, pool_);
 }
 
 std::optional<PanTiltCommand> AttentiveVisualMemory::preempt() {

@@ -55,6 +55,22 @@ double distanceToLine(const Eigen::Vector2d& p, const Segment2& segment) {
   return std::abs(cross2(ab, ap)) / length;
 }
 
+std::optional<std::pair<double, double>> clipToDisc(const Segment2& segment, const Eigen::Vector2d& centre,
+                                                    double radius) {
+  const Eigen::Vector2d d = segment.b - segment.a;
+  const Eigen::Vector2d from = segment.a - centre;
+  const double a = d.squaredNorm();
+  const double b = 2.0 * from.dot(d);
+  const double c = from.squaredNorm() - radius * radius;
+  if (a < 1e-12) return c <= 0.0 ? std::optional(std::pair{0.0, 1.0}) : std::nullopt;
+  const double discriminant = b * b - 4.0 * a * c;
+  if (discriminant <= 0.0) return std::nullopt;
+  const double low = std::max(0.0, (-b - std::sqrt(discriminant)) / (2.0 * a));
+  const double high = std::min(1.0, (-b + std::sqrt(discriminant)) / (2.0 * a));
+  if (low >= high) return std::nullopt;
+  return std::pair{low, high};
+}
+
 std::optional<Segment2> clipToBox(const Segment2& segment, const Eigen::Vector2d& low,
                                   const Eigen::Vector2d& high) {
   // Liang-Barsky: shrink the parameter interval [t0, t1] by each side of the box.

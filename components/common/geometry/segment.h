@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
+#include <utility>
 
 #include "common/geometry/pose.h"
 
@@ -41,6 +43,20 @@ double distanceToSegment(const Eigen::Vector2d& p, const Segment2& segment);
 double distanceToSegment(const Eigen::Vector3d& p, const Segment3& segment);
 /// Distance to the infinite line; to the point a for a segment without length.
 double distanceToLine(const Eigen::Vector2d& p, const Segment2& segment);
+
+/// A line fitted to a shallow arc cuts it at this share of its half length from its middle.
+inline const double kArcCut = 1.0 / std::sqrt(3.0);
+
+/// The two points where the line of a chord cuts the arc that it was fitted to.
+inline Segment2 arcPoints(const Segment2& chord) {
+  const Eigen::Vector2d half = 0.5 * kArcCut * (chord.b - chord.a);
+  return {chord.middle() - half, chord.middle() + half};
+}
+
+/// The part of the segment inside a disc, as fractions of a -> b.
+/// @return empty if they do not meet; a segment without length is inside or not as a whole.
+std::optional<std::pair<double, double>> clipToDisc(const Segment2& segment, const Eigen::Vector2d& centre,
+                                                    double radius);
 
 /// The part of the segment inside an axis-aligned box, ends in the same order.
 /// @return empty if no part lies inside.

@@ -23,11 +23,6 @@ cv::Mat toGray(const cv::Mat& image) {
   return gray;
 }
 
-Eigen::Vector2d leftNormal(const Segment2& px) {
-  const Eigen::Vector2d d = (px.b - px.a).normalized();
-  return {d.y(), -d.x()};
-}
-
 double brightnessStep(const cv::Mat& image, const Segment2& px, double distance_px) {
   const double length = px.length();
   const int samples = std::clamp(static_cast<int>(length / 2.0), 3, 64);

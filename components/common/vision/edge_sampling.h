@@ -31,7 +31,10 @@ inline int nearestPixel(double value, int size) {
 }
 
 /// Unit normal to the left of a -> b, as seen on the screen (v points down). Length must be > 0.
-Eigen::Vector2d leftNormal(const Segment2& px);
+inline Eigen::Vector2d leftNormal(const Segment2& px) {
+  const Eigen::Vector2d d = (px.b - px.a).normalized();
+  return {d.y(), -d.x()};
+}
 
 /// Mean brightness on the left minus that on the right [grey levels], sampled (nearest pixel) every 2 px or
 /// so along the segment at `distance_px` from it. Samples outside the image do not count.

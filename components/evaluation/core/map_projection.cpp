@@ -29,36 +29,17 @@ bool isOnMap(const Label& label, const std::vector<MapSegment>& edges) {
                      [&](const MapSegment& e) { return labelFitsMap(label, e.label); });
 }
 
-/// Cuts a segment of the floor to a disc; empty if it passes outside.
-std::optional<Segment3> clipToDisc(const Segment3& segment, const Eigen::Vector2d& centre, double radius) {
-  const Eigen::Vector2d d = (segment.b - segment.a).head<2>();
-  const Eigen::Vector2d from = segment.a.head<2>() - centre;
-  const double a = d.squaredNorm();
-  const double b = 2.0 * from.dot(d);
-  const double c = from.squaredNorm() - radius * radius;
-  double low = 0.0;
-  double high = 1.0;
-  if (a < 1e-12) {
-    if (c > 0.0) return std::nullopt;
-  } else {
-    const double discriminant = b * b - 4.0 * a * c;
-    if (discriminant <= 0.0) return std::nullopt;
-    low = std::max(0.0, (-b - std::sqrt(discriminant)) / (2.0 * a));
-    high = std::min(1.0, (-b + std::sqrt(discriminant)) / (2.0 * a));
-    if (low >= high) return std::nullopt;
-  }
-  return Segment3{segment.a + low * (segment.b - segment.a), segment.a + high * (segment.b - segment.a)};
-}
-
 }  // namespace
 
 std::vector<Segment2> projectMap(const std::vector<MapSegment>& edges, const CameraIntrinsics& intrinsics,
                                  const Pose3& T_world_camera, double max_range_m) {
   std::vector<Segment2> visible;
   for (const MapSegment& edge : edges) {
-    const auto near = clipToDisc(edge.world, T_world_camera.translation().head<2>(), max_range_m);
+    const auto near = clipToDisc(edge.world.floor(), T_world_camera.translation().head<2>(), max_range_m);
     if (!near) continue;
-    if (const auto px = projectSegment(intrinsics, T_world_camera, *near)) visible.push_back(*px);
+    const Eigen::Vector3d along = edge.world.b - edge.world.a;
+    const Segment3 inside{edge.world.a + near->first * along, edge.world.a + near->second * along};
+    if (const auto px = projectSegment(intrinsics, T_world_camera, inside)) visible.push_back(*px);
   }
   return visible;
 }

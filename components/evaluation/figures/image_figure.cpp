@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
-#include "active_visual_memory/core/overlay.h"
+#include "common/visual_memory/overlay.h"
 #include "evaluation/core/map_projection.h"
 #include "evaluation/figures/board.h"
 #include "evaluation/figures/canvas.h"

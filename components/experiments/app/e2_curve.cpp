@@ -8,10 +8,10 @@
 #include <random>
 #include <stdexcept>
 
-#include "active_visual_memory/core/overlay.h"
 #include "common/geometry/angles.h"
 #include "common/kinematics/kinematics.h"
 #include "common/vision/app/image_file.h"
+#include "common/visual_memory/overlay.h"
 #include "evaluation/figures/board.h"
 #include "experiments/app/experiment_files.h"
 #include "experiments/app/experiment_run.h"

@@ -7,11 +7,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "active_visual_memory/core/overlay.h"
 #include "common/config/project_file.h"
 #include "common/geometry/angles.h"
 #include "common/recording/robot_log.h"
 #include "common/vision/app/image_file.h"
+#include "common/visual_memory/overlay.h"
 #include "evaluation/core/recorded_memory_score.h"
 #include "experiments/app/look_around_run.h"
 #include "replay_server/core/stepped_log.h"

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "active_visual_memory/core/overlay.h"
 #include "common/config/project_file.h"
 #include "common/vision/app/image_file.h"
+#include "common/visual_memory/overlay.h"
 #include "evaluation/core/shape_score.h"
 #include "experiments/app/look_around_run.h"
 #include "simulator/core/props.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "active_visual_memory/core/markings/circle_marking.h"
-#include "active_visual_memory/core/primitives/circle_finder.h"
+#include "active_visual_memory/core/primitives/finders.h"
 #include "mapper/core/landmarks.h"
 
 namespace vismem {

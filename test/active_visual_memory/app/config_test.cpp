@@ -72,7 +72,7 @@ TEST(ActiveVisualMemoryConfig, FarLinesSetsWhatDistantNarrowLinesNeed) {
   const auto far = shapes("ActiveVisualMemory.ShapeEdges.FarLines = yes\n");
   EXPECT_TRUE(far.crosses.enabled);
   EXPECT_TRUE(far.junctions.by_one_side);
-  EXPECT_DOUBLE_EQ(far.corners.reach_sigmas, 2.0);
+  EXPECT_DOUBLE_EQ(far.corners.reach.sigmas, 2.0);
 }
 
 TEST(ActiveVisualMemoryConfig, WithoutAPanTiltUnitTheGazeIsOff) {

@@ -28,25 +28,20 @@ int stops(double low, double high, double step) {
 
 Eigen::Vector3d focusOf(const Segment3& odom, const Eigen::Vector2d& robot, double distance_m) {
   const Segment2 floor = odom.floor();
-  const Eigen::Vector2d d = floor.b - floor.a;
-  const double squared = d.squaredNorm();
-  if (squared == 0.0) return odom.a;
-  const double nearest = -(floor.a - robot).dot(d) / squared;
-  const Eigen::Vector2d foot = floor.a + nearest * d;
-  const double height2 = (foot - robot).squaredNorm();
-  const double half = std::sqrt(std::max(0.0, distance_m * distance_m - height2) / squared);
-  const double low = std::clamp(nearest - half, 0.0, 1.0);
-  const double high = std::clamp(nearest + half, 0.0, 1.0);
-  return odom.a + 0.5 * (low + high) * (odom.b - odom.a);
+  const auto near = clipToDisc(floor, robot, distance_m);
+  const double at =
+      near ? 0.5 * (near->first + near->second) : std::clamp(projectionFraction(robot, floor), 0.0, 1.0);
+  return odom.a + at * (odom.b - odom.a);
 }
 
 void AttentionPool::Params::visit(ParameterVisitor& v) {
-  v.real(basic("SegmentRate", "A2: growth of salience per tick of 200 ms of segments"), rates.segment, 0.0,
+  v.real(basic("SegmentRate", "A2: growth of salience per tick of 200 ms of segments"),
+         rateOf(AttentionKind::kSegment), 0.0, 1000.0);
+  v.real(basic("PrimitiveRate", "the same of shapes"), rateOf(AttentionKind::kPrimitive), 0.0, 1000.0);
+  v.real(basic("HypothesisRate", "the same of inferred corners"), rateOf(AttentionKind::kHypothesis), 0.0,
          1000.0);
-  v.real(basic("PrimitiveRate", "the same of shapes"), rates.primitive, 0.0, 1000.0);
-  v.real(basic("HypothesisRate", "the same of inferred corners"), rates.hypothesis, 0.0, 1000.0);
-  v.real(basic("ClientRate", "the same of clients' requests, times their priority"), rates.client, 0.0,
-         1000.0);
+  v.real(basic("ClientRate", "the same of clients' requests, times their priority"),
+         rateOf(AttentionKind::kClient), 0.0, 1000.0);
   v.real(expert("ForcedSearch_s", "A3: time between searches, times (1 + objects / 5)"), forced_search_s, 0.1,
          3600.0);
 }
@@ -77,7 +72,6 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
     AttentionKind kind;
     std::uint64_t id;
     Eigen::Vector3d place;
-    double rate;
     bool old = false;
   };
   // In the order of the memory, not of a hash: the same input gives the same ids.
@@ -85,17 +79,15 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
   alive.reserve(objects.segments.size() + objects.primitives.size() + objects.hypotheses.size());
   for (const MemorySegment& segment : objects.segments) {
     const Eigen::Vector3d place = focusOf(segment.odom, T_odom_robot.position(), kFocusDistance_m);
-    alive.push_back({AttentionKind::kSegment, segment.id, place, params_.rates.segment});
+    alive.push_back({AttentionKind::kSegment, segment.id, place});
   }
   const auto onFloor = [](const Eigen::Vector2d& p) { return Eigen::Vector3d(p.x(), p.y(), 0.0); };
   for (const Primitive& primitive : objects.primitives) {
     if (primitive.kind == PrimitiveKind::kStripe) continue;
-    alive.push_back(
-        {AttentionKind::kPrimitive, primitive.id, onFloor(primitive.centre), params_.rates.primitive});
+    alive.push_back({AttentionKind::kPrimitive, primitive.id, onFloor(primitive.centre)});
   }
   for (const VertexHypothesis& corner : objects.hypotheses) {
-    alive.push_back(
-        {AttentionKind::kHypothesis, corner.primitive_id, onFloor(corner.p_odom), params_.rates.hypothesis});
+    alive.push_back({AttentionKind::kHypothesis, corner.primitive_id, onFloor(corner.p_odom)});
   }
 
   const auto key = [](AttentionKind kind, std::uint64_t id) {
@@ -105,18 +97,16 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
   by_key.reserve(alive.size());
   for (Object& object : alive) by_key.emplace_back(key(object.kind, object.id), &object);
   std::sort(by_key.begin(), by_key.end());
-  double highest = 0.0;
   std::erase_if(entries_, [&](Entry& entry) {
-    if (entry.object_id != 0) {
-      const std::uint64_t wanted = key(entry.point.kind, entry.object_id);
-      const auto found = std::lower_bound(by_key.begin(), by_key.end(), std::pair{wanted, alive.data()});
-      if (found == by_key.end() || found->first != wanted) return true;
-      entry.point.p_odom = found->second->place;
-      found->second->old = true;
-    }
-    highest = std::max(highest, entry.point.salience);
+    if (entry.object_id == 0) return false;
+    const std::uint64_t wanted = key(entry.point.kind, entry.object_id);
+    const auto found = std::lower_bound(by_key.begin(), by_key.end(), std::pair{wanted, alive.data()});
+    if (found == by_key.end() || found->first != wanted) return true;
+    entry.point.p_odom = found->second->place;
+    found->second->old = true;
     return false;
   });
+  const double known = highest();
   for (const Object& object : alive) {
     if (object.old) continue;
     Entry entry;
@@ -124,9 +114,8 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
     entry.point.kind = object.kind;
     entry.point.p_odom = object.place;
     // A hypothesis is visited at once (M9); after that its salience grows like the others.
-    if (object.kind == AttentionKind::kHypothesis) entry.point.salience = highest + kHypothesisLead;
+    if (object.kind == AttentionKind::kHypothesis) entry.point.salience = known + kHypothesisLead;
     entry.object_id = object.id;
-    entry.rate = object.rate;
     entries_.push_back(std::move(entry));
   }
 }
@@ -166,13 +155,22 @@ void AttentionPool::update(StampUs stamp_us, const AttentionObjects& objects, co
   const double ticks = clock_.advance(stamp_us) / toSeconds(kTick_us);
   for (Entry& entry : entries_) {
     if (attended && entry.point.id == *attended) continue;
-    entry.point.salience += ticks * entry.rate;
+    const double priority = entry.request ? entry.request->priority : 1.0;
+    entry.point.salience += ticks * (params_.rateOf(entry.point.kind) * priority);
   }
   if (!last_scan_us_ || stamp_us < *last_scan_us_) last_scan_us_ = stamp_us;
   if (lookingAround() || isSearchDue(toSeconds(stamp_us - *last_scan_us_), T_odom_robot)) {
     addScanningPoint();
     last_scan_us_ = stamp_us;
   }
+}
+
+double AttentionPool::highest(bool of_clients) const {
+  double highest = 0.0;
+  for (const Entry& entry : entries_) {
+    if (of_clients || !entry.request) highest = std::max(highest, entry.point.salience);
+  }
+  return highest;
 }
 
 const AttentionPool::Entry* AttentionPool::best() const {
@@ -185,10 +183,15 @@ const AttentionPool::Entry* AttentionPool::best() const {
   return best;
 }
 
+const AttentionPool::Entry* AttentionPool::entryOf(std::uint64_t point_id) const {
+  const auto found = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const Entry& entry) { return entry.point.id == point_id; });
+  return found != entries_.end() ? &*found : nullptr;
+}
+
 std::optional<AttentionPoint> AttentionPool::mostSalient() const {
   const Entry* entry = best();
-  if (!entry) return std::nullopt;
-  return entry->point;
+  return entry ? std::optional(entry->point) : std::nullopt;
 }
 
 bool AttentionPool::isUrgent() const {
@@ -197,17 +200,14 @@ bool AttentionPool::isUrgent() const {
 }
 
 std::optional<AttentionPoint> AttentionPool::find(std::uint64_t id) const {
-  for (const Entry& entry : entries_) {
-    if (entry.point.id == id) return entry.point;
-  }
-  return std::nullopt;
+  const Entry* entry = entryOf(id);
+  return entry ? std::optional(entry->point) : std::nullopt;
 }
 
 std::optional<std::uint64_t> AttentionPool::segmentOf(std::uint64_t point_id) const {
-  for (const Entry& entry : entries_) {
-    if (entry.point.id == point_id && entry.point.kind == AttentionKind::kSegment) return entry.object_id;
-  }
-  return std::nullopt;
+  const Entry* entry = entryOf(point_id);
+  if (!entry || entry->point.kind != AttentionKind::kSegment) return std::nullopt;
+  return entry->object_id;
 }
 
 double AttentionPool::salienceOf(AttentionKind kind, std::uint64_t object_id) const {
@@ -218,11 +218,10 @@ double AttentionPool::salienceOf(AttentionKind kind, std::uint64_t object_id) co
 }
 
 void AttentionPool::visited(std::uint64_t id, const PanTilt& axis, const Pose2& T_odom_robot) {
-  std::erase_if(entries_,
-                [&](const Entry& e) { return e.point.id == id && e.point.kind == AttentionKind::kScanning; });
+  giveUp(id);
   for (Entry& entry : entries_) {
     const bool near = angleBetween(directionOf(entry.point, T_odom_robot), axis) <= params_.visit_angle_rad;
-    if (entry.point.id == id || near) entry.point.salience = 0.0;
+    if (near) entry.point.salience = 0.0;
   }
 }
 
@@ -270,11 +269,8 @@ PanTilt AttentionPool::nextSystematic() {
 }
 
 void AttentionPool::addScanningPoint() {
-  double highest = 0.0;
-  for (const Entry& entry : entries_) {
-    if (entry.point.kind == AttentionKind::kScanning) return;
-    highest = std::max(highest, entry.point.salience);
-  }
+  const auto waits = [](const Entry& entry) { return entry.point.kind == AttentionKind::kScanning; };
+  if (std::any_of(entries_.begin(), entries_.end(), waits)) return;
   Entry entry;
   entry.point.id = next_id_++;
   entry.point.kind = AttentionKind::kScanning;
@@ -282,31 +278,8 @@ void AttentionPool::addScanningPoint() {
                                            (params_.scanning == Scanning::kAlternate && random_turn_));
   random_turn_ = !random_turn_;
   entry.point.direction = random ? nextRandom() : nextSystematic();
-  entry.point.salience = highest + kScanningLead;
+  entry.point.salience = highest() + kScanningLead;
   entries_.push_back(std::move(entry));
-}
-
-void AttentionPool::setRate(AttentionKind kind, double rate_per_tick) {
-  switch (kind) {
-    case AttentionKind::kSegment:
-      params_.rates.segment = rate_per_tick;
-      break;
-    case AttentionKind::kPrimitive:
-      params_.rates.primitive = rate_per_tick;
-      break;
-    case AttentionKind::kHypothesis:
-      params_.rates.hypothesis = rate_per_tick;
-      break;
-    case AttentionKind::kClient:
-      params_.rates.client = rate_per_tick;
-      break;
-    case AttentionKind::kScanning:
-      return;  // a scanning point is placed above the others and does not grow
-  }
-  for (Entry& entry : entries_) {
-    if (entry.point.kind == kind)
-      entry.rate = rate_per_tick * (entry.request ? entry.request->priority : 1.0);
-  }
 }
 
 void AttentionPool::request(const GazeRequest& request) {
@@ -324,14 +297,9 @@ void AttentionPool::request(const GazeRequest& request) {
   entry->request = request;
   entry->point.p_odom = request.p_odom;
   entry->point.direction = request.direction;
-  entry->rate = params_.rates.client * request.priority;
   if (was_urgent || request.priority < kUrgentPriority) return;
   // An urgent request starts above all points of no client.
-  double highest = entry->point.salience;
-  for (const Entry& other : entries_) {
-    if (!other.request) highest = std::max(highest, other.point.salience);
-  }
-  entry->point.salience = highest + kUrgentLead;
+  entry->point.salience = std::max(entry->point.salience, highest(false)) + kUrgentLead;
 }
 
 void AttentionPool::withdraw(const std::string& client, const std::string& key) {

@@ -4,6 +4,8 @@
 /// 2001.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <random>
@@ -32,16 +34,10 @@ class AttentionPool {
  public:
   enum class Scanning { kRandom, kSystematic, kAlternate };
 
-  /// Growth of salience per tick of 200 ms (A1).
-  struct Rates {
-    double segment = 1.0;
-    double primitive = 1.0;
-    double hypothesis = 2.0;
-    double client = 1.0;  ///< times the request's priority
-  };
-
   struct Params {
-    Rates rates;
+    /// Growth of salience per tick of 200 ms by AttentionKind (A1); that of clients times the request's
+    /// priority.
+    std::array<double, 5> rates{1.0, 1.0, 1.0, 2.0, 1.0};
     double visit_angle_rad = 0.26;  ///< a visit resets the points this near to the optical axis (15 degrees)
     double forced_search_s = 2.5;   ///< A3: a scanning point every so long, times (1 + objects / 5)
     double max_forced_search_s = 10.0;
@@ -52,6 +48,7 @@ class AttentionPool {
     double scan_max_tilt_rad = -0.35;
     std::uint64_t seed = 1;  ///< of the random scanning points
 
+    double& rateOf(AttentionKind kind) { return rates[static_cast<std::size_t>(kind)]; }
     void visit(ParameterVisitor& v);
     static Params chapter();
   };
@@ -81,8 +78,8 @@ class AttentionPool {
   void giveUp(std::uint64_t id);
 
   /// Changes how fast the salience of one kind grows, also of the points that wait already.
-  /// @param kind any but kScanning. @param rate_per_tick >= 0; of kClient: times the request's priority.
-  void setRate(AttentionKind kind, double rate_per_tick);
+  /// @param rate_per_tick >= 0; of kClient: times the request's priority.
+  void setRate(AttentionKind kind, double rate_per_tick) { params_.rateOf(kind) = rate_per_tick; }
   /// @param interval_s between forced searches (A3), > 0.
   void setForcedSearch(double interval_s) { params_.forced_search_s = interval_s; }
 
@@ -98,10 +95,12 @@ class AttentionPool {
   struct Entry {
     AttentionPoint point;
     std::uint64_t object_id = 0;  ///< of the segment or primitive it stands for; 0: none
-    double rate = 1.0;
     std::optional<GazeRequest> request;
   };
   const Entry* best() const;
+  const Entry* entryOf(std::uint64_t point_id) const;
+  /// The highest salience of all points; of those of no client.
+  double highest(bool of_clients = true) const;
   void follow(const AttentionObjects& objects, const Pose2& T_odom_robot);
   /// Remembered segments, or directions that one visit each would show.
   double countObjects(const Pose2& T_odom_robot) const;

@@ -34,6 +34,10 @@ Pose2 arc(double way_m, double turn_rad) {
   return {chord * std::cos(half), chord * std::sin(half), turn_rad};
 }
 
+double largestDifference(const PanTilt& a, const PanTilt& b) {
+  return std::max(std::abs(a.pan_rad - b.pan_rad), std::abs(a.tilt_rad - b.tilt_rad));
+}
+
 }  // namespace
 
 GazeState nextGazeState(GazeState state, const GazeConditions& c) {
@@ -158,23 +162,19 @@ PanTilt GazeController::predictAim(const AttentionPoint& point, const RobotObser
   return aimAt(later, observation.T_odom_robot * moved).clamped;
 }
 
-std::optional<PanTiltCommand> GazeController::commandRates(const PanTilt& error) const {
-  PanTiltCommand command;
-  command.kind = PanTiltCommand::Kind::kVelocity;
-  command.pan_rate_radps =
-      proportionalSpeed(error.pan_rad, kPanDeadZone_rad, kGain_per_s, params_.pan.rate_radps);
-  command.tilt_rate_radps =
-      proportionalSpeed(error.tilt_rad, kTiltDeadZone_rad, kGain_per_s, params_.tilt.rate_radps);
-  return command;
-}
-
 std::optional<PanTiltCommand> GazeController::command(const AttentionPoint& point,
                                                       const RobotObservation& observation) {
   const StampUs now = observation.frame.stamp_us;
   const PanTilt actual = *observation.pan_tilt;
   if (params_.control == Control::kProportional) {
     const PanTilt aim = predictAim(point, observation, params_.lookahead_s);
-    return commandRates({aim.pan_rad - actual.pan_rad, aim.tilt_rad - actual.tilt_rad});
+    PanTiltCommand command;
+    command.kind = PanTiltCommand::Kind::kVelocity;
+    command.pan_rate_radps = proportionalSpeed(aim.pan_rad - actual.pan_rad, kPanDeadZone_rad, kGain_per_s,
+                                               params_.pan.rate_radps);
+    command.tilt_rate_radps = proportionalSpeed(aim.tilt_rad - actual.tilt_rad, kTiltDeadZone_rad,
+                                                kGain_per_s, params_.tilt.rate_radps);
+    return command;
   }
   // The command acts from now + lookahead until the next one acts, one step later. Its goal lies a further
   // step ahead, so that a late successor does not stop the head.
@@ -184,10 +184,8 @@ std::optional<PanTiltCommand> GazeController::command(const AttentionPoint& poin
   PanTilt goal = predictAim(point, observation, params_.lookahead_s + 2.0 * step_s);
   PanTilt step = next;
 
-  const double error =
-      std::max(std::abs(near.pan_rad - actual.pan_rad), std::abs(near.tilt_rad - actual.tilt_rad));
   if (saccade_ && (saccade_id_ != point.id || now >= saccade_->end())) saccade_.reset();
-  if (!saccade_ && error > kSaccade_rad) {
+  if (!saccade_ && largestDifference(near, actual) > kSaccade_rad) {
     saccade_.emplace(now, actual, near, params_.pan, params_.tilt, kSaccadeSlowdown);
     saccade_id_ = point.id;
   }
@@ -197,8 +195,7 @@ std::optional<PanTiltCommand> GazeController::command(const AttentionPoint& poin
     step = saccade_->at(now + toStampUs(step_s), goal);
   }
 
-  const bool same = sent_ && std::abs(sent_->pan_rad - goal.pan_rad) < kResend_rad &&
-                    std::abs(sent_->tilt_rad - goal.tilt_rad) < kResend_rad;
+  const bool same = sent_ && largestDifference(*sent_, goal) < kResend_rad;
   if (same && !saccade_ && toSeconds(now - sent_us_) < kResend_s) return std::nullopt;
   const auto rate = [&](double from, double to, double aim, double most) {
     // Step done, target not reached: approach at no more than 10 % of the maximum rate.
@@ -215,14 +212,6 @@ std::optional<PanTiltCommand> GazeController::command(const AttentionPoint& poin
   sent_ = goal;
   sent_us_ = now;
   return command;
-}
-
-void GazeController::updateError(std::uint64_t point_id, const PanTilt& error, double dt_s) {
-  const bool known = error_ && error_id_ == point_id && dt_s > 0.0;
-  error_rate_radps_ =
-      known ? std::hypot(error.pan_rad - error_->pan_rad, error.tilt_rad - error_->tilt_rad) / dt_s : 0.0;
-  error_ = error;
-  error_id_ = point_id;
 }
 
 std::optional<PanTiltCommand> GazeController::imagesLost() {
@@ -271,8 +260,8 @@ void GazeController::review(const RobotObservation& observation, std::span<const
     target_ = current;
     const Aim aim = updateTarget(observation);
     const double in_state_s = toSeconds(now - entered_us_);
-    const double error = std::max(std::abs(error_->pan_rad), std::abs(error_->tilt_rad));
-    conditions.arrived = error <= kArrived_rad && error_rate_radps_ <= params_.quiet_radps;
+    conditions.arrived =
+        largestDifference(*error_, {}) <= kArrived_rad && error_rate_radps_ <= params_.quiet_radps;
     conditions.timed_out = !aim.reachable || in_state_s >= kSaccadeTimeout_s;
     conditions.analysed = in_state_s >= params_.analyse_s;
     const bool client = target_->kind == AttentionKind::kClient;
@@ -309,8 +298,12 @@ GazeController::Aim GazeController::updateTarget(const RobotObservation& observa
   }
   const Aim aim = aimAt(*target_, observation.T_odom_robot);
   const PanTilt actual = *observation.pan_tilt;
-  updateError(target_->id, {aim.clamped.pan_rad - actual.pan_rad, aim.clamped.tilt_rad - actual.tilt_rad},
-              dt_s_);
+  const PanTilt error{aim.clamped.pan_rad - actual.pan_rad, aim.clamped.tilt_rad - actual.tilt_rad};
+  const bool known = error_ && error_id_ == target_->id && dt_s_ > 0.0;
+  error_rate_radps_ =
+      known ? std::hypot(error.pan_rad - error_->pan_rad, error.tilt_rad - error_->tilt_rad) / dt_s_ : 0.0;
+  error_ = error;
+  error_id_ = target_->id;
   return aim;
 }
 
@@ -345,9 +338,7 @@ std::optional<PanTiltCommand> GazeController::preempt(AttentionPool& pool) {
   // Motion below saccade_rad is followed with the next image; a jump is a new place.
   const PanTilt before = aimAt(*target_, last_pose_).clamped;
   const PanTilt now = aimAt(*current, last_pose_).clamped;
-  const bool jumps = std::max(std::abs(now.pan_rad - before.pan_rad),
-                              std::abs(now.tilt_rad - before.tilt_rad)) > kSaccade_rad;
-  if (!jumps) return std::nullopt;
+  if (largestDifference(now, before) <= kSaccade_rad) return std::nullopt;
   target_ = current;
   updateTarget(last);
   return command(*target_, last);
@@ -384,11 +375,9 @@ std::optional<PanTiltCommand> GazeController::update(const RobotObservation& obs
       point.kind = AttentionKind::kClient;
       point.p_odom = fixation_;
       target_ = point;
-      motion_.observe(point.id, *point.p_odom, now);
-      const Aim aim = aimAt(point, observation.T_odom_robot);
-      const double error = std::max(std::abs(aim.clamped.pan_rad - actual.pan_rad),
-                                    std::abs(aim.clamped.tilt_rad - actual.tilt_rad));
-      enter(error <= kArrived_rad ? GazeState::kTrack : GazeState::kSaccade, now);
+      const Aim aim = updateTarget(observation);
+      enter(largestDifference(aim.clamped, actual) <= kArrived_rad ? GazeState::kTrack : GazeState::kSaccade,
+            now);
       return command(point, observation);
     }
     case GazeMode::kAttend:

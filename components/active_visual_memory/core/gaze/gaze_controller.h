@@ -97,15 +97,12 @@ class GazeController {
   /// Predicted angles to a point some time after the observation, with the motions of robot and point.
   PanTilt predictAim(const AttentionPoint& point, const RobotObservation& observation, double ahead_s) const;
   std::optional<PanTiltCommand> command(const AttentionPoint& point, const RobotObservation& observation);
-  std::optional<PanTiltCommand> commandRates(const PanTilt& error) const;
   /// Holds the angles, commanded once.
   std::optional<PanTiltCommand> hold();
-  /// Updates the error of the axes and its rate.
-  void updateError(std::uint64_t point_id, const PanTilt& error, double dt_s);
   /// Advances the state machine for the present target.
   void review(const RobotObservation& observation, std::span<const MemorySegment> memory_segments,
               AttentionPool& pool);
-  /// Updates place and motion of the target.
+  /// Updates place and motion of the target, the error of the axes and its rate.
   Aim updateTarget(const RobotObservation& observation);
   std::optional<PanTiltCommand> attend(const RobotObservation& observation,
                                        std::span<const MemorySegment> segments, AttentionPool& pool);

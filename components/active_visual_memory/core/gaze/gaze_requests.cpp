@@ -3,13 +3,16 @@
 #include <cmath>
 #include <cstdio>
 
+#include "active_visual_memory/core/gaze/attention.h"
+#include "active_visual_memory/core/gaze/gaze_controller.h"
+
 namespace vismem {
 
 PortReply GazeRequestQueue::setMode(GazeMode mode) {
   if (mode == GazeMode::kFixate && !has_fixation_) {
     return PortReply::rejected("nothing was fixated so far: give a place first");
   }
-  items_.push_back({Item::Kind::kMode, mode, Eigen::Vector3d::Zero(), {}});
+  push([mode](GazeController& gaze, AttentionPool&) { gaze.setMode(mode); });
   return PortReply::accepted();
 }
 
@@ -27,7 +30,7 @@ PortReply GazeRequestQueue::fixate(const Eigen::Vector3d& p_odom) {
   if (problem.empty()) problem = problemOf(p_odom);
   if (!problem.empty()) return PortReply::rejected(problem);
   has_fixation_ = true;
-  items_.push_back({Item::Kind::kFixate, GazeMode::kFixate, p_odom, {}});
+  push([p_odom](GazeController& gaze, AttentionPool&) { gaze.fixate(p_odom); });
   return PortReply::accepted();
 }
 
@@ -35,17 +38,14 @@ PortReply GazeRequestQueue::request(const GazeRequest& request) {
   std::string problem = checkGazeRequest(request);
   if (problem.empty() && request.p_odom) problem = problemOf(*request.p_odom);
   if (!problem.empty()) return PortReply::rejected(problem);
-  items_.push_back({Item::Kind::kRequest, {}, Eigen::Vector3d::Zero(), request});
+  push([request](GazeController&, AttentionPool& pool) { pool.request(request); });
   return PortReply::accepted();
 }
 
 PortReply GazeRequestQueue::withdraw(const std::string& client, const std::string& key) {
   if (std::string problem = checkGazeClient(client, key); !problem.empty())
     return PortReply::rejected(problem);
-  GazeRequest named;
-  named.client = client;
-  named.key = key;
-  items_.push_back({Item::Kind::kWithdraw, {}, Eigen::Vector3d::Zero(), named});
+  push([client, key](GazeController&, AttentionPool& pool) { pool.withdraw(client, key); });
   return PortReply::accepted();
 }
 

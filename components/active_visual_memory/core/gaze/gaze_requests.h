@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,9 @@
 
 namespace vismem {
 
+class AttentionPool;
+class GazeController;
+
 /// Largest distance on the floor from the robot to a place that is looked at [m].
 constexpr double kFarthestPlace_m = 1000.0;
 
@@ -18,13 +22,8 @@ constexpr double kFarthestPlace_m = 1000.0;
 /// live in other threads. Invalid requests are rejected here, so the loop need not check them.
 class GazeRequestQueue final : public GazeClient {
  public:
-  struct Item {
-    enum class Kind { kMode, kFixate, kRequest, kWithdraw };
-    Kind kind = Kind::kMode;
-    GazeMode mode = GazeMode::kAttend;                 ///< kMode
-    Eigen::Vector3d p_odom = Eigen::Vector3d::Zero();  ///< kFixate
-    GazeRequest request;                               ///< kRequest; of kWithdraw only client and key
-  };
+  /// What an accepted request does to the gaze.
+  using Item = std::function<void(GazeController&, AttentionPool&)>;
 
   /// kFixate returns to the last fixated place; rejected without one.
   PortReply setMode(GazeMode mode) override;
@@ -34,7 +33,7 @@ class GazeRequestQueue final : public GazeClient {
   std::optional<GazeStatus> status() override { return status_; }
 
   /// Adds an item that another queue has checked.
-  void push(const Item& message) { items_.push_back(message); }
+  void push(Item item) { items_.push_back(std::move(item)); }
   /// For the owner: the items since the last call, oldest first.
   std::vector<Item> take();
   /// @param p_odom_robot places farther from it than kFarthestPlace_m are rejected from now on.

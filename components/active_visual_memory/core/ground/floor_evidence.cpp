@@ -32,22 +32,29 @@ std::optional<Eigen::Vector3d> FloorEvidence::colourAt(const Eigen::Vector2d& px
   return std::nullopt;
 }
 
-std::optional<FloorEvidence::Profile> FloorEvidence::profileAt(const Segment2& px, double fraction) const {
-  const Eigen::Vector2d d = (px.b - px.a).normalized();
-  const Eigen::Vector2d left{d.y(), -d.x()};
-  const Eigen::Vector2d middle = px.a + fraction * (px.b - px.a);
-  const auto mean = [&](double centre) -> std::optional<Eigen::Vector3d> {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const double offset : {centre - 1.0, centre, centre + 1.0}) {
-      const auto colour = colourAt(middle + offset * left);
+std::optional<Eigen::Vector3d> FloorEvidence::patchAt(const Eigen::Vector2d& px, const Eigen::Vector2d& along,
+                                                      double half_length) const {
+  const Eigen::Vector2d normal = turned90(along);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (double forward = -half_length; forward <= half_length; forward += 2.0) {
+    for (const double sideways : {-1.0, 0.0, 1.0}) {
+      const auto colour = colourAt(px + forward * along + sideways * normal);
       if (!colour) return std::nullopt;
       sum += *colour;
+      ++count;
     }
-    return Eigen::Vector3d(sum / 3.0);
-  };
-  const auto l = mean(params_.side_px);
-  const auto m = mean(0.0);
-  const auto r = mean(-params_.side_px);
+  }
+  return Eigen::Vector3d(sum / count);
+}
+
+std::optional<FloorEvidence::Profile> FloorEvidence::profileAt(const Segment2& px, double fraction) const {
+  const Eigen::Vector2d d = (px.b - px.a).normalized();
+  const Eigen::Vector2d aside = params_.side_px * leftNormal(px);
+  const Eigen::Vector2d middle = px.a + fraction * (px.b - px.a);
+  const auto l = patchAt(middle + aside, d, 0.0);
+  const auto m = patchAt(middle, d, 0.0);
+  const auto r = patchAt(middle - aside, d, 0.0);
   if (!l || !m || !r) return std::nullopt;
   return Profile{*l, *m, *r};
 }
@@ -70,30 +77,16 @@ std::optional<SideColours> FloorEvidence::sides(const Segment2& px) const {
   return sides;
 }
 
-std::optional<Eigen::Vector3d> FloorEvidence::patchAt(const Eigen::Vector2d& px,
-                                                      const Eigen::Vector2d& along) const {
-  const Eigen::Vector2d normal = turned90(along);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const double forward : {-2.0, 0.0, 2.0}) {
-    for (const double sideways : {-1.0, 0.0, 1.0}) {
-      const auto colour = colourAt(px + forward * along + sideways * normal);
-      if (!colour) return std::nullopt;
-      sum += *colour;
-    }
-  }
-  return Eigen::Vector3d(sum / 9.0);
-}
-
 bool FloorEvidence::isHiddenBeyond(const Segment2& px, bool at_b) const {
   if (image_.empty()) return false;
   const Eigen::Vector2d end = at_b ? px.b : px.a;
   const Eigen::Vector2d outward = (at_b ? px.b - px.a : px.a - px.b).normalized();
   const Eigen::Vector2d aside = params_.beside_px * turned90(outward);
   const double inward = std::min(params_.beyond_px, 0.5 * px.length());
-  const auto here_left = patchAt(end - inward * outward + aside, outward);
-  const auto here_right = patchAt(end - inward * outward - aside, outward);
-  const auto there_left = patchAt(end + params_.beyond_px * outward + aside, outward);
-  const auto there_right = patchAt(end + params_.beyond_px * outward - aside, outward);
+  const auto here_left = patchAt(end - inward * outward + aside, outward, 2.0);
+  const auto here_right = patchAt(end - inward * outward - aside, outward, 2.0);
+  const auto there_left = patchAt(end + params_.beyond_px * outward + aside, outward, 2.0);
+  const auto there_right = patchAt(end + params_.beyond_px * outward - aside, outward, 2.0);
   if (!here_left || !here_right || !there_left || !there_right) return false;
   const auto isNew = [&](const Eigen::Vector3d& colour) {
     return difference(colour, *here_left) > params_.max_difference &&
@@ -104,8 +97,7 @@ bool FloorEvidence::isHiddenBeyond(const Segment2& px, bool at_b) const {
 
 std::optional<double> FloorEvidence::contrastAt(const Segment2& px, double fraction, double aside_px) const {
   if (image_.empty()) return std::nullopt;
-  const Eigen::Vector2d d = (px.b - px.a).normalized();
-  const Eigen::Vector2d aside = aside_px * Eigen::Vector2d(d.y(), -d.x());
+  const Eigen::Vector2d aside = aside_px * leftNormal(px);
   const Eigen::Vector2d at = px.a + fraction * (px.b - px.a);
   const auto left = colourAt(at + aside);
   const auto right = colourAt(at - aside);
@@ -130,7 +122,7 @@ GapShows FloorEvidence::gap(const Segment2& px, double from_px, double to_px) co
   constexpr double kBefore_px = 2.0;  // nearer to the camera the floor is visible before a foot
   constexpr double kSteep = 0.7;      // an edge along the viewing ray has no side before it
   const Eigen::Vector2d d = (px.b - px.a).normalized();
-  const Eigen::Vector2d left{d.y(), -d.x()};
+  const Eigen::Vector2d left = leftNormal(px);
   const Eigen::Vector2d before = px.a + (from_px - kBeyond_px) * d;
   const Eigen::Vector2d behind = px.a + (to_px + kBeyond_px) * d;
   const Eigen::Vector2d middle = px.a + 0.5 * (from_px + to_px) * d;

@@ -73,7 +73,9 @@ class FloorEvidence {
     Eigen::Vector3d right;
   };
   std::optional<Eigen::Vector3d> colourAt(const Eigen::Vector2d& px_ideal) const;
-  std::optional<Eigen::Vector3d> patchAt(const Eigen::Vector2d& px_ideal, const Eigen::Vector2d& along) const;
+  /// Mean colour of 3 px across and of `half_length` to both sides along, every 2 px.
+  std::optional<Eigen::Vector3d> patchAt(const Eigen::Vector2d& px_ideal, const Eigen::Vector2d& along,
+                                         double half_length) const;
   std::optional<Profile> profileAt(const Segment2& px_ideal, double fraction) const;
 
   cv::Mat image_;

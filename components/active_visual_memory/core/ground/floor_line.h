@@ -63,6 +63,7 @@ class FloorLine {
   TiltJacobianRow offsetTiltJacobian(double t_m) const { return J_.row(0) + t_m * J_.row(1); }
   const ExtentEnd& endA() const { return a_; }
   const ExtentEnd& endB() const { return b_; }
+  const ExtentEnd& end(bool at_b) const { return at_b ? b_ : a_; }
   double length() const { return b_.t_m - a_.t_m; }
 
   Eigen::Vector2d pointAt(double t_m) const { return origin_ + t_m * along(); }

@@ -5,22 +5,6 @@
 
 namespace vismem {
 
-std::optional<std::pair<double, double>> clipToDisc(const Segment2& segment, const Eigen::Vector2d& centre,
-                                                    double radius) {
-  const Eigen::Vector2d d = segment.b - segment.a;
-  const Eigen::Vector2d m = segment.a - centre;
-  const double squared = d.squaredNorm();
-  if (squared == 0.0) return std::nullopt;
-  const double half_b = m.dot(d) / squared;
-  const double discriminant = half_b * half_b - (m.squaredNorm() - radius * radius) / squared;
-  if (discriminant <= 0.0) return std::nullopt;
-  const double root = std::sqrt(discriminant);
-  const double low = std::max(0.0, -half_b - root);
-  const double high = std::min(1.0, -half_b + root);
-  if (low >= high) return std::nullopt;
-  return std::pair{low, high};
-}
-
 void conditionOnFrameTilt(FloorSegment& segment, const Eigen::Matrix2d& P_frame_tilt, double per_frame_rad) {
   const double known = std::min(per_frame_rad, segment.pitch_sigma_rad);
   const auto replace = [&](Eigen::Matrix2d& P, const TiltJacobian& D) {

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
-#include <utility>
 
 #include "active_visual_memory/core/ground/camera_tilt.h"
 #include "common/geometry/segment.h"
@@ -38,10 +36,6 @@ void conditionOnFrameTilt(FloorSegment& segment, const Eigen::Matrix2d& P_frame_
 /// Cuts a segment to a range around the point below the camera; an end that is cut is censored.
 /// @return false if no part of it lies within the range.
 bool cutToRange(FloorSegment& segment, const Eigen::Vector2d& below_camera, double range_m);
-
-/// @return the parameter interval of a -> b inside a disc; empty if they do not meet.
-std::optional<std::pair<double, double>> clipToDisc(const Segment2& segment, const Eigen::Vector2d& centre,
-                                                    double radius);
 
 /// The same segment with its ends exchanged.
 FloorSegment reversed(const FloorSegment& segment);

@@ -77,14 +77,8 @@ std::optional<FloorSegment> GroundProjector::place(const CameraIntrinsics& k, co
   const auto a = backProjectToGround(k, T_odom_camera, px.a, anywhere);
   const auto b = backProjectToGround(k, T_odom_camera, px.b, anywhere);
   if (!a || !b) return std::nullopt;
-  const Segment2 whole{a->head<2>(), b->head<2>()};
-  const Eigen::Vector2d below_camera = T_odom_camera.translation().head<2>();
-  const auto inside = clipToDisc(whole, below_camera, params_.max_range_m);
-  if (!inside) return std::nullopt;
-  const Eigen::Vector2d along = whole.b - whole.a;
-  floor.odom = {whole.a + inside->first * along, whole.a + inside->second * along};
-  if (inside->first > 0.0) floor.censored_a = true;
-  if (inside->second < 1.0) floor.censored_b = true;
+  floor.odom = {a->head<2>(), b->head<2>()};
+  if (!cutToRange(floor, T_odom_camera.translation().head<2>(), params_.max_range_m)) return std::nullopt;
   if (floor.odom.length() < params_.min_length_m) return std::nullopt;
 
   // Covariances are taken at the floor ends, which a cut may have moved in the image.

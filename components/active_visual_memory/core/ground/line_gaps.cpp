@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "common/vision/edge_sampling.h"
+
 namespace vismem {
 namespace {
 
@@ -24,13 +26,6 @@ std::optional<Eigen::Vector3d> colourAt(const cv::Mat& image, const Eigen::Vecto
                 fv * ((1.0 - fu) * bottom[c] + fu * bottom[c + channels]);
   }
   return colour;
-}
-
-/// Mean of the channels.
-std::optional<double> greyAt(const cv::Mat& image, const Eigen::Vector2d& raw) {
-  const auto colour = colourAt(image, raw);
-  if (!colour) return std::nullopt;
-  return colour->mean();
 }
 
 double medianOf(std::vector<double> values) {
@@ -87,16 +82,16 @@ std::vector<LineGap> findLineGaps(const cv::Mat& image, const CameraIntrinsics& 
   std::vector<LineGap> gaps;
   if (image.empty() || image.depth() != CV_8U) return gaps;
   const Eigen::Vector2d d = (px.b - px.a).normalized();
-  const Eigen::Vector2d aside = params.aside_px * Eigen::Vector2d(d.y(), -d.x());
+  const Eigen::Vector2d aside = params.aside_px * leftNormal(px);
   const int count = static_cast<int>(px.length());
   std::vector<double> contrast;
   contrast.reserve(static_cast<std::size_t>(std::max(0, count)));
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d at = px.a + (i + 0.5) * d;
-    const auto left = greyAt(image, distortPixel(intrinsics, at + aside));
-    const auto right = greyAt(image, distortPixel(intrinsics, at - aside));
+    const auto left = colourAt(image, distortPixel(intrinsics, at + aside));
+    const auto right = colourAt(image, distortPixel(intrinsics, at - aside));
     if (!left || !right) return gaps;
-    contrast.push_back(*left - *right);
+    contrast.push_back(left->mean() - right->mean());
   }
   if (contrast.size() < 2 * params.least_edge_px + params.least_px) return gaps;
   const double usual = medianOf(contrast);
@@ -132,7 +127,7 @@ std::vector<LineGap> findLineBumps(const cv::Mat& image, const CameraIntrinsics&
   std::vector<LineGap> bumps;
   if (image.empty() || image.depth() != CV_8U) return bumps;
   const Eigen::Vector2d d = (px.b - px.a).normalized();
-  const Eigen::Vector2d outward = (outward_left ? 1.0 : -1.0) * Eigen::Vector2d(d.y(), -d.x());
+  const Eigen::Vector2d outward = (outward_left ? 1.0 : -1.0) * leftNormal(px);
   const int count = static_cast<int>(px.length());
   const int beside_px = params.beside_px;
   if (count < 2 * beside_px + params.least_px) return bumps;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -17,9 +16,6 @@ namespace {
 constexpr int kInner = 0;
 constexpr int kOuter = 1;
 constexpr std::array kBothEdges{kInner, kOuter};
-/// A line fitted to a shallow arc cuts it at this share of its half length from its middle.
-const double kCut = 1.0 / std::sqrt(3.0);
-
 struct Chord {
   const MemorySegment* segment = nullptr;
   double from_rad = 0.0;  ///< of the arc, counter-clockwise
@@ -56,9 +52,9 @@ std::vector<Chord> chordsOf(const std::vector<MemorySegment>& segments, const Ei
     const Eigen::Vector2d radial = floor.middle() - centre;
     const Eigen::Vector2d along = (floor.b - floor.a).normalized();
     if (std::abs(radial.normalized().dot(along)) > std::sin(params.edge_angle_rad)) continue;
-    const Eigen::Vector2d half = 0.5 * kCut * (floor.b - floor.a);
-    const double p = (radial - half).norm();
-    const double q = (radial + half).norm();
+    const Segment2 cut = arcPoints(floor);
+    const double p = (cut.a - centre).norm();
+    const double q = (cut.b - centre).norm();
     chord.radius_m = 0.5 * (p + q);
     chord.counter_clockwise = cross2(radial, along) > 0.0;
     chord.edge = edgeOf(chord.counter_clockwise, chord.radius_m, ring);
@@ -75,26 +71,27 @@ std::vector<Chord> chordsOf(const std::vector<MemorySegment>& segments, const Ei
   return chords;
 }
 
-/// Signed width of lines of the label of the circle; 0 if unknown.
-double knownWidth(const std::vector<Chord>& chords, const LineWidths& widths) {
-  std::map<Label, double> lengths;
-  for (const Chord& chord : chords) lengths[chord.segment->label] += chord.length_m;
-  const auto most = std::max_element(lengths.begin(), lengths.end(),
-                                     [](const auto& a, const auto& b) { return a.second < b.second; });
-  if (most == lengths.end()) return 0.0;
-  const auto width = widths.find(most->first);
-  return width != widths.end() ? width->second : 0.0;
-}
-
-/// Middle between both edges: blur moves them by equal amounts.
-double middleRadius(const std::vector<Chord>& chords) {
+/// The line of a circle whose label has lines of a known width; without one the single edge that was found,
+/// or both. A circle with one edge only may be a disc.
+Ring ringOf(const std::vector<MemorySegment>& segments, const Primitive& circle, const LineWidths& widths,
+            const CircleMarkingParams& params) {
+  const Ring found{circle.radius_m, circle.width_m, std::nullopt};
+  const std::vector<Chord> chords = chordsOf(segments, circle.centre, found, params);
+  const auto longest = std::max_element(
+      chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.length_m < b.length_m; });
+  const auto width = longest != chords.end() ? widths.find(longest->segment->label) : widths.end();
+  if (width == widths.end()) return found;
+  Ring line{circle.radius_m, std::abs(width->second), width->second > 0.0};
   std::array<double, 2> lengths{};
   std::array<double, 2> sums{};
-  for (const Chord& chord : chords) {
+  for (const Chord& chord : chordsOf(segments, circle.centre, line, params)) {
     lengths[chord.edge] += chord.length_m;
     sums[chord.edge] += chord.length_m * chord.radius_m;
   }
-  return 0.5 * (sums[kInner] / lengths[kInner] + sums[kOuter] / lengths[kOuter]);
+  if (lengths[kInner] == 0.0 || lengths[kOuter] == 0.0) return found;
+  // The middle between both edges: blur moves them by equal amounts.
+  line.radius_m = 0.5 * (sums[kInner] / lengths[kInner] + sums[kOuter] / lengths[kOuter]);
+  return line;
 }
 
 bool covers(const Chord& chord, double angle_rad) {
@@ -124,29 +121,31 @@ void closeGaps(std::vector<const Chord*>& places, int most) {
   }
 }
 
+/// The chord that shows each of `count` places of an edge, if any. A line has both edges all around: where
+/// one was not observed, the other one completes it.
+std::vector<const Chord*> placesOf(const std::vector<Chord>& chords, int edge, int count, bool is_line,
+                                   const CircleMarkingParams& params) {
+  const double turn = 2.0 * std::numbers::pi / count;
+  std::vector<const Chord*> places(count, nullptr);
+  for (int k = 0; k < count; ++k) places[k] = bestAt(chords, edge, (k + 0.5) * turn);
+  const auto seen = std::count_if(places.begin(), places.end(), [](const Chord* c) { return c != nullptr; });
+  if (!is_line || seen < params.edge_share * count) return places;
+  for (int k = 0; k < count; ++k) {
+    if (!places[k]) places[k] = bestAt(chords, edge == kInner ? kOuter : kInner, (k + 0.5) * turn);
+  }
+  return places;
+}
+
 }  // namespace
 
 void regularizeCircle(std::vector<MemorySegment>& segments, Primitive& circle, const LineWidths& widths,
                       const CircleMarkingParams& params,
                       const std::function<std::uint64_t(int, int)>& id_of) {
-  Ring ring{circle.radius_m, circle.width_m, std::nullopt};
-  std::vector<Chord> chords = chordsOf(segments, circle.centre, ring, params);
-  if (const double width = knownWidth(chords, widths); width != 0.0) {
-    Ring line{circle.radius_m, std::abs(width), width > 0.0};
-    std::vector<Chord> of_line = chordsOf(segments, circle.centre, line, params);
-    // A circle with one edge only may be a disc.
-    const auto has = [&](int edge) {
-      return std::any_of(of_line.begin(), of_line.end(), [&](const Chord& c) { return c.edge == edge; });
-    };
-    if (has(kInner) && has(kOuter)) {
-      line.radius_m = middleRadius(of_line);
-      ring = line;
-      chords = chordsOf(segments, circle.centre, ring, params);
-    }
-  }
+  const Ring ring = ringOf(segments, circle, widths, params);
+  const std::vector<Chord> chords = chordsOf(segments, circle.centre, ring, params);
   std::vector<MemorySegment> edges;
   int sure = 0;
-  int places = 0;
+  int all = 0;
   for (const int edge : kBothEdges) {
     if (edge == kInner && ring.width_m <= 0.0) continue;
     const double radius = ring.radiusOf(edge);
@@ -159,39 +158,28 @@ void regularizeCircle(std::vector<MemorySegment>& segments, Primitive& circle, c
     for (const Chord& chord : chords) {
       if (chord.edge == edge) left += chord.counter_clockwise ? 1 : -1;
     }
-    std::vector<const Chord*> best(count, nullptr);
-    for (int k = 0; k < count; ++k) best[k] = bestAt(chords, edge, (k + 0.5) * turn);
-    // A line has both edges all around: the other edge completes a place.
-    const auto seen = std::count_if(best.begin(), best.end(), [](const Chord* c) { return c != nullptr; });
-    if (ring.width_m > 0.0 && seen >= params.edge_share * count) {
-      for (int k = 0; k < count; ++k) {
-        if (!best[k]) best[k] = bestAt(chords, edge == kInner ? kOuter : kInner, (k + 0.5) * turn);
-      }
-    }
-    places += count;
-    sure += static_cast<int>(
-        std::count_if(best.begin(), best.end(), [](const Chord* c) { return c && c->segment->confirmed; }));
-    closeGaps(best, static_cast<int>(params.max_gap_rad / turn));
+    std::vector<const Chord*> places = placesOf(chords, edge, count, ring.width_m > 0.0, params);
+    all += count;
+    sure += static_cast<int>(std::count_if(places.begin(), places.end(),
+                                           [](const Chord* c) { return c && c->segment->confirmed; }));
+    closeGaps(places, static_cast<int>(params.max_gap_rad / turn));
     for (int k = 0; k < count; ++k) {
-      if (!best[k]) continue;
-      MemorySegment segment = *best[k]->segment;
+      if (!places[k]) continue;
+      MemorySegment& segment = edges.emplace_back(*places[k]->segment);
       segment.id = id_of(k, edge);
+      segment.confirmed = true;
       const auto at = [&](double angle) {
-        const Eigen::Vector2d p = circle.centre + reach * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-        return Eigen::Vector3d(p.x(), p.y(), 0.0);
+        return Eigen::Vector2d(circle.centre + reach * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
       };
-      segment.odom = {at(k * turn), at((k + 1) * turn)};
-      if (left < 0) std::swap(segment.odom.a, segment.odom.b);
-      edges.push_back(std::move(segment));
+      Segment2 chord{at(k * turn), at((k + 1) * turn)};
+      if (left < 0) std::swap(chord.a, chord.b);
+      placeAt(segment, chord);
     }
   }
-  if (sure < params.confirmed_share * places) return;
-  for (MemorySegment& segment : edges) segment.confirmed = true;
-  std::vector<std::uint64_t> published;
-  for (const Chord& chord : chords) published.push_back(chord.segment->id);
-  std::erase_if(segments, [&](const MemorySegment& s) {
-    return std::find(published.begin(), published.end(), s.id) != published.end();
-  });
+  if (sure < params.confirmed_share * all) return;
+  std::vector<std::uint64_t> replaced;
+  for (const Chord& chord : chords) replaced.push_back(chord.segment->id);
+  eraseSegments(segments, replaced);
   circle.radius_m = ring.radius_m;
   circle.width_m = ring.width_m;
   circle.segments.clear();

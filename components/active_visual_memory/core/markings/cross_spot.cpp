@@ -14,7 +14,7 @@ namespace {
 
 /// An edge that may belong to a cross, in the frame of the dominant direction.
 struct Piece {
-  const MemoryElement* element = nullptr;
+  const PublishedEdge* edge = nullptr;
   Eigen::Vector2d middle;
   Eigen::Vector2d outward;  ///< of unit length, across an arm's end; or both components +-1, from arm to arm
   bool slanting = false;
@@ -31,8 +31,8 @@ double reachOf(const Piece& piece, double arm_m, double width_m) {
   return piece.slanting ? 0.5 * (arm_m + 0.5 * width_m) : arm_m;
 }
 
-Eigen::Vector2d offOf(const Piece& piece, const Cross& cross) {
-  return piece.middle - cross.centre - reachOf(piece, cross.arm_m, cross.width_m) * piece.outward;
+double offOf(const Piece& piece, const Cross& cross) {
+  return (piece.middle - cross.centre - reachOf(piece, cross.arm_m, cross.width_m) * piece.outward).norm();
 }
 
 /// Least squares over the middles of the edges, weighted by sightings.
@@ -40,13 +40,11 @@ std::optional<Cross> fit(const std::vector<Piece>& pieces, double width_m) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const Piece& piece : pieces) {
-    const double weight = std::min(20, piece.element->sightings);
-    const double known = reachOf(piece, 0.0, width_m);
-    const double share = piece.slanting ? 0.5 : 1.0;
+    const double weight = std::min(20, piece.edge->element->sightings);
     for (int i = 0; i < 2; ++i) {
-      const Eigen::Vector3d row(i == 0, i == 1, share * piece.outward[i]);
+      const Eigen::Vector3d row(i == 0, i == 1, (piece.slanting ? 0.5 : 1.0) * piece.outward[i]);
       normal += weight * row * row.transpose();
-      right += weight * (piece.middle[i] - known * piece.outward[i]) * row;
+      right += weight * (piece.middle[i] - reachOf(piece, 0.0, width_m) * piece.outward[i]) * row;
     }
   }
   const Eigen::LDLT<Eigen::Matrix3d> solver(normal);
@@ -57,166 +55,137 @@ std::optional<Cross> fit(const std::vector<Piece>& pieces, double width_m) {
 
 /// Number of the four slanting edges that were observed.
 int slantingEdges(const std::vector<Piece>& pieces) {
-  bool seen[2][2] = {};
+  bool seen[4] = {};
   for (const Piece& piece : pieces) {
-    if (piece.slanting) seen[piece.outward.x() > 0.0][piece.outward.y() > 0.0] = true;
+    if (piece.slanting) seen[2 * (piece.outward.x() > 0.0) + (piece.outward.y() > 0.0)] = true;
   }
-  return seen[0][0] + seen[0][1] + seen[1][0] + seen[1][1];
+  return static_cast<int>(std::count(std::begin(seen), std::end(seen), true));
 }
 
-/// Fits, leaving out the worst edge until all lie within most_off_m.
-std::optional<Cross> fitMost(std::vector<Piece>& pieces, double width_m, const CrossSpotParams& params) {
+/// Fits, leaving out the worst edge until all lie within most_off_m. @return empty if it is no cross.
+std::optional<Cross> fitCross(std::vector<Piece>& pieces, double width_m, const CrossSpotParams& params) {
   while (slantingEdges(pieces) >= params.least_slanting) {
     const auto cross = fit(pieces, width_m);
     if (!cross) return std::nullopt;
     const auto worst = std::max_element(pieces.begin(), pieces.end(), [&](const Piece& a, const Piece& b) {
-      return offOf(a, *cross).norm() < offOf(b, *cross).norm();
+      return offOf(a, *cross) < offOf(b, *cross);
     });
-    if (offOf(*worst, *cross).norm() <= params.most_off_m) return cross;
-    pieces.erase(worst);
+    if (offOf(*worst, *cross) > params.most_off_m) {
+      pieces.erase(worst);
+      continue;
+    }
+    int views = 0;
+    for (const Piece& piece : pieces) views += piece.edge->element->sightings;
+    const double arm_widths = cross->arm_m / width_m;
+    const bool is_cross = arm_widths >= params.least_arm_widths && arm_widths <= params.most_arm_widths &&
+                          views >= params.least_views;
+    return is_cross ? cross : std::nullopt;
   }
   return std::nullopt;
 }
 
-bool isCross(const Cross& cross, const std::vector<Piece>& pieces, const CrossSpotParams& params) {
-  const double arm_widths = cross.arm_m / cross.width_m;
-  int views = 0;
-  for (const Piece& piece : pieces) views += piece.element->sightings;
-  return arm_widths >= params.least_arm_widths && arm_widths <= params.most_arm_widths &&
-         views >= params.least_views;
-}
-
 /// @param bright  the cross is brighter than the floor.
-Piece pieceOf(const MemoryElement& element, const Eigen::Rotation2Dd& to_direction, bool bright,
+Piece pieceOf(const PublishedEdge& edge, const Eigen::Rotation2Dd& to_direction, bool bright,
               const CrossSpotParams& params) {
-  const Segment2 floor = element.line.segment();
-  Piece piece;
-  piece.element = &element;
-  piece.middle = to_direction * floor.middle();
+  const Segment2 floor = edge.element->line.segment();
   // The brighter side lies on the left.
-  const Eigen::Vector2d along = to_direction * (floor.b - floor.a).normalized();
-  const Eigen::Vector2d outward = (bright ? 1.0 : -1.0) * Eigen::Vector2d(along.y(), -along.x());
-  const double least = std::sin(params.least_slant_rad);
-  piece.slanting = outward.cwiseAbs().minCoeff() > least;
-  for (int i = 0; i < 2; ++i) {
-    const bool counts = piece.slanting || std::abs(outward[i]) > std::abs(outward[1 - i]);
-    piece.outward[i] = counts ? std::copysign(1.0, outward[i]) : 0.0;
-  }
+  const Eigen::Vector2d outward =
+      (bright ? -1.0 : 1.0) * turned90(Eigen::Vector2d(to_direction * edge.element->line.along()));
+  Piece piece{&edge, to_direction * floor.middle(), outward.array().sign().matrix(),
+              outward.cwiseAbs().minCoeff() > std::sin(params.least_slant_rad)};
+  if (!piece.slanting) piece.outward[std::abs(outward.x()) > std::abs(outward.y())] = 0.0;
   return piece;
 }
 
-/// Crosses of one label: replaced edges and published arm ends.
-struct CrossSpotEnds {
-  std::vector<std::uint64_t> replaced;
-  std::vector<MemorySegment> ends;
-
-  bool has(const Piece& piece) const {
-    return std::find(replaced.begin(), replaced.end(), piece.element->value.id) != replaced.end();
-  }
-};
-
-/// @param fitted  the edges of the fit, at least one.
-void publishEnds(const Cross& cross, const std::vector<Piece>& fitted, const Eigen::Rotation2Dd& to_direction,
-                 bool bright, const std::function<std::uint64_t(std::uint64_t, int)>& id_of,
-                 CrossSpotEnds& published) {
-  const MemorySegment* newest = &fitted.front().element->value;
-  std::uint64_t oldest = newest->id;
-  bool on_floor = false;
-  double life = newest->life;
+/// Adds the four ends of arms. @param fitted  the edges of the fit, at least one.
+void addArmEnds(const Cross& cross, const std::vector<Piece>& fitted, const Eigen::Rotation2Dd& to_direction,
+                bool bright, const std::function<std::uint64_t(std::uint64_t, int)>& id_of,
+                std::vector<MemorySegment>& ends) {
+  MemorySegment end = *fitted.front().edge->published;
+  std::uint64_t oldest = end.id;
   double variance = 0.0;
+  end.confirmed = false;
   for (const Piece& piece : fitted) {
-    const MemorySegment& value = piece.element->value;
-    life = std::min(life, value.life);
+    const MemorySegment& value = *piece.edge->published;
+    oldest = std::min(oldest, value.id);
+    end.life = std::min(end.life, value.life);
+    end.last_seen_us = std::max(end.last_seen_us, value.last_seen_us);
+    end.confirmed = end.confirmed || piece.edge->element->on_floor;
     const double both = (value.P_a + value.P_b).topLeftCorner<2, 2>().trace();
     variance += 0.25 * both / static_cast<double>(fitted.size());
-    if (value.last_seen_us > newest->last_seen_us) newest = &value;
-    oldest = std::min(oldest, value.id);
-    on_floor = on_floor || piece.element->on_floor;
   }
-  const Eigen::Vector2d outwards[] = {{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}};
-  for (int n = 0; n < 4; ++n) {
-    const Eigen::Vector2d& outward = outwards[n];
+  end.uncertainty = uncertaintyOf(end.life);
+  // Isotropic covariance: the end does not lie along one of the edges.
+  end.P_a.setZero();
+  end.P_a.topLeftCorner<2, 2>() = variance * Eigen::Matrix2d::Identity();
+  end.P_b = end.P_a;
+  Eigen::Vector2d outward = Eigen::Vector2d::UnitX();
+  for (int n = 0; n < 4; ++n, outward = turned90(outward)) {
     const Eigen::Vector2d middle = cross.centre + cross.arm_m * outward;
     const Eigen::Vector2d half = (bright ? 0.5 : -0.5) * cross.width_m * turned90(outward);
-    MemorySegment end = *newest;
-    end.life = life;
-    end.uncertainty = uncertaintyOf(life);
-    // Isotropic covariance: the end does not lie along the newest edge.
-    for (Eigen::Matrix3d* P : {&end.P_a, &end.P_b}) {
-      P->topLeftCorner<2, 2>() = variance * Eigen::Matrix2d::Identity();
-      P->topRightCorner<2, 1>().setZero();
-      P->bottomLeftCorner<1, 2>().setZero();
-    }
-    end.confirmed = on_floor;
     end.id = id_of(oldest, n);
-    end.odom.a.head<2>() = to_direction.inverse() * (middle - half);
-    end.odom.b.head<2>() = to_direction.inverse() * (middle + half);
-    published.ends.push_back(std::move(end));
+    placeAt(end, {to_direction.inverse() * (middle - half), to_direction.inverse() * (middle + half)});
+    ends.push_back(end);
   }
 }
 
 }  // namespace
 
-void replaceCrossSpots(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+void replaceCrossSpots(std::vector<MemorySegment>& segments, const std::vector<PublishedEdge>& edges,
                        const LineWidths& widths, const DominantDirectionParams& dominant_direction,
                        const CrossSpotParams& params,
                        const std::function<std::uint64_t(std::uint64_t, int)>& id_of) {
   if (!params.enabled || widths.empty() || dominant_direction.sigma_rad <= 0.0) return;
   DominantDirection place(dominant_direction);
-  for (const MemorySegment& segment : segments) {
-    const Segment2 floor = segment.odom.floor();
-    if (segment.confirmed) place.add(floor.direction(), floor.length());
+  for (const PublishedEdge& edge : edges) {
+    if (edge.confirmed()) place.add(edge.line.direction(), edge.length());
   }
-  const auto dominant_direction_rad = place.direction();
-  if (!dominant_direction_rad) return;
-  const Eigen::Rotation2Dd to_direction(-*dominant_direction_rad);
+  const auto direction_rad = place.direction();
+  if (!direction_rad) return;
+  const Eigen::Rotation2Dd to_direction(-*direction_rad);
 
+  std::vector<MemorySegment> ends;
+  std::vector<std::uint64_t> replaced;
   for (const auto& [label, signed_width] : widths) {
-    const bool bright = signed_width > 0.0;
     const double width = std::abs(signed_width);
     std::vector<Piece> pieces;
-    std::vector<Segment2> longer;
-    for (const MemorySegment& segment : segments) {
-      if (segment.label != label) continue;
-      const Segment2 floor = segment.odom.floor();
-      if (floor.length() >= params.alone_m)
-        longer.push_back({to_direction * floor.a, to_direction * floor.b});
-      const MemoryElement* element = findElement(elements, segment.id);
-      if (!element || element->stands) continue;
-      if (element->line.length() > params.most_edge_m) continue;
-      pieces.push_back(pieceOf(*element, to_direction, bright, params));
+    for (const PublishedEdge& edge : edges) {
+      if (edge.published->label != label || !edge.element || edge.element->stands) continue;
+      if (edge.element->line.length() > params.most_edge_m) continue;
+      pieces.push_back(pieceOf(edge, to_direction, signed_width > 0.0, params));
     }
-    CrossSpotEnds published;
+    const auto isReplaced = [&](const Piece& piece) {
+      return std::find(replaced.begin(), replaced.end(), piece.edge->published->id) != replaced.end();
+    };
     for (const Piece& first : pieces) {
-      if (!first.slanting || published.has(first)) continue;
+      if (!first.slanting || isReplaced(first)) continue;
       // First guess of the centre: arms as long as the line is wide.
       const Eigen::Vector2d about = first.middle - reachOf(first, width, width) * first.outward;
-      std::vector<Piece> near;
-      std::copy_if(pieces.begin(), pieces.end(), std::back_inserter(near), [&](const Piece& piece) {
-        return !published.has(piece) && (piece.middle - about).norm() <= params.most_reach_m;
+      std::vector<Piece> fitted;
+      std::copy_if(pieces.begin(), pieces.end(), std::back_inserter(fitted), [&](const Piece& piece) {
+        return !isReplaced(piece) && (piece.middle - about).norm() <= params.most_reach_m;
       });
-      std::vector<Piece> fitted = near;
-      const auto cross = fitMost(fitted, width, params);
-      if (!cross || !isCross(*cross, fitted, params)) continue;
-      const bool alone = std::none_of(longer.begin(), longer.end(), [&](const Segment2& line) {
-        return distanceToSegment(cross->centre, line) <= params.alone_reach_m;
+      const std::vector<Piece> near = fitted;
+      const auto cross = fitCross(fitted, width, params);
+      if (!cross) continue;
+      const Eigen::Vector2d centre = to_direction.inverse() * cross->centre;
+      const bool joins = std::any_of(edges.begin(), edges.end(), [&](const PublishedEdge& edge) {
+        return edge.published->label == label && edge.length() >= params.alone_m &&
+               distanceToSegment(centre, edge.line) <= params.alone_reach_m;
       });
-      if (!alone) continue;
-      publishEnds(*cross, fitted, to_direction, bright, id_of, published);
+      if (joins) continue;
+      addArmEnds(*cross, fitted, to_direction, signed_width > 0.0, id_of, ends);
       // Edges left out of the fit stay, unless they lie on the cross.
       for (const Piece& piece : near) {
-        const bool is_of_it = std::any_of(fitted.begin(), fitted.end(),
-                                          [&](const Piece& f) { return f.element == piece.element; });
+        const bool is_of_it =
+            std::any_of(fitted.begin(), fitted.end(), [&](const Piece& f) { return f.edge == piece.edge; });
         const bool lies_on_it = (piece.middle - cross->centre).cwiseAbs().maxCoeff() <= cross->arm_m;
-        if (is_of_it || lies_on_it) published.replaced.push_back(piece.element->value.id);
+        if (is_of_it || lies_on_it) replaced.push_back(piece.edge->published->id);
       }
     }
-    std::erase_if(segments, [&](const MemorySegment& s) {
-      return std::find(published.replaced.begin(), published.replaced.end(), s.id) !=
-             published.replaced.end();
-    });
-    segments.insert(segments.end(), published.ends.begin(), published.ends.end());
   }
+  eraseSegments(segments, replaced);
+  segments.insert(segments.end(), ends.begin(), ends.end());
 }
 
 }  // namespace vismem

@@ -17,25 +17,17 @@ struct Stretch {
   double to = 0.0;
 };
 
-struct Edge {
-  std::size_t segment = 0;  ///< index of the published segment
-  bool confirmed = true;
-  const MemoryElement* element = nullptr;  ///< null for derived edges (circles, ends of lines)
-  Eigen::Vector2d a;
-  Eigen::Vector2d along;
-  double length = 0.0;
-  Stretch published;  ///< its ends, corrected by junctions
+struct Edge : PublishedEdge {
+  Stretch extent;  ///< its ends, corrected by junctions
   std::vector<Stretch> gaps;
 
-  Segment2 line() const { return {a, a + length * along}; }
-  double tOf(const Eigen::Vector2d& p) const { return along.dot(p - a); }
+  explicit Edge(const PublishedEdge& edge) : PublishedEdge(edge), extent{0.0, edge.length()} {}
   /// Position along this edge where another edge's line crosses it.
   double crossing(const Edge& other) const {
-    return cross2(other.a - a, other.along) / cross2(along, other.along);
+    return cross2(other.line.a - line.a, other.along) / cross2(along, other.along);
   }
   double reach(bool at_b, const JunctionParams& params) const {
-    const double best = element ? (at_b ? element->line.endB() : element->line.endA()).best_m2 : 0.0;
-    return std::min(params.most_reach_m, params.reach_m + params.reach_sigmas * std::sqrt(best));
+    return params.reach.of(element ? element->line.end(at_b) : ExtentEnd{});
   }
 };
 
@@ -46,19 +38,28 @@ struct Line {
   double width_m = 0.0;  ///< > 0: the paint lies to the left of each edge; < 0: to the right
 };
 
-std::optional<Line> lineOf(const std::vector<Edge>& edges, std::size_t i, std::size_t k,
-                           const std::vector<MemorySegment>& segments, const JunctionParams& params) {
-  const Edge& one = edges[i];
-  const Edge& other = edges[k];
-  if (one.along.dot(other.along) > -std::cos(params.max_angle_rad)) return std::nullopt;
-  if (segments[one.segment].label != segments[other.segment].label) return std::nullopt;
-  const auto beside = antiparallelOverlap(one.line(), other.line(), params.max_angle_rad);
-  if (!beside || beside->to_m - beside->from_m < params.body_m) return std::nullopt;
-  const double width = std::abs(beside->left_m);
-  if (width < params.range.minMeasured_m() || width > params.range.max_m) return std::nullopt;
-  const auto [weak, strong] = std::minmax(one.element->strength, other.element->strength);
-  if (weak < params.min_strength_share * strong) return std::nullopt;
-  return Line{i, k, beside->left_m};
+std::vector<Line> linesOf(const std::vector<Edge>& edges, const LineWidths& widths,
+                          const JunctionParams& params) {
+  std::vector<Line> lines;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (!edges[i].element || !edges[i].confirmed()) continue;
+    bool alone = true;
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+      if (k == i || !edges[k].element) continue;
+      const auto beside = lineMarking(edges[i], edges[k], params.range.max_m, params.min_strength_share);
+      if (!beside || beside->overlap_m() < params.body_m ||
+          beside->distance_m < params.range.minMeasured_m()) {
+        continue;
+      }
+      lines.push_back({i, k, beside->left_m});
+      alone = false;
+    }
+    const auto width = widths.find(edges[i].published->label);
+    if (params.by_one_side && alone && width != widths.end() && edges[i].length() >= params.body_m) {
+      lines.push_back({i, std::nullopt, width->second});
+    }
+  }
+  return lines;
 }
 
 /// Where an edge of a line reaches another edge.
@@ -77,8 +78,8 @@ std::optional<EdgeCrossing> crossEdge(const Edge& edge, const Edge& side, const 
   crossing_at.at = edge.crossing(side);
   crossing_at.side_t = side.crossing(edge);
   const bool leads_outward = side.along.dot(outward) > 0.0;
-  const double outside = leads_outward ? side.length - crossing_at.side_t : crossing_at.side_t;
-  const double inside = leads_outward ? crossing_at.side_t : side.length - crossing_at.side_t;
+  const double outside = leads_outward ? side.length() - crossing_at.side_t : crossing_at.side_t;
+  const double inside = leads_outward ? crossing_at.side_t : side.length() - crossing_at.side_t;
   crossing_at.at_b = !leads_outward;
   const double reach = side.reach(crossing_at.at_b, params);
   if (outside < params.body_m || inside < -reach) return std::nullopt;
@@ -101,30 +102,30 @@ void splitByLine(std::vector<Edge>& edges, std::size_t index, const Line& line,
   const Stretch gap{std::min(one->at, beside), std::max(one->at, beside)};
   // Where the middle lies beyond its end, both lines meet at a corner, and the outer edges go on to it.
   const double middle = 0.5 * (gap.from + gap.to);
-  if (gap.to - gap.from > 2.0 * params.range.max_m || middle <= 0.0 || middle >= edge.length) return;
+  if (gap.to - gap.from > 2.0 * params.range.max_m || middle <= 0.0 || middle >= edge.length()) return;
   edge.gaps.push_back(gap);
-  if (one->ends) (one->at_b ? side.published.to : side.published.from) = one->side_t;
+  if (one->ends) (one->at_b ? side.extent.to : side.extent.from) = one->side_t;
 }
 
 /// @param middle  of the circle, along the edge. @param far distance of its outer edge from there.
 void moveEndsToCircle(Edge& edge, double middle, double far, const JunctionParams& params) {
-  const double before = edge.published.from - (middle + far);
-  if (before > 0.0 && before <= edge.reach(false, params)) edge.published.from = middle + far;
-  const double behind = middle - far - edge.published.to;
-  if (behind > 0.0 && behind <= edge.reach(true, params)) edge.published.to = middle - far;
+  const double before = edge.extent.from - (middle + far);
+  if (before > 0.0 && before <= edge.reach(false, params)) edge.extent.from = middle + far;
+  const double behind = middle - far - edge.extent.to;
+  if (behind > 0.0 && behind <= edge.reach(true, params)) edge.extent.to = middle - far;
 }
 
 void splitByCircle(Edge& edge, const Primitive& circle, const JunctionParams& params) {
-  const double off = std::abs(cross2(edge.along, circle.centre - edge.a));
+  const double off = std::abs(cross2(edge.along, circle.centre - edge.line.a));
   if (off > params.max_off_centre_share * circle.radius_m) return;
-  const double middle = edge.tOf(circle.centre);
+  const double middle = edge.along.dot(circle.centre - edge.line.a);
   const double outer = circle.radius_m + 0.5 * circle.width_m;
   const double inner = circle.radius_m - 0.5 * circle.width_m;
   const double far = std::sqrt(outer * outer - off * off);
   const double near = std::sqrt(std::max(0.0, inner * inner - off * off));
   if (params.by_one_side) moveEndsToCircle(edge, middle, far, params);
   for (const Stretch& gap : {Stretch{middle - far, middle - near}, Stretch{middle + near, middle + far}}) {
-    if (gap.to > 0.0 && gap.from < edge.length) edge.gaps.push_back(gap);
+    if (gap.to > 0.0 && gap.from < edge.length()) edge.gaps.push_back(gap);
   }
 }
 
@@ -133,7 +134,7 @@ std::vector<Stretch> remainingParts(Edge& edge, const JunctionParams& params) {
   std::sort(edge.gaps.begin(), edge.gaps.end(),
             [](const Stretch& a, const Stretch& b) { return a.from < b.from; });
   std::vector<Stretch> parts;
-  double from = edge.published.from;
+  double from = edge.extent.from;
   // A part shorter than the uncertainty of its end is an overshoot.
   const auto add = [&](double to, double least) {
     if (to - from >= least) parts.push_back({from, to});
@@ -142,7 +143,7 @@ std::vector<Stretch> remainingParts(Edge& edge, const JunctionParams& params) {
     add(edge.gaps[i].from, i == 0 ? edge.reach(false, params) : params.min_part_m);
     from = std::max(from, edge.gaps[i].to);
   }
-  add(edge.published.to, edge.gaps.empty() ? 0.0 : edge.reach(true, params));
+  add(edge.extent.to, edge.gaps.empty() ? 0.0 : edge.reach(true, params));
   std::stable_sort(parts.begin(), parts.end(),
                    [](const Stretch& a, const Stretch& b) { return a.to - a.from > b.to - b.from; });
   return parts;
@@ -150,51 +151,23 @@ std::vector<Stretch> remainingParts(Edge& edge, const JunctionParams& params) {
 
 }  // namespace
 
-void splitAtJunctions(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+void splitAtJunctions(std::vector<MemorySegment>& segments, const std::vector<PublishedEdge>& published,
                       const std::vector<Primitive>& primitives, const LineWidths& widths,
                       const JunctionParams& params,
                       const std::function<std::uint64_t(std::uint64_t, int)>& id_of) {
   if (!params.enabled) return;
   std::vector<Edge> edges;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    if (segments[i].label == kUnknownLabel) continue;
-    const MemoryElement* element = findElement(elements, segments[i].id);
-    if (!segments[i].confirmed && (!params.by_one_side || !element || element->stands)) {
-      continue;
-    }
-    const Segment2 floor = segments[i].odom.floor();
-    Edge edge;
-    edge.confirmed = segments[i].confirmed;
-    edge.segment = i;
-    edge.element = element;
-    edge.a = floor.a;
-    edge.length = floor.length();
-    edge.along = (floor.b - floor.a) / edge.length;
-    edge.published = {0.0, edge.length};
-    edges.push_back(std::move(edge));
+  for (const PublishedEdge& edge : published) {
+    const bool may_join = params.by_one_side && edge.element && !edge.element->stands;
+    if (edge.published->label != kUnknownLabel && (edge.confirmed() || may_join)) edges.emplace_back(edge);
   }
-  std::vector<Line> lines;
+  const std::vector<Line> lines = linesOf(edges, widths, params);
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    if (!edges[i].element || !edges[i].confirmed) continue;
-    const auto width = widths.find(segments[edges[i].segment].label);
-    bool alone = true;
-    for (std::size_t k = 0; k < edges.size(); ++k) {
-      if (k == i || !edges[k].element) continue;
-      if (const auto line = lineOf(edges, i, k, segments, params)) {
-        lines.push_back(*line);
-        alone = false;
-      }
-    }
-    if (params.by_one_side && alone && width != widths.end() && edges[i].length >= params.body_m) {
-      lines.push_back({i, std::nullopt, width->second});
-    }
-  }
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    if (!edges[i].confirmed) continue;
-    const MemorySegment& segment = segments[edges[i].segment];
+    if (!edges[i].confirmed()) continue;
+    const MemorySegment& segment = *edges[i].published;
     for (const Line& line : lines) {
       if (line.one == i || line.other == i) continue;
-      if (segments[edges[line.one].segment].label == segment.label) splitByLine(edges, i, line, params);
+      if (edges[line.one].published->label == segment.label) splitByLine(edges, i, line, params);
     }
     for (const Primitive& circle : primitives) {
       if (circle.kind != PrimitiveKind::kCircle || circle.width_m <= 0.0) continue;
@@ -203,28 +176,19 @@ void splitAtJunctions(std::vector<MemorySegment>& segments, std::span<const Memo
     }
   }
   std::vector<std::uint64_t> gone;
+  std::vector<MemorySegment> further;
   for (Edge& edge : edges) {
-    if (!edge.confirmed) continue;
+    if (!edge.confirmed()) continue;
     const auto parts = remainingParts(edge, params);
-    const MemorySegment whole = segments[edge.segment];
-    if (parts.empty()) gone.push_back(whole.id);
+    if (parts.empty()) gone.push_back(edge.published->id);
     for (std::size_t n = 0; n < parts.size(); ++n) {
-      MemorySegment part = whole;
-      const Eigen::Vector2d a = edge.a + parts[n].from * edge.along;
-      const Eigen::Vector2d b = edge.a + parts[n].to * edge.along;
-      part.odom.a.head<2>() = a;
-      part.odom.b.head<2>() = b;
-      if (n > 0) part.id = id_of(whole.id, static_cast<int>(n) - 1);
-      if (n == 0) {
-        segments[edge.segment] = std::move(part);
-      } else {
-        segments.push_back(std::move(part));
-      }
+      MemorySegment& part = n == 0 ? *edge.published : further.emplace_back(*edge.published);
+      if (n > 0) part.id = id_of(edge.published->id, static_cast<int>(n) - 1);
+      placeAt(part, {edge.line.a + parts[n].from * edge.along, edge.line.a + parts[n].to * edge.along});
     }
   }
-  std::erase_if(segments, [&](const MemorySegment& s) {
-    return std::find(gone.begin(), gone.end(), s.id) != gone.end();
-  });
+  segments.insert(segments.end(), further.begin(), further.end());
+  eraseSegments(segments, gone);
 }
 
 }  // namespace vismem

@@ -3,11 +3,9 @@
 
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <vector>
 
 #include "active_visual_memory/core/markings/line_marking.h"
-#include "active_visual_memory/core/memory/memory_element.h"
 #include "common/visual_memory/memory_snapshot.h"
 #include "common/visual_memory/primitive.h"
 
@@ -18,13 +16,10 @@ namespace vismem {
 struct JunctionParams {
   bool enabled = true;
   LineWidthRange range;             ///< of the joining line
-  double max_angle_rad = 0.10;      ///< between its two edges
   double min_strength_share = 0.5;  ///< contrast of its weaker edge over that of the stronger one
   double min_crossing_rad = 0.6;    ///< between it and the edge
   double body_m = 0.15;             ///< least length of it on the unpainted side of the edge
-  double reach_m = 0.05;            ///< distance of the ends of its edges from the edge: this ..
-  double reach_sigmas = 1.0;        ///< .. plus this many sigmas of their best view ..
-  double most_reach_m = 0.12;       ///< .. at most this
+  EndReach reach{0.05, 1.0, 0.12};  ///< of the ends of its edges to the edge
   /// One confirmed edge represents a line of the width of its label; and ends shortly before a circle end at
   /// it.
   bool by_one_side = false;
@@ -36,10 +31,10 @@ struct JunctionParams {
 /// Splits the confirmed edges in `segments` where line markings of their label reach them from the unpainted
 /// side, and where they cross the line of a circle. Ends of the joining edges are moved to the edge or
 /// circle.
-/// @param elements  that the segments were taken from.
-/// @param widths    of line markings by label.
-/// @param id_of     id of the n-th further part (n >= 0) of the edge with an id.
-void splitAtJunctions(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+/// @param edges   the segments with their elements.
+/// @param widths  of line markings by label.
+/// @param id_of   id of the n-th further part (n >= 0) of the edge with an id.
+void splitAtJunctions(std::vector<MemorySegment>& segments, const std::vector<PublishedEdge>& edges,
                       const std::vector<Primitive>& primitives, const LineWidths& widths,
                       const JunctionParams& params,
                       const std::function<std::uint64_t(std::uint64_t, int)>& id_of);

@@ -1,4 +1,4 @@
-/// @file Line markings: pairs of antiparallel edges and their width. Pure. See M9.
+/// @file Line markings: two antiparallel edges side by side, and their width. Pure. See M9.
 #pragma once
 
 #include <map>
@@ -6,22 +6,18 @@
 #include <span>
 #include <vector>
 
-#include "active_visual_memory/core/memory/memory_element.h"
+#include "active_visual_memory/core/memory/duplicates.h"
+#include "active_visual_memory/core/memory/published_edge.h"
 #include "common/geometry/segment.h"
 #include "common/visual_memory/memory_snapshot.h"
 
 namespace vismem {
 
-/// The overlap of two antiparallel edges.
-struct AntiparallelOverlap {
-  double from_m = 0.0;  ///< beginning of the overlap, along the first edge from its end a
-  double to_m = 0.0;    ///< its end
-  double left_m = 0.0;  ///< distance by which each lies to the left of the other, at the middle; < 0: right
-};
-
-/// @return empty if the edges are not antiparallel within the angle, or do not overlap.
-std::optional<AntiparallelOverlap> antiparallelOverlap(const Segment2& one, const Segment2& other,
-                                                       double max_angle_rad);
+/// Whether two edges with elements are those of one line marking: antiparallel, side by side, of one label,
+/// and alike in contrast, unlike those of a shadow.
+/// @param min_strength_share  contrast of the weaker edge over that of the stronger one.
+std::optional<Neighbourhood> lineMarking(const PublishedEdge& one, const PublishedEdge& other,
+                                         double max_width_m, double min_strength_share = 0.0);
 
 /// The widths that line markings may have: one value for all that pair edges.
 struct LineWidthRange {
@@ -37,7 +33,6 @@ struct LineWidthRange {
 struct LineWidthParams {
   bool enabled = true;
   LineWidthRange range;
-  double max_angle_rad = 0.10;       ///< between both edges
   double min_overlap = 0.5;          ///< of the shorter edge
   double near_sigma_m = 0.02;        ///< sigma of an end of both edges up to which a line is near
   double least_length_widths = 3.0;  ///< least length of a measured line, in widths: shorter ones are spots
@@ -56,16 +51,12 @@ struct LineWidthParams {
 /// Signed widths by label: > 0 if the paint lies to the left of both edges (a bright line), < 0 to the right.
 using LineWidths = std::map<Label, double>;
 
-/// @param elements  that the segments were taken from.
-/// @return widths of near lines by label; none if disabled. Nothing is moved.
-LineWidths measureLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
-                             const LineWidthParams& params);
+/// @return widths of near lines by label; none if disabled.
+LineWidths measureLineWidths(const std::vector<PublishedEdge>& edges, const LineWidthParams& params);
 
 /// Moves the edges of distant lines to the width of near lines of their label, and confirms the second edge
 /// of a line.
-/// @param elements  that the segments were taken from.
-/// @return widths of near lines by label.
-LineWidths equalizeLineWidths(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
-                              const LineWidthParams& params);
+void equalizeLineWidths(const std::vector<PublishedEdge>& edges, const LineWidths& widths,
+                        const LineWidthParams& params);
 
 }  // namespace vismem

@@ -10,11 +10,10 @@
 #include <vector>
 
 #include "active_visual_memory/core/markings/circle_marking.h"
-#include "active_visual_memory/core/markings/corners.h"
 #include "active_visual_memory/core/markings/cross_spot.h"
 #include "active_visual_memory/core/markings/junctions.h"
+#include "active_visual_memory/core/markings/line_ends.h"
 #include "active_visual_memory/core/markings/line_marking.h"
-#include "active_visual_memory/core/markings/shadow_strips.h"
 #include "active_visual_memory/core/memory/memory_element.h"
 #include "common/config/parameter_visitor.h"
 #include "common/visual_memory/memory_snapshot.h"
@@ -30,13 +29,9 @@ class ShapeEdges {
     bool enabled = true;
     /// Widths of line markings, for all parts. The end edge of a line of 5 cm is a few pixels long at best.
     LineWidthRange line_width;
-    /// Distant lines end too short: the shorter edge is extended to the longer one's end if the difference is
-    /// at most this many sigmas of its end.
-    double short_sigmas = 0.0;
     CornerParams corners;
     LineWidthParams line_widths;  ///< whose range is `line_width`
     JunctionParams junctions;     ///< whose range is `line_width`
-    ShadowParams shadows;
     CircleMarkingParams circles;
     CrossSpotParams crosses;
     DominantDirectionParams dominant_direction;
@@ -57,8 +52,6 @@ class ShapeEdges {
  private:
   using Key = std::tuple<std::uint64_t, std::uint64_t, int>;
   std::uint64_t idOf(const Key& key, const NewId& new_id);
-  void addLineEnds(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
-                   const NewId& new_id);
 
   Params params_;
   std::map<Key, std::uint64_t> ids_;

@@ -1,9 +1,11 @@
 #include "active_visual_memory/core/memory/duplicates.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "common/geometry/angles.h"
+#include "common/geometry/plane.h"
 #include "common/visual_memory/labels.h"
 
 namespace vismem {
@@ -20,15 +22,24 @@ bool samePolarity(const Segment2& a, double strength_a, const Segment2& b, doubl
 
 Neighbourhood neighbourhood(const Segment2& base, const Segment2& other) {
   const double length = base.length();
-  double low = projectionFraction(other.a, base) * length;
-  double high = projectionFraction(other.b, base) * length;
-  if (low > high) std::swap(low, high);
-  const double from = std::max(0.0, low);
-  const double to = std::min(length, high);
+  const auto [low, high] =
+      std::minmax({projectionFraction(other.a, base) * length, projectionFraction(other.b, base) * length});
+  Neighbourhood near;
+  near.from_m = std::max(0.0, low);
+  near.gap_m = near.from_m - std::min(length, high);
   const Eigen::Vector2d along = (base.b - base.a) / length;
-  const Eigen::Vector2d between = base.a + 0.5 * (from + to) * along;
-  return {lineAngleDifference(base.direction(), other.direction()), distanceToLine(between, other),
-          from - to};
+  const Eigen::Vector2d between = base.a + near.middle_m() * along;
+  near.angle_rad = lineAngleDifference(base.direction(), other.direction());
+  near.distance_m = distanceToLine(between, other);
+  near.left_m = std::copysign(near.distance_m, cross2(other.b - other.a, between - other.a));
+  return near;
+}
+
+std::optional<Neighbourhood> antiparallel(const Segment2& one, const Segment2& other, double max_angle_rad) {
+  const double cosine = (one.b - one.a).dot(other.b - other.a) / (one.length() * other.length());
+  if (!(cosine <= -std::cos(max_angle_rad))) return std::nullopt;
+  const Neighbourhood near = neighbourhood(one, other);
+  return near.gap_m < 0.0 ? std::optional(near) : std::nullopt;
 }
 
 Eigen::AlignedBox2d boxAround(const Segment2& segment, double margin_m) {

@@ -1,8 +1,9 @@
-/// @file Copies of one line among the floor segments of one image.
+/// @file Relations of two segments on the floor, and copies of one line among those of one image.
 /// Pure. Implements M2. See M3.
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <vector>
 
 #include "active_visual_memory/core/ground/floor_segment.h"
@@ -14,16 +15,29 @@ namespace vismem {
 /// directions.
 bool samePolarity(const Segment2& a, double strength_a, const Segment2& b, double strength_b);
 
-/// Relation of two segments: angle and distance of their lines in the middle of the overlap, and the gap
-/// between their extents along the first one (negative: they overlap).
+/// Relation of two segments.
 struct Neighbourhood {
-  double angle_rad = 0.0;
-  double distance_m = 0.0;
-  double gap_m = 0.0;
+  double angle_rad = 0.0;   ///< between their lines
+  double distance_m = 0.0;  ///< of the second line, in the middle of the overlap
+  double gap_m = 0.0;       ///< between their extents along the first one; negative: they overlap
+  double from_m = 0.0;      ///< beginning of the overlap, along the first one from its end a
+  double left_m = 0.0;      ///< signed distance: > 0 if the first one lies to the left of the second
+
+  double overlap_m() const { return -gap_m; }
+  double middle_m() const { return from_m - 0.5 * gap_m; }
 };
 
 /// @param base  of length > 0.
 Neighbourhood neighbourhood(const Segment2& base, const Segment2& other);
+
+/// Largest angle between the two edges of a line marking.
+inline constexpr double kMarkingAngle_rad = 0.10;
+
+/// The relation of two antiparallel segments side by side: the edges of a line marking. Each lies to the left
+/// of the other, or each to the right (`left_m` < 0).
+/// @return empty if they are not antiparallel within the angle, or do not overlap.
+std::optional<Neighbourhood> antiparallel(const Segment2& one, const Segment2& other,
+                                          double max_angle_rad = kMarkingAngle_rad);
 
 /// Box around a segment. Segments with a neighbourhood of at most 0.12 rad, `d` [m] and a gap of `g` [m] have
 /// boxes that meet when one of them has the margin `d + g`: a fast test before the exact one.

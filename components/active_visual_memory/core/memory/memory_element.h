@@ -68,6 +68,12 @@ struct MemoryElement {
   std::vector<GapVotes> gaps;  ///< one for each place
 };
 
+/// A side of a published shape that consists of several remembered segments: they are to be joined.
+struct SideCompletion {
+  Segment2 side;                        ///< from corner to corner
+  std::vector<std::uint64_t> segments;  ///< the pieces on it, sorted
+};
+
 /// The element with an id; null if there is none.
 const MemoryElement* findElement(std::span<const MemoryElement> elements, std::uint64_t id);
 

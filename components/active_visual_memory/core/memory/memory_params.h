@@ -10,9 +10,9 @@
 #include "active_visual_memory/core/ground/floor_evidence.h"
 #include "active_visual_memory/core/ground/floor_line.h"
 #include "active_visual_memory/core/memory/data_association.h"
-#include "active_visual_memory/core/memory/edge_corner.h"
 #include "active_visual_memory/core/memory/life.h"
 #include "active_visual_memory/core/memory/parallax.h"
+#include "active_visual_memory/core/memory/published_edge.h"
 #include "common/config/parameter_visitor.h"
 
 namespace vismem {

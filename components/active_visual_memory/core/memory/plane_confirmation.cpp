@@ -25,57 +25,51 @@ double sigmaOf(const MemoryElement& element, double t_m) {
 
 /// Whether `next` continues `edge` in its line, from its end b (or a).
 /// @param limit  least height as a share of the distance from the camera.
-bool goesOn(const CornerEdge& edge, const CornerEdge& next, bool at_b, double limit,
+bool goesOn(const PublishedEdge& edge, const PublishedEdge& next, bool at_b, double limit,
             const CornerParams& params) {
-  const FloorLine& line = edge.element->line;
-  const ExtentEnd& end = at_b ? line.endB() : line.endA();
-  const ExtentEnd& begin = at_b ? next.element->line.endA() : next.element->line.endB();
-  if (end.censored) return false;
-  if (edge.along.dot(next.along) < std::cos(params.max_line_rad)) return false;
-  const Eigen::Vector2d gap =
-      at_b ? Eigen::Vector2d(next.line.a - edge.line.b) : Eigen::Vector2d(edge.line.a - next.line.b);
-  if (std::abs(edge.along.dot(gap)) > endReach(end, params) + endReach(begin, params)) return false;
+  const ExtentEnd& end = edge.element->line.end(at_b);
+  const ExtentEnd& begin = next.element->line.end(!at_b);
+  if (end.censored || edge.along.dot(next.along) < std::cos(params.max_line_rad)) return false;
+  const Eigen::Vector2d gap = next.place(!at_b) - edge.place(at_b);
+  if (std::abs(edge.along.dot(gap)) > params.reach.of(end) + params.reach.of(begin)) return false;
   // Higher edges are projected behind the line by more than the uncertainty of both.
   const Eigen::Vector2d n = turned90(edge.along);
   const double camera = std::abs(n.dot(next.element->anchor_camera - edge.line.a));
-  const double t_end = at_b ? line.endB().t_m : line.endA().t_m;
   double off = 0.0;
   for (const Eigen::Vector2d& p : {next.line.a, next.line.b})
     off = std::max(off, std::abs(n.dot(p - edge.line.a)));
-  const double sigma = std::hypot(sigmaOf(*edge.element, t_end), sigmaOf(*next.element, 0.0));
+  const double sigma = std::hypot(sigmaOf(*edge.element, end.t_m), sigmaOf(*next.element, 0.0));
   return off + params.sigmas * sigma + params.slack_m <= limit * camera;
 }
 
 /// Whether `next` begins at a corner where `edge` ends.
-bool turnsAway(const CornerEdge& edge, const CornerEdge& next, bool at_b, double limit,
+bool turnsAway(const PublishedEdge& edge, const PublishedEdge& next, bool at_b, double limit,
                const CornerParams& params) {
   if (edge.published->label != next.published->label) return false;
-  const ExtentEnd& begin = at_b ? next.element->line.endA() : next.element->line.endB();
-  EdgeCorner corner;
-  if (!(at_b ? findCorner(edge, next, params, corner) : findCorner(next, edge, params, corner))) return false;
-  const double distance = (corner.place - next.element->anchor_camera).norm();
-  const ExtentEnd& end = at_b ? edge.element->line.endB() : edge.element->line.endA();
-  const double sigma = std::sqrt(end.best_m2 + begin.best_m2);
-  return corner.distance_m + params.sigmas * sigma + params.slack_m <= limit * distance;
+  const auto corner = at_b ? findCorner(edge, next, params) : findCorner(next, edge, params);
+  if (!corner) return false;
+  const double distance = (corner->place - next.element->anchor_camera).norm();
+  const double sigma =
+      std::sqrt(edge.element->line.end(at_b).best_m2 + next.element->line.end(!at_b).best_m2);
+  return corner->distance_m + params.sigmas * sigma + params.slack_m <= limit * distance;
 }
 
 }  // namespace
 
 void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams& params) {
-  std::vector<CornerEdge> confirmed;
+  std::vector<PublishedEdge> confirmed;
   for (MemoryElement& element : elements) {
-    if (element.value.confirmed) confirmed.push_back(cornerEdge(element.value, element));
+    if (element.value.confirmed) confirmed.emplace_back(element.value, &element);
   }
   for (MemoryElement& element : elements) {
     if (element.value.confirmed || !mayBeConfirmed(element, params.min_length_m, params)) continue;
-    const CornerEdge edge = cornerEdge(element.value, element);
-    EdgeCorner corner;
-    const CornerEdge* before = nullptr;
-    const CornerEdge* behind = nullptr;
-    for (const CornerEdge& other : confirmed) {
+    const PublishedEdge edge(element.value, &element);
+    const PublishedEdge* before = nullptr;
+    const PublishedEdge* behind = nullptr;
+    for (const PublishedEdge& other : confirmed) {
       if (other.published->label != element.value.label) continue;
-      if (!before && findCorner(other, edge, params, corner)) before = &other;
-      if (!behind && findCorner(edge, other, params, corner)) behind = &other;
+      if (!before && findCorner(other, edge, params)) before = &other;
+      if (!behind && findCorner(edge, other, params)) behind = &other;
     }
     element.value.confirmed = before && behind && before != behind;
   }
@@ -85,19 +79,19 @@ void confirmContinuations(std::span<MemoryElement> elements, double camera_heigh
                           const CornerParams& params) {
   if (camera_height_m <= params.least_height_m) return;
   const double limit = params.least_height_m / (camera_height_m - params.least_height_m);
-  std::vector<CornerEdge> confirmed;
-  std::vector<CornerEdge> others;
+  std::vector<PublishedEdge> confirmed;
+  std::vector<PublishedEdge> others;
   for (MemoryElement& element : elements) {
     if (element.value.confirmed) {
-      confirmed.push_back(cornerEdge(element.value, element));
+      confirmed.emplace_back(element.value, &element);
     } else if (mayBeConfirmed(element, params.least_length_m, params) && element.not_vertical) {
-      others.push_back(cornerEdge(element.value, element));
+      others.emplace_back(element.value, &element);
     }
   }
   constexpr bool kEnds[] = {true, false};
   for (std::size_t c = 0; c < confirmed.size(); ++c) {
-    const CornerEdge edge = confirmed[c];
-    std::erase_if(others, [&](const CornerEdge& next) {
+    const PublishedEdge edge = confirmed[c];
+    std::erase_if(others, [&](const PublishedEdge& next) {
       const bool held = std::any_of(std::begin(kEnds), std::end(kEnds), [&](bool at_b) {
         return goesOn(edge, next, at_b, limit, params) || turnsAway(edge, next, at_b, limit, params);
       });

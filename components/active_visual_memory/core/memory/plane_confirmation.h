@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "active_visual_memory/core/memory/edge_corner.h"
+#include "active_visual_memory/core/memory/published_edge.h"
 
 namespace vismem {
 

@@ -11,7 +11,6 @@
 #include "active_visual_memory/core/memory/memory_element.h"
 #include "active_visual_memory/core/memory/memory_params.h"
 #include "active_visual_memory/core/memory/plane_confirmation.h"
-#include "active_visual_memory/core/memory/side_completion.h"
 #include "common/robot/observation.h"
 #include "common/visual_memory/memory_snapshot.h"
 

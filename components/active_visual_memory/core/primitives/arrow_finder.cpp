@@ -1,10 +1,9 @@
-#include "active_visual_memory/core/primitives/arrow_finder.h"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "active_visual_memory/core/primitives/finders.h"
 #include "common/geometry/plane.h"
 #include "common/visual_memory/labels.h"
 

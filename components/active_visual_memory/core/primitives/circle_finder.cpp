@@ -1,5 +1,3 @@
-#include "active_visual_memory/core/primitives/circle_finder.h"
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -8,24 +6,13 @@
 #include <optional>
 #include <utility>
 
+#include "active_visual_memory/core/primitives/finders.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/plane.h"
 #include "common/visual_memory/labels.h"
 
 namespace vismem {
 namespace {
-
-/// An edge as a chord of an unknown circle: where the fitted line cuts the arc.
-struct Chord {
-  Eigen::Vector2d p;
-  Eigen::Vector2d q;
-};
-
-Chord chordOf(const FloorEdge& edge) {
-  const Eigen::Vector2d middle = edge.line.middle();
-  const Eigen::Vector2d half = 0.5 * kArcCut * edge.length * edge.along;
-  return {middle - half, middle + half};
-}
 
 struct Circle {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
@@ -52,8 +39,8 @@ std::optional<Circle> fitCircle(const std::vector<FloorEdge>& edges, const std::
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const int i : members) {
-    const Chord chord = chordOf(edges[i]);
-    for (const Eigen::Vector2d& p : {chord.p, chord.q}) {
+    const Segment2 cut = arcPoints(edges[i].line);
+    for (const Eigen::Vector2d& p : {cut.a, cut.b}) {
       const Eigen::Vector3d row(p.x(), p.y(), 1.0);
       normal += edges[i].length * row * row.transpose();
       right += edges[i].length * p.squaredNorm() * row;
@@ -74,9 +61,9 @@ std::optional<Circle> fitCircle(const std::vector<FloorEdge>& edges, const std::
 int sideOf(const FloorEdge& edge, const Circle& circle, const CircleParams& params) {
   // The brighter side lies left of a -> b.
   const double offset = cross2(edge.along, circle.centre - edge.line.middle());
-  const Chord chord = chordOf(edge);
-  const double off_p = std::abs((chord.p - circle.centre).norm() - circle.radius);
-  const double off_q = std::abs((chord.q - circle.centre).norm() - circle.radius);
+  const Segment2 cut = arcPoints(edge.line);
+  const double off_p = std::abs((cut.a - circle.centre).norm() - circle.radius);
+  const double off_q = std::abs((cut.b - circle.centre).norm() - circle.radius);
   if (std::max(off_p, off_q) > params.tolerance_m) return 0;
   // A long edge that touches the circle is not a chord.
   if (edge.length > circle.radius) return 0;
@@ -142,8 +129,8 @@ std::optional<Found> grow(const std::vector<FloorEdge>& edges, const std::vector
   if (found.coverage < params.min_coverage) return std::nullopt;
   double sum = 0.0;
   for (const int i : found.members) {
-    const Chord chord = chordOf(edges[i]);
-    for (const Eigen::Vector2d& p : {chord.p, chord.q})
+    const Segment2 cut = arcPoints(edges[i].line);
+    for (const Eigen::Vector2d& p : {cut.a, cut.b})
       sum += std::abs((p - circle.centre).norm() - circle.radius);
   }
   found.deviation = sum / (2.0 * static_cast<double>(found.members.size()));

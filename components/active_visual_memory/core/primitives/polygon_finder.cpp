@@ -1,12 +1,12 @@
-#include "active_visual_memory/core/primitives/polygon_finder.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 #include <optional>
 #include <utility>
 
+#include "active_visual_memory/core/primitives/finders.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/plane.h"
 #include "common/visual_memory/labels.h"
@@ -128,10 +128,15 @@ void measureParallelogram(Primitive& primitive) {
   if (primitive.heading_rad < 0.0) primitive.heading_rad += std::numbers::pi;
 }
 
-void setCentre(Primitive& primitive) {
+/// Sets what follows from corners and sides.
+Primitive finished(Primitive primitive, std::initializer_list<const FloorEdge*> sides) {
+  for (const FloorEdge* side : sides) primitive.segments = joinedIds(primitive.segments, side->segments);
+  orient(primitive);
   primitive.centre.setZero();
   for (const auto& v : primitive.vertices) primitive.centre += v;
   primitive.centre /= static_cast<double>(primitive.vertices.size());
+  if (primitive.kind == PrimitiveKind::kParallelogram) measureParallelogram(primitive);
+  return primitive;
 }
 
 class PolygonSearch {
@@ -212,13 +217,7 @@ class PolygonSearch {
     primitive.hidden_vertex = closed ? -1 : 2;
     const double gaps = (near_foot.gap_share + far_foot.gap_share + far.gap_share) / 3.0;
     primitive.quality = (closed ? 1.0 : 0.7) * (1.0 - 0.5 * closing / allowed - 0.4 * gaps);
-    for (const FloorEdge* side : {&i, &near_upright, &far_upright, &across}) {
-      primitive.segments = joinedIds(primitive.segments, side->segments);
-    }
-    orient(primitive);
-    setCentre(primitive);
-    measureParallelogram(primitive);
-    found.push_back(std::move(primitive));
+    found.push_back(finished(std::move(primitive), {&i, &near_upright, &far_upright, &across}));
   }
 
   void triangle(int base, const Corner& left, const Corner& right, std::vector<Primitive>& found) const {
@@ -237,11 +236,7 @@ class PolygonSearch {
       primitive.kind = PrimitiveKind::kTriangle;
       primitive.vertices = {p0, p1, p2};
       primitive.quality = 1.0 - (left.gap_share + right.gap_share + top.gap_share) / 3.0 * 0.6;
-      for (const FloorEdge* side : {&i, &a, &b})
-        primitive.segments = joinedIds(primitive.segments, side->segments);
-      orient(primitive);
-      setCentre(primitive);
-      found.push_back(std::move(primitive));
+      found.push_back(finished(std::move(primitive), {&i, &a, &b}));
     }
   }
 

@@ -32,15 +32,14 @@ void choose(std::vector<Primitive> readings, int may_share, const PrimitiveParam
   }
 }
 
-std::vector<FloorEdge> without(const std::vector<FloorEdge>& edges, const std::vector<Primitive>& shapes) {
-  std::vector<FloorEdge> left;
-  for (const FloorEdge& edge : edges) {
-    const bool used = std::any_of(shapes.begin(), shapes.end(), [&](const Primitive& shape) {
-      return shareIds(edge.segments, shape.segments);
-    });
-    if (!used) left.push_back(edge);
-  }
-  return left;
+/// The edges that share no segment with some others. @param others  shapes or edges.
+template <typename Other>
+std::vector<FloorEdge> without(std::vector<FloorEdge> edges, const std::vector<Other>& others) {
+  std::erase_if(edges, [&](const FloorEdge& edge) {
+    return std::any_of(others.begin(), others.end(),
+                       [&](const Other& other) { return shareIds(edge.segments, other.segments); });
+  });
+  return edges;
 }
 
 double sizeOf(const Primitive& primitive) {
@@ -63,43 +62,23 @@ double confirmedShare(const Primitive& shape, std::span<const MemorySegment> seg
   return all > 0.0 ? confirmed / all : 0.0;
 }
 
-std::vector<FloorEdge> labelledEdges(std::span<const MemorySegment> segments) {
-  std::vector<MemorySegment> labelled;
-  for (const MemorySegment& segment : segments) {
-    if (segment.confirmed || segment.label != kUnknownLabel) labelled.push_back(segment);
-  }
-  return floorEdges(labelled, false);
-}
-
 std::vector<Primitive> findAmong(const std::vector<FloorEdge>& edges, const PrimitiveParams& params) {
   std::vector<Primitive> found;
   choose(findCircles(edges, params.circles), 0, params, found);
-
   const std::vector<FloorEdge> straight = without(edges, found);
   const std::vector<FloorEdge> stripes = findStripes(straight, params.stripes);
+  const std::vector<FloorEdge> single = without(straight, stripes);
   std::vector<FloorEdge> strokes = stripes;
-  const std::vector<FloorEdge> single = [&] {
-    std::vector<FloorEdge> rest;
-    for (const FloorEdge& edge : straight) {
-      const bool side = std::any_of(stripes.begin(), stripes.end(),
-                                    [&](const FloorEdge& s) { return shareIds(s.segments, edge.segments); });
-      if (!side) rest.push_back(edge);
-    }
-    return rest;
-  }();
   strokes.insert(strokes.end(), single.begin(), single.end());
   std::vector<Primitive> arrows;
   choose(findArrows(strokes, params.arrows, params.polygons.max_side_m), 0, params, arrows);
-  const std::vector<FloorEdge> outlines = without(single, arrows);
   const std::vector<FloorEdge> lines = without(stripes, arrows);
-  found.insert(found.end(), arrows.begin(), arrows.end());
-
-  std::vector<FloorEdge> sides = outlines;
+  std::vector<FloorEdge> sides = without(single, arrows);
   sides.insert(sides.end(), lines.begin(), lines.end());
   std::vector<Primitive> polygons;
   choose(findPolygons(sides, params.polygons), 1, params, polygons);
-  found.insert(found.end(), std::make_move_iterator(polygons.begin()),
-               std::make_move_iterator(polygons.end()));
+  found.insert(found.end(), arrows.begin(), arrows.end());
+  found.insert(found.end(), polygons.begin(), polygons.end());
   for (const FloorEdge& stripe : lines) found.push_back(stripePrimitive(stripe));
   return found;
 }
@@ -125,7 +104,9 @@ std::vector<Primitive> findPrimitives(std::span<const MemorySegment> segments,
   const auto is_stripe = [](const Primitive& shape) { return shape.kind == PrimitiveKind::kStripe; };
   std::vector<Primitive> closed;
   std::remove_copy_if(found.begin(), found.end(), std::back_inserter(closed), is_stripe);
-  std::vector<Primitive> more = findAmong(without(labelledEdges(segments), closed), params);
+  std::vector<MemorySegment> labelled(segments.begin(), segments.end());
+  std::erase_if(labelled, [](const MemorySegment& s) { return !s.confirmed && s.label == kUnknownLabel; });
+  std::vector<Primitive> more = findAmong(without(floorEdges(labelled, false), closed), params);
   std::erase_if(more, [&](const Primitive& shape) {
     const bool known = std::any_of(closed.begin(), closed.end(), [&](const Primitive& better) {
       return better.kind == shape.kind && (better.centre - shape.centre).norm() <= params.same_place_m;

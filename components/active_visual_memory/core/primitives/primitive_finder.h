@@ -5,10 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "active_visual_memory/core/primitives/arrow_finder.h"
-#include "active_visual_memory/core/primitives/circle_finder.h"
-#include "active_visual_memory/core/primitives/polygon_finder.h"
-#include "active_visual_memory/core/primitives/stripe_finder.h"
+#include "active_visual_memory/core/primitives/finders.h"
 #include "common/visual_memory/memory_snapshot.h"
 #include "common/visual_memory/primitive.h"
 

@@ -16,23 +16,15 @@ namespace {
 void alignVertices(const Primitive& known, Primitive& found) {
   const std::size_t n = known.vertices.size();
   if (found.vertices.size() != n || n == 0) return;
-  const auto distance = [&](std::size_t shift, bool turned) {
+  const auto distance = [&](std::size_t shift) {
     double sum = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t j = turned ? (shift + n - i) % n : (shift + i) % n;
-      sum += (known.vertices[i] - found.vertices[j]).norm();
-    }
+    for (std::size_t i = 0; i < n; ++i) sum += (known.vertices[i] - found.vertices[(shift + i) % n]).norm();
     return sum;
   };
-  const bool cyclic = known.kind == PrimitiveKind::kParallelogram || known.kind == PrimitiveKind::kTriangle;
-  const bool reversible = known.kind == PrimitiveKind::kStripe;
   std::size_t shift = 0;
-  double best = distance(0, false);
-  for (std::size_t s = 1; s < n && (cyclic || reversible); ++s) {
-    if (const double d = distance(s, false); d < best) {
-      best = d;
-      shift = s;
-    }
+  // The ends of an arrow differ.
+  for (std::size_t s = 1; s < n && known.kind != PrimitiveKind::kArrow; ++s) {
+    if (distance(s) < distance(shift)) shift = s;
   }
   std::rotate(found.vertices.begin(), found.vertices.begin() + static_cast<std::ptrdiff_t>(shift),
               found.vertices.end());

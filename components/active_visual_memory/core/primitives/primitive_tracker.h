@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "active_visual_memory/core/memory/side_completion.h"
+#include "active_visual_memory/core/memory/memory_element.h"
 #include "active_visual_memory/core/primitives/primitive_finder.h"
 #include "common/config/parameter_visitor.h"
 
@@ -28,7 +28,9 @@ class PrimitiveTracker {
     double smoothing = 0.3;  ///< weight of a new finding, once the first few are averaged
 
     void visit(ParameterVisitor& v) {
-      v.flag(expert("ConfirmedOnly", "M8, B6: unconfirmed segments alone make no shape, and no edge of a map"), finder.confirmed_only);
+      v.flag(
+          expert("ConfirmedOnly", "M8, B6: unconfirmed segments alone make no shape, and no edge of a map"),
+          finder.confirmed_only);
     }
   };
 

@@ -50,7 +50,7 @@ std::vector<MemorySegment> replaced(const std::vector<MemoryElement>& elements, 
   for (const MemoryElement& element : elements) segments.push_back(element.value);
   CrossSpotParams params;
   params.enabled = true;
-  replaceCrossSpots(segments, elements, {{"line", width}}, {}, params,
+  replaceCrossSpots(segments, publishedEdges(segments, elements), {{"line", width}}, {}, params,
                     [](std::uint64_t oldest, int n) { return 1000 * oldest + n; });
   return segments;
 }

@@ -36,21 +36,9 @@ std::vector<MemorySegment> even(std::vector<MemoryElement> elements, const std::
   elements.insert(elements.end(), more.begin(), more.end());
   std::vector<MemorySegment> segments;
   for (const MemoryElement& element : elements) segments.push_back(element.value);
-  equalizeLineWidths(segments, elements, {});
+  const auto edges = publishedEdges(segments, elements);
+  equalizeLineWidths(edges, measureLineWidths(edges, {}), {});
   return segments;
-}
-
-TEST(LineMarking, OverlapOfAntiparallelEdgesHasASignedDistance) {
-  const Segment2 one{{0.0, 0.0}, {2.0, 0.0}};
-  const auto bright = antiparallelOverlap(one, {{1.5, 0.05}, {-0.5, 0.05}}, 0.1);
-  ASSERT_TRUE(bright);
-  EXPECT_NEAR(bright->left_m, 0.05, 1e-12);
-  EXPECT_NEAR(bright->from_m, 0.0, 1e-12);
-  EXPECT_NEAR(bright->to_m, 1.5, 1e-12);
-  EXPECT_NEAR(antiparallelOverlap(one, {{1.5, -0.05}, {-0.5, -0.05}}, 0.1)->left_m, -0.05, 1e-12);
-  EXPECT_FALSE(antiparallelOverlap(one, {{-0.5, 0.05}, {1.5, 0.05}}, 0.1)) << "the same way";
-  EXPECT_FALSE(antiparallelOverlap(one, {{3.5, 0.05}, {2.5, 0.05}}, 0.1)) << "one behind the other";
-  EXPECT_FALSE(antiparallelOverlap(one, {{1.5, 0.5}, {0.5, 0.0}}, 0.1)) << "askew";
 }
 
 TEST(LineMarking, EdgesCloserThanTheMinimumAreSetApart) {

@@ -23,5 +23,18 @@ TEST(Duplicates, OfOneImageAreJoinedOncePerPolarity) {
   EXPECT_NEAR(clean[0].odom.b.y(), 0.0, 1e-9);
 }
 
+TEST(Antiparallel, SegmentsHaveASignedDistance) {
+  const Segment2 one{{0.0, 0.0}, {2.0, 0.0}};
+  const auto bright = antiparallel(one, {{1.5, 0.05}, {-0.5, 0.05}}, 0.1);
+  ASSERT_TRUE(bright);
+  EXPECT_NEAR(bright->left_m, 0.05, 1e-12);
+  EXPECT_NEAR(bright->from_m, 0.0, 1e-12);
+  EXPECT_NEAR(bright->overlap_m(), 1.5, 1e-12);
+  EXPECT_NEAR(antiparallel(one, {{1.5, -0.05}, {-0.5, -0.05}}, 0.1)->left_m, -0.05, 1e-12);
+  EXPECT_FALSE(antiparallel(one, {{-0.5, 0.05}, {1.5, 0.05}}, 0.1)) << "the same way";
+  EXPECT_FALSE(antiparallel(one, {{3.5, 0.05}, {2.5, 0.05}}, 0.1)) << "one behind the other";
+  EXPECT_FALSE(antiparallel(one, {{1.5, 0.5}, {0.5, 0.0}}, 0.1)) << "askew";
+}
+
 }  // namespace
 }  // namespace vismem

@@ -1,7 +1,7 @@
 // Tests M8.
-#include "active_visual_memory/core/primitives/arrow_finder.h"
-
 #include <gtest/gtest.h>
+
+#include "active_visual_memory/core/primitives/finders.h"
 
 namespace vismem {
 namespace {

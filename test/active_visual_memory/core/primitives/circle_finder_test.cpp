@@ -1,10 +1,10 @@
 // Tests M8.
-#include "active_visual_memory/core/primitives/circle_finder.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+
+#include "active_visual_memory/core/primitives/finders.h"
 
 namespace vismem {
 namespace {

@@ -1,9 +1,9 @@
 // Tests M8, M9.
-#include "active_visual_memory/core/primitives/polygon_finder.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
+
+#include "active_visual_memory/core/primitives/finders.h"
 
 namespace vismem {
 namespace {

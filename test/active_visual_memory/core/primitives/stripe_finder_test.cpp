@@ -1,9 +1,9 @@
 // Tests M8.
-#include "active_visual_memory/core/primitives/stripe_finder.h"
-
 #include <gtest/gtest.h>
 
 #include <numbers>
+
+#include "active_visual_memory/core/primitives/finders.h"
 
 namespace vismem {
 namespace {

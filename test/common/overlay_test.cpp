@@ -1,5 +1,5 @@
 // Tests M11.
-#include "active_visual_memory/core/overlay.h"
+#include "common/visual_memory/overlay.h"
 
 #include <gtest/gtest.h>
 

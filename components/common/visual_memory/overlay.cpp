@@ -1,4 +1,4 @@
-#include "active_visual_memory/core/overlay.h"
+#include "common/visual_memory/overlay.h"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>

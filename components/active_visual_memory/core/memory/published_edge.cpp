@@ -1,0 +1,77 @@
+#include "active_visual_memory/core/memory/published_edge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "common/geometry/plane.h"
+
+namespace vismem {
+
+PublishedEdge::PublishedEdge(MemorySegment& published_segment, const MemoryElement* of)
+    : published(&published_segment),
+      element(of),
+      line(published_segment.odom.floor()),
+      along((line.b - line.a).normalized()) {}
+
+std::vector<PublishedEdge> publishedEdges(std::vector<MemorySegment>& segments,
+                                          std::span<const MemoryElement> elements) {
+  std::vector<PublishedEdge> edges;
+  for (MemorySegment& segment : segments) edges.emplace_back(segment, findElement(elements, segment.id));
+  return edges;
+}
+
+void placeAt(MemorySegment& published, const Segment2& line) {
+  published.odom.a.head<2>() = line.a;
+  published.odom.b.head<2>() = line.b;
+}
+
+void eraseSegments(std::vector<MemorySegment>& segments, const std::vector<std::uint64_t>& ids) {
+  std::erase_if(segments,
+                [&](const MemorySegment& s) { return std::find(ids.begin(), ids.end(), s.id) != ids.end(); });
+}
+
+std::optional<EdgeCorner> findCorner(const PublishedEdge& one, const PublishedEdge& other,
+                                     const CornerParams& params) {
+  if ((one.line.b - other.line.a).norm() > 2.0 * params.reach.most_m) return std::nullopt;
+  const ExtentEnd& end = one.element->line.endB();
+  const ExtentEnd& begin = other.element->line.endA();
+  const double cross = cross2(one.along, other.along);
+  if (end.censored || begin.censored || std::abs(cross) < std::sin(params.min_angle_rad)) return std::nullopt;
+  const Eigen::Vector2d between = other.line.a - one.line.b;
+  const double outward_one = cross2(between, other.along) / cross;
+  const double outward_other = cross2(between, one.along) / cross;
+  if (std::abs(outward_one) > params.reach.of(end) || std::abs(outward_other) > params.reach.of(begin)) {
+    return std::nullopt;
+  }
+  return EdgeCorner{one.line.b + outward_one * one.along, std::abs(outward_one) + std::abs(outward_other)};
+}
+
+void joinAtCorners(const std::vector<PublishedEdge>& edges, const CornerParams& params) {
+  struct Joint {
+    std::size_t from;
+    std::size_t to;
+    EdgeCorner corner;
+  };
+  std::vector<Joint> joints;
+  const auto hasEnds = [](const PublishedEdge& edge) { return edge.element && edge.confirmed(); };
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    for (std::size_t k = 0; hasEnds(edges[i]) && k < edges.size(); ++k) {
+      if (i == k || !hasEnds(edges[k])) continue;
+      if (const auto corner = findCorner(edges[i], edges[k], params)) joints.push_back({i, k, *corner});
+    }
+  }
+  // The nearest first; an end has one corner.
+  std::stable_sort(joints.begin(), joints.end(),
+                   [](const Joint& a, const Joint& b) { return a.corner.distance_m < b.corner.distance_m; });
+  std::vector<bool> ended(edges.size(), false);
+  std::vector<bool> begun(edges.size(), false);
+  for (const Joint& joint : joints) {
+    if (ended[joint.from] || begun[joint.to]) continue;
+    ended[joint.from] = begun[joint.to] = true;
+    edges[joint.from].published->odom.b.head<2>() = joint.corner.place;
+    edges[joint.to].published->odom.a.head<2>() = joint.corner.place;
+  }
+}
+
+}  // namespace vismem
