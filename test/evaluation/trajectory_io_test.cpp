@@ -98,14 +98,19 @@ TEST(PrimitivesCsv, HasARowPerShape) {
 TEST(RacesCsv, HasARowPerRaceAndEstimate) {
   PoseEstimate estimate;
   estimate.stamp_us = 200'000;
+  estimate.reliability = 0.5;
+  estimate.P << 4e-4, -1e-4, 0.0, -1e-4, 9e-4, 2e-5, 0.0, 2e-5, 1e-6;
   estimate.races.push_back({3, {1.0, 2.0, 0.5}, 0.9, 0.75, 4, 12, true});
   estimate.races.push_back({5, {-1.0, 0.0, 0.0}, 0.4, 0.25, 0, 2, false});
   std::ostringstream out;
   writeRacesRows(estimate, out);
-  EXPECT_EQ(std::string(kRacesHeader) + out.str(),
-            "t_s,race,x_m,y_m,theta_rad,health,weight,victories,age\n"
-            "0.200000,3,1.000000,2.000000,0.500000,0.900000,0.750000,4,12\n"
-            "0.200000,5,-1.000000,0.000000,0.000000,0.400000,0.250000,0,2\n");
+  EXPECT_EQ(
+      std::string(kRacesHeader) + out.str(),
+      "t_s,race,x_m,y_m,theta_rad,health,weight,victories,age,reliability,xx_m2,xy_m2,yy_m2,xt_mrad,yt_mrad,"
+      "tt_rad2\n"
+      "0.200000,3,1.000000,2.000000,0.500000,0.900000,0.750000,4,12,0.500000,4.000000e-04,-1.000000e-04,"
+      "9.000000e-04,0.000000e+00,2.000000e-05,1.000000e-06\n"
+      "0.200000,5,-1.000000,0.000000,0.000000,0.400000,0.250000,0,2,,,,,,,\n");
 }
 
 TEST(WriteTextFile, SaysWhichFileCannotBeWritten) {

@@ -134,7 +134,15 @@ void writeRacesRows(const PoseEstimate& estimate, std::ostream& out) {
     putSeconds(out, estimate.stamp_us);
     out << std::fixed << std::setprecision(6) << ',' << race.id << ',' << race.T_world_robot.x << ','
         << race.T_world_robot.y << ',' << race.T_world_robot.theta << ',' << race.health << ',' << race.weight
-        << ',' << race.victories << ',' << race.age << '\n';
+        << ',' << race.victories << ',' << race.age << ',';
+    if (race.winner) {
+      const Eigen::Matrix3d& P = estimate.P;
+      out << estimate.reliability << std::scientific;
+      for (const double term : {P(0, 0), P(0, 1), P(1, 1), P(0, 2), P(1, 2), P(2, 2)}) out << ',' << term;
+    } else {
+      out << ",,,,,,";
+    }
+    out << '\n';
   }
 }
 

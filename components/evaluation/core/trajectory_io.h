@@ -39,9 +39,11 @@ void writePrimitivesRows(const MemorySnapshot& memory, std::ostream& out);
 inline constexpr std::string_view kPrimitivesHeader =
     "t_s,id,kind,x_m,y_m,heading_rad,length_m,width_m,radius_m,hidden_vertex,quality,life,vertices_m\n";
 
-/// `t_s,race,x_m,y_m,theta_rad,health,weight,victories,age`, one row per race and estimate, in world.
+/// One row per race and estimate, in world. Reliability and covariance are the winner's, in its row alone.
 void writeRacesRows(const PoseEstimate& estimate, std::ostream& out);
-inline constexpr std::string_view kRacesHeader = "t_s,race,x_m,y_m,theta_rad,health,weight,victories,age\n";
+inline constexpr std::string_view kRacesHeader =
+    "t_s,race,x_m,y_m,theta_rad,health,weight,victories,age,reliability,xx_m2,xy_m2,yy_m2,xt_mrad,yt_mrad,"
+    "tt_rad2\n";
 
 /// Writes a file whole. @throws std::runtime_error "cannot write FILE: REASON".
 void writeTextFile(const std::filesystem::path& file, const std::string& text);

@@ -41,7 +41,7 @@ PoseEstimate withTruth(PoseEstimate estimate, const Pose2& truth) {
     if (is_true && race.winner) {
       // Unambiguous at once.
       estimate.races = {race};
-      estimate.races.front().weight = estimate.races.front().health = estimate.reliability = 1.0;
+      estimate.races.front().weight = estimate.races.front().health = estimate.support = 1.0;
       return estimate;
     }
     if (is_true) continue;

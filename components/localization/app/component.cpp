@@ -152,7 +152,7 @@ class LocalizationComponent final : public Component, public LocalizationControl
       });
     };
     add({"Gaze.UncertaintyAbove", "", 0.0, 1.0, false, config_.gaze.uncertainty_above,
-         "Gaze is requested while the reliability is below 1 minus this"},
+         "Gaze is requested while the support of the pose is below 1 minus this"},
         &GazePlanner::setUncertaintyAbove, &GazePlannerParams::uncertainty_above);
     add({"Gaze.Confirm_s", "s", 0.0, 60.0, false, config_.gaze.confirm_s,
          "Gaze is requested for so long after the pose became reliable"},

@@ -10,7 +10,7 @@
 namespace vismem {
 namespace {
 
-/// Upper bound of reliability after a new epoch of the memory or a jump of the source.
+/// Upper bound of support and reliability after a new epoch of the memory or a jump of the source.
 constexpr double kReliabilityAfterEpoch = 0.1;
 /// Stamps that go back by more than this belong to a restarted source; by less, to a late update.
 constexpr StampUs kRestart_us = kSecondUs;
@@ -18,17 +18,17 @@ constexpr StampUs kRestart_us = kSecondUs;
 constexpr double kJump_m = 0.5;
 constexpr double kJump_rad = 1.0;
 constexpr StampUs kJumpWithin_us = kSecondUs / 2;
-/// A change of the winner over this distance reduces reliability to 0; a shorter one in proportion.
+/// A change of the winner over this distance reduces support to 0; a shorter one in proportion.
 constexpr double kFullJump_m = 2.0;
 /// Standard deviations of a pose given from outside.
 constexpr double kGivenStd_m = 0.1;
 constexpr double kGivenStd_rad = 0.1;
 
-/// Smallest reliability of a reference pose of the odometry calibration.
+/// Smallest support of a reference pose of the odometry calibration.
 constexpr double kTrust = 0.7;
 /// The tick while the winner is suspect.
 constexpr double kSuspectTick_s = 0.1;
-/// An observation is inconsistent if it supports less than this share of the winner's reliability.
+/// An observation is inconsistent if it supports less than this share of the winner's support.
 constexpr double kInconsistent = 0.7;
 
 std::unique_ptr<RaceStrategy> makeStrategy(const LocalizerParams& params, const SegmentMap& map_edges) {
@@ -154,7 +154,7 @@ void Localizer::iterate(const MemoryUpdate& update, double elapsed_s) {
   table_.age();
   for (Race& race : table_.races()) strategy_->weight(race);
   const auto agreement = strategy_->agreement(table_);
-  const bool is_inconsistent = agreement && *agreement < kInconsistent * reliability_;
+  const bool is_inconsistent = agreement && *agreement < kInconsistent * support_;
   if (is_inconsistent) strategy_->resetNovelty();
   propose(agreement, is_inconsistent);
   prune();
@@ -164,8 +164,8 @@ void Localizer::iterate(const MemoryUpdate& update, double elapsed_s) {
 }
 
 void Localizer::propose(const std::optional<double>& agreement, bool is_inconsistent) {
-  // Reliability is low-pass filtered; an inconsistent observation starts the full search at once.
-  int explorers = explorerCount(params_.explorers, is_inconsistent ? *agreement : reliability_, iteration_);
+  // Support is low-pass filtered; an inconsistent observation starts the full search at once.
+  int explorers = explorerCount(params_.explorers, is_inconsistent ? *agreement : support_, iteration_);
   const bool is_idle = tracking_.mode == Tracking::kTracking && !is_inconsistent;
   const auto period = static_cast<std::uint64_t>(std::max(1, params_.explorers.period_reliable));
   if (is_idle && iteration_ % period != 0) explorers = 0;
@@ -185,18 +185,19 @@ void Localizer::prune() {
 }
 
 void Localizer::select(const Race& before, bool is_inconsistent, double elapsed_s) {
-  strategy_->select(table_, reliability_);
-  reliability_ = strategy_->updatedReliability(reliability_, table_, elapsed_s);
+  strategy_->select(table_, support_);
+  support_ = strategy_->updatedSupport(support_, table_, elapsed_s);
   const Race* winner = table_.winner();
   const bool is_same = winner && winner->id == before.id;
   const bool is_unambiguous = is_same && strategy_->isUnambiguous(table_);
   tracking_ = nextTracking(tracking_, {last_stamp_us_, winner != nullptr, is_inconsistent, is_unambiguous});
   if (winner && before.id != 0 && !is_same) {
     const double jump = (winner->T_world_robot.position() - before.T_world_robot.position()).norm();
-    reliability_ *= std::max(0.0, 1.0 - jump / kFullJump_m);
+    support_ *= std::max(0.0, 1.0 - jump / kFullJump_m);
   }
+  estimate_.reliability = strategy_->reliability(table_, support_);
   if (!odometry_) return;
-  if (is_same && reliability_ >= kTrust && is_unambiguous) {
+  if (is_same && support_ >= kTrust && is_unambiguous) {
     odometry_->addReferencePose(winner->T_world_robot, winner->id);
   } else {
     odometry_->interrupt();
@@ -206,7 +207,8 @@ void Localizer::select(const Race& before, bool is_inconsistent, double elapsed_
 void Localizer::beginEpoch() {
   if (odometry_) odometry_->interrupt();
   tracking_ = restartedTracking(tracking_, table_.winner() != nullptr);
-  reliability_ = std::min(reliability_, kReliabilityAfterEpoch);
+  support_ = std::min(support_, kReliabilityAfterEpoch);
+  estimate_.reliability = std::min(estimate_.reliability, kReliabilityAfterEpoch);
   strategy_->discountEvidence(table_);
   last_tick_us_.reset();
 }
@@ -238,7 +240,9 @@ void Localizer::setPose(const Pose2& T_world_robot) {
   table_.award(table_.winner()->id);
   table_.recordBest(table_.winner()->id);
   // The caller is trusted, unless the last observation contradicts.
-  reliability_ = strategy_->agreement(table_).value_or(1.0);
+  const auto agreement = strategy_->agreement(table_);
+  support_ = agreement.value_or(1.0);
+  estimate_.reliability = agreement ? strategy_->reliability(table_, support_) : 1.0;
   report();
 }
 
@@ -246,7 +250,7 @@ void Localizer::relocalize() {
   if (odometry_) odometry_->interrupt();
   table_.clear();
   strategy_->resetHistory(table_);
-  reliability_ = 0.0;
+  support_ = estimate_.reliability = 0.0;
   tracking_ = restartedTracking(tracking_, false);
   report();
 }
@@ -255,7 +259,7 @@ void Localizer::report() {
   estimate_.stamp_us = last_stamp_us_;
   ++estimate_.revision;
   estimate_.T_odom_robot = last_T_odom_robot_;
-  estimate_.reliability = reliability_;
+  estimate_.support = support_;
   estimate_.races.clear();
   const std::vector<double> shares = strategy_->beliefShares(table_);
   const Race* winner = table_.winner();

@@ -104,7 +104,7 @@ class Localizer {
   Pose2 last_T_odom_robot_;
   std::uint32_t epoch_ = 0;
   std::uint64_t iteration_ = 0;
-  double reliability_ = 0.0;
+  double support_ = 0.0;  ///< RaceStrategy::updatedSupport
   TrackingState tracking_;
 };
 

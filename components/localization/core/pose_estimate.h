@@ -39,7 +39,10 @@ struct PoseEstimate {
   Pose2 T_odom_robot;  ///< at stamp_us; a reader predicts the present pose with newer odometry
   /// Of (x, y, theta) [m^2, m rad, rad^2].
   Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
-  double reliability = 0.0;  ///< 0 (lost) .. 1 (reliable)
+  /// Default mode: estimated probability that the pose is right (0.25 m, 15 degrees). 0: lost. Chapter mode:
+  /// by the health of the last seconds.
+  double reliability = 0.0;
+  double support = 0.0;  ///< of the winner by the last seconds, 0..1; search and gaze requests go by it
   std::vector<RaceReport> races;
   std::optional<OdometryBias> odometry;  ///< empty: not estimated
 };

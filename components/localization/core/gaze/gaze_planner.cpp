@@ -38,9 +38,9 @@ GazePlanner::GazePlanner(const GazePlannerParams& params, const LikelihoodParams
 double GazePlanner::uncertainty(const PoseEstimate& estimate) {
   double trust = 0.0;
   for (const RaceReport& race : estimate.races) {
-    // Reliability is low-pass filtered; the present health reacts at once.
+    // Support is low-pass filtered; the present health reacts at once.
     if (race.winner) {
-      trust = race.weight * std::min(estimate.reliability, race.health / kTrustedHealth);
+      trust = race.weight * std::min(estimate.support, race.health / kTrustedHealth);
     }
   }
   return 1.0 - std::clamp(trust, 0.0, 1.0);

@@ -49,7 +49,7 @@ int carryOut(const GazePlan& plan, GazeClient& client);
 
 /// Keeps one gaze request while the pose is uncertain and moves it to the best direction of every update,
 /// also while the head turns. With a certain pose there is none, so that salience and other clients have the
-/// camera. Uncertainty is 1 minus the winner's share of belief times the smaller of its reliability and its
+/// camera. Uncertainty is 1 minus the winner's share of belief times the smaller of its support and its
 /// present health.
 /// Invariant: at most one request stands, with a deadline.
 /// *Single-threaded* (owner: the component's loop).

@@ -73,9 +73,9 @@ class ChapterRaces : public RaceStrategy {
     rateNew(race);
   }
 
-  void select(RaceTable& table, double reliability) const override {
-    selectByVictories(
-        table, reliability > kVeryReliable ? kLargestLead : kLeastLead + kLeadPerReliability * reliability);
+  void select(RaceTable& table, double support) const override {
+    selectByVictories(table,
+                      support > kVeryReliable ? kLargestLead : kLeastLead + kLeadPerReliability * support);
   }
 
   std::vector<double> beliefShares(const RaceTable& table) const override {
@@ -100,7 +100,7 @@ class ChapterRaces : public RaceStrategy {
   std::optional<double> agreement(const RaceTable&) const override { return std::nullopt; }
   bool isUnambiguous(const RaceTable&) const override { return false; }
 
-  double updatedReliability(double last, const RaceTable& table, double) const override {
+  double updatedSupport(double last, const RaceTable& table, double) const override {
     const Race* winner = table.winner();
     if (!winner) return 0.0;
     const double quality = std::min(1.0, static_cast<double>(observation_.size()) / kFullObservation);
@@ -115,6 +115,9 @@ class ChapterRaces : public RaceStrategy {
     }
     return std::clamp(last + change, 0.0, 1.0);
   }
+
+  /// The chapter publishes what controls its search.
+  double reliability(const RaceTable&, double support) const override { return support; }
 
   /// The chapter's races depend on the last observation alone.
   void resetHistory(const RaceTable&) override {}

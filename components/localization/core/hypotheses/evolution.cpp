@@ -34,11 +34,11 @@ int eliteCount(const EvolutionParams& params) {
   return std::max(1, static_cast<int>(std::lround(params.elitism * params.individuals)));
 }
 
-Pose2 withThermalNoise(const Pose2& pose, const EvolutionParams& params, RandomEngine& engine) {
+Pose2 withThermalNoise(const Pose2& pose, double noise_m, double noise_rad, RandomEngine& engine) {
   // Three statements: the order of evaluation of arguments is not defined, and runs must repeat.
-  const double dx = uniform(engine, -params.noise_m, params.noise_m);
-  const double dy = uniform(engine, -params.noise_m, params.noise_m);
-  const double turn = uniform(engine, -params.noise_rad, params.noise_rad);
+  const double dx = uniform(engine, -noise_m, noise_m);
+  const double dy = uniform(engine, -noise_m, noise_m);
+  const double turn = uniform(engine, -noise_rad, noise_rad);
   return {pose.x + dx, pose.y + dy, wrapAngle(pose.theta + turn)};
 }
 
@@ -53,7 +53,8 @@ Race createRace(const Individual& explorer, const EvolutionParams& params, Rando
   race.health = explorer.health;
   race.individuals.push_back(explorer);
   while (static_cast<int>(race.individuals.size()) < params.individuals) {
-    race.individuals.push_back({withThermalNoise(explorer.T_world_robot, params, engine)});
+    race.individuals.push_back(
+        {withThermalNoise(explorer.T_world_robot, params.birth_noise_m, params.birth_noise_rad, engine)});
   }
   return race;
 }
@@ -96,7 +97,7 @@ void evolveRace(Race& race, const EvolutionParams& params, RandomEngine& engine)
   }
   while (static_cast<int>(next.size()) < params.individuals) {
     const Pose2& parent = parents[pick(engine, parents.size())].T_world_robot;
-    next.push_back({withThermalNoise(parent, params, engine)});
+    next.push_back({withThermalNoise(parent, params.noise_m, params.noise_rad, engine)});
   }
   race.individuals = std::move(next);
 }

@@ -14,15 +14,19 @@ struct EvolutionParams {
   int individuals = 30;
   double elitism = 0.2;
   double crossover = 0.2;  ///< the rest is mutation
-  double noise_m = 0.10;   ///< thermal noise, uniform within +-
-  double noise_rad = degToRad(15.0);
+  /// Thermal noise, uniform within +-: at birth it covers the distance to the nearest explorer; mutation
+  /// searches finely, because each image moves a race by about this much where it fits as well elsewhere.
+  double birth_noise_m = 0.10;
+  double birth_noise_rad = degToRad(15.0);
+  double noise_m = 0.03;
+  double noise_rad = degToRad(3.0);
 };
 
 /// Number of individuals that pass unchanged, at least one.
 int eliteCount(const EvolutionParams& params);
 
-/// A pose moved by thermal noise: uniform in x, y and heading.
-Pose2 withThermalNoise(const Pose2& pose, const EvolutionParams& params, RandomEngine& engine);
+/// A pose moved by thermal noise: uniform within +- in x, y and heading.
+Pose2 withThermalNoise(const Pose2& pose, double noise_m, double noise_rad, RandomEngine& engine);
 
 /// Mean position, and mean heading on the circle.
 Pose2 meanPose(const Pose2& a, const Pose2& b);

@@ -51,6 +51,8 @@ struct Race {
   /// Covariance that is published. Default mode: from a second filter without these two effects. Chapter
   /// mode: of the elite.
   Matrix5d P_reported = Matrix5d::Zero();
+  /// Default mode: mean of Rating::variance_factor over the last seconds.
+  double variance_factor = 1.0;
   double evidence = 0.0;        ///< default mode [nats]
   double log_likelihood = 0.0;  ///< default mode: of the last observation [nats]
   /// Default mode: scores of the observations in ScoreHistory, newest first; fewer for a younger race.

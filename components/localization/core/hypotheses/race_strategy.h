@@ -33,18 +33,21 @@ class RaceStrategy {
   /// L9, or maximization of the likelihood; the race is rated afterwards.
   virtual void refine(Race& race, RandomEngine& engine) const = 0;
   /// L8: victories and the winner.
-  /// @param reliability 0..1 of the last iteration.
-  virtual void select(RaceTable& table, double reliability) const = 0;
+  /// @param support 0..1 of the last iteration.
+  virtual void select(RaceTable& table, double support) const = 0;
   /// Share of belief per race, in the table's order; the sum is 1.
   virtual std::vector<double> beliefShares(const RaceTable& table) const = 0;
-  /// Reliability that this observation alone supports for the winner, 0..1; empty with too little evidence.
+  /// Support that this observation alone gives the winner, 0..1; empty with too little evidence.
   /// Requires that all races are rated.
   virtual std::optional<double> agreement(const RaceTable& table) const = 0;
   /// True if the winner has nearly all belief, however little it explains.
   virtual bool isUnambiguous(const RaceTable& table) const = 0;
-  /// Reliability after this iteration, before the discount for a jump of the winner.
+  /// Support of the winner by the last seconds, 0..1, which controls the search; before the discount for a
+  /// jump of the winner.
   /// @param elapsed_s since the last iteration.
-  virtual double updatedReliability(double last, const RaceTable& table, double elapsed_s) const = 0;
+  virtual double updatedSupport(double last, const RaceTable& table, double elapsed_s) const = 0;
+  /// Reliability that is published, 0..1; 0 without a winner.
+  virtual double reliability(const RaceTable& table, double support) const = 0;
   /// The robot may have been moved: what it sees now is new, wherever odometry has it.
   virtual void resetNovelty() {}
   /// Reduces the races' evidence, after a new epoch of the memory or a jump of the source.

@@ -19,11 +19,19 @@ constexpr double kLargestStd_rad = 1.0;
 /// Age constant [iterations] at which the required lead falls, to this share of it for an old race.
 constexpr double kSettledAge = 20.0;
 constexpr double kOldLead = 0.33;
-constexpr double kUnambiguous = 0.8;     // share of belief
+constexpr double kUnambiguous = 0.8;  // share of belief
+/// Explained share up to which no winner was right in any recording or simulation, and from which nearly all
+/// were.
+constexpr double kWrongExplained = 0.1;
+constexpr double kRightExplained = 0.3;
 constexpr double kLeastTilt_rad = 1e-6;  // prior standard deviation of a tilt that is fixed at 0
 /// Share of the heading's random walk in the reported variance. The rest keeps a race open to slips and
 /// exceeds the growth of the error.
 constexpr double kReportedTurnWalk = 0.1;
+/// Points deviate by much less than their sigma where camera and map are good. Errors that all points share
+/// do not show in them.
+constexpr double kLeastVarianceFactor = 0.05;
+constexpr double kVarianceGain = 0.1;  // of the running mean, per iteration
 constexpr StampUs kJustSeen_us = kSecondUs / 2;
 /// Random walk of the tilt bias per square root of an iteration: a quarter of a degree in ten minutes.
 constexpr double kTiltWalk_rad = 1e-4;
@@ -191,24 +199,27 @@ class RobustRaces : public RaceStrategy {
   }
 
   bool isUnambiguous(const RaceTable& table) const override {
-    const Race* winner = table.winner();
-    if (!winner) return false;
-    return beliefShares(table)[static_cast<std::size_t>(winner - table.races().data())] > kUnambiguous;
+    return table.winner() && winnersShare(table) > kUnambiguous;
   }
 
-  double updatedReliability(double last, const RaceTable& table, double elapsed_s) const override {
+  double updatedSupport(double last, const RaceTable& table, double elapsed_s) const override {
     const ReliabilityParams& reliability = params_.reliability;
     double target = 0.0;
     if (const Race* winner = table.winner()) {
       const double amount = std::min(1.0, observation_.amount / reliability.enough_points);
-      const std::vector<double> shares = beliefShares(table);
-      const auto index = static_cast<std::size_t>(winner - table.races().data());
-      if (!reliability.validity) return shares[index];
-      target = fitOf(*winner) * amount * shares[index];
+      if (!reliability.validity) return winnersShare(table);
+      target = fitOf(*winner) * amount * winnersShare(table);
     }
     if (!reliability.validity) return 0.0;
     const double gain = 1.0 - std::exp(-elapsed_s / reliability.time_constant_s);
     return last + gain * (target - last);
+  }
+
+  double reliability(const RaceTable& table, double) const override {
+    const Race* winner = table.winner();
+    if (!winner) return 0.0;
+    const double explained = (winner->health - kWrongExplained) / (kRightExplained - kWrongExplained);
+    return winnersShare(table) * (params_.reliability.validity ? std::clamp(explained, 0.0, 1.0) : 1.0);
   }
 
   void resetNovelty() override {
@@ -233,6 +244,11 @@ class RobustRaces : public RaceStrategy {
   }
 
  private:
+  /// @param table with a winner.
+  double winnersShare(const RaceTable& table) const {
+    return beliefShares(table)[static_cast<std::size_t>(table.winner() - table.races().data())];
+  }
+
   double fitOf(const Race& race) const {
     const ReliabilityParams& reliability = params_.reliability;
     return std::clamp(
@@ -252,7 +268,8 @@ class RobustRaces : public RaceStrategy {
     race.evidence = race.log_likelihood;
     const auto refined = likelihood_.refine(observation_, {race.T_world_robot}, broad_prior_, 1.0, 0, 0.0);
     race.P = (refined.information + broad_prior_).inverse();
-    race.P_reported = race.P;
+    race.variance_factor = refined.rating.variance_factor;
+    race.P_reported = (refined.information / varianceFactor(race) + broad_prior_).inverse();
   }
 
   void setInitialEvidence(Race& race, const RaceTable& table) const {
@@ -275,18 +292,23 @@ class RobustRaces : public RaceStrategy {
     return refined;
   }
 
+  static double varianceFactor(const Race& race) {
+    return std::max(kLeastVarianceFactor, race.variance_factor);
+  }
+
   /// Kalman update of the reported covariance, beside the one that moves the race.
   void updateReported(Race& race, const RobustLikelihood::Refined& refined, const Vector5d& walk) const {
     if (!params_.filter.kalman) {
       race.P_reported = race.P;
       return;
     }
+    race.variance_factor += kVarianceGain * (refined.rating.variance_factor - race.variance_factor);
     Vector5d growth = walk.cwiseProduct(walk);
     growth[2] *= kReportedTurnWalk;
     race.P_reported.diagonal() += growth;
     // Where the image has no points, the repeated memory must not hide the drift of odometry.
-    const Matrix5d information =
-        broad_prior_ + (is_memory_current_ ? refined.information : refined.image_information);
+    const Matrix5d& observed = is_memory_current_ ? refined.information : refined.image_information;
+    const Matrix5d information = broad_prior_ + observed / varianceFactor(race);
     const Matrix5d P =
         (Matrix5d::Identity() + race.P_reported * information).partialPivLu().solve(race.P_reported);
     race.P_reported = 0.5 * (P + P.transpose());

@@ -48,13 +48,13 @@ struct RobustExplorerParams {
   int refined_explorers = 24;  ///< best explorers that are refined before candidates are chosen
 };
 
-/// Reliability of the pose.
+/// Support of the winner, which controls the search.
 struct ReliabilityParams {
-  bool validity = true;          ///< false: the winner's share of belief alone
+  bool validity = true;          ///< false: support and reliability are the winner's share of belief
   double time_constant_s = 2.0;  ///< of the low-pass filter
   double enough_points = 12.0;   ///< effective points from which an observation counts fully
-  double explained_low = 0.35;   ///< explained share with reliability 0
-  double explained_high = 0.75;  ///< explained share with full reliability
+  double explained_low = 0.35;   ///< explained share without support
+  double explained_high = 0.75;  ///< explained share with full support
 };
 
 /// Each part can be switched off alone.

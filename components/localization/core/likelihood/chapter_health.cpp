@@ -25,7 +25,6 @@ double imageHealth(const std::vector<ImagePoint>& points, const CameraIntrinsics
                    const Pose3& T_world_camera, const MapIndex& map, double scale_px,
                    std::vector<Segment2>& buffer) {
   const SegmentProjector projector(intrinsics, T_world_camera);
-  const double diagonal = std::hypot(intrinsics.width, intrinsics.height);
   double sum = 0.0;
   int label = -1;
   for (const ImagePoint& point : points) {
@@ -37,7 +36,7 @@ double imageHealth(const std::vector<ImagePoint>& points, const CameraIntrinsics
         if (px && projector.isInImage(*px)) buffer.push_back(*px);
       }
     }
-    double square = buffer.empty() ? diagonal * diagonal : std::numeric_limits<double>::infinity();
+    double square = buffer.empty() ? scale_px * scale_px : std::numeric_limits<double>::infinity();
     for (const Segment2& line : buffer) {
       square = std::min(square, awayFromSegment(point.px, line).squaredNorm());
     }

@@ -157,6 +157,8 @@ void RobustLikelihood::explain(const FloorObservation& observation, std::span<In
 struct RobustLikelihood::Curvature {
   Matrix5d H = Matrix5d::Zero();
   Vector5d g = Vector5d::Zero();
+  double inlier_weight = 0.0;  ///< points, each by its influence
+  double inlier_square = 0.0;  ///< the same, times (d / sigma)^2
 };
 
 RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const FloorPoint> points,
@@ -189,6 +191,8 @@ RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const FloorPoi
     // Derivative of the bounded loss (the weight of iteratively reweighted least squares).
     const double influence = params_.bounded ? inlier / (inlier + eps) : 1.0;
     const double weight = share * point.weight / variance * influence;
+    result.inlier_weight += point.weight * influence;
+    result.inlier_square += point.weight * influence * field->distance_m * field->distance_m / variance;
     const Eigen::Vector2d& gradient = field->gradient;
     Vector5d J;
     J.head<2>() = gradient;
@@ -237,6 +241,10 @@ RobustLikelihood::Refined RobustLikelihood::refine(const FloorObservation& obser
     const Curvature seen = curvature(points.subspan(observation.remembered), at, share, blur_m, rating);
     curve.H += seen.H;
     curve.g += seen.g;
+    if (rating) {
+      const double inliers = curve.inlier_weight + seen.inlier_weight;
+      rating->variance_factor = inliers > 0.0 ? (curve.inlier_square + seen.inlier_square) / inliers : 1.0;
+    }
     // The frame tilt has the columns of the tilt bias and a prior of its own.
     const Eigen::Matrix<double, 5, 2> cross = curve.H.rightCols<2>();
     const Eigen::Matrix2d frame_tilt_covariance = frameTiltCovariance(curve.H);

@@ -48,6 +48,9 @@ struct Rating {
   /// Weighted share of points that agree with the map, 0..1: each by exp(-d^2 / 2 sigma^2), with a sigma of
   /// at least `explained_sigma_m`.
   double explained = 0.0;
+  /// Variance factor of unit weight: weighted mean of (d / sigma)^2 over the inliers. 1: points deviate from
+  /// the map as much as stated.
+  double variance_factor = 0.0;
 };
 
 /// Rates poses by one observation. *Pure*; keeps references to its arguments.

@@ -26,10 +26,10 @@ SegmentMap corridor() {
 const Pose2 kHere{2, 0, 0};
 const Pose2 kThere{-8, 0, 0};
 
-PoseEstimate estimateOf(double weight_here, double health, double reliability) {
+PoseEstimate estimateOf(double weight_here, double health, double support) {
   PoseEstimate estimate;
   estimate.P = Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal();
-  estimate.reliability = reliability;
+  estimate.support = support;
   RaceReport here;
   here.T_world_robot = kHere;
   here.weight = weight_here;
@@ -81,7 +81,7 @@ TEST_F(GazePlannerTest, UncertaintyIsTheComplementOfBeliefTimesReliability) {
   EXPECT_NEAR(GazePlanner::uncertainty(kCertain), 0.05, 1e-9);
   EXPECT_NEAR(GazePlanner::uncertainty(kAmbiguous), 0.75, 1e-9);
   EXPECT_EQ(GazePlanner::uncertainty(PoseEstimate{}), 1.0);
-  // Low health raises uncertainty at once, at any reliability.
+  // Low health raises uncertainty at once, at any support.
   EXPECT_GT(GazePlanner::uncertainty(estimateOf(1.0, 0.2, 0.95)), 0.6);
 }
 

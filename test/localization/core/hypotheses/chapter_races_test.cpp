@@ -130,13 +130,13 @@ TEST_F(ChapterRacesTest, ReliabilityRisesAboveHealth08AndFallsBelow07) {
     Race race;
     race.health = health;
     table.replaceAll(race);
-    return races_->updatedReliability(0.5, table, 0.2);
+    return races_->updatedSupport(0.5, table, 0.2);
   };
   // Two lines are few: at most 0.03 down per iteration, and not up.
   EXPECT_EQ(after(1.0), 0.5);
   EXPECT_EQ(after(0.75), 0.5);
   EXPECT_NEAR(after(0.0), 0.5 - 0.03, 1e-12);
-  EXPECT_EQ(races_->updatedReliability(0.5, RaceTable{RaceParams{}}, 0.2), 0.0) << "no winner";
+  EXPECT_EQ(races_->updatedSupport(0.5, RaceTable{RaceParams{}}, 0.2), 0.0) << "no winner";
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -38,6 +39,23 @@ TEST(Evolution, ANewRaceLiesWithinThermalNoise) {
     EXPECT_LE(std::abs(one.T_world_robot.x - 1.0), 0.1);
     EXPECT_LE(std::abs(one.T_world_robot.y - 2.0), 0.1);
     EXPECT_LE(std::abs(angleDifference(one.T_world_robot.theta, kPi)), degToRad(15) + 1e-12);
+  }
+}
+
+TEST(Evolution, MutantsLieWithinTheSmallerNoiseOfAParent) {
+  const EvolutionParams params;
+  RandomEngine engine(4);
+  Race race = createRace({{1, 2, kPi}, 1.0}, params, engine);
+  rateRace(race, params, healthOf);
+  const std::vector<Individual> parents = race.individuals;
+  evolveRace(race, params, engine);
+  for (std::size_t i = 12; i < 30; ++i) {  // behind elite and crossover
+    const Pose2& mutant = race.individuals[i].T_world_robot;
+    EXPECT_TRUE(std::any_of(parents.begin(), parents.end(), [&](const Individual& parent) {
+      const Pose2& from = parent.T_world_robot;
+      return std::abs(mutant.x - from.x) <= 0.03 && std::abs(mutant.y - from.y) <= 0.03 &&
+             std::abs(angleDifference(mutant.theta, from.theta)) <= degToRad(3) + 1e-12;
+    }));
   }
 }
 

@@ -159,7 +159,7 @@ TEST_F(RobustRacesTest, ReliabilityFollowsItsTargetWithItsTimeConstant) {
   table.replaceAll(races_->createAt(truth, engine));
   // A full explanation of enough points by the only race: the target is 1.
   EXPECT_NEAR(*races_->agreement(table), 1.0, 1e-9);
-  EXPECT_NEAR(races_->updatedReliability(0.2, table, 2.0), 0.2 + (1.0 - std::exp(-1.0)) * 0.8, 1e-9);
+  EXPECT_NEAR(races_->updatedSupport(0.2, table, 2.0), 0.2 + (1.0 - std::exp(-1.0)) * 0.8, 1e-9);
   EXPECT_TRUE(races_->isUnambiguous(table));
 }
 

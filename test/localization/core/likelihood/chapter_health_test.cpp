@@ -126,9 +126,25 @@ TEST(ImageHealth, HandWorkedDistances) {
   std::vector<Segment2> room;
   EXPECT_NEAR(imageHealth(points, camera, T, index, 50.0, room), 0.8, 1e-6);
   EXPECT_NEAR(imageHealth({points[0]}, camera, T, index, 50.0, room), 1.0, 1e-6);
-  // Turned away no line is in view: the diagonal (400 px) counts, and the health is clamped.
+  // Turned away no line is in view: each point counts M.
   const Pose3 away = toPose3({0, 0, degToRad(180)}) * T;
   EXPECT_DOUBLE_EQ(imageHealth(points, camera, away, index, 50.0, room), 0.0);
+}
+
+TEST(ImageHealth, AFalseLabelCostsItsShareOfThePoints) {
+  // As HandWorkedDistances, and a second label whose line lies behind the camera.
+  SegmentMap map;
+  map.segments = {wall(1, -3, 1, 3, "line"), wall(-5, -3, -5, 3, "edge")};
+  const MapIndex index(map, {});
+  CameraMount mount;
+  mount.T_robot_pantilt = poseFromXyzRpy(0, 0, 1, 0, 0, 0);
+  const Pose3 T = cameraPose(mount, 0.0, degToRad(-45));
+  const CameraIntrinsics camera = intrinsicsFromFieldOfView(320, 240, degToRad(60));
+  std::vector<ImagePoint> points(3, {{100, 119.5}, *index.labelId("line")});
+  points.push_back({{200, 60}, *index.labelId("edge")});
+  // Three points at distance 0, one at M: H = 1 - (50 / 4) / 50.
+  std::vector<Segment2> room;
+  EXPECT_NEAR(imageHealth(points, camera, T, index, 50.0, room), 0.75, 1e-6);
 }
 
 TEST(HealthObservation, BothIsTheMeanOfImageAndMemory) {
