@@ -81,6 +81,8 @@ void SideSamples::sample(const cv::Mat& image, const Eigen::Vector2d& first, con
 ColorClass SideSamples::classAt(std::size_t distance, int first, int count) const {
   const std::int16_t* begin = classes_.data() + distance * static_cast<std::size_t>(count_) + first;
   const std::int16_t* end = begin + count;
+  if (*begin > kNoColorClass && std::all_of(begin + 1, end, [&](std::int16_t c) { return c == *begin; }))
+    return static_cast<ColorClass>(*begin);
   const auto inside = count - std::count(begin, end, kOutside);
   std::ptrdiff_t most = 0;
   std::int16_t best = kNoColorClass;
@@ -125,6 +127,14 @@ SideSamples::Found SideSamples::look(int first, int count) const {
 
 const Label& SideSamples::label(int first, int count) const {
   return *look(first, count).label;
+}
+
+bool SideSamples::asBefore(int first, int count) const {
+  for (std::size_t i = static_cast<std::size_t>(first); i < classes_.size();
+       i += static_cast<std::size_t>(count_)) {
+    if (classes_[i - 1] != classes_[i - 1 + static_cast<std::size_t>(count)]) return false;
+  }
+  return true;
 }
 
 SegmentSides SideSamples::sides(int first, int count) const {

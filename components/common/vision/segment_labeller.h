@@ -46,6 +46,9 @@ class SideSamples {
   SegmentSides sides(int first, int count) const;
   /// Its label alone, which lives as long as the palette.
   const Label& label(int first, int count) const;
+  /// Whether the samples first..first + count - 1 have the classes of those that begin one earlier. @param
+  /// first > 0.
+  bool asBefore(int first, int count) const;
 
  private:
   struct Found;

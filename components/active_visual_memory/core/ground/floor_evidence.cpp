@@ -14,55 +14,68 @@ double difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return (a - b).cwiseAbs().maxCoeff();
 }
 
+/// Unit normal to the left as seen on the screen.
+Eigen::Vector2d leftOf(const Segment2& px) {
+  const Eigen::Vector2d d = (px.b - px.a).normalized();
+  return {d.y(), -d.x()};
+}
+
 }  // namespace
 
 FloorEvidence::FloorEvidence(const cv::Mat& image, const CameraIntrinsics& intrinsics, const Params& params)
-    : image_(image), intrinsics_(intrinsics), params_(params) {}
+    : image_(image),
+      channels_(image.type() == CV_8UC3   ? 3
+                : image.type() == CV_8UC1 ? 1
+                                          : 0),
+      intrinsics_(intrinsics),
+      distorts_(intrinsics.hasDistortion()),
+      params_(params) {}
 
-std::optional<Eigen::Vector3d> FloorEvidence::colourAt(const Eigen::Vector2d& px_ideal) const {
-  const Eigen::Vector2d raw = distortPixel(intrinsics_, px_ideal);
-  const int u = nearestPixel(raw.x(), image_.cols);
-  const int v = nearestPixel(raw.y(), image_.rows);
-  if (u < 0 || v < 0) return std::nullopt;
-  if (image_.type() == CV_8UC3) {
-    const auto& c = image_.at<cv::Vec3b>(v, u);
-    return Eigen::Vector3d(c[0], c[1], c[2]);
-  }
-  if (image_.type() == CV_8UC1) return Eigen::Vector3d::Constant(image_.at<unsigned char>(v, u));
-  return std::nullopt;
+double FloorEvidence::fractionOf(int sample) const {
+  return 0.1 + 0.8 * (sample + 0.5) / params_.samples;
 }
 
-std::optional<FloorEvidence::Profile> FloorEvidence::profileAt(const Segment2& px, double fraction) const {
-  const Eigen::Vector2d d = (px.b - px.a).normalized();
-  const Eigen::Vector2d left{d.y(), -d.x()};
-  const Eigen::Vector2d middle = px.a + fraction * (px.b - px.a);
-  const auto mean = [&](double centre) -> std::optional<Eigen::Vector3d> {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const double offset : {centre - 1.0, centre, centre + 1.0}) {
-      const auto colour = colourAt(middle + offset * left);
-      if (!colour) return std::nullopt;
-      sum += *colour;
-    }
-    return Eigen::Vector3d(sum / 3.0);
-  };
-  const auto l = mean(params_.side_px);
-  const auto m = mean(0.0);
-  const auto r = mean(-params_.side_px);
-  if (!l || !m || !r) return std::nullopt;
-  return Profile{*l, *m, *r};
+bool FloorEvidence::addColour(const Eigen::Vector2d& px_ideal, Eigen::Vector3d& sum) const {
+  const Eigen::Vector2d raw = distorts_ ? distortPixel(intrinsics_, px_ideal) : px_ideal;
+  const int u = nearestPixel(raw.x(), image_.cols);
+  const int v = nearestPixel(raw.y(), image_.rows);
+  if (u < 0 || v < 0 || channels_ == 0) return false;
+  const std::uint8_t* colour = image_.ptr<std::uint8_t>(v) + channels_ * u;
+  if (channels_ == 3) {
+    sum += Eigen::Vector3d(colour[0], colour[1], colour[2]);
+  } else {
+    sum.array() += *colour;
+  }
+  return true;
+}
+
+std::optional<Eigen::Vector3d> FloorEvidence::colourAt(const Eigen::Vector2d& px_ideal) const {
+  Eigen::Vector3d colour = Eigen::Vector3d::Zero();
+  return addColour(px_ideal, colour) ? std::optional(colour) : std::nullopt;
+}
+
+std::optional<Eigen::Vector3d> FloorEvidence::across(const Eigen::Vector2d& middle,
+                                                     const Eigen::Vector2d& left) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const double offset : {-1.0, 0.0, 1.0}) {
+    if (!addColour(middle + offset * left, sum)) return std::nullopt;
+  }
+  return Eigen::Vector3d(sum / 3.0);
 }
 
 std::optional<SideColours> FloorEvidence::sides(const Segment2& px) const {
   if (image_.empty()) return std::nullopt;
   SideColours sides;
+  const Eigen::Vector2d left = leftOf(px);
   int count = 0;
   for (int i = 0; i < params_.samples; ++i) {
-    const double fraction = 0.1 + 0.8 * (i + 0.5) / params_.samples;
-    if (const auto profile = profileAt(px, fraction)) {
-      sides.left += profile->left;
-      sides.right += profile->right;
-      ++count;
-    }
+    const Eigen::Vector2d middle = px.a + fractionOf(i) * (px.b - px.a);
+    const auto l = across(middle + params_.side_px * left, left);
+    const auto r = l ? across(middle - params_.side_px * left, left) : std::nullopt;
+    if (!r) continue;
+    sides.left += *l;
+    sides.right += *r;
+    ++count;
   }
   if (2 * count < params_.samples) return std::nullopt;
   sides.left /= count;
@@ -76,9 +89,7 @@ std::optional<Eigen::Vector3d> FloorEvidence::patchAt(const Eigen::Vector2d& px,
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const double forward : {-2.0, 0.0, 2.0}) {
     for (const double sideways : {-1.0, 0.0, 1.0}) {
-      const auto colour = colourAt(px + forward * along + sideways * normal);
-      if (!colour) return std::nullopt;
-      sum += *colour;
+      if (!addColour(px + forward * along + sideways * normal, sum)) return std::nullopt;
     }
   }
   return Eigen::Vector3d(sum / 9.0);
@@ -90,16 +101,21 @@ bool FloorEvidence::isHiddenBeyond(const Segment2& px, bool at_b) const {
   const Eigen::Vector2d outward = (at_b ? px.b - px.a : px.a - px.b).normalized();
   const Eigen::Vector2d aside = params_.beside_px * turned90(outward);
   const double inward = std::min(params_.beyond_px, 0.5 * px.length());
-  const auto here_left = patchAt(end - inward * outward + aside, outward);
-  const auto here_right = patchAt(end - inward * outward - aside, outward);
-  const auto there_left = patchAt(end + params_.beyond_px * outward + aside, outward);
-  const auto there_right = patchAt(end + params_.beyond_px * outward - aside, outward);
-  if (!here_left || !here_right || !there_left || !there_right) return false;
-  const auto isNew = [&](const Eigen::Vector3d& colour) {
-    return difference(colour, *here_left) > params_.max_difference &&
-           difference(colour, *here_right) > params_.max_difference;
+  const auto here = [&](double side) { return patchAt(end - inward * outward + side * aside, outward); };
+  const auto there = [&](double side) {
+    return patchAt(end + params_.beyond_px * outward + side * aside, outward);
   };
-  return isNew(*there_left) && isNew(*there_right);
+  const auto differ = [&](const auto& one, const auto& other) {
+    return one && other && difference(*one, *other) > params_.max_difference;
+  };
+  // The first pair of equal colours decides.
+  const auto here_left = here(1.0);
+  const auto there_left = there(1.0);
+  if (!differ(there_left, here_left)) return false;
+  const auto there_right = there(-1.0);
+  if (!differ(there_right, here_left)) return false;
+  const auto here_right = here(-1.0);
+  return differ(there_left, here_right) && differ(there_right, here_right);
 }
 
 std::optional<double> FloorEvidence::contrastAt(const Segment2& px, double fraction, double aside_px) const {
@@ -151,17 +167,19 @@ PlaceShows FloorEvidence::classify(const Segment2& px, const SideColours& rememb
   if (image_.empty()) return PlaceShows::kUnknown;
   const double contrast_before = difference(remembered.left, remembered.right);
   const double most = std::min(params_.max_contrast, params_.max_contrast_share * contrast_before);
+  const Eigen::Vector2d left = leftOf(px);
   int count = 0;
   int free_samples = 0;
   for (int i = 0; i < params_.samples; ++i) {
-    const double fraction = 0.1 + 0.8 * (i + 0.5) / params_.samples;
-    const auto profile = profileAt(px, fraction);
-    if (!profile) continue;
+    const Eigen::Vector2d middle = px.a + fractionOf(i) * (px.b - px.a);
+    const auto l = across(middle + params_.side_px * left, left);
+    const auto m = l ? across(middle, left) : std::nullopt;
+    const auto r = m ? across(middle - params_.side_px * left, left) : std::nullopt;
+    if (!r) continue;
     ++count;
-    const bool flat = difference(profile->left, profile->right) <= most &&
-                      difference(profile->middle, 0.5 * (profile->left + profile->right)) <= most;
-    const bool familiar = difference(profile->middle, remembered.left) <= params_.max_difference ||
-                          difference(profile->middle, remembered.right) <= params_.max_difference;
+    const bool flat = difference(*l, *r) <= most && difference(*m, 0.5 * (*l + *r)) <= most;
+    const bool familiar = difference(*m, remembered.left) <= params_.max_difference ||
+                          difference(*m, remembered.right) <= params_.max_difference;
     if (flat && familiar) ++free_samples;
   }
   if (2 * count < params_.samples) return PlaceShows::kUnknown;

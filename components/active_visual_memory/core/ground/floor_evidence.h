@@ -67,17 +67,19 @@ class FloorEvidence {
   PlaceShows classify(const Segment2& px_ideal, const SideColours& remembered) const;
 
  private:
-  struct Profile {
-    Eigen::Vector3d left;
-    Eigen::Vector3d middle;
-    Eigen::Vector3d right;
-  };
+  /// Of a sample along a segment, from 0 at its end a.
+  double fractionOf(int sample) const;
+  /// @return false outside the image.
+  bool addColour(const Eigen::Vector2d& px_ideal, Eigen::Vector3d& sum) const;
   std::optional<Eigen::Vector3d> colourAt(const Eigen::Vector2d& px_ideal) const;
+  /// Mean of three pixels in a row.
+  std::optional<Eigen::Vector3d> across(const Eigen::Vector2d& middle_px, const Eigen::Vector2d& left) const;
   std::optional<Eigen::Vector3d> patchAt(const Eigen::Vector2d& px_ideal, const Eigen::Vector2d& along) const;
-  std::optional<Profile> profileAt(const Segment2& px_ideal, double fraction) const;
 
   cv::Mat image_;
+  int channels_ = 0;  ///< 0: no image, or of another type
   CameraIntrinsics intrinsics_;
+  bool distorts_ = false;
   Params params_;
 };
 

@@ -86,10 +86,19 @@ Surroundings lookAround(const LineEnd& end, const MarkingEdge& one, const Markin
   for (const MemorySegment& segment : segments) {
     if (segment.id == one.id || segment.id == other.id) continue;
     const Segment2 floor = segment.odom.floor();
-    const double angle = lineAngleDifference(floor.direction(), end.edge.direction());
     const double near_a = std::min((floor.a - end.edge.a).norm(), (floor.b - end.edge.a).norm());
     const double near_b = std::min((floor.a - end.edge.b).norm(), (floor.b - end.edge.b).norm());
     const double distance = distanceToSegment(end.edge.middle(), floor);
+    // The line continues behind a gap, if the direction is its own.
+    const double behind =
+        std::max(outward.dot(floor.a - end.edge.middle()), outward.dot(floor.b - end.edge.middle()));
+    const double from =
+        std::min(outward.dot(floor.a - end.edge.middle()), outward.dot(floor.b - end.edge.middle()));
+    const bool in_line =
+        behind > kNeighbour_m && from < kContinuation_m && distanceToLine(end.edge.middle(), floor) <= width;
+    // Directions cost more than places.
+    if (std::min({near_a, near_b, distance}) > kNeighbour_m && !in_line) continue;
+    const double angle = lineAngleDifference(floor.direction(), end.edge.direction());
     if (angle < 0.6) {
       if (distance > kNeighbour_m) continue;
       if (floor.length() <= 1.8 * width + 0.04 && !segment.confirmed) {
@@ -103,14 +112,8 @@ Surroundings lookAround(const LineEnd& end, const MarkingEdge& one, const Markin
       continue;
     }
     if (std::min(near_a, near_b) <= kNeighbour_m) found.is_end = false;
-    // The line continues behind a gap.
-    const bool in_line = lineAngleDifference(floor.direction(), one.line.direction()) <= kMaxAngle_rad &&
-                         distanceToLine(end.edge.middle(), floor) <= width;
-    const double behind =
-        std::max(outward.dot(floor.a - end.edge.middle()), outward.dot(floor.b - end.edge.middle()));
-    const double from =
-        std::min(outward.dot(floor.a - end.edge.middle()), outward.dot(floor.b - end.edge.middle()));
-    if (in_line && behind > kNeighbour_m && from < kContinuation_m) found.is_end = false;
+    if (in_line && lineAngleDifference(floor.direction(), one.line.direction()) <= kMaxAngle_rad)
+      found.is_end = false;
   }
   return found;
 }
@@ -122,14 +125,14 @@ bool endsAlone(const MarkingEdge& side, double width, double ahead_m, const Mark
     if (segment.id == side.id || segment.id == partner.id) return false;
     const Segment2 floor = segment.odom.floor();
     const double near = std::min((floor.a - side.line.a).norm(), (floor.b - side.line.a).norm());
-    if (lineAngleDifference(floor.direction(), side.line.direction()) > 0.6) {
-      return near <= kNeighbour_m && floor.length() > 1.8 * width + 0.04;
-    }
+    const bool branches = near <= kNeighbour_m && floor.length() > 1.8 * width + 0.04;
     const auto ahead = [&](const Eigen::Vector2d& p) { return side.along.dot(side.line.a - p); };
     const double from = std::min(ahead(floor.a), ahead(floor.b));
     const double to = std::max(ahead(floor.a), ahead(floor.b));
-    return distanceToLine(floor.middle(), side.line) <= 0.5 * width && to > kNeighbour_m &&
-           from < ahead_m + kContinuation_m;
+    const bool continues = to > kNeighbour_m && from < ahead_m + kContinuation_m &&
+                           distanceToLine(floor.middle(), side.line) <= 0.5 * width;
+    if (!branches && !continues) return false;
+    return lineAngleDifference(floor.direction(), side.line.direction()) > 0.6 ? branches : continues;
   });
 }
 
@@ -137,10 +140,8 @@ bool endsAlone(const MarkingEdge& side, double width, double ahead_m, const Mark
 /// @return by how much end b of `one` lies behind end a of `other` [m]; empty if it does not, or if they are
 /// not the two edges of a line.
 std::optional<double> overshoot(const MarkingEdge& one, const MarkingEdge& other,
-                                const std::vector<MemorySegment>& segments,
-                                const ShapeEdges::Params& params) {
+                                const std::vector<MemorySegment>& segments) {
   const double width = distanceToLine(other.line.middle(), one.line);
-  if (width > params.line_width.max_m) return std::nullopt;  // edges of a distant narrow line coincide
   if (other.a.censored || other.a.views < kMinViews) return std::nullopt;
   const double end = one.along.dot(other.line.a - one.line.a);
   const double begin = one.along.dot(other.line.b - one.line.a);
@@ -172,7 +173,7 @@ bool reachesALine(const MarkingEdge& side, const Label& label, const std::vector
 /// @return whether end b of `one` or end a of `other` was moved.
 bool endTogether(MarkingEdge& one, MarkingEdge& other, const Label& label,
                  const std::vector<MemorySegment>& segments, const ShapeEdges::Params& params) {
-  const auto over = overshoot(one, other, segments, params);
+  const auto over = overshoot(one, other, segments);
   if (!over) return false;
   if (*over <= params.short_sigmas * std::sqrt(other.a.best_m2) ||
       reachesALine(one, label, segments, params)) {
@@ -258,6 +259,8 @@ void ShapeEdges::addLineEnds(std::vector<MemorySegment>& segments, std::span<con
     for (std::size_t k = 0; k < lines.size(); ++k) {
       // Running on into another edge lowers the mean contrast.
       if (!areEdgesOfOneMarking(i, k, kOvershootStrengthShare)) continue;
+      // Edges of a distant narrow line coincide.
+      if (distanceToLine(lines[k].line.middle(), lines[i].line) > params_.line_width.max_m) continue;
       const Label& label = sides[i]->value.label;
       bool moved = endTogether(lines[i], lines[k], label, segments, params_);
       MarkingEdge one = turned(lines[i]);
