@@ -45,7 +45,7 @@ TEST(ColourEdges, ReplaceThePiecesOfAnEdge) {
   const cv::Mat image = redOnDark();
   std::vector<RawSegment> segments{{{{100.0, 80.0}, {140.0, 80.0}}, 10.0},
                                    {{{10.0, 10.0}, {10.0, 60.0}}, 50.0}};
-  joinColourEdges(image, {{{{100.0, 80.0}, {220.0, 80.0}}, 80.0}}, segments);
+  ColourEdgeJoiner().join(image, {{{{100.0, 80.0}, {220.0, 80.0}}, 80.0}}, segments);
   ASSERT_EQ(segments.size(), 2U);
   EXPECT_EQ(segments[0].px_raw.a.x(), 10.0);
   EXPECT_EQ(segments[1].px_raw.length(), 120.0);

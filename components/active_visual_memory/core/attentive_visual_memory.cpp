@@ -161,12 +161,7 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::finish(const RobotObser
   gaze_requests_.publish(result.gaze, observation.T_odom_robot.position());
   enterStage(probe, "memory");
   if (analysed) {
-    for (MemorySegment& segment : segments) {
-      segment.salience = pool_.salienceOf(AttentionKind::kSegment, segment.id);
-    }
-    for (Primitive& primitive : primitives) {
-      primitive.salience = pool_.salienceOf(AttentionKind::kPrimitive, primitive.id);
-    }
+    pool_.publishSalience(segments, primitives);
     shape_edges_.complete(segments, memory_.elements(), primitives, [this] { return memory_.newId(); });
     auto snapshot = std::make_shared<MemorySnapshot>();
     snapshot->stamp_us = observation.frame.stamp_us;

@@ -4,11 +4,7 @@
 
 namespace vismem {
 
-Eigen::Vector2d PlanarIncrement::apply(const Eigen::Vector2d& p) const {
-  const double c = std::cos(turn_rad);
-  const double s = std::sin(turn_rad);
-  const Eigen::Vector2d d = p - pivot;
-  return pivot + shift + Eigen::Vector2d(c * d.x() - s * d.y(), s * d.x() + c * d.y());
-}
+PlanarIncrement::PlanarIncrement(const Eigen::Vector2d& pivot, const Eigen::Vector2d& shift, double turn_rad)
+    : pivot_(pivot), shift_(shift), turn_rad_(turn_rad), cos_(std::cos(turn_rad)), sin_(std::sin(turn_rad)) {}
 
 }  // namespace vismem

@@ -36,32 +36,31 @@ void strongestChannel(const cv::Mat& rgb, cv::Mat& plane) {
   }
 }
 
-void joinColourEdges(const cv::Mat& image, const std::vector<RawSegment>& found_in_plane,
-                     std::vector<RawSegment>& segments) {
+void ColourEdgeJoiner::join(const cv::Mat& image, const std::vector<RawSegment>& found_in_plane,
+                            std::vector<RawSegment>& segments) {
   const std::size_t gray = segments.size();
-  std::vector<bool> replaced(gray, false);
-  std::vector<double> directions;
-  for (const RawSegment& segment : segments) directions.push_back(segment.px_raw.direction());
-  std::vector<std::size_t> parallel;
+  replaced_.assign(gray, false);
+  directions_.clear();
+  for (const RawSegment& segment : segments) directions_.push_back(segment.px_raw.direction());
   for (const RawSegment& found : found_in_plane) {
     const double direction = found.px_raw.direction();
-    parallel.clear();
+    parallel_.clear();
     for (std::size_t i = 0; i < gray; ++i) {
-      if (lineAngleDifference(direction, directions[i]) <= kSameDirection_rad) parallel.push_back(i);
+      if (lineAngleDifference(direction, directions_[i]) <= kSameDirection_rad) parallel_.push_back(i);
     }
     double covered = 0.0;
-    for (const std::size_t i : parallel) covered += overlapOnLine(found.px_raw, segments[i].px_raw);
+    for (const std::size_t i : parallel_) covered += overlapOnLine(found.px_raw, segments[i].px_raw);
     if (covered >= kKnownShare * found.px_raw.length()) continue;
-    for (const std::size_t i : parallel) {
+    for (const std::size_t i : parallel_) {
       const double length = segments[i].px_raw.length();
-      if (overlapOnLine(segments[i].px_raw, found.px_raw) >= kWithinShare * length) replaced[i] = true;
+      if (overlapOnLine(segments[i].px_raw, found.px_raw) >= kWithinShare * length) replaced_[i] = true;
     }
     const OrientedSegment oriented = orientByBrightness(image, found.px_raw, kSideDistance_px);
     segments.push_back({oriented.px, oriented.strength});
   }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < segments.size(); ++i) {
-    if (i < gray && replaced[i]) continue;
+    if (i < gray && replaced_[i]) continue;
     segments[kept++] = segments[i];
   }
   segments.resize(kept);

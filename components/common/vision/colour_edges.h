@@ -16,8 +16,17 @@ void strongestChannel(const cv::Mat& rgb, cv::Mat& plane);
 
 /// Adds the segments of the strongest channel to those of the gray image. It adds segments that are absent
 /// there and replaces pieces by the whole segment. Polarity and strength are those of the gray image.
-/// @param image CV_8UC3.
-void joinColourEdges(const cv::Mat& image, const std::vector<RawSegment>& found_in_plane,
-                     std::vector<RawSegment>& segments);
+/// *Single-threaded*: it has a workspace.
+class ColourEdgeJoiner {
+ public:
+  /// @param image CV_8UC3.
+  void join(const cv::Mat& image, const std::vector<RawSegment>& found_in_plane,
+            std::vector<RawSegment>& segments);
+
+ private:
+  std::vector<double> directions_;     // of the gray image's segments
+  std::vector<bool> replaced_;         // the same
+  std::vector<std::size_t> parallel_;  // of these, to one of the plane
+};
 
 }  // namespace vismem

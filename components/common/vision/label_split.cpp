@@ -140,14 +140,15 @@ std::vector<LabelledPiece> splitByLabel(const cv::Mat& image, const Segment2& px
   const SideSamples samples(image, px, 0.5 * kStep_px, kStep_px, windows + kWindowSamples - 1, palette,
                             params);
   std::vector<Run> runs;
+  const Label* label = nullptr;
   for (int i = 0; i < windows; ++i) {
     const double at = 0.5 * kWindow_px + i * kStep_px;
-    const Label& label = samples.label(i, kWindowSamples);
-    if (label == kUnknownLabel) continue;  // uninformative: neither ends nor begins a run
-    if (!runs.empty() && *runs.back().label == label) {
+    if (i == 0 || !samples.asBefore(i, kWindowSamples)) label = &samples.label(i, kWindowSamples);
+    if (*label == kUnknownLabel) continue;  // uninformative: neither ends nor begins a run
+    if (!runs.empty() && *runs.back().label == *label) {
       runs.back().to_px = at;
     } else {
-      runs.push_back({&label, at, at});
+      runs.push_back({label, at, at});
     }
   }
   std::erase_if(runs, [&](const Run& run) { return run.to_px - run.from_px + kWindow_px < minimum_px; });

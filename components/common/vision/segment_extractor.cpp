@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "common/vision/colour_edges.h"
 #include "common/vision/label_split.h"
 #include "common/vision/reduced_image.h"
 
@@ -36,7 +35,7 @@ std::vector<ImageSegment> SegmentExtractor::extractPieces(const cv::Mat& image,
   if (params_.colour_edges && image.channels() == 3) {
     strongestChannel(image, plane_);
     detector_->detect(plane_, in_plane_);
-    joinColourEdges(image, in_plane_, raw_);
+    joiner_.join(image, in_plane_, raw_);
   }
   enterStage(probe, "label");
   std::vector<ImageSegment> segments;

@@ -8,6 +8,7 @@
 
 #include "common/geometry/camera.h"
 #include "common/profiling/stage_probe.h"
+#include "common/vision/colour_edges.h"
 #include "common/vision/gap_split.h"
 #include "common/vision/image_segment.h"
 #include "common/vision/palette.h"
@@ -61,6 +62,7 @@ class SegmentExtractor {
   std::vector<RawSegment> raw_;
   cv::Mat plane_;
   std::vector<RawSegment> in_plane_;
+  ColourEdgeJoiner joiner_;
 };
 
 }  // namespace vismem

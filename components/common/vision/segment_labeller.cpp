@@ -12,6 +12,7 @@ namespace vismem {
 namespace {
 
 constexpr std::size_t kMaximumDistances = 16;
+constexpr std::int16_t kOutside = -1;
 
 /// Colour classes at the distances of one side.
 using Side = std::array<ColorClass, kMaximumDistances>;
@@ -50,63 +51,64 @@ SideSamples::SideSamples(const cv::Mat& image, const Segment2& px, double first_
   const double length = px.length();
   if (image.type() != CV_8UC3 || !(length > 0.0)) return;
   count_ = count;
-  samples_.resize((params.bright_distances_px.size() + params.dark_distances_px.size()) *
+  classes_.resize((params.bright_distances_px.size() + params.dark_distances_px.size()) *
                   static_cast<std::size_t>(count));
-  Sample* samples = samples_.data();
+  colours_.resize(classes_.size());
+  std::size_t at = 0;
   const Eigen::Vector2d along = (px.b - px.a) / length;
   const Eigen::Vector2d first = px.a + first_px * along;
   const Eigen::Vector2d normal = leftNormal(px);
   const auto sampleAt = [&](double aside_px) {
-    sample(image, first + aside_px * normal, step_px * along, count, samples);
-    samples += count;
+    sample(image, first + aside_px * normal, step_px * along, count, at);
+    at += static_cast<std::size_t>(count);
   };
   for (const double d : params.bright_distances_px) sampleAt(d);
   for (const double d : params.dark_distances_px) sampleAt(-d);
 }
 
 void SideSamples::sample(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step,
-                         int count, Sample* samples) const {
-  for (int i = 0; i < count; ++i) {
+                         int count, std::size_t at) {
+  for (int i = 0; i < count; ++i, ++at) {
     const int x = nearestPixel(first.x() + i * step.x(), image.cols);
     const int y = nearestPixel(first.y() + i * step.y(), image.rows);
-    samples[i] = {};
+    classes_[at] = kOutside;
     if (x < 0 || y < 0) continue;
     const std::uint8_t* rgb = image.ptr<std::uint8_t>(y) + 3 * static_cast<std::ptrdiff_t>(x);
-    samples[i] = {{rgb[0], rgb[1], rgb[2]}, palette_.classOf(rgb[0], rgb[1], rgb[2])};
+    colours_[at] = {rgb[0], rgb[1], rgb[2]};
+    classes_[at] = palette_.classOf(rgb[0], rgb[1], rgb[2]);
   }
 }
 
 ColorClass SideSamples::classAt(std::size_t distance, int first, int count) const {
-  const std::span samples(samples_.data() + distance * static_cast<std::size_t>(count_) + first,
-                          static_cast<std::size_t>(count));
-  const auto votesFor = [&](std::int16_t color_class) {
-    return std::count_if(samples.begin(), samples.end(),
-                         [=](const Sample& one) { return one.color_class == color_class; });
-  };
-  const auto inside = static_cast<int>(count - votesFor(kOutside));
+  const std::size_t at = distance * static_cast<std::size_t>(count_) + static_cast<std::size_t>(first);
+  const std::int16_t* begin = classes_.data() + at;
+  const std::int16_t* end = begin + count;
+  if (*begin > kNoColorClass && std::all_of(begin + 1, end, [&](std::int16_t c) { return c == *begin; }))
+    return static_cast<ColorClass>(*begin);
+  const auto inside = static_cast<int>(count - std::count(begin, end, kOutside));
   if (inside == 0) return kNoColorClass;
   std::ptrdiff_t most = 0;
   std::int16_t best = kNoColorClass;
-  for (const Sample& one : samples) {
-    if (one.color_class <= kNoColorClass || one.color_class == best) continue;
-    const auto votes = votesFor(one.color_class);
-    if (votes < most || (votes == most && one.color_class > best)) continue;
+  for (const std::int16_t* one = begin; one != end; ++one) {
+    if (*one <= kNoColorClass || *one == best) continue;
+    const auto votes = std::count(begin, end, *one);
+    if (votes < most || (votes == most && *one > best)) continue;
     most = votes;
-    best = one.color_class;
+    best = *one;
   }
   if (static_cast<double>(most) >= params_.minimum_majority * inside) return static_cast<ColorClass>(best);
-  return meanClass(samples, inside);
+  return meanClass(at, count, inside);
 }
 
 /// Noise scatters the samples of one surface over neighbouring classes; their mean has its colour.
-ColorClass SideSamples::meanClass(std::span<const Sample> samples, int inside) const {
+ColorClass SideSamples::meanClass(std::size_t at, int count, int inside) const {
   std::array<int, 3> sum{};
   int squares = 0;
-  for (const Sample& one : samples) {
-    if (one.color_class == kOutside) continue;
+  for (std::size_t i = at; i < at + static_cast<std::size_t>(count); ++i) {
+    if (classes_[i] == kOutside) continue;
     for (std::size_t c = 0; c < sum.size(); ++c) {
-      sum[c] += one.rgb[c];
-      squares += one.rgb[c] * one.rgb[c];
+      sum[c] += colours_[i][c];
+      squares += colours_[i][c] * colours_[i][c];
     }
   }
   const double of_means = (static_cast<double>(sum[0]) * sum[0] + static_cast<double>(sum[1]) * sum[1] +
@@ -147,6 +149,17 @@ SideSamples::Found SideSamples::look(int first, int count) const {
 
 const Label& SideSamples::label(int first, int count) const {
   return *look(first, count).label;
+}
+
+bool SideSamples::asBefore(int first, int count) const {
+  for (std::size_t i = static_cast<std::size_t>(first) - 1; i < classes_.size();
+       i += static_cast<std::size_t>(count_)) {
+    const std::int16_t* one = classes_.data() + i;
+    if (*one == kNoColorClass ||
+        std::any_of(one + 1, one + 1 + count, [&](std::int16_t c) { return c != *one; }))
+      return false;
+  }
+  return true;
 }
 
 SegmentSides SideSamples::sides(int first, int count) const {

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <opencv2/core/mat.hpp>
-#include <span>
 #include <vector>
 
 #include "common/geometry/segment.h"
@@ -51,28 +50,27 @@ class SideSamples {
   SegmentSides sides(int first, int count) const;
   /// Its label alone, which lives as long as the palette.
   const Label& label(int first, int count) const;
+  /// Whether the samples first..first + count - 1 certainly have the label of those that begin one earlier:
+  /// at each distance all of them have one class. @param first > 0.
+  bool asBefore(int first, int count) const;
 
  private:
   struct Found;
-  static constexpr std::int16_t kOutside = -1;
-  struct Sample {
-    std::array<std::uint8_t, 3> rgb{};
-    std::int16_t color_class = kOutside;
-  };
-  /// @param samples  room for `count` of them.
+  /// @param at  index of the first of `count` samples.
   void sample(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step, int count,
-              Sample* samples) const;
+              std::size_t at);
   /// The majority class of samples at a distance; without one that of their mean colour; else kNoColorClass.
   ColorClass classAt(std::size_t distance, int first, int count) const;
   /// @param inside  samples inside the image, > 0.
-  ColorClass meanClass(std::span<const Sample> samples, int inside) const;
+  ColorClass meanClass(std::size_t at, int count, int inside) const;
   Found look(int first, int count) const;
 
   const Palette& palette_;
   const LabellerParams& params_;
   int count_ = 0;  ///< along the segment; 0: there is nothing to sample
-  /// By distance, the bright side first, then along the segment.
-  std::vector<Sample> samples_;
+  /// By distance, the bright side first, then along the segment: a class, or kOutside.
+  std::vector<std::int16_t> classes_;
+  std::vector<std::array<std::uint8_t, 3>> colours_;  ///< of the same samples
 };
 
 /// Of the whole segment, by LabellerParams::samples and trim. As SideSamples.

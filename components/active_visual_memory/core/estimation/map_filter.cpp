@@ -1,10 +1,11 @@
 #include "active_visual_memory/core/estimation/map_filter.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "active_visual_memory/core/estimation/covariance_kernels.h"
 #include "active_visual_memory/core/estimation/measurement_models.h"
 #include "active_visual_memory/core/estimation/state_limits.h"
 #include "common/geometry/plane.h"
@@ -19,9 +20,8 @@ constexpr double kIgnored = 1e12;          // variance of a rejected residual
 
 }  // namespace
 
-MapFilter::State::State() : P(kMaxUnknowns, kMaxUnknowns) {
+MapFilter::State::State() : P(Matrix::Zero(kStride, kStride)) {
   lines.reserve(kMaxLines);
-  known().setZero();
 }
 
 void MapFilter::State::copy(const State& other) {
@@ -40,10 +40,12 @@ int MapFilter::State::slotOf(std::uint64_t line) const {
 }
 
 MapFilter::Innovation::Innovation()
-    : PHt(kMaxUnknowns, kMaxResiduals),
+    : W(kStride, kMaxResiduals),
+      panels(kStride, kMaxResiduals),
       spread(kMaxResiduals, kMaxResiduals),
-      L(kMaxResiduals, kMaxResiduals),
-      LiHP(kMaxResiduals, kMaxUnknowns),
+      L(kMaxResiduals + kKernelRows, kMaxResiduals),
+      R(kMaxResiduals),
+      Hx(kMaxResiduals),
       y(kMaxResiduals),
       x(kMaxUnknowns) {
   rows.reserve(kMaxResiduals);
@@ -73,15 +75,15 @@ void MapFilter::reset() {
 }
 
 void MapFilter::remove(int slot) {
+  // The last line takes its place.
   const int at = kLines + 2 * slot;
   const int n = state_.size();
   Matrix& P = state_.P;
-  for (int j = at; j + 2 < n; ++j) P.col(j).head(n) = P.col(j + 2).head(n);
-  for (int j = 0; j + 2 < n; ++j) {
-    double* column = P.col(j).data();
-    std::copy(column + at + 2, column + n, column + at);
-  }
-  state_.lines.erase(state_.lines.begin() + slot);
+  P.block(at, 0, 2, n) = P.block(n - 2, 0, 2, n);
+  P.block(0, at, n, 2) = P.block(0, n - 2, n, 2);
+  P.block<2, 2>(at, at) = P.block<2, 2>(n - 2, n - 2);
+  state_.lines[static_cast<std::size_t>(slot)] = state_.lines.back();
+  state_.lines.pop_back();
 }
 
 void MapFilter::replaceLine(std::uint64_t known, std::uint64_t line) {
@@ -99,8 +101,7 @@ PlanarIncrement MapFilter::predict(const Pose2& before, const Pose2& now, const 
   const Pose2 moved = inverse(before) * now;
   const double way = moved.position().norm();
   const double turn = std::abs(moved.theta);
-  PlanarIncrement expected{before.position(), Eigen::Vector2d::Zero(), 0.0};
-  if (way == 0.0 && turn == 0.0) return expected;
+  if (way == 0.0 && turn == 0.0) return {};
   const OdometryErrors& odometry = params.odometry;
   const Eigen::Vector3d most{odometry.turn_per_rad, odometry.turn_per_m, odometry.travel_scale};
   Eigen::Block<Matrix> P = state_.known();
@@ -110,8 +111,7 @@ PlanarIncrement MapFilter::predict(const Pose2& before, const Pose2& now, const 
   }
   const Eigen::Vector2d gone{moved.theta, std::copysign(way, moved.x)};
   const Eigen::Vector2d shifted = now.position() - before.position();
-  expected.turn_rad = gone.dot(rates_.head<2>());
-  expected.shift = rates_[2] * shifted;
+  const PlanarIncrement expected(before.position(), rates_[2] * shifted, gone.dot(rates_.head<2>()));
   // turn += gone * rates; then the drift is referred to the new place of the robot.
   const auto addRow = [&](int to, double factor, int from) {
     P.row(to) += factor * P.row(from);
@@ -133,9 +133,8 @@ PlanarIncrement MapFilter::predict(const Pose2& before, const Pose2& now, const 
   grow(P(0, 0), shift);
   grow(P(1, 1), shift);
   P(kTurn, kTurn) += odometry.turn_noise * odometry.turn_noise * (way + odometry.feet_per_rad_m * turn);
-  grow(P(kTurn, kTurn),
-       kUnbiasedDriftShare * (odometry.turn_per_rad * turn + odometry.turn_per_m * way));
-  if (state_.dominant_direction_rad) *state_.dominant_direction_rad += expected.turn_rad;
+  grow(P(kTurn, kTurn), kUnbiasedDriftShare * (odometry.turn_per_rad * turn + odometry.turn_per_m * way));
+  if (state_.dominant_direction_rad) *state_.dominant_direction_rad += expected.turn_rad();
   for (Line& line : state_.lines) line.reference = expected.apply(line.reference);
   return expected;
 }
@@ -172,9 +171,7 @@ void MapFilter::beginImage(State& state, const Eigen::Vector2d& robot,
       .diagonal()
       .setConstant(tilt_prior_.per_frame_rad * tilt_prior_.per_frame_rad);
   const double frame_shift = params.gait_height_m * tilt_prior_.per_frame_rad;
-  P.block<2, 2>(kFrameTilt + 2, kFrameTilt + 2)
-      .diagonal()
-      .setConstant(frame_shift * frame_shift);
+  P.block<2, 2>(kFrameTilt + 2, kFrameTilt + 2).diagonal().setConstant(frame_shift * frame_shift);
   for (Line& line : state.lines) ++line.unseen;
   if (!dominant_direction_rad || state.dominant_direction_rad) return;
   state.dominant_direction_rad = dominant_direction_rad;
@@ -227,6 +224,49 @@ void MapFilter::linearize(State& state, const Eigen::Vector2d& robot, std::span<
   }
 }
 
+void MapFilter::projectCovariance(const State& state) const {
+  const std::vector<Row>& rows = innovation_.rows;
+  const int n = state.size();
+  const int m = static_cast<int>(rows.size());
+  Matrix& PHt = innovation_.W;
+  PHt.leftCols(m).setZero();
+  std::array<ScaledColumn, Row::kMost> columns;
+  for (int j = 0; j < m; ++j) {
+    // Rows of H are sparse.
+    const Row& row = rows[static_cast<std::size_t>(j)];
+    for (int k = 0; k < row.count; ++k) columns[k] = {row.factors[k], state.P.col(row.unknowns[k]).data()};
+    addColumns(PHt.col(j).data(), n, columns.data(), row.count);
+    PHt.col(j).segment<kKernelRows>(n).setZero();
+    for (int i = j; i < m; ++i) innovation_.spread(i, j) = rows[static_cast<std::size_t>(i)].dot(PHt.col(j));
+  }
+}
+
+bool MapFilter::factorize() const {
+  const int m = static_cast<int>(innovation_.rows.size());
+  Matrix& L = innovation_.L;
+  std::array<ScaledColumn, kMaxResiduals> columns;
+  L.middleRows<kKernelRows>(m).leftCols(m).setZero();
+  L.topLeftCorner(m, m).triangularView<Eigen::Lower>() = innovation_.spread.topLeftCorner(m, m);
+  L.diagonal().head(m) += innovation_.R.head(m);
+  for (int j = 0; j < m; ++j) {
+    for (int k = 0; k < j; ++k) columns[k] = {-L(j, k), &L(j, k)};
+    addColumns(&L(j, j), m - j, columns.data(), j);
+    if (!(L(j, j) > 0.0)) return false;  // does not happen with variances above 0
+    L.col(j).segment(j, m - j) /= std::sqrt(L(j, j));
+  }
+  return true;
+}
+
+void MapFilter::divideByFactor(int first, int end) const {
+  const Matrix& L = innovation_.L;
+  std::array<ScaledColumn, kMaxResiduals> columns;
+  for (int j = 0; j < static_cast<int>(innovation_.rows.size()); ++j) {
+    for (int k = 0; k < j; ++k) columns[k] = {-L(j, k), &innovation_.W(first, k)};
+    addColumns(&innovation_.W(first, j), end - first, columns.data(), j);
+    innovation_.W.col(j).segment(first, end - first) /= L(j, j);
+  }
+}
+
 bool MapFilter::solve(State& state, const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
                       std::span<const LineDirection> directions, const Params& params) const {
   linearize(state, robot, residuals, directions, params);
@@ -234,72 +274,47 @@ bool MapFilter::solve(State& state, const Eigen::Vector2d& robot, std::span<cons
   if (rows.empty()) return false;
   const int n = state.size();
   const int m = static_cast<int>(rows.size());
-  const Eigen::Block<Matrix> P = state.known();
-  auto PHt = innovation_.PHt.topLeftCorner(n, m);
-  auto spread = innovation_.spread.topLeftCorner(m, m);
-  auto x = innovation_.x.head(n);
+  projectCovariance(state);
+  auto R = innovation_.R.head(m);
   auto y = innovation_.y.head(m);
-  Eigen::Ref<Matrix> L = innovation_.L.topLeftCorner(m, m);
-  // Rows are sparse.
-  PHt.setZero();
-  for (int j = 0; j < m; ++j) {
-    const Row& row = rows[static_cast<std::size_t>(j)];
-    for (int k = 0; k < row.count; ++k) PHt.col(j) += row.factors[k] * P.col(row.unknowns[k]);
-    for (int i = j; i < m; ++i) spread(i, j) = rows[static_cast<std::size_t>(i)].dot(PHt.col(j));
-  }
-  x.setZero();
+  auto Hx = innovation_.Hx.head(m);
+  const auto spread = innovation_.spread.topLeftCorner(m, m);
+  const auto L = innovation_.L.topLeftCorner(m, m).triangularView<Eigen::Lower>();
+  Hx.setZero();
   for (int iteration = 0; iteration < params.iterations; ++iteration) {
-    L.triangularView<Eigen::Lower>() = spread;
+    bool changed = iteration == 0;
     for (int i = 0; i < m; ++i) {
       const Row& row = rows[static_cast<std::size_t>(i)];
       // The first gate includes the prior variance of the residual; later ones compare with the estimate.
       const double known = row.variance + (iteration == 0 ? spread(i, i) : 0.0);
-      const double off = std::abs(row.residual - row.dot(x)) / std::sqrt(known);
-      L(i, i) += off > params.gate    ? kIgnored
-                 : off > params.huber ? row.variance * off / params.huber
-                                            : row.variance;
-      y[i] = row.residual;
+      const double off = std::abs(row.residual - Hx[i]) / std::sqrt(known);
+      const double variance = off > params.gate    ? kIgnored
+                              : off > params.huber ? row.variance * off / params.huber
+                                                   : row.variance;
+      changed = changed || variance != R[i];
+      R[i] = variance;
     }
-    const Eigen::LLT<Eigen::Ref<Matrix>> inPlace(L);
-    if (inPlace.info() != Eigen::Success) return false;  // does not happen with variances above 0
-    inPlace.solveInPlace(y);
-    x.noalias() = PHt * y;
+    if (!changed) break;
+    if (!factorize()) return false;
+    for (int i = 0; i < m; ++i) y[i] = rows[static_cast<std::size_t>(i)].residual;
+    L.solveInPlace(y);
+    L.transpose().solveInPlace(y);
+    Hx.noalias() = spread.selfadjointView<Eigen::Lower>() * y;
   }
-  auto frame_tilts = innovation_.LiHP.block(0, kFrameTilt, m, 2);
-  frame_tilts = PHt.middleRows<2>(kFrameTilt).transpose();
-  L.triangularView<Eigen::Lower>().solveInPlace(frame_tilts);
+  innovation_.x.head(n).noalias() = innovation_.W.topLeftCorner(n, m) * y;
+  divideByFactor(0, kCommon);
+  const auto frame_tilts = innovation_.W.block(kFrameTilt, 0, 2, m);
   state.P_frame_tilt =
-      P.block<2, 2>(kFrameTilt, kFrameTilt) - frame_tilts.transpose().lazyProduct(frame_tilts);
+      state.P.block<2, 2>(kFrameTilt, kFrameTilt) - frame_tilts.lazyProduct(frame_tilts.transpose());
   return true;
 }
 
-// P - P H^T (H P H^T + R)^-1 H P.
 void MapFilter::updateCovariance() {
   const int n = state_.size();
-  const int m = static_cast<int>(innovation_.rows.size());
-  auto LiHP = innovation_.LiHP.topLeftCorner(m, n);
-  LiHP = innovation_.PHt.topLeftCorner(n, m).transpose();
-  // Blocks this small keep Eigen's buffers on the stack.
-  constexpr int kAtOnce = 32;
-  for (int j = 0; j < n; j += kAtOnce) {
-    auto some = LiHP.middleCols(j, std::min(kAtOnce, n - j));
-    innovation_.L.topLeftCorner(m, m).triangularView<Eigen::Lower>().solveInPlace(some);
-  }
-  // Tiles of the lower triangle: products of whole matrices would pack them on the heap.
-  Eigen::Block<Matrix> P = state_.known();
-  for (int j = 0; j < n; j += kAtOnce) {
-    const int columns = std::min(kAtOnce, n - j);
-    for (int i = j; i < n; i += kAtOnce) {
-      const int rows = std::min(kAtOnce, n - i);
-      auto tile = P.block(i, j, rows, columns);
-      tile.noalias() -= LiHP.middleCols(i, rows).transpose() * LiHP.middleCols(j, columns);
-      if (i > j) P.block(j, i, columns, rows) = tile.transpose();
-    }
-    for (int k = j; k < j + columns; ++k) {
-      P(k, k) = std::max(P(k, k), kLeastVariance);
-      for (int i = k + 1; i < j + columns; ++i) P(k, i) = P(i, k);
-    }
-  }
+  if (n > kCommon) divideByFactor(kCommon, n);
+  subtractSquare(state_.P.data(), innovation_.W.data(), innovation_.panels.data(), kStride, n,
+                 static_cast<int>(innovation_.rows.size()));
+  for (int k = 0; k < n; ++k) state_.P(k, k) = std::max(state_.P(k, k), kLeastVariance);
 }
 
 std::optional<Correction> MapFilter::preview(const Eigen::Vector2d& robot,

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "active_visual_memory/core/estimation/covariance_kernels.h"
 #include "active_visual_memory/core/ground/camera_tilt.h"
 #include "active_visual_memory/core/ground/floor_segment.h"
 #include "common/geometry/planar_increment.h"
@@ -149,6 +150,8 @@ class MapFilter {
   static constexpr int kLines = 15;      ///< offset and turn of each
   static constexpr int kMaxUnknowns = kLines + 2 * kMaxLines;
   using Matrix = Eigen::MatrixXd;
+  static constexpr int kStride = paddedRows(kMaxUnknowns) + kKernelRows;
+  static constexpr int kCommon = paddedRows(kLines);  ///< rows of W with all unknowns but those of the lines
 
   struct Line {
     std::uint64_t id = 0;
@@ -197,11 +200,13 @@ class MapFilter {
     Innovation();
 
     std::vector<Row> rows;
-    Matrix PHt;         ///< n x m
+    Matrix W;           ///< P H^T, then P H^T L^-T, n x m
+    Matrix panels;      ///< workspace of subtractSquare
     Matrix spread;      ///< H P H^T, m x m, its lower triangle
-    Matrix L;           ///< Cholesky's factor of H P H^T + R, m x m
-    Matrix LiHP;        ///< L^-1 H P, m x n
-    Eigen::VectorXd y;  ///< m
+    Matrix L;           ///< Cholesky's factor of H P H^T + R, m x m, its lower triangle
+    Eigen::VectorXd R;  ///< variances with the robust weight, m
+    Eigen::VectorXd Hx;
+    Eigen::VectorXd y;  ///< (H P H^T + R)^-1 residuals, m
     Eigen::VectorXd x;  ///< n
   };
 
@@ -211,11 +216,17 @@ class MapFilter {
   /// Linearizes the measurements: sets the rows of `innovation_`.
   void linearize(State& state, const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
                  std::span<const LineDirection> directions, const Params& params) const;
-  /// Iterated update of the mean. @return false without information; else `innovation_` is set, of LiHP only
-  /// the columns of the frame tilt.
+  /// Sets W to P H^T, and spread.
+  void projectCovariance(const State& state) const;
+  /// Sets L. @return false where H P H^T + R is not positive definite.
+  bool factorize() const;
+  /// Multiplies the rows of W from `first` to before `end` by L^-T.
+  void divideByFactor(int first, int end) const;
+  /// Iterated update of the mean. @return false without information; else `innovation_` is set, W to P H^T L^-T
+  /// in its first kCommon rows and to P H^T in the others.
   bool solve(State& state, const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
              std::span<const LineDirection> directions, const Params& params) const;
-  /// Joseph-free covariance update with `innovation_`: P - P H^T (H P H^T + R)^-1 H P.
+  /// Covariance update with `innovation_`: P - P H^T (H P H^T + R)^-1 H P = P - W W^T.
   void updateCovariance();
 
   TiltPrior tilt_prior_;

@@ -91,12 +91,12 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
   }
 
   const auto key = [](AttentionKind kind, std::uint64_t id) {
-    return 4 * id + static_cast<std::uint64_t>(kind);
+    return static_cast<std::uint64_t>(kind) << 60 | id;
   };
   std::vector<std::pair<std::uint64_t, Object*>> by_key;
   by_key.reserve(alive.size());
   for (Object& object : alive) by_key.emplace_back(key(object.kind, object.id), &object);
-  std::sort(by_key.begin(), by_key.end());
+  if (!std::is_sorted(by_key.begin(), by_key.end())) std::sort(by_key.begin(), by_key.end());
   std::erase_if(entries_, [&](Entry& entry) {
     if (entry.object_id == 0) return false;
     const std::uint64_t wanted = key(entry.point.kind, entry.object_id);
@@ -215,6 +215,22 @@ double AttentionPool::salienceOf(AttentionKind kind, std::uint64_t object_id) co
     if (entry.point.kind == kind && entry.object_id == object_id) return entry.point.salience;
   }
   return 0.0;
+}
+
+void AttentionPool::publishSalience(std::span<MemorySegment> segments,
+                                    std::span<Primitive> primitives) const {
+  for (const Entry& entry : entries_) {
+    if (entry.point.kind == AttentionKind::kPrimitive) {
+      const auto found = std::find_if(primitives.begin(), primitives.end(),
+                                      [&](const Primitive& p) { return p.id == entry.object_id; });
+      if (found != primitives.end()) found->salience = entry.point.salience;
+    }
+    if (entry.point.kind != AttentionKind::kSegment) continue;
+    const auto found =
+        std::lower_bound(segments.begin(), segments.end(), entry.object_id,
+                         [](const MemorySegment& segment, std::uint64_t id) { return segment.id < id; });
+    if (found != segments.end() && found->id == entry.object_id) found->salience = entry.point.salience;
+  }
 }
 
 void AttentionPool::visited(std::uint64_t id, const PanTilt& axis, const Pose2& T_odom_robot) {

@@ -70,6 +70,8 @@ class AttentionPool {
   /// Salience of a remembered object, 0 if it has no point.
   /// @param object_id of the segment (kSegment), or of the primitive (kPrimitive, kHypothesis).
   double salienceOf(AttentionKind kind, std::uint64_t object_id) const;
+  /// Sets the salience of all that have a point. @param segments  in the order of their ids.
+  void publishSalience(std::span<MemorySegment> segments, std::span<Primitive> primitives) const;
 
   /// Completes a visit: resets the point and all points near the optical axis `axis`, removes a scanning
   /// point.

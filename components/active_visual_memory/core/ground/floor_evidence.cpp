@@ -17,19 +17,35 @@ double difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 }  // namespace
 
 FloorEvidence::FloorEvidence(const cv::Mat& image, const CameraIntrinsics& intrinsics, const Params& params)
-    : image_(image), intrinsics_(intrinsics), params_(params) {}
+    : image_(image),
+      channels_(image.type() == CV_8UC3   ? 3
+                : image.type() == CV_8UC1 ? 1
+                                          : 0),
+      intrinsics_(intrinsics),
+      distorts_(intrinsics.hasDistortion()),
+      params_(params) {}
 
-std::optional<Eigen::Vector3d> FloorEvidence::colourAt(const Eigen::Vector2d& px_ideal) const {
-  const Eigen::Vector2d raw = distortPixel(intrinsics_, px_ideal);
+double FloorEvidence::fractionOf(int sample) const {
+  return 0.1 + 0.8 * (sample + 0.5) / params_.samples;
+}
+
+bool FloorEvidence::addColour(const Eigen::Vector2d& px_ideal, Eigen::Vector3d& sum) const {
+  const Eigen::Vector2d raw = distorts_ ? distortPixel(intrinsics_, px_ideal) : px_ideal;
   const int u = nearestPixel(raw.x(), image_.cols);
   const int v = nearestPixel(raw.y(), image_.rows);
-  if (u < 0 || v < 0) return std::nullopt;
-  if (image_.type() == CV_8UC3) {
-    const auto& c = image_.at<cv::Vec3b>(v, u);
-    return Eigen::Vector3d(c[0], c[1], c[2]);
+  if (u < 0 || v < 0 || channels_ == 0) return false;
+  const std::uint8_t* colour = image_.ptr<std::uint8_t>(v) + channels_ * u;
+  if (channels_ == 3) {
+    sum += Eigen::Vector3d(colour[0], colour[1], colour[2]);
+  } else {
+    sum.array() += *colour;
   }
-  if (image_.type() == CV_8UC1) return Eigen::Vector3d::Constant(image_.at<unsigned char>(v, u));
-  return std::nullopt;
+  return true;
+}
+
+std::optional<Eigen::Vector3d> FloorEvidence::colourAt(const Eigen::Vector2d& px_ideal) const {
+  Eigen::Vector3d colour = Eigen::Vector3d::Zero();
+  return addColour(px_ideal, colour) ? std::optional(colour) : std::nullopt;
 }
 
 std::optional<Eigen::Vector3d> FloorEvidence::patchAt(const Eigen::Vector2d& px, const Eigen::Vector2d& along,
@@ -39,37 +55,27 @@ std::optional<Eigen::Vector3d> FloorEvidence::patchAt(const Eigen::Vector2d& px,
   int count = 0;
   for (double forward = -half_length; forward <= half_length; forward += 2.0) {
     for (const double sideways : {-1.0, 0.0, 1.0}) {
-      const auto colour = colourAt(px + forward * along + sideways * normal);
-      if (!colour) return std::nullopt;
-      sum += *colour;
+      if (!addColour(px + forward * along + sideways * normal, sum)) return std::nullopt;
       ++count;
     }
   }
   return Eigen::Vector3d(sum / count);
 }
 
-std::optional<FloorEvidence::Profile> FloorEvidence::profileAt(const Segment2& px, double fraction) const {
-  const Eigen::Vector2d d = (px.b - px.a).normalized();
-  const Eigen::Vector2d aside = params_.side_px * leftNormal(px);
-  const Eigen::Vector2d middle = px.a + fraction * (px.b - px.a);
-  const auto l = patchAt(middle + aside, d, 0.0);
-  const auto m = patchAt(middle, d, 0.0);
-  const auto r = patchAt(middle - aside, d, 0.0);
-  if (!l || !m || !r) return std::nullopt;
-  return Profile{*l, *m, *r};
-}
-
 std::optional<SideColours> FloorEvidence::sides(const Segment2& px) const {
   if (image_.empty()) return std::nullopt;
   SideColours sides;
+  const Eigen::Vector2d along = (px.b - px.a).normalized();
+  const Eigen::Vector2d aside = params_.side_px * leftNormal(px);
   int count = 0;
   for (int i = 0; i < params_.samples; ++i) {
-    const double fraction = 0.1 + 0.8 * (i + 0.5) / params_.samples;
-    if (const auto profile = profileAt(px, fraction)) {
-      sides.left += profile->left;
-      sides.right += profile->right;
-      ++count;
-    }
+    const Eigen::Vector2d middle = px.a + fractionOf(i) * (px.b - px.a);
+    const auto l = patchAt(middle + aside, along, 0.0);
+    const auto r = l ? patchAt(middle - aside, along, 0.0) : std::nullopt;
+    if (!r) continue;
+    sides.left += *l;
+    sides.right += *r;
+    ++count;
   }
   if (2 * count < params_.samples) return std::nullopt;
   sides.left /= count;
@@ -83,16 +89,21 @@ bool FloorEvidence::isHiddenBeyond(const Segment2& px, bool at_b) const {
   const Eigen::Vector2d outward = (at_b ? px.b - px.a : px.a - px.b).normalized();
   const Eigen::Vector2d aside = params_.beside_px * turned90(outward);
   const double inward = std::min(params_.beyond_px, 0.5 * px.length());
-  const auto here_left = patchAt(end - inward * outward + aside, outward, 2.0);
-  const auto here_right = patchAt(end - inward * outward - aside, outward, 2.0);
-  const auto there_left = patchAt(end + params_.beyond_px * outward + aside, outward, 2.0);
-  const auto there_right = patchAt(end + params_.beyond_px * outward - aside, outward, 2.0);
-  if (!here_left || !here_right || !there_left || !there_right) return false;
-  const auto isNew = [&](const Eigen::Vector3d& colour) {
-    return difference(colour, *here_left) > params_.max_difference &&
-           difference(colour, *here_right) > params_.max_difference;
+  const auto here = [&](double side) { return patchAt(end - inward * outward + side * aside, outward, 2.0); };
+  const auto there = [&](double side) {
+    return patchAt(end + params_.beyond_px * outward + side * aside, outward, 2.0);
   };
-  return isNew(*there_left) && isNew(*there_right);
+  const auto differ = [&](const auto& one, const auto& other) {
+    return one && other && difference(*one, *other) > params_.max_difference;
+  };
+  // The first pair of equal colours decides.
+  const auto here_left = here(1.0);
+  const auto there_left = there(1.0);
+  if (!differ(there_left, here_left)) return false;
+  const auto there_right = there(-1.0);
+  if (!differ(there_right, here_left)) return false;
+  const auto here_right = here(-1.0);
+  return differ(there_left, here_right) && differ(there_right, here_right);
 }
 
 std::optional<double> FloorEvidence::contrastAt(const Segment2& px, double fraction, double aside_px) const {
@@ -143,17 +154,20 @@ PlaceShows FloorEvidence::classify(const Segment2& px, const SideColours& rememb
   if (image_.empty()) return PlaceShows::kUnknown;
   const double contrast_before = difference(remembered.left, remembered.right);
   const double most = std::min(params_.max_contrast, params_.max_contrast_share * contrast_before);
+  const Eigen::Vector2d along = (px.b - px.a).normalized();
+  const Eigen::Vector2d aside = params_.side_px * leftNormal(px);
   int count = 0;
   int free_samples = 0;
   for (int i = 0; i < params_.samples; ++i) {
-    const double fraction = 0.1 + 0.8 * (i + 0.5) / params_.samples;
-    const auto profile = profileAt(px, fraction);
-    if (!profile) continue;
+    const Eigen::Vector2d middle = px.a + fractionOf(i) * (px.b - px.a);
+    const auto l = patchAt(middle + aside, along, 0.0);
+    const auto m = l ? patchAt(middle, along, 0.0) : std::nullopt;
+    const auto r = m ? patchAt(middle - aside, along, 0.0) : std::nullopt;
+    if (!r) continue;
     ++count;
-    const bool flat = difference(profile->left, profile->right) <= most &&
-                      difference(profile->middle, 0.5 * (profile->left + profile->right)) <= most;
-    const bool familiar = difference(profile->middle, remembered.left) <= params_.max_difference ||
-                          difference(profile->middle, remembered.right) <= params_.max_difference;
+    const bool flat = difference(*l, *r) <= most && difference(*m, 0.5 * (*l + *r)) <= most;
+    const bool familiar = difference(*m, remembered.left) <= params_.max_difference ||
+                          difference(*m, remembered.right) <= params_.max_difference;
     if (flat && familiar) ++free_samples;
   }
   if (2 * count < params_.samples) return PlaceShows::kUnknown;

@@ -67,19 +67,19 @@ class FloorEvidence {
   PlaceShows classify(const Segment2& px_ideal, const SideColours& remembered) const;
 
  private:
-  struct Profile {
-    Eigen::Vector3d left;
-    Eigen::Vector3d middle;
-    Eigen::Vector3d right;
-  };
+  /// Of a sample along a segment, from 0 at its end a.
+  double fractionOf(int sample) const;
+  /// @return false outside the image.
+  bool addColour(const Eigen::Vector2d& px_ideal, Eigen::Vector3d& sum) const;
   std::optional<Eigen::Vector3d> colourAt(const Eigen::Vector2d& px_ideal) const;
   /// Mean colour of 3 px across and of `half_length` to both sides along, every 2 px.
   std::optional<Eigen::Vector3d> patchAt(const Eigen::Vector2d& px_ideal, const Eigen::Vector2d& along,
                                          double half_length) const;
-  std::optional<Profile> profileAt(const Segment2& px_ideal, double fraction) const;
 
   cv::Mat image_;
+  int channels_ = 0;  ///< 0: no image, or of another type
   CameraIntrinsics intrinsics_;
+  bool distorts_ = false;
   Params params_;
 };
 

@@ -106,7 +106,8 @@ Eigen::Matrix2d FloorLine::covarianceAt(const ExtentEnd& end) const {
 
 void FloorLine::transform(const PlanarIncrement& motion) {
   origin_ = motion.apply(origin_);
-  turnTo(wrapAngle(direction_rad_ + motion.turn_rad));
+  direction_rad_ = wrapAngle(direction_rad_ + motion.turn_rad());
+  along_ = motion.rotate(along_);
 }
 
 void FloorLine::applyTiltChange(const CameraTilt& change) {

@@ -76,13 +76,14 @@ void SegmentMemory::predict(const Pose2& T_odom_robot) {
   last_pose_ = T_odom_robot;
 }
 
+bool SegmentMemory::isCached(const MemoryElement& element, const Pose2& T_odom_robot) const {
+  return distanceToSegment(T_odom_robot.position(), element.line.segment()) <= params_.gates.cache_radius_m;
+}
+
 std::vector<int> SegmentMemory::cache(const Pose2& T_odom_robot) const {
   std::vector<int> near;
   for (int i = 0; i < static_cast<int>(elements_.size()); ++i) {
-    if (distanceToSegment(T_odom_robot.position(), elements_[i].line.segment()) <=
-        params_.gates.cache_radius_m) {
-      near.push_back(i);
-    }
+    if (isCached(elements_[i], T_odom_robot)) near.push_back(i);
   }
   return near;
 }
@@ -394,12 +395,13 @@ void SegmentMemory::updateExpected(const Associations& associations, const std::
   }
 }
 
-MemoryElement* SegmentMemory::nearest(const FloorSegment& segment, const View& view) {
+MemoryElement* SegmentMemory::nearest(const FloorSegment& segment, const std::vector<int>& cached,
+                                      const View& view) {
   const double distance = (segment.odom.middle() - view.camera).norm();
   MemoryElement* best = nullptr;
   double best_distance = params_.gates.near_distance_m + kFarDistanceShare * distance;
   const Eigen::AlignedBox2d around = boxAround(segment.odom, kMaxGap_m + best_distance);
-  for (const int i : cache(view.observation.T_odom_robot)) {
+  for (const int i : cached) {
     MemoryElement& element = elements_[i];
     const Segment2 stored = element.line.segment();
     if (!around.intersects(boxAround(stored)) || !labelsCompatible(element.value.label, segment.label))
@@ -425,11 +427,15 @@ void SegmentMemory::insert(const Associations& associations, const std::vector<F
   fresh =
       cleanDuplicates(fresh, kDuplicateGateShare * kNearAngle_rad,
                       kDuplicateGateShare * params_.gates.near_distance_m, kDuplicateGateShare * kMaxGap_m);
+  std::vector<int> cached;
+  if (!fresh.empty()) cached = cache(view.observation.T_odom_robot);
   for (const FloorSegment& segment : fresh) {
-    if (MemoryElement* element = nearest(segment, view)) {
+    if (MemoryElement* element = nearest(segment, cached, view)) {
       fuse(*element, segment, view);
     } else {
       addElement(segment, view);
+      if (isCached(elements_.back(), view.observation.T_odom_robot))
+        cached.push_back(static_cast<int>(elements_.size()) - 1);
       ++agreement_.fresh;
     }
   }

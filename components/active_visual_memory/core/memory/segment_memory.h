@@ -64,6 +64,7 @@ class SegmentMemory {
  private:
   struct View;
   struct Associations;
+  bool isCached(const MemoryElement& element, const Pose2& T_odom_robot) const;
   std::vector<int> cache(const Pose2& T_odom_robot) const;
   // The steps of update(), in their order.
   void predict(const Pose2& T_odom_robot);
@@ -117,7 +118,8 @@ class SegmentMemory {
   std::vector<Expectation> expect(const View& view, std::vector<int>& index_of) const;
   void cutBeyondRange(std::vector<FloorSegment>& floor, const Eigen::Vector2d& camera) const;
   /// @return the element of the cache that a segment belongs to on the floor; null if there is none.
-  MemoryElement* nearest(const FloorSegment& segment, const View& view);
+  /// @param cached  indices of the elements near the robot.
+  MemoryElement* nearest(const FloorSegment& segment, const std::vector<int>& cached, const View& view);
   bool fitsOnFloor(const MemoryElement& element, const FloorSegment& observed, double distance_m) const;
   void fuse(MemoryElement& element, const FloorSegment& observed, const View& view);
   /// Begins parallax anew when the anchor is too old, and improves it while the camera is at its place.

@@ -19,7 +19,7 @@ constexpr double kMinFree_m = 0.1;      // of others, where edges snap to that d
 }  // namespace
 
 void SegmentMemory::transformAll(const PlanarIncrement& motion) {
-  if (motion.turn_rad == 0.0 && motion.shift.isZero()) return;
+  if (motion.turn_rad() == 0.0 && motion.shift().isZero()) return;
   for (MemoryElement& element : elements_) {
     element.line.transform(motion);
     if (!element.isVerified()) element.anchor_line.transform(motion);
@@ -102,6 +102,10 @@ void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
     candidates.push_back({boxAround(element.line.segment()), element.sighting == Sighting::kObserved, false});
   }
   // Only observed elements have changed: the others are compared with the next observed ones.
+  Eigen::AlignedBox2d observed;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.observed) observed.extend(candidate.box);
+  }
   std::vector<std::size_t> next_observed(cached.size() + 1, cached.size());
   for (std::size_t n = cached.size(); n-- > 0;) {
     next_observed[n] = candidates[n].observed ? n : next_observed[n + 1];
@@ -111,6 +115,7 @@ void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
     Candidate& a = candidates[m];
     if (a.gone) continue;
     Eigen::AlignedBox2d near = boxAround(elements_[cached[m]].line.segment(), kMaxGap_m + reach);
+    if (!a.observed && !near.intersects(observed)) continue;
     for (std::size_t n = m + 1; n < cached.size(); ++n) {
       if (!a.observed) n = next_observed[n];
       if (n == cached.size()) break;

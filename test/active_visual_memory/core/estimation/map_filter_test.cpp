@@ -71,8 +71,8 @@ TEST(MapFilter, ARobotThatStandsDoesNotDrift) {
   for (int i = 0; i < 2; ++i) {
     const auto found = updated(filter, {0.0, 0.0}, wallsSeen(drift, 0.005, random));
     ASSERT_TRUE(found);
-    EXPECT_LT(found->motion.shift.norm(), 1e-8);
-    EXPECT_LT(std::abs(found->motion.turn_rad), 1e-8);
+    EXPECT_LT(found->motion.shift().norm(), 1e-8);
+    EXPECT_LT(std::abs(found->motion.turn_rad()), 1e-8);
     filter.predict({}, {}, {});
   }
 }
@@ -85,8 +85,8 @@ TEST(MapFilter, FindsTheDriftOfARobotThatMoved) {
     const PlanarIncrement drift{{0.3, -0.2}, {0.03, -0.02}, -0.025};
     const auto found = updated(filter, {0.3, -0.2}, wallsSeen(drift, 0.005, random));
     ASSERT_TRUE(found);
-    EXPECT_NEAR((found->motion.shift - drift.shift).norm(), 0.0, 0.006) << "seed " << seed;
-    EXPECT_NEAR(found->motion.turn_rad, drift.turn_rad, 0.003) << "seed " << seed;
+    EXPECT_NEAR((found->motion.shift() - drift.shift()).norm(), 0.0, 0.006) << "seed " << seed;
+    EXPECT_NEAR(found->motion.turn_rad(), drift.turn_rad(), 0.003) << "seed " << seed;
   }
 }
 
@@ -101,8 +101,8 @@ TEST(MapFilter, IgnoresOutliersThatMovedByThemselves) {
     for (std::size_t i = 0; i < residuals.size(); i += 3) residuals[i].residual_m += 0.12;
     const auto found = updated(filter, {0.0, 0.0}, residuals);
     ASSERT_TRUE(found);
-    EXPECT_NEAR((found->motion.shift - drift.shift).norm(), 0.0, 0.012) << "seed " << seed;
-    EXPECT_NEAR(found->motion.turn_rad, drift.turn_rad, 0.006) << "seed " << seed;
+    EXPECT_NEAR((found->motion.shift() - drift.shift()).norm(), 0.0, 0.012) << "seed " << seed;
+    EXPECT_NEAR(found->motion.turn_rad(), drift.turn_rad(), 0.006) << "seed " << seed;
   }
 }
 
@@ -116,8 +116,8 @@ TEST(MapFilter, ItsPriorBoundsTheCorrection) {
   wall.variance_m2 = 1e-4;
   const auto found = updated(filter, {0.0, 0.0}, {wall});
   ASSERT_TRUE(found);
-  EXPECT_LT(found->motion.shift.norm(), 0.001);
-  EXPECT_EQ(found->motion.shift.y(), 0.0);
+  EXPECT_LT(found->motion.shift().norm(), 0.001);
+  EXPECT_EQ(found->motion.shift().y(), 0.0);
 }
 
 TEST(MapFilter, EstimatesALastingHeadingRate) {
@@ -130,19 +130,19 @@ TEST(MapFilter, EstimatesALastingHeadingRate) {
     double behind = 0.0;
     for (int i = 0; i < 200; ++i) {
       const Pose2 next = robot * Pose2{0.0, 0.0, 0.04};
-      behind += share * 0.04 - filter.predict(robot, next, {}).turn_rad;
+      behind += share * 0.04 - filter.predict(robot, next, {}).turn_rad();
       robot = next;
       const PlanarIncrement drift{{0.0, 0.0}, {0.0, 0.0}, behind + noise(random)};
       const auto found = updated(filter, {0.0, 0.0}, wallsSeen(drift, 0.02, random));
       ASSERT_TRUE(found);
-      behind -= found->motion.turn_rad;
+      behind -= found->motion.turn_rad();
     }
     MapFilter later = filter;
-    EXPECT_NEAR(later.predict({}, {0.0, 0.0, 1.0}, {}).turn_rad, share, 0.006);
+    EXPECT_NEAR(later.predict({}, {0.0, 0.0, 1.0}, {}).turn_rad(), share, 0.006);
     EXPECT_LT(std::abs(behind), 0.01);
     filter.reset();
-    EXPECT_NEAR(filter.predict({}, {0.0, 0.0, 0.04}, {}).turn_rad, share * 0.04, 2.5e-4) << "it is kept";
-    EXPECT_NEAR(filter.predict({}, {0.0, 0.0, -0.04}, {}).turn_rad, -share * 0.04, 2.5e-4);
+    EXPECT_NEAR(filter.predict({}, {0.0, 0.0, 0.04}, {}).turn_rad(), share * 0.04, 2.5e-4) << "it is kept";
+    EXPECT_NEAR(filter.predict({}, {0.0, 0.0, -0.04}, {}).turn_rad(), -share * 0.04, 2.5e-4);
   }
 }
 
@@ -155,20 +155,20 @@ TEST(MapFilter, EstimatesTheScaleOfTheTravelledWay) {
     double behind = 0.0;
     for (int i = 0; i < 200; ++i) {
       const Pose2 next = robot * Pose2{0.02, 0.0, 0.0};
-      behind += share * 0.02 - filter.predict(robot, next, {}).shift.x();
+      behind += share * 0.02 - filter.predict(robot, next, {}).shift().x();
       robot = next;
       const auto found =
           updated(filter, robot.position(), wallsSeen({robot.position(), {behind, 0.0}, 0.0}, 0.02, random));
       ASSERT_TRUE(found);
-      behind -= found->motion.shift.x();
+      behind -= found->motion.shift().x();
     }
     EXPECT_LT(std::abs(behind), 0.01);
     const Pose2 ahead = robot * Pose2{1.0, 0.0, 0.0};
     MapFilter later = filter;
-    EXPECT_NEAR(later.predict(robot, ahead, {}).shift.x(), share, 0.008);
-    EXPECT_NEAR(later.predict(ahead, robot, {}).shift.x(), -share, 0.008) << "the way back shrinks as much";
+    EXPECT_NEAR(later.predict(robot, ahead, {}).shift().x(), share, 0.008);
+    EXPECT_NEAR(later.predict(ahead, robot, {}).shift().x(), -share, 0.008) << "the way back shrinks as much";
     filter.reset();
-    EXPECT_NEAR(filter.predict(robot, ahead, {}).shift.x(), share, 0.008) << "it is kept";
+    EXPECT_NEAR(filter.predict(robot, ahead, {}).shift().x(), share, 0.008) << "it is kept";
   }
 }
 
@@ -251,14 +251,14 @@ TEST(MapFilter, PreviewReturnsWhatUpdateWillAndChangesNothing) {
   const double before = filter.placeVariance(1, Eigen::Vector2d::UnitX(), {1.0, 0.3});
   const auto previewed = filter.preview(robot, residuals, 0.01, directions, params);
   ASSERT_TRUE(previewed);
-  EXPECT_GT(previewed->motion.shift.norm(), 1e-4);
+  EXPECT_GT(previewed->motion.shift().norm(), 1e-4);
   EXPECT_EQ(filter.placeVariance(1, Eigen::Vector2d::UnitX(), {1.0, 0.3}), before);
   EXPECT_FALSE(filter.dominantDirection());
   EXPECT_EQ(filter.cameraTilt(), CameraTilt::Zero());
   const auto updated = filter.update(robot, residuals, 0.01, directions, params);
   ASSERT_TRUE(updated);
-  EXPECT_EQ(previewed->motion.shift, updated->motion.shift);
-  EXPECT_EQ(previewed->motion.turn_rad, updated->motion.turn_rad);
+  EXPECT_EQ(previewed->motion.shift(), updated->motion.shift());
+  EXPECT_EQ(previewed->motion.turn_rad(), updated->motion.turn_rad());
   EXPECT_EQ(previewed->camera_tilt, updated->camera_tilt);
   EXPECT_EQ(previewed->frame_tilt, updated->frame_tilt);
   EXPECT_EQ(previewed->P_frame_tilt, updated->P_frame_tilt);
