@@ -70,7 +70,7 @@ TEST(DriveCollector, KeepsUpdatesAtTheRateOfLocalization) {
     const MemoryUpdate update = updateAt(100 * kSecondUs + i * kSecondUs / 30);
     Frame frame;
     frame.stamp_us = update.analysis->stamp_us;
-    drive.add(frame, update);
+    drive.add(frame, update, update.snapshot->segments);
   }
   EXPECT_EQ(drive.updates().size(), 6U);
 }
@@ -84,7 +84,7 @@ TEST(DriveCollector, NothingIsKeptBehindAJumpOfTheOdometry) {
     analysis->T_odom_robot = {x, 0.0, 0.0};
     Frame frame;
     frame.stamp_us = stamp_us;
-    drive.add(frame, {update.snapshot, analysis});
+    drive.add(frame, {update.snapshot, analysis}, update.snapshot->segments);
   }
   EXPECT_TRUE(drive.isBroken());
   EXPECT_EQ(drive.updates().size(), 2U);

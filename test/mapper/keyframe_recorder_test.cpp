@@ -44,7 +44,7 @@ class OneLine {
     analysis->T_robot_camera = observation.T_robot_camera;
     auto snapshot = std::make_shared<MemorySnapshot>();
     KeyframeRecorder recorder(KeyframeParams{});
-    EXPECT_TRUE(recorder.add(observation.frame, {snapshot, analysis}));
+    EXPECT_TRUE(recorder.add(observation.frame, {snapshot, analysis}, snapshot->segments));
     const DriveRecord& record = recorder.record();
     EXPECT_EQ(record.keyframes.at(0).sightings.size(), 1U);
     return record.keyframes.at(0).sightings.at(0);

@@ -59,7 +59,9 @@ Drive driveLaps(ExperimentRun& run, const Route& route, double laps) {
                            run.params().localizer.robust.observation.range_m);
   Drive drive;
   run.onFrame([&](const LockstepFrame& frame) {
-    if (collected.add(frame.observation.frame, frame.memory.update)) drive.truth.push_back(run.trueRobot());
+    if (collected.add(frame.observation.frame, frame.memory.update,
+                      valuesOf(run.pipeline().memory().elements())))
+      drive.truth.push_back(run.trueRobot());
   });
   SimulatedOperator driver(route, RouteFollowerParams{});
   const double length_m = laps * route.length() + kOverlap_m;

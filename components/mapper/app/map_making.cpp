@@ -39,7 +39,9 @@ class Collector {
   MemoryPipeline& memory() { return memory_; }
   bool isBroken() const { return collected_.isBroken(); }
   double way_m() const { return collected_.way_m(); }
-  void add(const LockstepFrame& frame) { collected_.add(frame.observation.frame, frame.memory.update); }
+  void add(const LockstepFrame& frame) {
+    collected_.add(frame.observation.frame, frame.memory.update, valuesOf(memory_.memory().elements()));
+  }
   void into(RecordedDrive& drive) const {
     drive.broken = collected_.isBroken();
     drive.record = collected_.record();

@@ -30,8 +30,9 @@ MemoryUpdate searchedPart(const MemoryUpdate& update, double range_m) {
   return {std::move(snapshot), std::move(analysis)};
 }
 
-bool DriveCollector::add(const Frame& frame, const MemoryUpdate& update) {
-  const bool is_keyframe = recorder_.add(frame, update);
+bool DriveCollector::add(const Frame& frame, const MemoryUpdate& update,
+                         std::span<const MemorySegment> elements) {
+  const bool is_keyframe = recorder_.add(frame, update, elements);
   const StampUs now_us = update.snapshot->stamp_us;
   const bool is_due = updates_.empty() || now_us >= updates_.back().snapshot->stamp_us + kUpdateEvery_us;
   if (is_due && !isBroken()) updates_.push_back(searchedPart(update, range_m_));

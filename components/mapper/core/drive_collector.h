@@ -1,6 +1,7 @@
 /// @file Everything of a drive that a map is made of. Pure. See B6.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "common/robot/samples.h"
@@ -22,7 +23,7 @@ class DriveCollector {
   DriveCollector(const KeyframeParams& params, double range_m) : recorder_(params), range_m_(range_m) {}
 
   /// As KeyframeRecorder::add(), with its errors.
-  bool add(const Frame& frame, const MemoryUpdate& update);
+  bool add(const Frame& frame, const MemoryUpdate& update, std::span<const MemorySegment> elements);
 
   const DriveRecord& record() const { return recorder_.record(); }
   const std::vector<MemoryUpdate>& updates() const { return updates_; }

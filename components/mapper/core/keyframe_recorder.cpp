@@ -121,7 +121,7 @@ LineSighting KeyframeRecorder::sightingOf(const ImageAnalysis& analysis, const I
   return sighting;
 }
 
-void KeyframeRecorder::noteDropped(const MemoryUpdate& update) {
+void KeyframeRecorder::noteDropped(const MemoryUpdate& update, std::span<const MemorySegment> elements) {
   const StampUs now_us = update.snapshot->stamp_us;
   std::map<std::uint64_t, StampUs> alive;
   const auto keep = [&](std::uint64_t id, StampUs seen_us) {
@@ -134,7 +134,7 @@ void KeyframeRecorder::noteDropped(const MemoryUpdate& update) {
   }
   for (const ImageAnalysis::Match& match : update.analysis->matches)
     keep(update.analysis->predicted[static_cast<std::size_t>(match.predicted)].id, now_us);
-  for (const MemorySegment& segment : update.snapshot->segments) keep(segment.id, segment.last_seen_us);
+  for (const MemorySegment& segment : elements) keep(segment.id, segment.last_seen_us);
   // A memory that began anew dropped all, whatever it knew of them.
   if (update.snapshot->epoch == memory_epoch_) {
     for (const auto& [id, seen_us] : alive_) {
@@ -147,11 +147,11 @@ void KeyframeRecorder::noteDropped(const MemoryUpdate& update) {
   alive_ = std::move(alive);
 }
 
-void KeyframeRecorder::summarize(const MemorySnapshot& snapshot) {
+void KeyframeRecorder::summarize(StampUs stamp_us, std::span<const MemorySegment> elements) {
   const int index = static_cast<int>(record_.keyframes.size()) - 1;
   const Pose2 T_robot_odom = inverse(record_.keyframes.back().T_odom_robot);
-  for (const MemorySegment& segment : snapshot.segments) {
-    if (segment.last_seen_us != snapshot.stamp_us) continue;
+  for (const MemorySegment& segment : elements) {
+    if (segment.last_seen_us != stamp_us) continue;
     const auto known = record_.elements.find(segment.id);
     if (known == record_.elements.end()) continue;
     ElementSummary& summary = known->second;
@@ -201,7 +201,8 @@ void KeyframeRecorder::addKeyframe(const Frame& frame, const ImageAnalysis& anal
   record_.keyframes.push_back(std::move(keyframe));
 }
 
-bool KeyframeRecorder::add(const Frame& frame, const MemoryUpdate& update) {
+bool KeyframeRecorder::add(const Frame& frame, const MemoryUpdate& update,
+                           std::span<const MemorySegment> elements) {
   const ImageAnalysis& analysis = *update.analysis;
   if (broken_ || analysis.stamp_us != frame.stamp_us) return false;
   if (last_ && last_->frame_seq == analysis.frame_seq && last_->stamp_us == analysis.stamp_us) return false;
@@ -217,8 +218,8 @@ bool KeyframeRecorder::add(const Frame& frame, const MemoryUpdate& update) {
   last_ = update.analysis;
   const bool due = !frame.image.empty() && rate <= params_.max_turn_radps && isDue(analysis);
   if (due) addKeyframe(frame, analysis, rate);
-  if (!record_.keyframes.empty()) summarize(*update.snapshot);
-  noteDropped(update);
+  if (!record_.keyframes.empty()) summarize(update.snapshot->stamp_us, elements);
+  noteDropped(update, elements);
   return due;
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "active_visual_memory/core/attentive_visual_memory.h"
@@ -37,10 +38,13 @@ class KeyframeRecorder {
   /// To be called after each image, in the order of stamps; an update that is not of this image is left out.
   /// @param frame   the image of the update; without pixels the update becomes no keyframe. Images of more
   ///                pixels than the analysis are averaged (reduced_image.h).
-  /// @param update  of the memory, as published.
+  /// @param update    of the memory, as published.
+  /// @param elements  of the memory after it. An element that is published in parts (junctions, shapes) has
+  ///                  other ids there: where the memory itself is not at hand, the published segments stand
+  ///                  for them and such an element stays out of the map.
   /// @return whether it became a keyframe.
   /// @throws std::invalid_argument if the size of the image is not that of its intrinsics.
-  bool add(const Frame& frame, const MemoryUpdate& update);
+  bool add(const Frame& frame, const MemoryUpdate& update, std::span<const MemorySegment> elements);
 
   const DriveRecord& record() const { return record_; }
   /// The odometry jumped: a map needs one continuous drive. Later images are ignored.
@@ -56,8 +60,8 @@ class KeyframeRecorder {
   LineSighting sightingOf(const ImageAnalysis& analysis, const ImageAnalysis::Match& match,
                           const ImageSegment& observed, const FloorEvidence& evidence,
                           const FloorSegment& floor) const;
-  void noteDropped(const MemoryUpdate& update);
-  void summarize(const MemorySnapshot& snapshot);
+  void noteDropped(const MemoryUpdate& update, std::span<const MemorySegment> elements);
+  void summarize(StampUs stamp_us, std::span<const MemorySegment> elements);
 
   KeyframeParams params_;
   DriveRecord record_;

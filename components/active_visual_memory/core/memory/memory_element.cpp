@@ -34,6 +34,17 @@ const MemoryElement* findElement(std::span<const MemoryElement> elements, std::u
   return found != elements.end() ? &*found : nullptr;
 }
 
+std::vector<MemorySegment> valuesOf(std::span<const MemoryElement> elements) {
+  std::vector<MemorySegment> values;
+  values.reserve(elements.size());
+  for (const MemoryElement& element : elements) {
+    values.push_back(element.value);
+    const Segment2 floor = element.line.segment();
+    values.back().odom = {{floor.a.x(), floor.a.y(), 0.0}, {floor.b.x(), floor.b.y(), 0.0}};
+  }
+  return values;
+}
+
 void absorb(MemoryElement& element, const MemoryElement& other, const FloorLine::Params& params) {
   if (element.line.along().dot(other.line.along()) < 0.0) {
     element.line.absorb(FloorLine(reversed(other.line.asObservation()), params), params);

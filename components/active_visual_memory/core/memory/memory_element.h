@@ -77,6 +77,9 @@ struct SideCompletion {
 /// The element with an id; null if there is none.
 const MemoryElement* findElement(std::span<const MemoryElement> elements, std::uint64_t id);
 
+/// The elements as they are remembered: nothing derived, one segment each, where its line lies.
+std::vector<MemorySegment> valuesOf(std::span<const MemoryElement> elements);
+
 /// Joins another element that is a piece or a copy of the same edge; the id stays (M2, M9).
 void absorb(MemoryElement& element, const MemoryElement& other, const FloorLine::Params& params);
 
