@@ -64,6 +64,50 @@ TEST(DriveCollector, RacesSeeTheSameOfTheShortenedUpdates) {
   }
 }
 
+// A line from (11, 1) to (14, 1) is published in two parts, since another one joins it at 12.5.
+TEST(ElementsOf, AnElementThatIsPublishedInPartsIsWhole) {
+  const MemoryUpdate update = updateAt(100 * kSecondUs);
+  auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
+  snapshot->T_odom_robot = {10.0, 0.0, 0.0};
+  snapshot->segments = {segmentAt(70, {11.0, 1.0}, {12.46, 1.0}, snapshot->stamp_us),
+                        segmentAt(71, {12.54, 1.0}, {14.0, 1.0}, snapshot->stamp_us),
+                        segmentAt(72, {14.5, 1.0}, {16.0, 1.0}, snapshot->stamp_us),
+                        segmentAt(73, {14.0, 1.08}, {11.0, 1.08}, snapshot->stamp_us)};
+  auto analysis = std::make_shared<ImageAnalysis>(*update.analysis);
+  analysis->T_odom_robot = snapshot->T_odom_robot;
+  analysis->intrinsics.width = 320;
+  analysis->intrinsics.height = 240;
+  analysis->intrinsics.fx = analysis->intrinsics.fy = 200.0;
+  analysis->intrinsics.cx = 159.5;
+  analysis->intrinsics.cy = 119.5;
+  // 0.5 m above the robot, looking ahead: u = cx - fx y / x, v = cy + fy 0.5 / x. Shown from 2 to 3.5 m.
+  analysis->T_robot_camera = Pose3::Identity();
+  analysis->T_robot_camera.translation().z() = 0.5;
+  analysis->T_robot_camera.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  const auto pixelOf = [&](double x) { return Eigen::Vector2d(159.5 - 200.0 / x, 119.5 + 100.0 / x); };
+  analysis->predicted = {{5, {pixelOf(2.0), pixelOf(3.5)}, "skirting"}};
+  analysis->observed.resize(1);
+  analysis->matches = {{0, 0}};
+  const auto elementFive = [&] {
+    const std::vector<MemorySegment> elements = elementsOf({snapshot, analysis});
+    EXPECT_EQ(elements.size(), snapshot->segments.size() + 1);
+    EXPECT_EQ(elements.back().id, 5U);
+    return elements.back();
+  };
+  const MemorySegment whole = elementFive();
+  EXPECT_TRUE(whole.confirmed);
+  EXPECT_EQ(whole.last_seen_us, snapshot->stamp_us);
+  EXPECT_NEAR(whole.odom.a.x(), 11.0, 1e-6);
+  EXPECT_NEAR(whole.odom.b.x(), 14.0, 1e-6) << "the one behind the gap is another";
+  EXPECT_NEAR(whole.odom.a.y(), 1.0, 1e-6);
+  // Of the 1.5 m that are predicted, .46 m lie on the first part.
+  snapshot->segments[1].confirmed = false;
+  EXPECT_FALSE(elementFive().confirmed);
+  // One that is published with its own id is as published.
+  snapshot->segments[0].id = 5;
+  EXPECT_EQ(elementsOf({snapshot, analysis}).size(), snapshot->segments.size());
+}
+
 TEST(DriveCollector, KeepsUpdatesAtTheRateOfLocalization) {
   DriveCollector drive(KeyframeParams{}, 5.0);
   for (int i = 0; i <= 30; ++i) {

@@ -116,7 +116,7 @@ void MappingLoop::add(const MemoryUpdate& update) {
     return;
   }
   const auto begin = std::chrono::steady_clock::now();
-  if (drive_.add(frame, update, update.snapshot->segments)) status_.count("keyframes");
+  if (drive_.add(frame, update, elementsOf(update))) status_.count("keyframes");
   status_.latency("record", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   const auto& keyframes = drive_.record().keyframes;
   if (keyframes.empty()) return;

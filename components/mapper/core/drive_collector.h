@@ -15,6 +15,12 @@ namespace vismem {
 /// @param range_m  ObservationParams::range_m.
 MemoryUpdate searchedPart(const MemoryUpdate& update, double range_m);
 
+/// The elements of a memory of another process, as far as an update shows them: the published segments, and
+/// for each matched element that is published in parts (at junctions, as sides of shapes; they have other
+/// ids) the line from its first part to its last one, where it is predicted. It is confirmed if confirmed
+/// parts cover half of what is predicted.
+std::vector<MemorySegment> elementsOf(const MemoryUpdate& update);
+
 /// Collects keyframes and, at the rate of localization, the updates for the races. *Single-threaded* (owner:
 /// the loop of the drive).
 class DriveCollector {
