@@ -210,13 +210,6 @@ std::optional<std::uint64_t> AttentionPool::segmentOf(std::uint64_t point_id) co
   return entry->object_id;
 }
 
-double AttentionPool::salienceOf(AttentionKind kind, std::uint64_t object_id) const {
-  for (const Entry& entry : entries_) {
-    if (entry.point.kind == kind && entry.object_id == object_id) return entry.point.salience;
-  }
-  return 0.0;
-}
-
 void AttentionPool::publishSalience(std::span<MemorySegment> segments,
                                     std::span<Primitive> primitives) const {
   for (const Entry& entry : entries_) {

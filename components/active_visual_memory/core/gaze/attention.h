@@ -67,9 +67,6 @@ class AttentionPool {
   bool isUrgent() const;
   /// Id of the segment that a point stands for.
   std::optional<std::uint64_t> segmentOf(std::uint64_t point_id) const;
-  /// Salience of a remembered object, 0 if it has no point.
-  /// @param object_id of the segment (kSegment), or of the primitive (kPrimitive, kHypothesis).
-  double salienceOf(AttentionKind kind, std::uint64_t object_id) const;
   /// Sets the salience of all that have a point. @param segments  in the order of their ids.
   void publishSalience(std::span<MemorySegment> segments, std::span<Primitive> primitives) const;
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "active_visual_memory/published_salience.h"
 #include "common/geometry/angles.h"
 
 namespace vismem {
@@ -33,12 +34,12 @@ TEST(Attention, SalienceGrowsByOnePerTickAndIsZeroAfterAVisit) {
   AttentionPool pool(quiet(), Rig{});
   const std::vector<MemorySegment> memory{segmentAt(5, 0), segmentAt(6, 90)};
   for (int i = 0; i <= 10; ++i) pool.update(i * kTick, {memory, {}, {}}, {}, {});
-  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, 5), 10.0);
-  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, 6), 10.0);
+  EXPECT_DOUBLE_EQ(salienceOf(pool, AttentionKind::kSegment, 5), 10.0);
+  EXPECT_DOUBLE_EQ(salienceOf(pool, AttentionKind::kSegment, 6), 10.0);
   const auto first = pool.mostSalient();
   ASSERT_TRUE(first);
   pool.visited(first->id, panTiltTowards({}, *first->p_odom), {});
-  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, *pool.segmentOf(first->id)), 0.0);
+  EXPECT_DOUBLE_EQ(salienceOf(pool, AttentionKind::kSegment, *pool.segmentOf(first->id)), 0.0);
   // The other one lies 90 degrees away and is next: inhibition of return.
   EXPECT_DOUBLE_EQ(pool.mostSalient()->salience, 10.0);
   EXPECT_NE(pool.mostSalient()->id, first->id);
@@ -50,7 +51,7 @@ TEST(Attention, TheAttendedPointDoesNotGrow) {
   for (int i = 0; i <= 5; ++i) pool.update(i * kTick, {memory, {}, {}}, {}, {});
   const auto id = pool.mostSalient()->id;
   for (int i = 6; i <= 20; ++i) pool.update(i * kTick, {memory, {}, {}}, {}, id);
-  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, 5), 5.0);
+  EXPECT_DOUBLE_EQ(salienceOf(pool, AttentionKind::kSegment, 5), 5.0);
 }
 
 TEST(Attention, AVisitRefreshesWhatLiesNear) {
@@ -58,9 +59,9 @@ TEST(Attention, AVisitRefreshesWhatLiesNear) {
   const std::vector<MemorySegment> memory{segmentAt(1, 0), segmentAt(2, 8), segmentAt(3, 40)};
   for (int i = 0; i <= 10; ++i) pool.update(i * kTick, {memory, {}, {}}, {}, {});
   pool.visited(pool.mostSalient()->id, {0.0, 0.0}, {});
-  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, 1), 0.0);
-  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, 2), 0.0);
-  EXPECT_GT(pool.salienceOf(AttentionKind::kSegment, 3), 0.0);
+  EXPECT_DOUBLE_EQ(salienceOf(pool, AttentionKind::kSegment, 1), 0.0);
+  EXPECT_DOUBLE_EQ(salienceOf(pool, AttentionKind::kSegment, 2), 0.0);
+  EXPECT_GT(salienceOf(pool, AttentionKind::kSegment, 3), 0.0);
 }
 
 TEST(Attention, VisitsFollowTheGrowthRatesOfClients) {
@@ -106,12 +107,12 @@ TEST(Attention, RatesChangeForWaitingPointsToo) {
     return -1.0;
   };
   for (int i = 0; i <= 10; ++i) pool.update(i * kTick, {memory, {}, {}}, {}, {});
-  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, 5), 10.0);
+  EXPECT_DOUBLE_EQ(salienceOf(pool, AttentionKind::kSegment, 5), 10.0);
   EXPECT_DOUBLE_EQ(salienceOfClient(), 20.0);
   pool.setRate(AttentionKind::kSegment, 3.0);
   pool.setRate(AttentionKind::kClient, 0.5);
   for (int i = 11; i <= 20; ++i) pool.update(i * kTick, {memory, {}, {}}, {}, {});
-  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kSegment, 5), 40.0) << "10 + 10 ticks * 3";
+  EXPECT_DOUBLE_EQ(salienceOf(pool, AttentionKind::kSegment, 5), 40.0) << "10 + 10 ticks * 3";
   EXPECT_DOUBLE_EQ(salienceOfClient(), 30.0) << "20 + 10 ticks * 0.5 * priority 2";
 }
 
@@ -257,7 +258,7 @@ TEST(Attention, SegmentsShapesAndHypothesesCompeteAndAHypothesisStartsFirst) {
   shapes[1].kind = PrimitiveKind::kStripe;
   for (int i = 0; i <= 10; ++i) pool.update(i * kTick, {segments, shapes, {}}, {}, {});
   EXPECT_EQ(pool.points().size(), 2u) << "a stripe competes as its segments";
-  EXPECT_DOUBLE_EQ(pool.salienceOf(AttentionKind::kPrimitive, 7), 10.0);
+  EXPECT_DOUBLE_EQ(salienceOf(pool, AttentionKind::kPrimitive, 7), 10.0);
   const std::vector<VertexHypothesis> corners{{7, {-1.5, 0.0}}};
   pool.update(11 * kTick, {segments, shapes, corners}, {}, {});
   const auto next = pool.mostSalient();

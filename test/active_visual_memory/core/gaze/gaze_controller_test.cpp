@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "active_visual_memory/core/attentive_visual_memory.h"
+#include "active_visual_memory/published_salience.h"
 #include "common/geometry/angles.h"
 
 namespace vismem {
@@ -189,7 +190,7 @@ TEST(GazeController, VisitsTenObjectsEvenly) {
     for (MemorySegment& s : memory) s.last_seen_us = bench.now + 33'333;
     bench.step(memory);
     for (int k = 0; k < 10; ++k) {
-      const double salience = bench.pool.salienceOf(AttentionKind::kSegment, k + 1);
+      const double salience = salienceOf(bench.pool, AttentionKind::kSegment, k + 1);
       if (salience < before[k] - 1.0) ++visits[k];
       before[k] = salience;
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "active_visual_memory/core/attentive_visual_memory.h"
+#include "active_visual_memory/published_salience.h"
 #include "common/geometry/angles.h"
 #include "common/kinematics/kinematics.h"
 
@@ -189,7 +190,7 @@ Visits watch(GazeBench& bench, std::vector<MemorySegment> things, double seconds
     for (MemorySegment& s : things) s.last_seen_us = bench.now_us;
     bench.image(things, [] {});
     for (std::size_t k = 0; k < things.size(); ++k) {
-      const double salience = bench.pool.salienceOf(AttentionKind::kSegment, things[k].id);
+      const double salience = salienceOf(bench.pool, AttentionKind::kSegment, things[k].id);
       EXPECT_GE(salience, 0.0);
       if (salience < before[k]) {
         EXPECT_EQ(salience, 0.0) << "a visit leaves nothing (A1)";
