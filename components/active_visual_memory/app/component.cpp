@@ -8,6 +8,7 @@
 #include "active_visual_memory/app/perception_loop.h"
 #include "common/memory_ice/gaze_ice.h"
 #include "common/memory_ice/visual_memory_ice.h"
+#include "common/process/peer.h"
 #include "common/robot_ice/base_ice.h"
 #include "common/robot_ice/camera_ice.h"
 #include "common/robot_ice/pantilt_ice.h"
@@ -15,19 +16,6 @@
 
 namespace vismem {
 namespace {
-
-/// Reports the outcome of a port's requests as the state of its peer.
-LinkReport reportTo(const std::string& name, const std::shared_ptr<Ice::ObjectPrx>& proxy,
-                    ComponentHost& host) {
-  auto link = std::make_shared<PeerLink>(name, proxy, host.status(), host.log());
-  return [link](const std::string& failure) {
-    if (failure.empty()) {
-      link->succeeded();
-    } else {
-      link->failed(failure);
-    }
-  };
-}
 
 class ActiveVisualMemory final : public Component {
  public:
@@ -41,14 +29,15 @@ class ActiveVisualMemory final : public Component {
     auto& communicator = *host.communicator();
     const auto camera = communicator.stringToProxy(config_.camera_proxy);
     const auto odometry = communicator.stringToProxy(config_.odometry_proxy);
-    camera_ = std::make_unique<RemoteFrameSource>(Ice::uncheckedCast<avm::CameraPrx>(camera),
-                                                  FrameFormat::kRgb8, reportTo("Camera", camera, host));
+    camera_ =
+        std::make_unique<RemoteFrameSource>(Ice::uncheckedCast<avm::CameraPrx>(camera), FrameFormat::kRgb8,
+                                            reportTo("Camera", camera, host.status(), host.log()));
     base_ = std::make_unique<RemoteMobileBase>(nullptr, Ice::uncheckedCast<avm::OdometryPrx>(odometry),
-                                               reportTo("Odometry", odometry, host));
+                                               reportTo("Odometry", odometry, host.status(), host.log()));
     if (config_.hasPanTilt()) {
       const auto unit = communicator.stringToProxy(config_.pan_tilt_proxy);
       pan_tilt_ = std::make_unique<RemotePanTiltUnit>(Ice::uncheckedCast<avm::PanTiltPrx>(unit),
-                                                      reportTo("PanTilt", unit, host));
+                                                      reportTo("PanTilt", unit, host.status(), host.log()));
     }
     calibrated_base_ = std::make_unique<CalibratedBase>(*base_, config_.wheels);
     if (pan_tilt_) calibrated_pan_tilt_ = std::make_unique<CalibratedPanTilt>(*pan_tilt_, config_.joints);

@@ -8,6 +8,7 @@
 #include "common/geometry/angles.h"
 #include "common/memory_ice/visual_memory_ice.h"
 #include "common/process/parameter_table.h"
+#include "common/process/peer.h"
 #include "localization/app/gaze_sender.h"
 #include "localization/app/health_map_worker.h"
 #include "localization/app/localization_loop.h"
@@ -47,15 +48,9 @@ class LocalizationComponent final : public Component, public LocalizationControl
   void start(ComponentHost& host) override {
     for (const std::string& warning : map_warnings_) host.log().warning(warning);
     const auto proxy = host.communicator()->stringToProxy(config_.visual_memory_proxy);
-    auto link = std::make_shared<PeerLink>("VisualMemory", proxy, host.status(), host.log());
-    memory_ = std::make_unique<VisualMemoryClient>(Ice::uncheckedCast<avm::VisualMemoryPrx>(proxy),
-                                                   [link](const std::string& failure) {
-                                                     if (failure.empty()) {
-                                                       link->succeeded();
-                                                     } else {
-                                                       link->failed(failure);
-                                                     }
-                                                   });
+    memory_ =
+        std::make_unique<VisualMemoryClient>(Ice::uncheckedCast<avm::VisualMemoryPrx>(proxy),
+                                             reportTo("VisualMemory", proxy, host.status(), host.log()));
     loop_ = std::make_unique<LocalizationLoop>(std::move(localizer_), *memory_);
     planner_wanted_ = planner_.has_value();
     if (planner_) {
