@@ -49,7 +49,7 @@ struct Rating {
   /// at least `explained_sigma_m`.
   double explained = 0.0;
   /// Variance factor of unit weight: weighted mean of (d / sigma)^2 over the inliers. 1: points deviate from
-  /// the map as much as stated.
+  /// the map as their sigmas predict.
   double variance_factor = 0.0;
 };
 
