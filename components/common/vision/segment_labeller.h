@@ -18,9 +18,9 @@ struct LabellerParams {
   std::vector<double> dark_distances_px{1.5, 2.5, 3.5};
   int samples = 9;                ///< along the segment, at each distance
   double trim = 0.1;              ///< share of the length left out at each end, because of corners
-  double minimum_majority = 0.6;  ///< share of the samples of a side that must have one class; else ..
-  /// .. the mean colour decides, if the samples are of one surface: largest standard deviation of a channel
-  /// [grey levels], above the noise of cameras and below the steps between materials.
+  double minimum_majority = 0.6;  ///< share of the samples of a side that must have one class
+  /// Without such a class the mean colour decides, if the samples are of one surface: the largest standard
+  /// deviation of a channel [grey levels]. Noise of cameras lies below it, steps between materials above.
   double maximum_scatter = 20.0;
 };
 

@@ -40,8 +40,8 @@ void eraseSegments(std::vector<MemorySegment>& segments, const std::vector<std::
 /// How far an end may lie from the place where its edge ends by the lines around [m].
 struct EndReach {
   double least_m;
-  double sigmas;  ///< of the best view of the end, added ..
-  double most_m;  ///< .. up to this
+  double sigmas;  ///< of the best view of the end, added to least_m
+  double most_m;
 
   double of(const ExtentEnd& end) const {
     return std::min(most_m, least_m + sigmas * std::sqrt(end.best_m2));

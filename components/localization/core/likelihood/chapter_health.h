@@ -38,9 +38,9 @@ MapIndex::Params chapterIndex(const MapParams& map);
 
 /// L4: `H = 1 - mean(d_i) / M`, clamped to 0..1. d_i is the distance in the image to the nearest map line of
 /// the label of which any part is in view. Lines are clipped at the near plane, not at the image border. A
-/// label without a line in view counts M, as much as makes one point's health 0: one false label in eight
-/// would else cost all health, and races would turn until some line of it came into view. Exhaustive over the
-/// label's lines.
+/// label without a line in view counts M, which makes the health of one point 0. The image's diagonal is
+/// eight times as long: one false label in eight would cost all health, and races would turn until some line
+/// of it came into view. Exhaustive over the label's lines.
 /// @param points must not be empty; points of one label should be adjacent, for speed.
 /// @param scale_px M for this image.
 /// @param buffer of the lines in view, kept between calls.
