@@ -19,13 +19,13 @@
 
 namespace vismem {
 
-/// One coordinate in which an observation differs from a remembered line: across the line, or of one of its ends
-/// along it.
+/// One coordinate in which an observation differs from a remembered line: across the line, or of one of its
+/// ends along it.
 struct LineResidual {
   Eigen::Vector2d p = Eigen::Vector2d::Zero();           ///< observed point in odom [m]
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< along which both are compared
   double residual_m = 0.0;                               ///< observed minus remembered
-  double variance_m2 = 1.0;                              ///< of the difference, without the unknowns of the filter
+  double variance_m2 = 1.0;  ///< of the difference, without the unknowns of the filter
   /// Derivative of observed minus remembered by the camera tilt [m/rad].
   TiltJacobianRow d_tilt = TiltJacobianRow::Zero();
   /// Derivative of the observed coordinate by the tilt of this frame [m/rad].
@@ -41,14 +41,15 @@ struct Correction {
   Eigen::Matrix2d P_frame_tilt = Eigen::Matrix2d::Zero();  ///< posterior covariance [rad^2]
 };
 
-/// Prior sigmas of the errors of odometry. Wheels and legs err by a lasting share, which is estimated, and at random.
+/// Prior sigmas of the errors of odometry. Wheels and legs err by a lasting share, which is estimated, and at
+/// random.
 struct OdometryErrors {
   double shift_per_m = 0.02;     ///< random shift per metre driven
   double shift_per_rad = 0.005;  ///< random shift per radian turned [m/rad]
   double turn_per_rad = 0.02;    ///< lasting heading error per radian turned
   double turn_per_m = 0.02;      ///< lasting heading error per metre driven [rad/m]
-  double travel_scale = 0.1;     ///< lasting error of the travelled way per metre; real wheels err by 3 to 11 %
-  double turn_noise = 0.005;     ///< random heading error over the way of the wheels or feet [rad/sqrt(m)]
+  double travel_scale = 0.1;  ///< lasting error of the travelled way per metre; real wheels err by 3 to 11 %
+  double turn_noise = 0.005;  ///< random heading error over the way of the wheels or feet [rad/sqrt(m)]
   double feet_per_rad_m = 0.06;  ///< that way per radian turned [m/rad]
 };
 
@@ -68,11 +69,12 @@ struct LineCorrection {
       Eigen::Matrix<double, 2, 4>::Zero();  ///< their derivative by the camera tilt
 };
 
-/// State: drift of the odometry since the memory was made (a random motion about the robot that grows with its way; a
-/// robot that stands does not drift), its lasting errors, the camera tilt, the dominant direction of the place, the
-/// tilt of the frame at hand, and the lines. The tilt of a frame is a common error of all lines in that image, and of
-/// all that is compared with them later: independent lines would make tilt and heading seem better known than they
-/// are. *Single-threaded value*, `preview` included: its workspace is here. Nothing is allocated after construction.
+/// State: drift of the odometry since the memory was made (a random motion about the robot that grows with
+/// its way; a robot that stands does not drift), its lasting errors, the camera tilt, the dominant direction
+/// of the place, the tilt of the frame at hand, and the lines. The tilt of a frame is a common error of all
+/// lines in that image, and of all that is compared with them later: independent lines would make tilt and
+/// heading seem better known than they are. *Single-threaded value*, `preview` included: its workspace is
+/// here. Nothing is allocated after construction.
 class MapFilter {
  public:
   static constexpr int kMaxLines = 128;  ///< a further line replaces the one that was unseen for longest
@@ -80,8 +82,8 @@ class MapFilter {
 
   struct Params {
     OdometryErrors odometry;
-    double huber = 1.5;            ///< sigmas beyond which a residual has less weight
-    double gate = 4.0;             ///< sigmas beyond which it has none
+    double huber = 1.5;  ///< sigmas beyond which a residual has less weight
+    double gate = 4.0;   ///< sigmas beyond which it has none
     int iterations = 3;
     double gait_height_m = 0.57;  ///< of the camera above what the body tilts about in each frame
     double offset_noise_m =
@@ -222,8 +224,8 @@ class MapFilter {
   bool factorize() const;
   /// Multiplies the rows of W from `first` to before `end` by L^-T.
   void divideByFactor(int first, int end) const;
-  /// Iterated update of the mean. @return false without information; else `innovation_` is set, W to P H^T L^-T
-  /// in its first kCommon rows and to P H^T in the others.
+  /// Iterated update of the mean. @return false without information; else `innovation_` is set, W to P H^T
+  /// L^-T in its first kCommon rows and to P H^T in the others.
   bool solve(State& state, const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
              std::span<const LineDirection> directions, const Params& params) const;
   /// Covariance update with `innovation_`: P - P H^T (H P H^T + R)^-1 H P = P - W W^T.

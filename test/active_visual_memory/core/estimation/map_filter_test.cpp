@@ -41,7 +41,8 @@ TEST(MapFilter, HeadingNoiseGrowsByTurnNoise) {
   EXPECT_NEAR(after(0.05) - after(0.0), 0.05 * 0.05, 1e-9);
 }
 
-/// Residuals of a room's two walls, two metres from the robot, against a known map, after a drift of the odometry.
+/// Residuals of a room's two walls, two metres from the robot, against a known map, after a drift of the
+/// odometry.
 std::vector<LineResidual> wallsSeen(const PlanarIncrement& drift, double sigma_m, std::mt19937_64& random) {
   std::normal_distribution<double> noise(0.0, sigma_m);
   std::vector<LineResidual> residuals;
@@ -121,7 +122,8 @@ TEST(MapFilter, ItsPriorBoundsTheCorrection) {
 }
 
 TEST(MapFilter, EstimatesALastingHeadingRate) {
-  // A robot turns on itself and its odometry counts 3 % too little: its memory turns away, each image by as much.
+  // A robot turns on itself and its odometry counts 3 % too little: its memory turns away, each image by as
+  // much.
   for (const double share : {0.03, -0.02, 0.0}) {
     std::mt19937_64 random(3);
     std::normal_distribution<double> noise(0.0, 0.002);
@@ -147,7 +149,8 @@ TEST(MapFilter, EstimatesALastingHeadingRate) {
 }
 
 TEST(MapFilter, EstimatesTheScaleOfTheTravelledWay) {
-  // Odometry counts 6 % too much: what rests comes nearer by less than it says, so the memory must move ahead.
+  // Odometry counts 6 % too much: what rests comes nearer by less than it says, so the memory must move
+  // ahead.
   for (const double share : {0.06, -0.04, 0.0}) {
     std::mt19937_64 random(4);
     MapFilter filter{TiltPrior{}};
