@@ -4,9 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <map>
 #include <mutex>
+#include <thread>
 
 #include "support/component_process.h"
 
@@ -34,6 +37,7 @@ class Registry : public Ice::LocatorRegistry {
                                             std::function<void(std::exception_ptr)>,
                                             const Ice::Current&) override {
     set(group + "/" + id, proxy);
+    std::this_thread::sleep_for(delay_.load());
     response();
   }
   void setServerProcessProxyAsync(std::string id, std::shared_ptr<Ice::ProcessPrx> process,
@@ -42,6 +46,8 @@ class Registry : public Ice::LocatorRegistry {
     set("process " + id, process);
     response();
   }
+  /// Registrations of groups are kept at once and answered after this time.
+  void answerAfter(std::chrono::milliseconds delay) { delay_ = delay; }
   /// Null: not registered, or withdrawn.
   std::shared_ptr<Ice::ObjectPrx> find(const std::string& id) const {
     const std::scoped_lock lock(mutex_);
@@ -55,6 +61,7 @@ class Registry : public Ice::LocatorRegistry {
     proxies_[id] = proxy;
   }
   const std::string only_;
+  std::atomic<std::chrono::milliseconds> delay_{};
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Ice::ObjectPrx>> proxies_;
 };
@@ -158,6 +165,7 @@ TEST_F(RegistrationTest, ServesWithoutARegistryAndRegistersWhenItComes) {
 
 TEST_F(RegistrationTest, WithdrawsAtItsEnd) {
   TestLocator locator("");
+  locator.registry().answerAfter(std::chrono::milliseconds(200));
   locator.start();
   ComponentProcess probe("probe_component",
                          {"--Ice.Default.Locator=" + locator.proxy(), "--ProbeAdapter.AdapterId=robot7.probe",

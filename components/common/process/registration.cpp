@@ -70,6 +70,8 @@ void Registration::begin() {
 
 void Registration::withdraw() {
   thread_.request_stop();
+  // The registry may have taken an entry whose answer is still on its way.
+  const std::unique_lock lock(calls_, milliseconds(kWithdrawal_ms));
   if (!is_registered_) return;
   for (const Entry& entry : entries_) {
     try {
@@ -83,9 +85,9 @@ void Registration::withdraw() {
 }
 
 void Registration::run(const std::stop_token& stop) {
-  std::mutex mutex;
   std::condition_variable_any pause;
   milliseconds retry = kFirstRetry;
+  std::unique_lock lock(calls_);
   while (!stop.stop_requested()) {
     milliseconds wait = kRenewal;
     try {
@@ -101,7 +103,6 @@ void Registration::run(const std::stop_token& stop) {
       status_.fault(kFault, describeFailure(failure));
       wait = std::exchange(retry, std::min(2 * retry, kLongestRetry));
     }
-    std::unique_lock lock(mutex);
     pause.wait_for(lock, stop, wait, [] { return false; });
   }
 }

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -30,7 +31,7 @@ class Registration {
 
   /// Registers in a thread of its own. Call it when the adapters are active.
   void begin();
-  /// Ends that and withdraws what is registered. Takes at most half a second for each adapter.
+  /// Ends that and withdraws what is registered. Takes at most half a second, and as much for each adapter.
   void withdraw();
 
  private:
@@ -50,6 +51,7 @@ class Registration {
   std::vector<Entry> entries_;
   std::string server_id_;  ///< empty: no node started this process
   std::atomic<bool> is_registered_ = false;
+  std::timed_mutex calls_;  ///< held by the thread of begin() while it calls the registry
   std::jthread thread_;
 };
 
