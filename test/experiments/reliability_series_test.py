@@ -18,11 +18,11 @@ TRUTH = [(0.0, 1.0, 0.0, 3.1), (1.0, 2.0, 0.0, -3.1)]
 
 
 class Score(unittest.TestCase):
-    def score(self, rows, has_twin=False):
+    def score(self, rows, has_twin=False, is_mirrored=False):
         with tempfile.NamedTemporaryFile("w", suffix=".csv", delete=False) as stream:
             stream.write(HEAD + rows)
         self.addCleanup(os.remove, stream.name)
-        return series.score(stream.name, TRUTH, has_twin)
+        return series.score(stream.name, TRUTH, has_twin, is_mirrored)
 
     def test_a_right_pose_counts_with_its_normalised_error(self):
         # At 0.5 s the truth is (1.5, 0, pi): the heading is interpolated across the wrap. Error 0.1 m in x, 2 sigma of 0.05 m.
@@ -40,6 +40,24 @@ class Score(unittest.TestCase):
         row = "0.5,1,2.4,0,0,1,1,9,9,0.5,0.01,0,0.01,0,0,0.01\n"
         self.assertEqual(self.score(row)["chosen"], 0)
         self.assertEqual(self.score(row, has_twin=True)["chosen"], 1)
+
+    def test_nothing_is_right_in_a_mirrored_map(self):
+        sums = self.score(f"0.5,1,1.5,0,{math.pi},1,1,9,9,0.95,0.01,0,0.01,0,0,0.01\n", is_mirrored=True)
+        self.assertEqual((sums["bins"][9][2], sums["near"], sums["chosen"], sums["squares"]), (0, 0, 0, 0))
+
+    def test_maps_change_as_their_data_set_says(self):
+        with tempfile.TemporaryDirectory() as folder:
+            source, changed = os.path.join(folder, "map.csv"), os.path.join(folder, "changed.csv")
+            rows = "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label\n" + "".join(f"{i},1.5,0,{i},-2,0,skirting\n" for i in range(30))
+            with open(source, "w", encoding="utf-8") as stream:
+                stream.write(rows)
+            lines = {}
+            for kind in ("mirrored room", "room, map lacks a third"):
+                series.write_changed_map(source, changed, kind, 1)
+                with open(changed, encoding="utf-8") as stream:
+                    lines[kind] = stream.read().splitlines()
+        self.assertEqual(lines["mirrored room"][:2], [rows.splitlines()[0], "0,-1.5,0,0,2.0,0,skirting"])
+        self.assertTrue(12 <= len(lines["room, map lacks a third"]) - 1 <= 26)
 
     def test_estimates_without_a_truth_do_not_count(self):
         self.assertEqual(self.score("5.0,1,1.5,0,3.1,1,1,9,9,0.5,0.01,0,0.01,0,0,0.01\n")["poses"], 0)

@@ -244,6 +244,40 @@ TEST(Ablation, ReliabilityFallsWhenNothingIsExplained) {
   }
 }
 
+// A mirrored map is a map of another place: races fit a part of each image, and none is right.
+TEST(Ablation, ReliabilityIsLowInAMapOfAnotherPlace) {
+  const auto line = [](double x1, double y1, double x2, double y2, const Label& label) {
+    return MapSegment{{{x1, y1, 0.0}, {x2, y2, 0.0}}, label, 0.0};
+  };
+  SegmentMap room;
+  // No walls at right angles.
+  room.segments = {line(-3, -2, 3, -1.2, "skirting"),     line(3, -1.2, 2.8, 0.2, "door"),
+                   line(2.8, 0.2, 2.4, 2.5, "skirting"),  line(2.4, 2.5, -2.2, 1.6, "skirting"),
+                   line(-2.2, 1.6, -2.7, -0.6, "door"),   line(-2.7, -0.6, -3, -2, "skirting"),
+                   line(-1.2, -1.8, 0.2, -0.9, "stripe"), line(0.4, 1.6, 1.6, 0.2, "stripe")};
+  SegmentMap mirrored = room;
+  for (MapSegment& one : mirrored.segments) {
+    one.world.a.y() *= -1.0;
+    one.world.b.y() *= -1.0;
+  }
+  const auto meanReliability = [&](const SegmentMap& map, std::uint64_t seed) {
+    Localizer localizer(localizerPreset(LocalizationMode::kDefault), map, seed);
+    double sum = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      const double turn = 0.02 * i;
+      const Pose2 truth{0.8 * std::cos(turn), 0.8 * std::sin(turn), wrapAngle(turn + degToRad(90))};
+      const double pan = degToRad(60) * std::sin(0.15 * i);
+      localizer.update(test::viewFrom(room, truth, (i + 1) * 200'000, pan, degToRad(-15), 4.0));
+      sum += localizer.latest().reliability / 200.0;
+    }
+    return sum;
+  };
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    EXPECT_GT(meanReliability(room, seed), 0.95) << seed;
+    EXPECT_LT(meanReliability(mirrored, seed), 0.2) << seed;
+  }
+}
+
 // Constructed explorers find the place more often than uniform ones with the same few tries.
 TEST(Ablation, ConstructedExplorersNeedFewerTries) {
   const SegmentMap map = test::corridorMap();

@@ -16,6 +16,7 @@ constexpr double kBlur_m = 0.10;
 }  // namespace
 
 void ScoreHistory::begin(const FloorObservation& observation, const Pose2& T_odom_robot, double novelty) {
+  mean_weight_ = meanWeight();
   if (current_) {
     for (Kept& one : kept_) one.weight *= 1.0 - newestWeight();
     current_->weight = newestWeight();
@@ -30,6 +31,7 @@ void ScoreHistory::begin(const FloorObservation& observation, const Pose2& T_odo
   T_odom_robot_ = T_odom_robot;
   ++iteration_;
   novelty_ = novelty;
+  newest_observed_ = weightOf(observation);
   is_repeat_ = novelty < kLeastNovelty && !kept_.empty();
   current_ = Kept{0.0, T_odom_robot, thinned(observation, kPoints)};
 }
@@ -45,11 +47,16 @@ void ScoreHistory::clear(bool is_place_known) {
   current_.reset();
   countAsNew();
   iteration_ = is_place_known ? kLong : 0;
+  mean_weight_ = newest_observed_;
 }
 
 double ScoreHistory::newestWeight() const {
   const double forgetting = params_.forgetting;
   return novelty_ * (1.0 - forgetting) / (1.0 - std::pow(forgetting, std::max(1, iteration_)));
+}
+
+double ScoreHistory::meanWeight() const {
+  return mean_weight_ + newestWeight() * (newest_observed_ - mean_weight_);
 }
 
 std::vector<double> ScoreHistory::scoresAt(const Pose2& T_world_robot) const {

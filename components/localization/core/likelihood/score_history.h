@@ -61,6 +61,8 @@ class ScoreHistory {
   /// Weight of this iteration's observation in the running mean that evidence is: equal weights at first,
   /// exponential forgetting later; scaled by novelty.
   double newestWeight() const;
+  /// The same running mean of the observations' weights in effective points (weightOf).
+  double meanWeight() const;
 
   /// The largest evidence over two explanations and all races:
   /// - The robot was at the race's pose until some moment and jumped here: the race's evidence minus
@@ -84,7 +86,9 @@ class ScoreHistory {
   const RobustLikelihood& likelihood_;
   ScoreHistoryParams params_;
   int iteration_ = 0;
-  double novelty_ = 1.0;  ///< of this iteration's observation
+  double novelty_ = 1.0;          ///< of this iteration's observation
+  double mean_weight_ = 0.0;      ///< before this iteration
+  double newest_observed_ = 0.0;  ///< weight of this iteration's observation
   /// This iteration's observation repeats a kept one and is not kept, so that views of other places stay.
   bool is_repeat_ = false;
   std::deque<Kept> kept_;

@@ -89,6 +89,21 @@ TEST_F(ScoreHistoryTest, APoseThatExplainsThePastAsWellHasTheWinnersEvidence) {
   EXPECT_NEAR(initialAt(kTwin).evidence, winner_.evidence, 1e-6);
 }
 
+TEST_F(ScoreHistoryTest, TheMeanWeightIsThatOfTheObservationsInTheEvidence) {
+  see(kFirst, {0, 1});  // 20 points of weight 1
+  EXPECT_NEAR(history_.meanWeight(), 20.0, 1e-9);
+  see(kFirst, {0});
+  EXPECT_NEAR(history_.meanWeight(), 20.0 - 10.0 * history_.newestWeight(), 1e-9);
+  const double before = history_.meanWeight();
+  novelty_ = 0.0;
+  see(kFirst, {0, 1});
+  EXPECT_NEAR(history_.meanWeight(), before, 1e-9) << "a repeated view counts nothing";
+  history_.clear(false);
+  novelty_ = 1.0;
+  see(kFirst, {0});
+  EXPECT_NEAR(history_.meanWeight(), 10.0, 1e-9);
+}
+
 TEST_F(ScoreHistoryTest, OneImageDoesNotMakeAWinner) {
   seeCorner(40);
   // A false observation of the twin's door.
