@@ -52,7 +52,7 @@ AttentiveVisualMemory::StepResult MemoryPipeline::process(const RobotObservation
     correction_->correct(image, corrected_);
     seen.frame.image = corrected_;
   }
-  const auto segments = extractor_.extract(seen.frame.image, seen.frame.intrinsics, probe);
+  const auto& segments = extractor_.extract(seen.frame.image, seen.frame.intrinsics, probe);
   if (light_ && light_->update(image, extractor_.detected())) {
     correction_.reset();
     if (!light_->light().isNeutral()) correction_.emplace(light_->light());
