@@ -5,18 +5,6 @@
 #include "active_visual_memory/core/memory/segment_memory_view.h"
 
 namespace vismem {
-namespace {
-
-/// As findElement, fast: ids of the memory ascend.
-MemoryElement* elementOf(std::uint64_t id, std::vector<MemoryElement>& elements) {
-  const auto found = std::lower_bound(
-      elements.begin(), elements.end(), id,
-      [](const MemoryElement& element, std::uint64_t wanted) { return element.value.id < wanted; });
-  return found != elements.end() && found->value.id == id ? &*found : nullptr;
-}
-
-}  // namespace
-
 MapFilter::Params SegmentMemory::mapFilterParams() const {
   MapFilter::Params params = params_.estimation.map_filter;
   params.together_rad = params_.estimation.dominant_direction.together_rad;
@@ -83,7 +71,7 @@ void SegmentMemory::correctSlip(const View& view, const std::vector<FloorSegment
 void SegmentMemory::removeStaleLines() {
   // Elements off the floor do not measure the drift.
   map_filter_.retainIf([&](std::uint64_t id) {
-    const MemoryElement* element = elementOf(id, elements_);
+    const MemoryElement* element = findElement(elements_, id);
     return element && !element->stands;
   });
 }
@@ -98,7 +86,7 @@ void SegmentMemory::join(MemoryElement& element, const MemoryElement& other) {
 
 void SegmentMemory::applyLineCorrections() {
   for (const LineCorrection& correction : map_filter_.lineCorrections()) {
-    MemoryElement* element = elementOf(correction.line, elements_);
+    MemoryElement* element = findElement(elements_, correction.line);
     if (!element) continue;
     element->line.correct(correction.reference, correction.offset_m, correction.turn_rad);
     element->line.know(correction.reference, correction.P, correction.J);
