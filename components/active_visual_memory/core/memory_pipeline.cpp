@@ -36,8 +36,8 @@ MemoryPipeline::MemoryPipeline(const Params& params, std::shared_ptr<const Palet
   if (palette && params.corrects_light) light_.emplace(palette);
 }
 
-AttentiveVisualMemory::StepResult MemoryPipeline::process(const RobotObservation& observation,
-                                                          StageProbe* probe) {
+const AttentiveVisualMemory::StepResult& MemoryPipeline::process(const RobotObservation& observation,
+                                                                 StageProbe* probe) {
   const CameraIntrinsics& stated = observation.frame.intrinsics;
   const int block = blockSize(stated);
   RobotObservation seen = observation;
