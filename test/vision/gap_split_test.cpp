@@ -27,7 +27,9 @@ std::vector<ImageSegment> split(const cv::Mat& image, double strength, bool enab
   k.height = image.rows;
   GapSplitParams params;
   params.enabled = enabled;
-  return splitAtGaps(image, k, upperEdge(strength), params);
+  std::vector<ImageSegment> segments = upperEdge(strength);
+  GapSplitter().split(image, k, segments, params);
+  return segments;
 }
 
 TEST(GapSplit, CutsAnEdgeWhereAnotherLineJoins) {

@@ -24,14 +24,20 @@ cv::Mat corridor(int from, int to) {
   return image;
 }
 
+std::vector<LabelledPiece> split(const cv::Mat& image, const Segment2& px) {
+  LabelSplitter splitter(palette(), {});
+  const auto pieces = splitter.split(image, px, 10.0);
+  return {pieces.begin(), pieces.end()};
+}
+
 const Segment2 kFoot{{5, 59.5}, {195, 59.5}};  // the brighter side above: left of a walk to the right
 
 TEST(LabelSplit, CutsWhereADoorBeginsAndEnds) {
-  const auto pieces = splitByLabel(corridor(70, 120), kFoot, palette(), {}, 10.0);
+  const auto pieces = split(corridor(70, 120), kFoot);
   ASSERT_EQ(pieces.size(), 3u);
-  EXPECT_EQ(pieces[0].label, "skirting");
-  EXPECT_EQ(pieces[1].label, "door_foot");
-  EXPECT_EQ(pieces[2].label, "skirting");
+  EXPECT_EQ(*pieces[0].label, "skirting");
+  EXPECT_EQ(*pieces[1].label, "door_foot");
+  EXPECT_EQ(*pieces[2].label, "skirting");
   EXPECT_NEAR(pieces[1].px_raw.a.x(), 69.5, 0.3);
   EXPECT_NEAR(pieces[1].px_raw.b.x(), 119.5, 0.3);
   EXPECT_EQ(pieces[0].px_raw.a, kFoot.a);
@@ -55,7 +61,7 @@ TEST(LabelSplit, TheSidesOfADoorStandUprightHoweverItsFootRuns) {
     }
     cv::Mat image;
     cv::resize(fine, image, {200, 140}, 0, 0, cv::INTER_AREA);
-    const auto pieces = splitByLabel(image, {{30, foot(30)}, {170, foot(170)}}, palette(), {}, 10.0);
+    const auto pieces = split(image, {{30, foot(30)}, {170, foot(170)}});
     ASSERT_EQ(pieces.size(), 3u) << slope;
     EXPECT_NEAR(pieces[1].px_raw.a.x(), 70.3, 0.4) << slope;
     EXPECT_NEAR(pieces[1].px_raw.b.x(), 120.8, 0.4) << slope;
@@ -63,22 +69,22 @@ TEST(LabelSplit, TheSidesOfADoorStandUprightHoweverItsFootRuns) {
 }
 
 TEST(LabelSplit, LeavesASegmentOfOneLabelWhole) {
-  const auto pieces = splitByLabel(corridor(0, 0), kFoot, palette(), {}, 10.0);
+  const auto pieces = split(corridor(0, 0), kFoot);
   ASSERT_EQ(pieces.size(), 1u);
-  EXPECT_EQ(pieces[0].label, "skirting");
+  EXPECT_EQ(*pieces[0].label, "skirting");
   EXPECT_EQ(pieces[0].px_raw.b, kFoot.b);
 }
 
 TEST(LabelSplit, ALabelThatHoldsTooShortlyDoesNotCount) {
-  const auto pieces = splitByLabel(corridor(90, 94), kFoot, palette(), {}, 10.0);
+  const auto pieces = split(corridor(90, 94), kFoot);
   ASSERT_EQ(pieces.size(), 1u);
-  EXPECT_EQ(pieces[0].label, "skirting");
+  EXPECT_EQ(*pieces[0].label, "skirting");
 }
 
 TEST(LabelSplit, UnknownStretchesNeitherCutNorJoinOtherLabels) {
   cv::Mat image = corridor(0, 0);
   image(cv::Rect(90, 0, 20, 60)).setTo(cv::Scalar(0, 0, 255));  // a class of its own: none
-  EXPECT_EQ(splitByLabel(image, kFoot, palette(), {}, 10.0).size(), 1u);
+  EXPECT_EQ(split(image, kFoot).size(), 1u);
 }
 
 }  // namespace

@@ -37,6 +37,13 @@ cv::Mat stripeImage(const Segment2& middle, double width_px, const cv::Scalar& g
   return image;
 }
 
+SegmentSides labelSegment(const cv::Mat& image, const Segment2& px, const Palette& palette,
+                          const LabellerParams& params) {
+  SideSamples samples(palette, params);
+  samples.takeWhole(image, px);
+  return samples.sides(0, params.samples);
+}
+
 TEST(Palettes, ThoseWeShipAreLoaded) {
   int count = 0;
   for (const auto& entry :
@@ -61,7 +68,8 @@ TEST(SideSamples, AWindowHasTheLabelOfThatPartOfTheSegment) {
   window.trim = 0.0;
   const Eigen::Vector2d along = (edge.b - edge.a) / edge.length();
   constexpr int kWindows = 180;
-  const SideSamples samples(image, edge, 1.0, 2.0, kWindows + 2, *palette, window);
+  SideSamples samples(*palette, window);
+  samples.take(image, edge, 1.0, 2.0, kWindows + 2);
   std::set<Label> seen;
   for (int i = 0; i < kWindows; ++i) {
     const Segment2 part{edge.a + 2.0 * i * along, edge.a + (2.0 * i + 6.0) * along};

@@ -22,6 +22,11 @@ ImageSegment segment(double x1, double y1, double x2, double y2, const Label& la
   return {{{x1, y1}, {x2, y2}}, label, strength};
 }
 
+std::vector<ImageSegment> mergeSegments(std::vector<ImageSegment> segments, const MergeParams& params) {
+  SegmentMerger().merge(segments, params);
+  return segments;
+}
+
 bool near(const std::vector<ImageSegment>& x, const std::vector<ImageSegment>& y, double tolerance) {
   return std::equal(
       x.begin(), x.end(), y.begin(), y.end(), [&](const ImageSegment& a, const ImageSegment& b) {

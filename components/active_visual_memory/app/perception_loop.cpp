@@ -262,15 +262,16 @@ bool PerceptionLoop::processAll(ObservationAssembler& assembler, MemoryPipeline&
       status_.note("a new epoch, the memory is set aside: " + assembler.epochReason());
     }
     const auto begin = Clock::now();
-    AttentiveVisualMemory::StepResult result;
+    const AttentiveVisualMemory::StepResult* step = nullptr;
     try {
-      result = pipeline.process(*observation);
+      step = &pipeline.process(*observation);
     } catch (const std::exception& failure) {
       // An image that contradicts its description is skipped; the next one may be good.
       status_.error(failure.what());
       unusable_ = failure.what();
       continue;
     }
+    const AttentiveVisualMemory::StepResult& result = *step;
     any = true;
     unusable_.clear();
     // At once: after a pause many frames may wait.

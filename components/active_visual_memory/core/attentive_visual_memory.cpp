@@ -1,7 +1,6 @@
 #include "active_visual_memory/core/attentive_visual_memory.h"
 
 #include <cmath>
-#include <utility>
 
 namespace vismem {
 
@@ -96,10 +95,10 @@ double AttentiveVisualMemory::turnRate(const RobotObservation& observation) {
   return rate;
 }
 
-AttentiveVisualMemory::StepResult AttentiveVisualMemory::update(const RobotObservation& observation,
-                                                                const std::vector<ImageSegment>& observed,
-                                                                StageProbe* probe) {
+const AttentiveVisualMemory::StepResult& AttentiveVisualMemory::update(
+    const RobotObservation& observation, const std::vector<ImageSegment>& observed, StageProbe* probe) {
   enterStage(probe, "memory");
+  scratch_.release();
   followEpoch(observation);
   readGazeRequests();
   const double rate = turnRate(observation);
@@ -107,74 +106,73 @@ AttentiveVisualMemory::StepResult AttentiveVisualMemory::update(const RobotObser
   believed.T_robot_camera = tilted(observation.T_robot_camera, memory_.cameraTilt());
   const Pose3 T_odom_camera = toPose3(believed.T_odom_robot) * believed.T_robot_camera;
   const auto floor = projector_.project(believed.frame.intrinsics, T_odom_camera, observed, rate,
-                                        believed.T_odom_robot.theta);
+                                        believed.T_odom_robot.theta, scratch_.resource());
   memory_.suspectSince(kidnap_.suspectSince());
-  ImageAnalysis analysis = memory_.update(believed, observed, floor, rate);
+  const auto analysis = analyses_.next();
+  *analysis = memory_.update(believed, observed, floor, rate);
   // Published is the pose of the kinematics: localization estimates the tilt from its own map.
-  analysis.T_robot_camera = observation.T_robot_camera;
-  last_update_.analysis = std::make_shared<const ImageAnalysis>(std::move(analysis));
+  analysis->T_robot_camera = observation.T_robot_camera;
+  result_.update.analysis = analysis;
   // The old memory belongs to another place: this image begins the new one.
-  const bool kidnapped = kidnap_.update(observation.frame.stamp_us, memory_.agreement());
-  if (kidnapped) {
+  result_.kidnapped = kidnap_.update(observation.frame.stamp_us, memory_.agreement());
+  if (result_.kidnapped) {
     reset();
     memory_.update(believed, observed, floor, rate);
   }
   gate_.passed(observation);
   ++revision_;
-  StepResult result = finish(observation, probe);
-  result.kidnapped = kidnapped;
-  return result;
+  finish(observation, probe);
+  return result_;
 }
 
-AttentiveVisualMemory::StepResult AttentiveVisualMemory::predict(const RobotObservation& observation,
-                                                                 StageProbe* probe) {
+const AttentiveVisualMemory::StepResult& AttentiveVisualMemory::predict(const RobotObservation& observation,
+                                                                        StageProbe* probe) {
   enterStage(probe, "memory");
   followEpoch(observation);
   readGazeRequests();
   turnRate(observation);
   memory_.advanceLife(observation.frame.stamp_us);
-  return finish(observation, probe);
+  result_.kidnapped = false;
+  finish(observation, probe);
+  return result_;
 }
 
-AttentiveVisualMemory::StepResult AttentiveVisualMemory::finish(const RobotObservation& observation,
-                                                                StageProbe* probe) {
-  const bool analysed = !last_update_.snapshot || last_update_.snapshot->revision != revision_;
-  std::vector<MemorySegment> segments;
-  segments.reserve(memory_.elements().size());
+void AttentiveVisualMemory::finish(const RobotObservation& observation, StageProbe* probe) {
+  segments_.clear();
   for (const MemoryElement& element : memory_.elements()) {
-    if (!memory_.isTentative(element)) segments.push_back(element.value);
+    if (!memory_.isTentative(element)) segments_.push_back(element.value);
   }
 
   enterStage(probe, "primitives");
-  if (primitives_.update(observation.frame.stamp_us, segments)) {
-    memory_.complete(primitives_.completions(segments));
+  if (primitives_.update(observation.frame.stamp_us, segments_)) {
+    memory_.complete(primitives_.completions(segments_));
   }
-  std::vector<Primitive> primitives = primitives_.published();
-  std::vector<VertexHypothesis> hypotheses = primitives_.hypotheses();
+  shapes_ = primitives_.published();
+  hypotheses_ = primitives_.hypotheses();
 
-  StepResult result;
   enterStage(probe, "gaze");
-  pool_.update(observation.frame.stamp_us, {segments, primitives, hypotheses}, observation.T_odom_robot,
+  pool_.update(observation.frame.stamp_us, {segments_, shapes_, hypotheses_}, observation.T_odom_robot,
                gaze_.attended());
-  result.command = gaze_.update(observation, segments, pool_);
-  result.gaze = gaze_.status(observation.frame.stamp_us, pool_);
-  gaze_requests_.publish(result.gaze, observation.T_odom_robot.position());
+  result_.command = gaze_.update(observation, segments_, pool_);
+  gaze_.report(observation.frame.stamp_us, pool_, result_.gaze);
+  gaze_requests_.publish(result_.gaze, observation.T_odom_robot.position());
   enterStage(probe, "memory");
-  if (analysed) {
-    pool_.publishSalience(segments, primitives);
-    shape_edges_.complete(segments, memory_.elements(), primitives, [this] { return memory_.newId(); });
-    auto snapshot = std::make_shared<MemorySnapshot>();
-    snapshot->stamp_us = observation.frame.stamp_us;
-    snapshot->revision = revision_;
-    snapshot->epoch = epoch_;
-    snapshot->T_odom_robot = observation.T_odom_robot;
-    snapshot->segments = std::move(segments);
-    snapshot->primitives = std::move(primitives);
-    snapshot->hypotheses = std::move(hypotheses);
-    last_update_.snapshot = std::move(snapshot);
-  }
-  result.update = last_update_;
-  return result;
+  const auto& last = result_.update.snapshot;
+  if (!last || last->revision != revision_) publish(observation);
+}
+
+void AttentiveVisualMemory::publish(const RobotObservation& observation) {
+  pool_.publishSalience(segments_, shapes_);
+  shape_edges_.complete(segments_, memory_.elements(), shapes_, [this] { return memory_.newId(); });
+  const auto snapshot = snapshots_.next();
+  snapshot->stamp_us = observation.frame.stamp_us;
+  snapshot->revision = revision_;
+  snapshot->epoch = epoch_;
+  snapshot->T_odom_robot = observation.T_odom_robot;
+  snapshot->segments.swap(segments_);
+  snapshot->primitives.swap(shapes_);
+  snapshot->hypotheses.swap(hypotheses_);
+  result_.update.snapshot = snapshot;
 }
 
 }  // namespace vismem

@@ -15,6 +15,8 @@
 #include "active_visual_memory/core/memory/segment_memory.h"
 #include "active_visual_memory/core/primitives/primitive_tracker.h"
 #include "common/config/parameter_visitor.h"
+#include "common/memory/scratch.h"
+#include "common/memory/snapshots.h"
 #include "common/profiling/stage_probe.h"
 #include "common/robot/rig.h"
 
@@ -61,10 +63,12 @@ class AttentiveVisualMemory {
   /// Processes an analysed image.
   /// @param observed  all its segments, ideal pixels, also those above the horizon.
   /// @param probe     is notified of the stages "memory" and "gaze"; may be null.
-  StepResult update(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
-                    StageProbe* probe = nullptr);
+  /// @return until the next step.
+  const StepResult& update(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
+                           StageProbe* probe = nullptr);
   /// Advances time by a frame that is not analysed; the gaze goes on.
-  StepResult predict(const RobotObservation& observation, StageProbe* probe = nullptr);
+  /// @return until the next step.
+  const StepResult& predict(const RobotObservation& observation, StageProbe* probe = nullptr);
 
   /// Serves urgent requests between two images.
   std::optional<PanTiltCommand> preempt();
@@ -88,7 +92,9 @@ class AttentiveVisualMemory {
   void followEpoch(const RobotObservation& observation);
   void readGazeRequests();
   double turnRate(const RobotObservation& observation);
-  StepResult finish(const RobotObservation& observation, StageProbe* probe);
+  /// Shapes, gaze and, after an image that was analysed, the new snapshot. Sets `result_`.
+  void finish(const RobotObservation& observation, StageProbe* probe);
+  void publish(const RobotObservation& observation);
 
   Params params_;
   FrameGate gate_;
@@ -105,7 +111,13 @@ class AttentiveVisualMemory {
   std::uint64_t revision_ = 0;
   std::optional<Pose3> last_camera_;
   StampUs last_stamp_us_ = 0;
-  MemoryUpdate last_update_;
+  StepResult result_;  ///< of the last step
+  Snapshots<MemorySnapshot> snapshots_;
+  Snapshots<ImageAnalysis> analyses_;
+  std::vector<MemorySegment> segments_;       ///< to be published
+  std::vector<Primitive> shapes_;             ///< the same
+  std::vector<VertexHypothesis> hypotheses_;  ///< the same
+  Scratch scratch_;                           ///< of one image
 };
 
 }  // namespace vismem

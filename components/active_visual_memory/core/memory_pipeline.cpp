@@ -36,8 +36,8 @@ MemoryPipeline::MemoryPipeline(const Params& params, std::shared_ptr<const Palet
   if (palette && params.corrects_light) light_.emplace(palette);
 }
 
-AttentiveVisualMemory::StepResult MemoryPipeline::process(const RobotObservation& observation,
-                                                          StageProbe* probe) {
+const AttentiveVisualMemory::StepResult& MemoryPipeline::process(const RobotObservation& observation,
+                                                                 StageProbe* probe) {
   const CameraIntrinsics& stated = observation.frame.intrinsics;
   const int block = blockSize(stated);
   RobotObservation seen = observation;
@@ -52,7 +52,7 @@ AttentiveVisualMemory::StepResult MemoryPipeline::process(const RobotObservation
     correction_->correct(image, corrected_);
     seen.frame.image = corrected_;
   }
-  const auto segments = extractor_.extract(seen.frame.image, seen.frame.intrinsics, probe);
+  const auto& segments = extractor_.extract(seen.frame.image, seen.frame.intrinsics, probe);
   if (light_ && light_->update(image, extractor_.detected())) {
     correction_.reset();
     if (!light_->light().isNeutral()) correction_.emplace(light_->light());

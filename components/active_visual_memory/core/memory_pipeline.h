@@ -21,9 +21,9 @@ struct MemoryPipelineParams {
   static MemoryPipelineParams standard();
 };
 
-/// Extracts the segments of the frames worth analysing (V6), of fine images after averaging (reduced_image.h),
-/// and feeds the memory. Results are in pixels of ImageAnalysis::intrinsics. *Single-threaded* (owner:
-/// the perception loop). Deterministic.
+/// Extracts the segments of the frames worth analysing (V6), of fine images after averaging
+/// (reduced_image.h), and feeds the memory. Results are in pixels of ImageAnalysis::intrinsics.
+/// *Single-threaded* (owner: the perception loop). Deterministic.
 class MemoryPipeline {
  public:
   using Params = MemoryPipelineParams;
@@ -34,7 +34,9 @@ class MemoryPipeline {
 
   /// @param probe  is notified of the stages "detect", "label", "memory" and "gaze"; may be null.
   /// @throws std::invalid_argument if the size of the image is not that of its intrinsics.
-  AttentiveVisualMemory::StepResult process(const RobotObservation& observation, StageProbe* probe = nullptr);
+  /// @return until the next call.
+  const AttentiveVisualMemory::StepResult& process(const RobotObservation& observation,
+                                                   StageProbe* probe = nullptr);
 
   SegmentExtractor& extractor() { return extractor_; }
   AttentiveVisualMemory& memory() { return memory_; }

@@ -33,33 +33,29 @@ int stepAt(const cv::Mat& image, const Eigen::Vector2d& px, const Eigen::Vector2
 
 }  // namespace
 
-std::vector<ImageSegment> splitAtGaps(const cv::Mat& image, const CameraIntrinsics& intrinsics,
-                                      const std::vector<ImageSegment>& segments,
-                                      const GapSplitParams& params) {
-  std::vector<ImageSegment> split;
-  split.reserve(segments.size());
-  std::vector<int> steps;
-  std::vector<int> sorted;
+void GapSplitter::split(const cv::Mat& image, const CameraIntrinsics& intrinsics,
+                        std::vector<ImageSegment>& segments, const GapSplitParams& params) {
+  pieces_.clear();
   for (const ImageSegment& segment : segments) {
     const double length = segment.px.length();
     const int count = static_cast<int>(length);
     if (segment.strength < params.least_step || length < params.minimum_px + params.min_gap_px) {
-      split.push_back(segment);
+      pieces_.push_back(segment);
       continue;
     }
     const Eigen::Vector2d d = segment.px.b - segment.px.a;
     const Eigen::Vector2d left = leftNormal(segment.px);
-    steps.clear();
+    steps_.clear();
     for (int i = 0; i < count; ++i) {
       const Eigen::Vector2d ideal = segment.px.a + (i + 0.5) / count * d;
-      steps.push_back(
+      steps_.push_back(
           stepAt(image, intrinsics.hasDistortion() ? distortPixel(intrinsics, ideal) : ideal, left));
     }
-    sorted = steps;
-    std::nth_element(sorted.begin(), sorted.begin() + count / 2, sorted.end());
-    const int usual = sorted[static_cast<std::size_t>(count / 2)];
+    sorted_ = steps_;
+    std::nth_element(sorted_.begin(), sorted_.begin() + count / 2, sorted_.end());
+    const int usual = sorted_[static_cast<std::size_t>(count / 2)];
     if (usual < params.least_step) {
-      split.push_back(segment);
+      pieces_.push_back(segment);
       continue;
     }
     const double flat = params.flat_share * usual;
@@ -69,12 +65,12 @@ std::vector<ImageSegment> splitAtGaps(const cv::Mat& image, const CameraIntrinsi
       ImageSegment part = segment;
       if (from > 0) part.px.a = segment.px.a + static_cast<double>(from) / count * d;
       if (to < count) part.px.b = segment.px.a + static_cast<double>(to) / count * d;
-      split.push_back(std::move(part));
+      pieces_.push_back(std::move(part));
     };
     for (int i = 0; i < count;) {
       int end = i;
-      while (end < count && steps[static_cast<std::size_t>(end)] != kNothing &&
-             steps[static_cast<std::size_t>(end)] < flat) {
+      while (end < count && steps_[static_cast<std::size_t>(end)] != kNothing &&
+             steps_[static_cast<std::size_t>(end)] < flat) {
         ++end;
       }
       // Gaps at the ends are ignored: the detector locates the ends more precisely.
@@ -86,7 +82,7 @@ std::vector<ImageSegment> splitAtGaps(const cv::Mat& image, const CameraIntrinsi
     }
     piece(count);
   }
-  return split;
+  segments.swap(pieces_);
 }
 
 }  // namespace vismem

@@ -18,14 +18,22 @@ struct GapSplitParams {
   double minimum_px = 10.0;  ///< shorter pieces are dropped
 };
 
-/// Detection and merging bridge gaps of some pixels, so that noise does not break an edge. This function
-/// measures the brightness step at every pixel along the segment, 1 and 2 px beside it.
-/// @param image CV_8UC3 (R, G, B) or CV_8UC1, raw pixels.
-/// @param intrinsics intrinsics of that image.
-/// @param segments segments in ideal pixels.
-/// @return the same order; the pieces of one segment from a to b.
-std::vector<ImageSegment> splitAtGaps(const cv::Mat& image, const CameraIntrinsics& intrinsics,
-                                      const std::vector<ImageSegment>& segments,
-                                      const GapSplitParams& params);
+/// Detection and merging bridge gaps of some pixels, so that noise does not break an edge. This class
+/// measures the brightness step at every pixel along the segment, 1 and 2 px beside it. *Single-threaded*;
+/// keeps its memory, but no data of earlier images.
+class GapSplitter {
+ public:
+  /// @param image CV_8UC3 (R, G, B) or CV_8UC1, raw pixels.
+  /// @param intrinsics intrinsics of that image.
+  /// @param segments segments in ideal pixels; replaced by their pieces, in the same order, those of one
+  /// segment from a to b.
+  void split(const cv::Mat& image, const CameraIntrinsics& intrinsics, std::vector<ImageSegment>& segments,
+             const GapSplitParams& params);
+
+ private:
+  std::vector<ImageSegment> pieces_;
+  std::vector<int> steps_;
+  std::vector<int> sorted_;
+};
 
 }  // namespace vismem

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace vismem {
 namespace {
@@ -11,13 +12,6 @@ namespace {
 constexpr double kStep_px = 2.0;   // between samples, and between the windows that are labelled
 constexpr int kWindowSamples = 3;  // of a window: they give a majority
 constexpr double kWindow_px = kWindowSamples * kStep_px;
-
-/// An interval of one known label, in pixels from end a.
-struct Run {
-  const Label* label;
-  double from_px;
-  double to_px;
-};
 
 /// Rows beside the segment in which the border between two labels is located [px]. The border need not be
 /// perpendicular to the segment: the side of a door is upright in the image for any direction of its foot.
@@ -128,54 +122,61 @@ std::optional<double> borderAt(const cv::Mat& image, const Eigen::Vector2d& cut,
 
 }  // namespace
 
-std::vector<LabelledPiece> splitByLabel(const cv::Mat& image, const Segment2& px, const Palette& palette,
-                                        const LabellerParams& params, double minimum_px) {
-  const auto whole = [&] {
-    return std::vector<LabelledPiece>{{px, segmentLabel(image, px, palette, params)}};
-  };
+LabelSplitter::LabelSplitter(const Palette& palette, LabellerParams params)
+    : samples_(palette, std::move(params)) {}
+
+void LabelSplitter::findRuns(const cv::Mat& image, const Segment2& px, double minimum_px) {
+  runs_.clear();
   const double length = px.length();
-  if (length < std::max(2.0 * minimum_px, kWindow_px)) return whole();
-  const Eigen::Vector2d along = (px.b - px.a) / length;
+  if (length < std::max(2.0 * minimum_px, kWindow_px)) return;
   const int windows = 1 + static_cast<int>((length - kWindow_px) / kStep_px);
-  const SideSamples samples(image, px, 0.5 * kStep_px, kStep_px, windows + kWindowSamples - 1, palette,
-                            params);
-  std::vector<Run> runs;
+  samples_.take(image, px, 0.5 * kStep_px, kStep_px, windows + kWindowSamples - 1);
   const Label* label = nullptr;
   for (int i = 0; i < windows; ++i) {
     const double at = 0.5 * kWindow_px + i * kStep_px;
-    if (i == 0 || !samples.asBefore(i, kWindowSamples)) label = &samples.label(i, kWindowSamples);
+    if (i == 0 || !samples_.asBefore(i, kWindowSamples)) label = &samples_.label(i, kWindowSamples);
     if (*label == kUnknownLabel) continue;  // uninformative: neither ends nor begins a run
-    if (!runs.empty() && *runs.back().label == *label) {
-      runs.back().to_px = at;
+    if (!runs_.empty() && *runs_.back().label == *label) {
+      runs_.back().to_px = at;
     } else {
-      runs.push_back({label, at, at});
+      runs_.push_back({label, at, at});
     }
   }
-  std::erase_if(runs, [&](const Run& run) { return run.to_px - run.from_px + kWindow_px < minimum_px; });
-  std::vector<Run> joined;
-  for (const Run& run : runs) {
-    if (!joined.empty() && *joined.back().label == *run.label) {
-      joined.back().to_px = run.to_px;
+  std::erase_if(runs_, [&](const Run& run) { return run.to_px - run.from_px + kWindow_px < minimum_px; });
+  std::size_t joined = 0;
+  for (const Run& run : runs_) {
+    if (joined > 0 && *runs_[joined - 1].label == *run.label) {
+      runs_[joined - 1].to_px = run.to_px;
     } else {
-      joined.push_back(run);
+      runs_[joined++] = run;
     }
   }
-  if (joined.size() < 2) return whole();
+  runs_.resize(joined);
+}
 
-  std::vector<LabelledPiece> pieces;
+std::span<const LabelledPiece> LabelSplitter::split(const cv::Mat& image, const Segment2& px,
+                                                    double minimum_px) {
+  findRuns(image, px, minimum_px);
+  pieces_.clear();
+  if (runs_.size() < 2) {
+    pieces_.push_back({px, &samples_.labelOfWhole(image, px)});
+    return pieces_;
+  }
+  const double length = px.length();
+  const Eigen::Vector2d along = (px.b - px.a) / length;
   double begin = 0.0;
-  for (std::size_t i = 0; i < joined.size(); ++i) {
-    const bool last = i + 1 == joined.size();
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    const bool last = i + 1 == runs_.size();
     double end = length;
     if (!last) {
-      end = 0.5 * (joined[i].to_px + joined[i + 1].from_px);
+      end = 0.5 * (runs_[i].to_px + runs_[i + 1].from_px);
       end += borderAt(image, px.a + end * along, along).value_or(0.0);
       end = std::clamp(end, begin, length);
     }
-    pieces.push_back({{px.a + begin * along, px.a + end * along}, *joined[i].label});
+    pieces_.push_back({{px.a + begin * along, px.a + end * along}, runs_[i].label});
     begin = end;
   }
-  return pieces;
+  return pieces_;
 }
 
 }  // namespace vismem

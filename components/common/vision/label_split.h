@@ -2,6 +2,7 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
+#include <span>
 #include <vector>
 
 #include "common/vision/segment_labeller.h"
@@ -10,13 +11,35 @@ namespace vismem {
 
 struct LabelledPiece {
   Segment2 px_raw;
-  Label label = kUnknownLabel;
+  const Label* label;  ///< lives as long as the palette
 };
 
-/// @param minimum_px minimum length of a label along the segment [px]; shorter runs are ignored.
-/// @return the pieces from a to b without gaps; one piece when at most one label is known along it, with the
-/// label of the whole segment.
-std::vector<LabelledPiece> splitByLabel(const cv::Mat& image, const Segment2& px_raw, const Palette& palette,
-                                        const LabellerParams& params, double minimum_px);
+/// *Single-threaded*; keeps its memory for the next segment.
+class LabelSplitter {
+ public:
+  /// @param palette must outlive it.
+  /// @throws std::invalid_argument as SideSamples.
+  LabelSplitter(const Palette& palette, LabellerParams params);
+
+  /// @param minimum_px minimum length of a label along the segment [px]; shorter runs are ignored.
+  /// @return the pieces from a to b without gaps, until the next call; one piece when at most one label is
+  /// known along it, with the label of the whole segment.
+  std::span<const LabelledPiece> split(const cv::Mat& image, const Segment2& px_raw, double minimum_px);
+
+ private:
+  /// An interval of one known label, in pixels from end a.
+  struct Run {
+    const Label* label;
+    double from_px;
+    double to_px;
+  };
+
+  /// Sets `runs_` to the labels along the segment, neighbours different, without those that are too short.
+  void findRuns(const cv::Mat& image, const Segment2& px, double minimum_px);
+
+  SideSamples samples_;
+  std::vector<Run> runs_;
+  std::vector<LabelledPiece> pieces_;
+};
 
 }  // namespace vismem

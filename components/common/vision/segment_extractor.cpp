@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "common/vision/label_split.h"
 #include "common/vision/reduced_image.h"
 
 namespace vismem {
@@ -10,25 +9,29 @@ namespace vismem {
 SegmentExtractor::SegmentExtractor(ExtractorParams params, std::shared_ptr<const Palette> palette)
     : params_(std::move(params)),
       palette_(std::move(palette)),
-      detector_(makeSegmentDetector(params_.detector)) {}
+      detector_(makeSegmentDetector(params_.detector)) {
+  if (palette_) splitter_.emplace(*palette_, params_.labeller);
+}
 SegmentExtractor::~SegmentExtractor() = default;
 SegmentExtractor::SegmentExtractor(SegmentExtractor&&) noexcept = default;
 SegmentExtractor& SegmentExtractor::operator=(SegmentExtractor&&) noexcept = default;
 
-std::vector<ImageSegment> SegmentExtractor::extract(const cv::Mat& image, const CameraIntrinsics& intrinsics,
-                                                    StageProbe* probe) {
+const std::vector<ImageSegment>& SegmentExtractor::extract(const cv::Mat& image,
+                                                           const CameraIntrinsics& intrinsics,
+                                                           StageProbe* probe) {
+  extractPieces(image, intrinsics, probe);
   // Merging uses ideal pixels, because the lens bends straight edges.
-  auto segments = mergeSegments(extractPieces(image, intrinsics, probe), params_.merge);
-  std::erase_if(segments, [this](const ImageSegment& segment) {
+  merger_.merge(segments_, params_.merge);
+  std::erase_if(segments_, [this](const ImageSegment& segment) {
     return segment.px.length() < params_.minimum_length_px;
   });
-  if (params_.gaps.enabled) segments = splitAtGaps(image, intrinsics, segments, params_.gaps);
-  return segments;
+  if (params_.gaps.enabled) gap_splitter_.split(image, intrinsics, segments_, params_.gaps);
+  return segments_;
 }
 
-std::vector<ImageSegment> SegmentExtractor::extractPieces(const cv::Mat& image,
-                                                          const CameraIntrinsics& intrinsics,
-                                                          StageProbe* probe) {
+const std::vector<ImageSegment>& SegmentExtractor::extractPieces(const cv::Mat& image,
+                                                                 const CameraIntrinsics& intrinsics,
+                                                                 StageProbe* probe) {
   requireSize(image, intrinsics);
   enterStage(probe, "detect");
   detector_->detect(image, raw_);
@@ -38,22 +41,20 @@ std::vector<ImageSegment> SegmentExtractor::extractPieces(const cv::Mat& image,
     joiner_.join(image, in_plane_, raw_);
   }
   enterStage(probe, "label");
-  std::vector<ImageSegment> segments;
-  segments.reserve(raw_.size());
+  segments_.clear();
   for (const RawSegment& raw : raw_) {
-    std::vector<LabelledPiece> pieces{{raw.px_raw, kUnknownLabel}};
-    if (palette_) {
-      pieces = splitByLabel(image, raw.px_raw, *palette_, params_.labeller, params_.minimum_length_px);
-    }
+    const LabelledPiece whole{raw.px_raw, &kUnknownLabel};
+    const auto pieces =
+        splitter_ ? splitter_->split(image, raw.px_raw, params_.minimum_length_px) : std::span(&whole, 1);
     for (const LabelledPiece& piece : pieces) {
-      ImageSegment segment{piece.px_raw, piece.label, raw.strength};
+      ImageSegment segment{piece.px_raw, *piece.label, raw.strength};
       if (intrinsics.hasDistortion()) {
         segment.px = {undistortPixel(intrinsics, segment.px.a), undistortPixel(intrinsics, segment.px.b)};
       }
-      segments.push_back(std::move(segment));
+      segments_.push_back(std::move(segment));
     }
   }
-  return segments;
+  return segments_;
 }
 
 }  // namespace vismem

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "common/vision/colour_edges.h"
 #include "common/vision/gap_split.h"
 #include "common/vision/image_segment.h"
+#include "common/vision/label_split.h"
 #include "common/vision/palette.h"
 #include "common/vision/segment_detector.h"
 #include "common/vision/segment_labeller.h"
@@ -43,12 +45,14 @@ class SegmentExtractor {
   /// @param intrinsics of that image; its distortion is removed from the ends.
   /// @throws std::invalid_argument when the image's size is not the intrinsics' or its type is another.
   /// @param probe called at the stages "detect" and "label"; may be null.
-  std::vector<ImageSegment> extract(const cv::Mat& image, const CameraIntrinsics& intrinsics,
-                                    StageProbe* probe = nullptr);
+  /// @return until the next call.
+  const std::vector<ImageSegment>& extract(const cv::Mat& image, const CameraIntrinsics& intrinsics,
+                                           StageProbe* probe = nullptr);
   /// The segments of `extract` before merging and dropping: detected, labelled, ends undistorted (figure 10,
   /// left).
-  std::vector<ImageSegment> extractPieces(const cv::Mat& image, const CameraIntrinsics& intrinsics,
-                                          StageProbe* probe = nullptr);
+  /// @return until the next call.
+  const std::vector<ImageSegment>& extractPieces(const cv::Mat& image, const CameraIntrinsics& intrinsics,
+                                                 StageProbe* probe = nullptr);
 
   /// All segments that were detected in the last image.
   const std::vector<RawSegment>& detected() const { return raw_; }
@@ -63,6 +67,10 @@ class SegmentExtractor {
   cv::Mat plane_;
   std::vector<RawSegment> in_plane_;
   ColourEdgeJoiner joiner_;
+  std::optional<LabelSplitter> splitter_;  // with a palette
+  SegmentMerger merger_;
+  GapSplitter gap_splitter_;
+  std::vector<ImageSegment> segments_;
 };
 
 }  // namespace vismem

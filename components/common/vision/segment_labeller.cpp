@@ -5,6 +5,7 @@
 #include <cassert>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "common/vision/edge_sampling.h"
 
@@ -43,17 +44,26 @@ struct SideSamples::Found {
   const Label* label = &kUnknownLabel;
 };
 
-SideSamples::SideSamples(const cv::Mat& image, const Segment2& px, double first_px, double step_px, int count,
-                         const Palette& palette, const LabellerParams& params)
-    : palette_(palette), params_(params) {
-  checkDistances(params.bright_distances_px);
-  checkDistances(params.dark_distances_px);
+SideSamples::SideSamples(const Palette& palette, LabellerParams params)
+    : palette_(&palette), params_(std::move(params)) {
+  checkDistances(params_.bright_distances_px);
+  checkDistances(params_.dark_distances_px);
+}
+
+void SideSamples::takeWhole(const cv::Mat& image, const Segment2& px) {
   const double length = px.length();
-  if (image.type() != CV_8UC3 || !(length > 0.0)) return;
-  count_ = count;
-  classes_.resize((params.bright_distances_px.size() + params.dark_distances_px.size()) *
-                  static_cast<std::size_t>(count));
+  const double step_px = (1.0 - 2.0 * params_.trim) / params_.samples * length;
+  take(image, px, params_.trim * length + 0.5 * step_px, step_px, params_.samples);
+}
+
+void SideSamples::take(const cv::Mat& image, const Segment2& px, double first_px, double step_px, int count) {
+  const double length = px.length();
+  const bool visible = image.type() == CV_8UC3 && length > 0.0;
+  count_ = visible ? count : 0;
+  classes_.resize((params_.bright_distances_px.size() + params_.dark_distances_px.size()) *
+                  static_cast<std::size_t>(count_));
   colours_.resize(classes_.size());
+  if (!visible) return;
   std::size_t at = 0;
   const Eigen::Vector2d along = (px.b - px.a) / length;
   const Eigen::Vector2d first = px.a + first_px * along;
@@ -62,8 +72,8 @@ SideSamples::SideSamples(const cv::Mat& image, const Segment2& px, double first_
     sample(image, first + aside_px * normal, step_px * along, count, at);
     at += static_cast<std::size_t>(count);
   };
-  for (const double d : params.bright_distances_px) sampleAt(d);
-  for (const double d : params.dark_distances_px) sampleAt(-d);
+  for (const double d : params_.bright_distances_px) sampleAt(d);
+  for (const double d : params_.dark_distances_px) sampleAt(-d);
 }
 
 void SideSamples::sample(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step,
@@ -75,7 +85,7 @@ void SideSamples::sample(const cv::Mat& image, const Eigen::Vector2d& first, con
     if (x < 0 || y < 0) continue;
     const std::uint8_t* rgb = image.ptr<std::uint8_t>(y) + 3 * static_cast<std::ptrdiff_t>(x);
     colours_[at] = {rgb[0], rgb[1], rgb[2]};
-    classes_[at] = palette_.classOf(rgb[0], rgb[1], rgb[2]);
+    classes_[at] = palette_->classOf(rgb[0], rgb[1], rgb[2]);
   }
 }
 
@@ -117,7 +127,7 @@ ColorClass SideSamples::meanClass(std::size_t at, int count, int inside) const {
   const double variance = (squares - of_means) / (3.0 * inside);
   if (variance > params_.maximum_scatter * params_.maximum_scatter) return kNoColorClass;
   const auto mean = [&](std::size_t c) { return static_cast<std::uint8_t>((sum[c] + inside / 2) / inside); };
-  return palette_.classOf(mean(0), mean(1), mean(2));
+  return palette_->classOf(mean(0), mean(1), mean(2));
 }
 
 SideSamples::Found SideSamples::look(int first, int count) const {
@@ -136,7 +146,7 @@ SideSamples::Found SideSamples::look(int first, int count) const {
     for (std::size_t j = 0; j < dark_px.size(); ++j) {
       const double distance_px = bright_px[i] + dark_px[j];
       if (distance_px >= nearest_px || found.dark[j] == kNoColorClass) continue;
-      const Label& label = palette_.label(found.bright[i], found.dark[j]);
+      const Label& label = palette_->label(found.bright[i], found.dark[j]);
       if (label == kUnknownLabel) continue;
       nearest_px = distance_px;
       found.bright_class = found.bright[i];
@@ -167,27 +177,6 @@ SegmentSides SideSamples::sides(int first, int count) const {
   if (*found.label != kUnknownLabel) return {found.bright_class, found.dark_class, *found.label};
   return {firstOf(found.bright, params_.bright_distances_px.size()),
           firstOf(found.dark, params_.dark_distances_px.size()), kUnknownLabel};
-}
-
-namespace {
-
-SideSamples samplesOf(const cv::Mat& image, const Segment2& px, const Palette& palette,
-                      const LabellerParams& params) {
-  const double length = px.length();
-  const double step_px = (1.0 - 2.0 * params.trim) / params.samples * length;
-  return {image, px, params.trim * length + 0.5 * step_px, step_px, params.samples, palette, params};
-}
-
-}  // namespace
-
-const Label& segmentLabel(const cv::Mat& image, const Segment2& px_raw, const Palette& palette,
-                          const LabellerParams& params) {
-  return samplesOf(image, px_raw, palette, params).label(0, params.samples);
-}
-
-SegmentSides labelSegment(const cv::Mat& image, const Segment2& px_raw, const Palette& palette,
-                          const LabellerParams& params) {
-  return samplesOf(image, px_raw, palette, params).sides(0, params.samples);
 }
 
 }  // namespace vismem

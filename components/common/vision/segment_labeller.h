@@ -34,18 +34,26 @@ struct SegmentSides {
 /// Colour classes beside a segment at equal steps along it, at all distances: any window of them has a label.
 /// The class of a side at a distance is that of most samples there, or of their mean colour. The label is
 /// that of the nearest pair of distances whose classes are a named pair; without one, each side has the class
-/// of its nearest distance with one. *Immutable.*
+/// of its nearest distance with one. *Single-threaded*; keeps its memory for the next segment.
 class SideSamples {
  public:
+  /// @param palette must outlive it.
+  /// @throws std::invalid_argument for more than 16 distances on a side.
+  SideSamples(const Palette& palette, LabellerParams params);
+
+  /// Samples a segment, in place of the one before.
   /// @param image    CV_8UC3, order R, G, B; a gray image gives kUnknownLabel.
   /// @param px_raw   raw pixels, brighter side on the left. Samples outside the image do not count.
   /// @param first_px of the first sample from px_raw.a; the next ones follow at step_px.
-  /// @param palette, params must outlive it.
-  /// @throws std::invalid_argument for more than 16 distances on a side.
-  SideSamples(const cv::Mat& image, const Segment2& px_raw, double first_px, double step_px, int count,
-              const Palette& palette, const LabellerParams& params);
-  SideSamples(const cv::Mat&, const Segment2&, double, double, int, const Palette&,
-              LabellerParams&&) = delete;
+  void take(const cv::Mat& image, const Segment2& px_raw, double first_px, double step_px, int count);
+  /// Samples the whole segment, by LabellerParams::samples and trim.
+  void takeWhole(const cv::Mat& image, const Segment2& px_raw);
+  /// The same, and its label, which lives as long as the palette.
+  const Label& labelOfWhole(const cv::Mat& image, const Segment2& px_raw) {
+    takeWhole(image, px_raw);
+    return label(0, params_.samples);
+  }
+
   /// Samples first..first + count - 1, all of them among those that were taken.
   SegmentSides sides(int first, int count) const;
   /// Its label alone, which lives as long as the palette.
@@ -65,19 +73,12 @@ class SideSamples {
   ColorClass meanClass(std::size_t at, int count, int inside) const;
   Found look(int first, int count) const;
 
-  const Palette& palette_;
-  const LabellerParams& params_;
+  const Palette* palette_;
+  LabellerParams params_;
   int count_ = 0;  ///< along the segment; 0: there is nothing to sample
   /// By distance, the bright side first, then along the segment: a class, or kOutside.
   std::vector<std::int16_t> classes_;
   std::vector<std::array<std::uint8_t, 3>> colours_;  ///< of the same samples
 };
-
-/// Of the whole segment, by LabellerParams::samples and trim. As SideSamples.
-SegmentSides labelSegment(const cv::Mat& image, const Segment2& px_raw, const Palette& palette,
-                          const LabellerParams& params);
-/// Its label alone, which lives as long as the palette.
-const Label& segmentLabel(const cv::Mat& image, const Segment2& px_raw, const Palette& palette,
-                          const LabellerParams& params);
 
 }  // namespace vismem

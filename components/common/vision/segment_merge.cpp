@@ -1,25 +1,20 @@
 #include "common/vision/segment_merge.h"
 
 #include <algorithm>
-#include <map>
 #include <tuple>
-
-#include "common/vision/collinear_merge.h"
 
 namespace vismem {
 
-std::vector<ImageSegment> mergeSegments(std::vector<ImageSegment> segments, const MergeParams& params) {
-  std::map<Label, int> group_of;
-  for (const auto& segment : segments) group_of.try_emplace(segment.label, 0);
-  std::vector<Label> labels;
-  for (auto& [label, group] : group_of) {
-    group = static_cast<int>(labels.size());
-    labels.push_back(label);
+void SegmentMerger::merge(std::vector<ImageSegment>& segments, const MergeParams& params) {
+  labels_.clear();
+  for (const ImageSegment& segment : segments) {
+    const auto at = std::lower_bound(labels_.begin(), labels_.end(), segment.label);
+    if (at == labels_.end() || *at != segment.label) labels_.insert(at, segment.label);
   }
-  std::vector<GroupedSegment> grouped;
-  grouped.reserve(segments.size());
-  for (const auto& segment : segments) {
-    grouped.push_back({segment.px, group_of.at(segment.label), 1.0, segment.strength});
+  grouped_.clear();
+  for (const ImageSegment& segment : segments) {
+    const auto label = std::lower_bound(labels_.begin(), labels_.end(), segment.label);
+    grouped_.push_back({segment.px, static_cast<int>(label - labels_.begin()), 1.0, segment.strength});
   }
   // The same order whatever that of the input, so that the same pairs are joined.
   const auto in_order = [](const GroupedSegment& x, const GroupedSegment& y) {
@@ -29,13 +24,14 @@ std::vector<ImageSegment> mergeSegments(std::vector<ImageSegment> segments, cons
     };
     return key(x) < key(y);
   };
-  std::sort(grouped.begin(), grouped.end(), in_order);
-  CollinearMerger().merge(grouped, {params.angle_rad, params.offset_px, params.gap_px});
-  std::sort(grouped.begin(), grouped.end(), in_order);
-  std::vector<ImageSegment> merged;
-  merged.reserve(grouped.size());
-  for (const auto& segment : grouped) merged.push_back({segment.px, labels[segment.group], segment.value});
-  return merged;
+  std::sort(grouped_.begin(), grouped_.end(), in_order);
+  merger_.merge(grouped_, {params.angle_rad, params.offset_px, params.gap_px});
+  std::sort(grouped_.begin(), grouped_.end(), in_order);
+  segments.resize(grouped_.size());
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const GroupedSegment& joined = grouped_[i];
+    segments[i] = {joined.px, labels_[static_cast<std::size_t>(joined.group)], joined.value};
+  }
 }
 
 }  // namespace vismem

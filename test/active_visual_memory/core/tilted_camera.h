@@ -18,8 +18,9 @@ inline CameraMount mount() {
 }
 
 /// The image of lines on the floor by a tilted camera, with half a pixel of noise.
-inline std::vector<FloorSegment> seenTilted(const std::vector<Segment3>& lines, const Pose3& T_robot_camera,
-                                            const CameraTilt& camera_tilt, std::mt19937_64& random) {
+inline std::pmr::vector<FloorSegment> seenTilted(const std::vector<Segment3>& lines,
+                                                 const Pose3& T_robot_camera, const CameraTilt& camera_tilt,
+                                                 std::mt19937_64& random) {
   const auto k = intrinsicsFromFieldOfView(320, 240, degToRad(60.0));
   std::normal_distribution<double> noise(0.0, 0.5);
   std::vector<ImageSegment> observed;

@@ -163,7 +163,7 @@ Run measure(const Options& options, const EvaluationParams& params) {
     o.frame.seq = frame;
     o.frame.stamp_us = toStampUs(static_cast<double>(frame + 1) / options.rate_hz);
     const double before_s = CpuStages::now_s();
-    const auto result = pipeline.process(o, &stages);
+    const auto& result = pipeline.process(o, &stages);
     stages.enter("localization");
     localizer.update(result.update);
     stages.enter("outside");

@@ -22,20 +22,21 @@ namespace {
 /// Direction of a long line of one image against a known one.
 struct DirectionResidual {
   double off_rad = 0.0;
-  double variance = 0.0;           ///< [rad^2]
+  double variance = 0.0;            ///< [rad^2]
   Eigen::RowVector2d d_frame_tilt;  ///< derivative of the observed direction
 };
 
-/// @param about  frame tilt at which the derivatives are taken: lines placed too far away turn too much with the tilt,
+/// @param about  frame tilt at which the derivatives are taken: lines placed too far away turn too much with
+/// the tilt,
 ///               which would bias the estimate.
-std::vector<DirectionResidual> directionResiduals(const std::vector<FloorSegment>& floor, const TiltView& view,
-                                                  const Eigen::Vector2d& about,
-                                                  const DominantDirectionParams& params, double known_rad) {
-  std::vector<DirectionResidual> residuals;
+template <typename Use>
+void forEachDirection(std::span<const FloorSegment> floor, const TiltView& view, const Eigen::Vector2d& about,
+                      const DominantDirectionParams& params, double known_rad, const Use& use) {
   for (const FloorSegment& s : floor) {
     const Eigen::Vector2d ray = (s.odom.middle() - view.camera.head<2>()).normalized();
     const Eigen::Vector2d seen = s.odom.b - s.odom.a;
-    if (seen.norm() < params.least_m || std::abs(cross2(ray, seen)) < params.not_radial * seen.norm()) continue;
+    if (seen.norm() < params.least_m || std::abs(cross2(ray, seen)) < params.not_radial * seen.norm())
+      continue;
     if (std::abs(offDominantDirection(s.odom.direction(), known_rad)) > params.slip_together_rad) continue;
     CameraTilt tilt = CameraTilt::Zero();
     tilt.head<2>() = about;
@@ -48,11 +49,11 @@ std::vector<DirectionResidual> directionResiduals(const std::vector<FloorSegment
     const double own =
         (ownVariance(n, s.P_a, s.D_a, s.pitch_sigma_rad) + ownVariance(n, s.P_b, s.D_b, s.pitch_sigma_rad)) /
         (length * length);
-    const TiltJacobianRow d = n.transpose() * (view.derivativeAt(line.b) - view.derivativeAt(line.a)) / length;
-    residuals.push_back({offDominantDirection(line.direction(), known_rad) - d.head<2>().dot(about),
-                         own + params.sigma_rad * params.sigma_rad, d.head<2>()});
+    const TiltJacobianRow d =
+        n.transpose() * (view.derivativeAt(line.b) - view.derivativeAt(line.a)) / length;
+    use({offDominantDirection(line.direction(), known_rad) - d.head<2>().dot(about),
+         own + params.sigma_rad * params.sigma_rad, d.head<2>()});
   }
-  return residuals;
 }
 
 }  // namespace
@@ -73,8 +74,8 @@ void addLineResiduals(std::uint64_t id, const FloorLine& line, const FloorSegmen
   const auto add = [&](const Eigen::Vector2d& at, const Eigen::Matrix2d& P, const TiltJacobian& D,
                        bool censored, const ExtentEnd& known) {
     const TiltJacobianRow across = n.transpose() * view.derivativeAt(at - line.offsetOf(at) * n);
-    residuals.push_back({at, n, line.offsetOf(at), noise * (variance(n, P, D) + slack), across,
-                         across.head<2>(), id});
+    residuals.push_back(
+        {at, n, line.offsetOf(at), noise * (variance(n, P, D) + slack), across, across.head<2>(), id});
     const double gap = line.tOf(at) - known.t_m;
     if (censored || known.censored || std::abs(gap) > max_end_shift_m) return;
     // The extent is not in the filter.
@@ -86,7 +87,7 @@ void addLineResiduals(std::uint64_t id, const FloorLine& line, const FloorSegmen
   add(observed.odom.b, observed.P_b, observed.D_b, observed.censored_b, line.endB());
 }
 
-std::optional<DirectionDeviation> directionDeviation(const std::vector<FloorSegment>& floor,
+std::optional<DirectionDeviation> directionDeviation(std::span<const FloorSegment> floor,
                                                      const TiltView& view,
                                                      const DominantDirectionParams& params,
                                                      double dominant_direction_rad, double per_frame_rad) {
@@ -95,16 +96,18 @@ std::optional<DirectionDeviation> directionDeviation(const std::vector<FloorSegm
   Eigen::Matrix3d information;
   // Linearized twice, the second time about the tilt of the first one.
   for (int i = 0; i < 2; ++i) {
-    const auto residuals = directionResiduals(floor, view, state.head<2>(), params, dominant_direction_rad);
-    if (residuals.empty()) return std::nullopt;
+    bool any = false;
     information = Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal();
     information /= per_frame_rad * per_frame_rad;
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (const DirectionResidual& r : residuals) {
+    const auto add = [&](const DirectionResidual& r) {
       const Eigen::Vector3d h{-r.d_frame_tilt.x(), -r.d_frame_tilt.y(), 1.0};
       information += h * h.transpose() / r.variance;
       right += h * r.off_rad / r.variance;
-    }
+      any = true;
+    };
+    forEachDirection(floor, view, state.head<2>(), params, dominant_direction_rad, add);
+    if (!any) return std::nullopt;
     state = information.ldlt().solve(right);
   }
   return DirectionDeviation{state.z(), information.inverse()(2, 2)};

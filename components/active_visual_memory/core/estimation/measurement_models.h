@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "active_visual_memory/core/estimation/dominant_direction.h"
@@ -12,7 +13,8 @@
 
 namespace vismem {
 
-/// Adds the residuals of both ends of a piece across a line of MapFilter, and along it where a true end was observed.
+/// Adds the residuals of both ends of a piece across a line of MapFilter, and along it where a true end was
+/// observed.
 /// @param id               of the line.
 /// @param view             that showed the piece.
 /// @param slack_m          sigma of errors that the covariances do not model [m].
@@ -35,7 +37,7 @@ struct DirectionDeviation {
 
 /// Turn of the long lines of one image against a known direction, with the variance of the per-frame tilt.
 /// @return empty without long lines.
-std::optional<DirectionDeviation> directionDeviation(const std::vector<FloorSegment>& floor,
+std::optional<DirectionDeviation> directionDeviation(std::span<const FloorSegment> floor,
                                                      const TiltView& view,
                                                      const DominantDirectionParams& params,
                                                      double dominant_direction_rad, double per_frame_rad);

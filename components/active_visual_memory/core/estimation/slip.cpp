@@ -7,7 +7,7 @@ namespace vismem {
 std::optional<SlipDetector::Slip> SlipDetector::add(StampUs stamp_us, double deviation_rad,
                                                     double variance_rad2, const Params& params) {
   deviations_.push_back({stamp_us, deviation_rad, 1.0 / variance_rad2});
-  if (static_cast<int>(deviations_.size()) > params.images) deviations_.pop_front();
+  if (static_cast<int>(deviations_.size()) > params.images) deviations_.erase(deviations_.begin());
   // The slip lies between two images: of all runs of latest images, the most significant mean.
   double information = 0.0;
   double sum = 0.0;

@@ -1,8 +1,8 @@
 /// @file Slips of the odometry's heading. Pure. See M6.
 #pragma once
 
-#include <deque>
 #include <optional>
+#include <vector>
 
 #include "common/robot/samples.h"
 
@@ -37,7 +37,7 @@ class SlipDetector {
     double deviation_rad;
     double information;
   };
-  std::deque<Deviation> deviations_;
+  std::vector<Deviation> deviations_;
 };
 
 }  // namespace vismem

@@ -75,7 +75,7 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
     bool old = false;
   };
   // In the order of the memory, not of a hash: the same input gives the same ids.
-  std::vector<Object> alive;
+  std::pmr::vector<Object> alive(scratch_.resource());
   alive.reserve(objects.segments.size() + objects.primitives.size() + objects.hypotheses.size());
   for (const MemorySegment& segment : objects.segments) {
     const Eigen::Vector3d place = focusOf(segment.odom, T_odom_robot.position(), kFocusDistance_m);
@@ -93,7 +93,7 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
   const auto key = [](AttentionKind kind, std::uint64_t id) {
     return static_cast<std::uint64_t>(kind) << 60 | id;
   };
-  std::vector<std::pair<std::uint64_t, Object*>> by_key;
+  std::pmr::vector<std::pair<std::uint64_t, Object*>> by_key(scratch_.resource());
   by_key.reserve(alive.size());
   for (Object& object : alive) by_key.emplace_back(key(object.kind, object.id), &object);
   if (!std::is_sorted(by_key.begin(), by_key.end())) std::sort(by_key.begin(), by_key.end());
@@ -129,7 +129,7 @@ double AttentionPool::countObjects(const Pose2& T_odom_robot) const {
   // Unit vectors from the pan-tilt unit: angles of all pairs would cost more than the rest of the gaze.
   const Pose3 T_pantilt_odom = (toPose3(T_odom_robot) * rig_.mount.T_robot_pantilt).inverse();
   const double least_cosine = std::cos(params_.visit_angle_rad);
-  std::vector<Eigen::Vector3d> groups;
+  std::pmr::vector<Eigen::Vector3d> groups(scratch_.resource());
   for (const Entry& entry : entries_) {
     if (entry.point.kind != AttentionKind::kSegment) continue;
     const Eigen::Vector3d axis = (T_pantilt_odom * *entry.point.p_odom).normalized();
@@ -150,6 +150,7 @@ bool AttentionPool::isSearchDue(double elapsed_s, const Pose2& T_odom_robot) con
 
 void AttentionPool::update(StampUs stamp_us, const AttentionObjects& objects, const Pose2& T_odom_robot,
                            std::optional<std::uint64_t> attended) {
+  scratch_.release();
   follow(objects, T_odom_robot);
   std::erase_if(entries_, [&](const Entry& e) { return e.request && e.request->deadline_us < stamp_us; });
   const double ticks = clock_.advance(stamp_us) / toSeconds(kTick_us);
@@ -317,11 +318,10 @@ void AttentionPool::withdraw(const std::string& client, const std::string& key) 
   });
 }
 
-std::vector<AttentionPoint> AttentionPool::points() const {
-  std::vector<AttentionPoint> points;
-  points.reserve(entries_.size());
+void AttentionPool::listPoints(std::vector<AttentionPoint>& points) const {
+  points.clear();
+  points.reserve(entries_.capacity());
   for (const Entry& entry : entries_) points.push_back(entry.point);
-  return points;
 }
 
 void AttentionPool::clearPlaces() {

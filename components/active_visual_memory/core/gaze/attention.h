@@ -15,6 +15,7 @@
 
 #include "active_visual_memory/core/memory/life.h"
 #include "common/config/parameter_visitor.h"
+#include "common/memory/scratch.h"
 #include "common/robot/rig.h"
 #include "common/visual_memory/gaze.h"
 #include "common/visual_memory/memory_snapshot.h"
@@ -86,7 +87,9 @@ class AttentionPool {
   void request(const GazeRequest& request);
   void withdraw(const std::string& client, const std::string& key);
 
-  std::vector<AttentionPoint> points() const;
+  std::size_t size() const { return entries_.size(); }
+  /// @param points replaced.
+  void listPoints(std::vector<AttentionPoint>& points) const;
   /// Drops the points that have a place in odom; directions stay.
   void clearPlaces();
 
@@ -115,6 +118,7 @@ class AttentionPool {
   Params params_;
   Rig rig_;
   std::vector<Entry> entries_;
+  mutable Scratch scratch_;  ///< of one update
   LifeClock clock_;
   std::mt19937_64 random_;
   std::uint64_t next_id_ = 1;

@@ -114,16 +114,14 @@ std::optional<std::uint64_t> GazeController::attended() const {
   return target_->id;
 }
 
-GazeStatus GazeController::status(StampUs stamp_us, const AttentionPool& pool) const {
-  GazeStatus status;
+void GazeController::report(StampUs stamp_us, const AttentionPool& pool, GazeStatus& status) const {
   status.stamp_us = stamp_us;
   status.mode = mode_;
   status.state = state_;
   status.target = target_;
-  status.points = pool.points();
+  pool.listPoints(status.points);
   status.visits = visits_;
   status.given_up = given_up_;
-  return status;
 }
 
 void GazeController::enter(GazeState state, StampUs stamp_us) {
@@ -235,7 +233,7 @@ std::optional<PanTiltCommand> GazeController::hold() {
 void GazeController::select(const RobotObservation& observation, AttentionPool& pool) {
   target_.reset();
   // Unreachable points are given up at once; each try removes or resets one, so the loop ends.
-  for (std::size_t tries = pool.points().size() + 2; tries > 0; --tries) {
+  for (std::size_t tries = pool.size() + 2; tries > 0; --tries) {
     auto candidate = pool.mostSalient();
     if (!candidate) {
       pool.addScanningPoint();

@@ -85,7 +85,8 @@ class GazeController {
   void abandonTarget();
 
   std::optional<std::uint64_t> attended() const;
-  GazeStatus status(StampUs stamp_us, const AttentionPool& pool) const;
+  /// @param status replaced.
+  void report(StampUs stamp_us, const AttentionPool& pool, GazeStatus& status) const;
 
  private:
   struct Aim {

@@ -37,8 +37,11 @@ class GazeRequestQueue final : public GazeClient {
   /// For the owner: the items since the last call, oldest first.
   std::vector<Item> take();
   /// @param p_odom_robot places farther from it than kFarthestPlace_m are rejected from now on.
-  void publish(GazeStatus status, const Eigen::Vector2d& p_odom_robot) {
-    status_ = std::move(status);
+  void publish(const GazeStatus& status, const Eigen::Vector2d& p_odom_robot) {
+    if (!status_) status_.emplace();
+    // The copy would allocate for each point more than ever before.
+    status_->points.reserve(status.points.capacity());
+    *status_ = status;
     p_odom_robot_ = p_odom_robot;
   }
 

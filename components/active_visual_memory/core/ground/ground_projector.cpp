@@ -100,11 +100,12 @@ std::optional<FloorSegment> GroundProjector::place(const CameraIntrinsics& k, co
   return floor;
 }
 
-std::vector<FloorSegment> GroundProjector::project(const CameraIntrinsics& intrinsics,
-                                                   const Pose3& T_odom_camera,
-                                                   const std::vector<ImageSegment>& observed,
-                                                   double turn_rate_radps, double robot_heading_rad) const {
-  std::vector<FloorSegment> floor;
+std::pmr::vector<FloorSegment> GroundProjector::project(const CameraIntrinsics& intrinsics,
+                                                        const Pose3& T_odom_camera,
+                                                        const std::vector<ImageSegment>& observed,
+                                                        double turn_rate_radps, double robot_heading_rad,
+                                                        std::pmr::memory_resource* scratch) const {
+  std::pmr::vector<FloorSegment> floor(scratch);
   floor.reserve(observed.size());
   const auto& off_floor = params_.off_floor_labels;
   const TiltView view(T_odom_camera, robot_heading_rad);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory_resource>
 #include <optional>
 #include <vector>
 
@@ -44,9 +45,10 @@ class GroundProjector {
   /// @param turn_rate_radps    of the camera in odom, >= 0: widens the covariances.
   /// @param robot_heading_rad  heading in odom: the axes of the mount tilt.
   /// @return the floor segments, with the index of their image segment.
-  std::vector<FloorSegment> project(const CameraIntrinsics& intrinsics, const Pose3& T_odom_camera,
-                                    const std::vector<ImageSegment>& observed, double turn_rate_radps = 0.0,
-                                    double robot_heading_rad = 0.0) const;
+  std::pmr::vector<FloorSegment> project(
+      const CameraIntrinsics& intrinsics, const Pose3& T_odom_camera,
+      const std::vector<ImageSegment>& observed, double turn_rate_radps = 0.0, double robot_heading_rad = 0.0,
+      std::pmr::memory_resource* scratch = std::pmr::get_default_resource()) const;
 
   /// Covariance of the floor point under an ideal pixel [m^2], by first-order propagation of pixel, height,
   /// rotation and timing errors.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "common/vision/edge_sampling.h"
 
@@ -28,7 +29,8 @@ std::optional<Eigen::Vector3d> colourAt(const cv::Mat& image, const Eigen::Vecto
   return colour;
 }
 
-double medianOf(std::vector<double> values) {
+/// @param values are reordered.
+double medianInPlace(std::span<double> values) {
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
   return values[values.size() / 2];
 }
@@ -65,26 +67,29 @@ std::optional<LineProfile> profileAt(const cv::Mat& image, const CameraIntrinsic
   return profile;
 }
 
-Eigen::Vector3d medianOf(const std::vector<LineProfile>& profiles, Eigen::Vector3d LineProfile::*colour) {
+/// @param values  workspace.
+Eigen::Vector3d medianOf(std::span<const LineProfile> profiles, Eigen::Vector3d LineProfile::*colour,
+                         std::pmr::vector<double>& values) {
   Eigen::Vector3d median;
-  std::vector<double> values(profiles.size());
+  values.resize(profiles.size());
   for (int c = 0; c < 3; ++c) {
     for (std::size_t i = 0; i < profiles.size(); ++i) values[i] = (profiles[i].*colour)[c];
-    median[c] = medianOf(values);
+    median[c] = medianInPlace(values);
   }
   return median;
 }
 
 }  // namespace
 
-std::vector<LineGap> findLineGaps(const cv::Mat& image, const CameraIntrinsics& intrinsics,
-                                  const Segment2& px, const LineGapParams& params) {
-  std::vector<LineGap> gaps;
+std::pmr::vector<LineGap> findLineGaps(const cv::Mat& image, const CameraIntrinsics& intrinsics,
+                                       const Segment2& px, const LineGapParams& params,
+                                       std::pmr::memory_resource* scratch) {
+  std::pmr::vector<LineGap> gaps(scratch);
   if (image.empty() || image.depth() != CV_8U) return gaps;
   const Eigen::Vector2d d = (px.b - px.a).normalized();
   const Eigen::Vector2d aside = params.aside_px * leftNormal(px);
   const int count = static_cast<int>(px.length());
-  std::vector<double> contrast;
+  std::pmr::vector<double> contrast(scratch);
   contrast.reserve(static_cast<std::size_t>(std::max(0, count)));
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d at = px.a + (i + 0.5) * d;
@@ -94,7 +99,8 @@ std::vector<LineGap> findLineGaps(const cv::Mat& image, const CameraIntrinsics& 
     contrast.push_back(left->mean() - right->mean());
   }
   if (contrast.size() < 2 * params.least_edge_px + params.least_px) return gaps;
-  const double usual = medianOf(contrast);
+  std::pmr::vector<double> sorted(contrast, scratch);
+  const double usual = medianInPlace(sorted);
   if (std::abs(usual) < params.least_grey) return gaps;
   for (double& c : contrast) c /= usual;
 
@@ -122,32 +128,35 @@ std::vector<LineGap> findLineGaps(const cv::Mat& image, const CameraIntrinsics& 
   return gaps;
 }
 
-std::vector<LineGap> findLineBumps(const cv::Mat& image, const CameraIntrinsics& intrinsics,
-                                   const Segment2& px, bool outward_left, const LineBumpParams& params) {
-  std::vector<LineGap> bumps;
+std::pmr::vector<LineGap> findLineBumps(const cv::Mat& image, const CameraIntrinsics& intrinsics,
+                                        const Segment2& px, bool outward_left, const LineBumpParams& params,
+                                        std::pmr::memory_resource* scratch) {
+  std::pmr::vector<LineGap> bumps(scratch);
   if (image.empty() || image.depth() != CV_8U) return bumps;
   const Eigen::Vector2d d = (px.b - px.a).normalized();
   const Eigen::Vector2d outward = (outward_left ? 1.0 : -1.0) * leftNormal(px);
   const int count = static_cast<int>(px.length());
   const int beside_px = params.beside_px;
   if (count < 2 * beside_px + params.least_px) return bumps;
-  std::vector<LineProfile> profiles;
+  std::pmr::vector<LineProfile> profiles(scratch);
   profiles.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     const auto profile = profileAt(image, intrinsics, px.a + (i + 0.5) * d, outward, params);
     if (!profile) return bumps;
     profiles.push_back(*profile);
   }
-  const Eigen::Vector3d floor = medianOf(profiles, &LineProfile::floor);
-  const Eigen::Vector3d contrast = medianOf(profiles, &LineProfile::line) - floor;
+  std::pmr::vector<double> values(scratch);
+  const Eigen::Vector3d floor = medianOf(profiles, &LineProfile::floor, values);
+  const Eigen::Vector3d contrast = medianOf(profiles, &LineProfile::line, values) - floor;
   if (contrast.norm() < std::sqrt(3.0) * params.least_grey) return bumps;
   // Height of the line's colour beside the edge [px]; blur gives some all along it.
-  std::vector<double> height;
+  std::pmr::vector<double> height(scratch);
   height.reserve(profiles.size());
   for (const LineProfile& profile : profiles) {
     height.push_back(contrast.dot(profile.beside - params.reach_px * floor) / contrast.squaredNorm());
   }
-  const double least = medianOf(height) + params.least_height_px;
+  values = height;
+  const double least = medianInPlace(values) + params.least_height_px;
   for (int i = beside_px; i < count; ++i) {
     if (height[i] < least) continue;
     int top = i;

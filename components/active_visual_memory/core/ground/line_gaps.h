@@ -1,6 +1,7 @@
 /// @file Gaps in an edge that one image shows: where paint joins it, or an object stands on it. Pure. See M4.
 #pragma once
 
+#include <memory_resource>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -25,8 +26,9 @@ struct LineGapParams {
 };
 
 /// Gaps that the detector closed. @param px the segment, ideal pixels. @return in their order along it.
-std::vector<LineGap> findLineGaps(const cv::Mat& image, const CameraIntrinsics& intrinsics,
-                                  const Segment2& px, const LineGapParams& params = {});
+std::pmr::vector<LineGap> findLineGaps(const cv::Mat& image, const CameraIntrinsics& intrinsics,
+                                       const Segment2& px, const LineGapParams& params = {},
+                                       std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 /// A spot on a distant line marking: less than a pixel high, but brighter (or darker) than the line's border.
 struct LineBumpParams {
@@ -43,7 +45,8 @@ struct LineBumpParams {
 /// @param px            one edge of a line marking, ideal pixels.
 /// @param outward_left  whether the floor beside the line lies to the left of the edge.
 /// @return the intervals where the line is thicker on that side, in their order.
-std::vector<LineGap> findLineBumps(const cv::Mat& image, const CameraIntrinsics& intrinsics,
-                                   const Segment2& px, bool outward_left, const LineBumpParams& params = {});
+std::pmr::vector<LineGap> findLineBumps(
+    const cv::Mat& image, const CameraIntrinsics& intrinsics, const Segment2& px, bool outward_left,
+    const LineBumpParams& params = {}, std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 }  // namespace vismem

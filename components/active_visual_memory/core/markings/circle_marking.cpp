@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "common/geometry/angles.h"
@@ -41,9 +42,10 @@ int edgeOf(bool counter_clockwise, double radius_m, const Ring& ring) {
   return ring.width_m > 0.0 && radius_m < ring.radius_m ? kInner : kOuter;
 }
 
-std::vector<Chord> chordsOf(const std::vector<MemorySegment>& segments, const Eigen::Vector2d& centre,
-                            const Ring& ring, const CircleMarkingParams& params) {
-  std::vector<Chord> chords;
+std::pmr::vector<Chord> chordsOf(const std::vector<MemorySegment>& segments, const Eigen::Vector2d& centre,
+                                 const Ring& ring, const CircleMarkingParams& params,
+                                 std::pmr::memory_resource* scratch) {
+  std::pmr::vector<Chord> chords(scratch);
   for (const MemorySegment& segment : segments) {
     const Segment2 floor = segment.odom.floor();
     Chord chord;
@@ -74,9 +76,9 @@ std::vector<Chord> chordsOf(const std::vector<MemorySegment>& segments, const Ei
 /// The line of a circle whose label has lines of a known width; without one the single edge that was found,
 /// or both. A circle with one edge only may be a disc.
 Ring ringOf(const std::vector<MemorySegment>& segments, const Primitive& circle, const LineWidths& widths,
-            const CircleMarkingParams& params) {
+            const CircleMarkingParams& params, std::pmr::memory_resource* scratch) {
   const Ring found{circle.radius_m, circle.width_m, std::nullopt};
-  const std::vector<Chord> chords = chordsOf(segments, circle.centre, found, params);
+  const std::pmr::vector<Chord> chords = chordsOf(segments, circle.centre, found, params, scratch);
   const auto longest = std::max_element(
       chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.length_m < b.length_m; });
   const auto width = longest != chords.end() ? widths.find(longest->segment->label) : widths.end();
@@ -84,7 +86,7 @@ Ring ringOf(const std::vector<MemorySegment>& segments, const Primitive& circle,
   Ring line{circle.radius_m, std::abs(width->second), width->second > 0.0};
   std::array<double, 2> lengths{};
   std::array<double, 2> sums{};
-  for (const Chord& chord : chordsOf(segments, circle.centre, line, params)) {
+  for (const Chord& chord : chordsOf(segments, circle.centre, line, params, scratch)) {
     lengths[chord.edge] += chord.length_m;
     sums[chord.edge] += chord.length_m * chord.radius_m;
   }
@@ -99,7 +101,7 @@ bool covers(const Chord& chord, double angle_rad) {
   return (in < 0.0 ? in + 2.0 * std::numbers::pi : in) <= chord.turn_rad;
 }
 
-const Chord* bestAt(const std::vector<Chord>& chords, int edge, double angle_rad) {
+const Chord* bestAt(std::span<const Chord> chords, int edge, double angle_rad) {
   const Chord* best = nullptr;
   const auto rank = [](const Chord& c) { return std::pair(c.segment->confirmed, c.segment->life); };
   for (const Chord& chord : chords) {
@@ -110,9 +112,9 @@ const Chord* bestAt(const std::vector<Chord>& chords, int edge, double angle_rad
 }
 
 /// Continues the chord before a gap of at most `most` places.
-void closeGaps(std::vector<const Chord*>& places, int most) {
+void closeGaps(std::pmr::vector<const Chord*>& places, int most) {
   const int count = static_cast<int>(places.size());
-  const std::vector<const Chord*> seen = places;
+  const std::pmr::vector<const Chord*> seen(places, places.get_allocator());
   for (int k = 0; k < count; ++k) {
     if (!seen[k]) continue;
     int gap = 0;
@@ -123,10 +125,10 @@ void closeGaps(std::vector<const Chord*>& places, int most) {
 
 /// The chord that shows each of `count` places of an edge, if any. A line has both edges all around: where
 /// one was not observed, the other one completes it.
-std::vector<const Chord*> placesOf(const std::vector<Chord>& chords, int edge, int count, bool is_line,
-                                   const CircleMarkingParams& params) {
+std::pmr::vector<const Chord*> placesOf(const std::pmr::vector<Chord>& chords, int edge, int count,
+                                        bool is_line, const CircleMarkingParams& params) {
   const double turn = 2.0 * std::numbers::pi / count;
-  std::vector<const Chord*> places(count, nullptr);
+  std::pmr::vector<const Chord*> places(count, nullptr, chords.get_allocator());
   for (int k = 0; k < count; ++k) places[k] = bestAt(chords, edge, (k + 0.5) * turn);
   const auto seen = std::count_if(places.begin(), places.end(), [](const Chord* c) { return c != nullptr; });
   if (!is_line || seen < params.edge_share * count) return places;
@@ -139,11 +141,11 @@ std::vector<const Chord*> placesOf(const std::vector<Chord>& chords, int edge, i
 }  // namespace
 
 void regularizeCircle(std::vector<MemorySegment>& segments, Primitive& circle, const LineWidths& widths,
-                      const CircleMarkingParams& params,
-                      const std::function<std::uint64_t(int, int)>& id_of) {
-  const Ring ring = ringOf(segments, circle, widths, params);
-  const std::vector<Chord> chords = chordsOf(segments, circle.centre, ring, params);
-  std::vector<MemorySegment> edges;
+                      const CircleMarkingParams& params, const std::function<std::uint64_t(int, int)>& id_of,
+                      std::pmr::memory_resource* scratch) {
+  const Ring ring = ringOf(segments, circle, widths, params, scratch);
+  const std::pmr::vector<Chord> chords = chordsOf(segments, circle.centre, ring, params, scratch);
+  std::pmr::vector<MemorySegment> edges(scratch);
   int sure = 0;
   int all = 0;
   for (const int edge : kBothEdges) {
@@ -158,7 +160,7 @@ void regularizeCircle(std::vector<MemorySegment>& segments, Primitive& circle, c
     for (const Chord& chord : chords) {
       if (chord.edge == edge) left += chord.counter_clockwise ? 1 : -1;
     }
-    std::vector<const Chord*> places = placesOf(chords, edge, count, ring.width_m > 0.0, params);
+    std::pmr::vector<const Chord*> places = placesOf(chords, edge, count, ring.width_m > 0.0, params);
     all += count;
     sure += static_cast<int>(std::count_if(places.begin(), places.end(),
                                            [](const Chord* c) { return c && c->segment->confirmed; }));
@@ -177,7 +179,7 @@ void regularizeCircle(std::vector<MemorySegment>& segments, Primitive& circle, c
     }
   }
   if (sure < params.confirmed_share * all) return;
-  std::vector<std::uint64_t> replaced;
+  std::pmr::vector<std::uint64_t> replaced(scratch);
   for (const Chord& chord : chords) replaced.push_back(chord.segment->id);
   eraseSegments(segments, replaced);
   circle.radius_m = ring.radius_m;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory_resource>
 #include <vector>
 
 #include "active_visual_memory/core/markings/line_marking.h"
@@ -30,6 +31,7 @@ struct CircleMarkingParams {
 /// @param widths  of line markings by label.
 /// @param id_of   id of the n-th chord of an edge (0: inner, 1: outer).
 void regularizeCircle(std::vector<MemorySegment>& segments, Primitive& circle, const LineWidths& widths,
-                      const CircleMarkingParams& params, const std::function<std::uint64_t(int, int)>& id_of);
+                      const CircleMarkingParams& params, const std::function<std::uint64_t(int, int)>& id_of,
+                      std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 }  // namespace vismem

@@ -36,7 +36,7 @@ double offOf(const Piece& piece, const Cross& cross) {
 }
 
 /// Least squares over the middles of the edges, weighted by sightings.
-std::optional<Cross> fit(const std::vector<Piece>& pieces, double width_m) {
+std::optional<Cross> fit(std::span<const Piece> pieces, double width_m) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const Piece& piece : pieces) {
@@ -54,7 +54,7 @@ std::optional<Cross> fit(const std::vector<Piece>& pieces, double width_m) {
 }
 
 /// Number of the four slanting edges that were observed.
-int slantingEdges(const std::vector<Piece>& pieces) {
+int slantingEdges(std::span<const Piece> pieces) {
   bool seen[4] = {};
   for (const Piece& piece : pieces) {
     if (piece.slanting) seen[2 * (piece.outward.x() > 0.0) + (piece.outward.y() > 0.0)] = true;
@@ -63,7 +63,8 @@ int slantingEdges(const std::vector<Piece>& pieces) {
 }
 
 /// Fits, leaving out the worst edge until all lie within most_off_m. @return empty if it is no cross.
-std::optional<Cross> fitCross(std::vector<Piece>& pieces, double width_m, const CrossSpotParams& params) {
+std::optional<Cross> fitCross(std::pmr::vector<Piece>& pieces, double width_m,
+                              const CrossSpotParams& params) {
   while (slantingEdges(pieces) >= params.least_slanting) {
     const auto cross = fit(pieces, width_m);
     if (!cross) return std::nullopt;
@@ -98,9 +99,9 @@ Piece pieceOf(const PublishedEdge& edge, const Eigen::Rotation2Dd& to_direction,
 }
 
 /// Adds the four ends of arms. @param fitted  the edges of the fit, at least one.
-void addArmEnds(const Cross& cross, const std::vector<Piece>& fitted, const Eigen::Rotation2Dd& to_direction,
+void addArmEnds(const Cross& cross, std::span<const Piece> fitted, const Eigen::Rotation2Dd& to_direction,
                 bool bright, const std::function<std::uint64_t(std::uint64_t, int)>& id_of,
-                std::vector<MemorySegment>& ends) {
+                std::pmr::vector<MemorySegment>& ends) {
   MemorySegment end = *fitted.front().edge->published;
   std::uint64_t oldest = end.id;
   double variance = 0.0;
@@ -131,10 +132,11 @@ void addArmEnds(const Cross& cross, const std::vector<Piece>& fitted, const Eige
 
 }  // namespace
 
-void replaceCrossSpots(std::vector<MemorySegment>& segments, const std::vector<PublishedEdge>& edges,
+void replaceCrossSpots(std::vector<MemorySegment>& segments, std::span<const PublishedEdge> edges,
                        const LineWidths& widths, const DominantDirectionParams& dominant_direction,
                        const CrossSpotParams& params,
-                       const std::function<std::uint64_t(std::uint64_t, int)>& id_of) {
+                       const std::function<std::uint64_t(std::uint64_t, int)>& id_of,
+                       std::pmr::memory_resource* scratch) {
   if (!params.enabled || widths.empty() || dominant_direction.sigma_rad <= 0.0) return;
   DominantDirection place(dominant_direction);
   for (const PublishedEdge& edge : edges) {
@@ -144,11 +146,11 @@ void replaceCrossSpots(std::vector<MemorySegment>& segments, const std::vector<P
   if (!direction_rad) return;
   const Eigen::Rotation2Dd to_direction(-*direction_rad);
 
-  std::vector<MemorySegment> ends;
-  std::vector<std::uint64_t> replaced;
+  std::pmr::vector<MemorySegment> ends(scratch);
+  std::pmr::vector<std::uint64_t> replaced(scratch);
   for (const auto& [label, signed_width] : widths) {
     const double width = std::abs(signed_width);
-    std::vector<Piece> pieces;
+    std::pmr::vector<Piece> pieces(scratch);
     for (const PublishedEdge& edge : edges) {
       if (edge.published->label != label || !edge.element || edge.element->stands) continue;
       if (edge.element->line.length() > params.most_edge_m) continue;
@@ -161,11 +163,11 @@ void replaceCrossSpots(std::vector<MemorySegment>& segments, const std::vector<P
       if (!first.slanting || isReplaced(first)) continue;
       // First guess of the centre: arms as long as the line is wide.
       const Eigen::Vector2d about = first.middle - reachOf(first, width, width) * first.outward;
-      std::vector<Piece> fitted;
+      std::pmr::vector<Piece> fitted(scratch);
       std::copy_if(pieces.begin(), pieces.end(), std::back_inserter(fitted), [&](const Piece& piece) {
         return !isReplaced(piece) && (piece.middle - about).norm() <= params.most_reach_m;
       });
-      const std::vector<Piece> near = fitted;
+      const std::pmr::vector<Piece> near(fitted, scratch);
       const auto cross = fitCross(fitted, width, params);
       if (!cross) continue;
       const Eigen::Vector2d centre = to_direction.inverse() * cross->centre;

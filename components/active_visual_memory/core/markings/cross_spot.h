@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory_resource>
+#include <span>
 #include <vector>
 
 #include "active_visual_memory/core/estimation/dominant_direction.h"
@@ -32,9 +34,10 @@ struct CrossSpotParams {
 /// label.
 /// @param edges  the segments with their elements.
 /// @param id_of  id of the n-th arm end of the cross whose oldest edge has an id.
-void replaceCrossSpots(std::vector<MemorySegment>& segments, const std::vector<PublishedEdge>& edges,
+void replaceCrossSpots(std::vector<MemorySegment>& segments, std::span<const PublishedEdge> edges,
                        const LineWidths& widths, const DominantDirectionParams& dominant_direction,
                        const CrossSpotParams& params,
-                       const std::function<std::uint64_t(std::uint64_t, int)>& id_of);
+                       const std::function<std::uint64_t(std::uint64_t, int)>& id_of,
+                       std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 }  // namespace vismem

@@ -19,9 +19,10 @@ struct Stretch {
 
 struct Edge : PublishedEdge {
   Stretch extent;  ///< its ends, corrected by junctions
-  std::vector<Stretch> gaps;
+  std::pmr::vector<Stretch> gaps;
 
-  explicit Edge(const PublishedEdge& edge) : PublishedEdge(edge), extent{0.0, edge.length()} {}
+  Edge(const PublishedEdge& edge, std::pmr::memory_resource* scratch)
+      : PublishedEdge(edge), extent{0.0, edge.length()}, gaps(scratch) {}
   /// Position along this edge where another edge's line crosses it.
   double crossing(const Edge& other) const {
     return cross2(other.line.a - line.a, other.along) / cross2(along, other.along);
@@ -38,9 +39,9 @@ struct Line {
   double width_m = 0.0;  ///< > 0: the paint lies to the left of each edge; < 0: to the right
 };
 
-std::vector<Line> linesOf(const std::vector<Edge>& edges, const LineWidths& widths,
-                          const JunctionParams& params) {
-  std::vector<Line> lines;
+std::pmr::vector<Line> linesOf(const std::pmr::vector<Edge>& edges, const LineWidths& widths,
+                               const JunctionParams& params) {
+  std::pmr::vector<Line> lines(edges.get_allocator());
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (!edges[i].element || !edges[i].confirmed()) continue;
     bool alone = true;
@@ -87,8 +88,7 @@ std::optional<EdgeCrossing> crossEdge(const Edge& edge, const Edge& side, const 
   return crossing_at;
 }
 
-void splitByLine(std::vector<Edge>& edges, std::size_t index, const Line& line,
-                 const JunctionParams& params) {
+void splitByLine(std::span<Edge> edges, std::size_t index, const Line& line, const JunctionParams& params) {
   Edge& edge = edges[index];
   const Eigen::Vector2d outward = -std::copysign(1.0, line.width_m) * turned90(edge.along);
   Edge& side = edges[line.one];
@@ -130,10 +130,10 @@ void splitByCircle(Edge& edge, const Primitive& circle, const JunctionParams& pa
 }
 
 /// The remaining parts of an edge, the longest first.
-std::vector<Stretch> remainingParts(Edge& edge, const JunctionParams& params) {
+std::pmr::vector<Stretch> remainingParts(Edge& edge, const JunctionParams& params) {
   std::sort(edge.gaps.begin(), edge.gaps.end(),
             [](const Stretch& a, const Stretch& b) { return a.from < b.from; });
-  std::vector<Stretch> parts;
+  std::pmr::vector<Stretch> parts(edge.gaps.get_allocator());
   double from = edge.extent.from;
   // A part shorter than the uncertainty of its end is an overshoot.
   const auto add = [&](double to, double least) {
@@ -144,24 +144,27 @@ std::vector<Stretch> remainingParts(Edge& edge, const JunctionParams& params) {
     from = std::max(from, edge.gaps[i].to);
   }
   add(edge.extent.to, edge.gaps.empty() ? 0.0 : edge.reach(true, params));
-  std::stable_sort(parts.begin(), parts.end(),
-                   [](const Stretch& a, const Stretch& b) { return a.to - a.from > b.to - b.from; });
+  std::sort(parts.begin(), parts.end(), [](const Stretch& a, const Stretch& b) {
+    return std::pair(b.to - b.from, a.from) < std::pair(a.to - a.from, b.from);
+  });
   return parts;
 }
 
 }  // namespace
 
-void splitAtJunctions(std::vector<MemorySegment>& segments, const std::vector<PublishedEdge>& published,
-                      const std::vector<Primitive>& primitives, const LineWidths& widths,
+void splitAtJunctions(std::vector<MemorySegment>& segments, std::span<const PublishedEdge> published,
+                      std::span<const Primitive> primitives, const LineWidths& widths,
                       const JunctionParams& params,
-                      const std::function<std::uint64_t(std::uint64_t, int)>& id_of) {
+                      const std::function<std::uint64_t(std::uint64_t, int)>& id_of,
+                      std::pmr::memory_resource* scratch) {
   if (!params.enabled) return;
-  std::vector<Edge> edges;
+  std::pmr::vector<Edge> edges(scratch);
   for (const PublishedEdge& edge : published) {
     const bool may_join = params.by_one_side && edge.element && !edge.element->stands;
-    if (edge.published->label != kUnknownLabel && (edge.confirmed() || may_join)) edges.emplace_back(edge);
+    if (edge.published->label != kUnknownLabel && (edge.confirmed() || may_join))
+      edges.emplace_back(edge, scratch);
   }
-  const std::vector<Line> lines = linesOf(edges, widths, params);
+  const std::pmr::vector<Line> lines = linesOf(edges, widths, params);
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (!edges[i].confirmed()) continue;
     const MemorySegment& segment = *edges[i].published;
@@ -175,8 +178,8 @@ void splitAtJunctions(std::vector<MemorySegment>& segments, const std::vector<Pu
       splitByCircle(edges[i], circle, params);
     }
   }
-  std::vector<std::uint64_t> gone;
-  std::vector<MemorySegment> further;
+  std::pmr::vector<std::uint64_t> gone(scratch);
+  std::pmr::vector<MemorySegment> further(scratch);
   for (Edge& edge : edges) {
     if (!edge.confirmed()) continue;
     const auto parts = remainingParts(edge, params);

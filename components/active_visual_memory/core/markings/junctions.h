@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory_resource>
+#include <span>
 #include <vector>
 
 #include "active_visual_memory/core/markings/line_marking.h"
@@ -34,9 +36,10 @@ struct JunctionParams {
 /// @param edges   the segments with their elements.
 /// @param widths  of line markings by label.
 /// @param id_of   id of the n-th further part (n >= 0) of the edge with an id.
-void splitAtJunctions(std::vector<MemorySegment>& segments, const std::vector<PublishedEdge>& edges,
-                      const std::vector<Primitive>& primitives, const LineWidths& widths,
+void splitAtJunctions(std::vector<MemorySegment>& segments, std::span<const PublishedEdge> edges,
+                      std::span<const Primitive> primitives, const LineWidths& widths,
                       const JunctionParams& params,
-                      const std::function<std::uint64_t(std::uint64_t, int)>& id_of);
+                      const std::function<std::uint64_t(std::uint64_t, int)>& id_of,
+                      std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 }  // namespace vismem

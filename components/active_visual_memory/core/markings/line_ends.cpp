@@ -59,15 +59,15 @@ std::optional<Segment2> endBetween(const Side& one, const Side& other, const Lin
 
 /// Segments around the end of a line.
 struct Surroundings {
-  bool is_end = true;                   ///< neither junction nor gap
-  std::vector<std::uint64_t> replaced;  ///< unconfirmed observations of the end
-  MemorySegment* itself = nullptr;      ///< the confirmed observation of the end
+  bool is_end = true;                        ///< neither junction nor gap
+  std::pmr::vector<std::uint64_t> replaced;  ///< unconfirmed observations of the end
+  MemorySegment* itself = nullptr;           ///< the confirmed observation of the end
 };
 
 /// @param one, other  the end runs from end b of the first to end a of the second.
 Surroundings lookAround(const Segment2& end, const PublishedEdge& one, const PublishedEdge& other,
-                        std::vector<MemorySegment>& segments) {
-  Surroundings found;
+                        std::vector<MemorySegment>& segments, std::pmr::memory_resource* scratch) {
+  Surroundings found{.replaced = std::pmr::vector<std::uint64_t>(scratch)};
   const double width = end.length();
   for (MemorySegment& segment : segments) {
     if (&segment == one.published || &segment == other.published) continue;
@@ -103,7 +103,7 @@ Surroundings lookAround(const Segment2& end, const PublishedEdge& one, const Pub
 /// line (a shadow) and is cut.
 /// @param at_b  the end of `one`.
 void endTogether(Side& one, bool at_b, Side& other, std::vector<MemorySegment>& segments,
-                 const LineWidthRange& widths) {
+                 const LineWidthRange& widths, std::pmr::memory_resource* scratch) {
   const ExtentEnd& stop = other.ends[!at_b];
   const Eigen::Vector2d outward = at_b ? one.along : Eigen::Vector2d(-one.along);
   const double over = outward.dot(one.place(at_b) - other.place(!at_b));
@@ -112,7 +112,7 @@ void endTogether(Side& one, bool at_b, Side& other, std::vector<MemorySegment>& 
   if (!beside || beside->overlap_m() < std::max(0.8 * other.length(), 2.0 * over)) return;
   const Eigen::Vector2d cut = one.place(at_b) - over * outward;
   const Segment2 end = at_b ? Segment2{cut, other.line.a} : Segment2{other.line.b, cut};
-  if (!lookAround(end, at_b ? one : other, at_b ? other : one, segments).is_end) return;
+  if (!lookAround(end, at_b ? one : other, at_b ? other : one, segments, scratch).is_end) return;
   const bool reaches_a_line =
       std::any_of(segments.begin(), segments.end(), [&](const MemorySegment& segment) {
         const Segment2 floor = segment.odom.floor();
@@ -130,25 +130,26 @@ void endTogether(Side& one, bool at_b, Side& other, std::vector<MemorySegment>& 
 
 }  // namespace
 
-void closeLineEnds(std::vector<MemorySegment>& segments, const std::vector<PublishedEdge>& edges,
+void closeLineEnds(std::vector<MemorySegment>& segments, std::span<const PublishedEdge> edges,
                    const LineWidthRange& widths,
-                   const std::function<std::uint64_t(std::uint64_t, std::uint64_t)>& id_of) {
-  std::vector<Side> sides;
+                   const std::function<std::uint64_t(std::uint64_t, std::uint64_t)>& id_of,
+                   std::pmr::memory_resource* scratch) {
+  std::pmr::vector<Side> sides(scratch);
   for (const PublishedEdge& edge : edges) {
     if (edge.element && edge.confirmed()) sides.emplace_back(edge);
   }
   for (Side& one : sides) {
     for (Side& other : sides) {
-      for (const bool at_b : {true, false}) endTogether(one, at_b, other, segments, widths);
+      for (const bool at_b : {true, false}) endTogether(one, at_b, other, segments, widths, scratch);
     }
   }
-  std::vector<MemorySegment> ends;
-  std::vector<std::uint64_t> replaced;
+  std::pmr::vector<MemorySegment> ends(scratch);
+  std::pmr::vector<std::uint64_t> replaced(scratch);
   for (const Side& one : sides) {
     for (const Side& other : sides) {
       const auto end = endBetween(one, other, widths);
       if (!end) continue;
-      const Surroundings around = lookAround(*end, one, other, segments);
+      const Surroundings around = lookAround(*end, one, other, segments, scratch);
       if (!around.is_end) continue;
       if (around.itself) {
         // Its place is well known, its direction is uncertain by a pixel over a few pixels.

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory_resource>
+#include <span>
 #include <vector>
 
 #include "active_visual_memory/core/markings/line_marking.h"
@@ -14,8 +16,9 @@ namespace vismem {
 /// @param edges   the segments with their elements.
 /// @param widths  that line markings may have.
 /// @param id_of   id of the end edge from end b of one edge to end a of another.
-void closeLineEnds(std::vector<MemorySegment>& segments, const std::vector<PublishedEdge>& edges,
+void closeLineEnds(std::vector<MemorySegment>& segments, std::span<const PublishedEdge> edges,
                    const LineWidthRange& widths,
-                   const std::function<std::uint64_t(std::uint64_t, std::uint64_t)>& id_of);
+                   const std::function<std::uint64_t(std::uint64_t, std::uint64_t)>& id_of,
+                   std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 }  // namespace vismem

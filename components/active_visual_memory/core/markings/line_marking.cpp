@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <tuple>
 
 #include "common/geometry/plane.h"
 
@@ -42,8 +43,8 @@ Segment2 laidOn(const Segment2& segment, const Eigen::Vector2d& through, const E
 }
 
 /// Pairs of edges, at least one of them confirmed; the longest overlap first.
-std::vector<Pair> pairsOf(std::vector<MarkingEdge>& edges, const LineWidthParams& params) {
-  std::vector<Pair> pairs;
+std::pmr::vector<Pair> pairsOf(std::pmr::vector<MarkingEdge>& edges, const LineWidthParams& params) {
+  std::pmr::vector<Pair> pairs(edges.get_allocator());
   for (std::size_t i = 0; i < edges.size(); ++i) {
     for (std::size_t k = i + 1; k < edges.size(); ++k) {
       MarkingEdge& one = edges[i];
@@ -60,8 +61,10 @@ std::vector<Pair> pairsOf(std::vector<MarkingEdge>& edges, const LineWidthParams
       if (beside->distance_m < params.range.minMeasured_m()) one.fixed = other.fixed = false;
     }
   }
-  std::stable_sort(pairs.begin(), pairs.end(),
-                   [](const Pair& a, const Pair& b) { return a.beside.overlap_m() > b.beside.overlap_m(); });
+  std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
+    return std::tuple(-a.beside.overlap_m(), a.one, a.other) <
+           std::tuple(-b.beside.overlap_m(), b.one, b.other);
+  });
   return pairs;
 }
 
@@ -104,12 +107,14 @@ std::optional<Neighbourhood> lineMarking(const PublishedEdge& one, const Publish
   return beside && beside->distance_m <= max_width_m ? beside : std::nullopt;
 }
 
-LineWidths measureLineWidths(const std::vector<PublishedEdge>& edges, const LineWidthParams& params) {
-  if (!params.enabled) return {};
-  std::vector<PublishedEdge> near;
+LineWidths measureLineWidths(std::span<const PublishedEdge> edges, const LineWidthParams& params,
+                             std::pmr::memory_resource* scratch) {
+  LineWidths known(scratch);
+  if (!params.enabled) return known;
+  std::pmr::vector<PublishedEdge> near(scratch);
   std::copy_if(edges.begin(), edges.end(), std::back_inserter(near),
                [&](const PublishedEdge& edge) { return mayBePaint(edge) && isNear(edge, params); });
-  std::map<Label, std::vector<double>> measured;
+  std::pmr::map<Label, std::pmr::vector<double>> measured(scratch);
   for (std::size_t i = 0; i < near.size(); ++i) {
     for (std::size_t k = i + 1; k < near.size(); ++k) {
       const auto beside = lineMarking(near[i], near[k], params.range.max_m);
@@ -122,7 +127,6 @@ LineWidths measureLineWidths(const std::vector<PublishedEdge>& edges, const Line
       measured[near[i].published->label].push_back(beside->left_m);
     }
   }
-  LineWidths known;
   for (auto& [label, widths] : measured) {
     std::sort(widths.begin(), widths.end());
     const double median = widths[widths.size() / 2];
@@ -136,9 +140,9 @@ LineWidths measureLineWidths(const std::vector<PublishedEdge>& edges, const Line
   return known;
 }
 
-void equalizeLineWidths(const std::vector<PublishedEdge>& edges, const LineWidths& widths,
-                        const LineWidthParams& params) {
-  std::vector<MarkingEdge> sides;
+void equalizeLineWidths(std::span<const PublishedEdge> edges, const LineWidths& widths,
+                        const LineWidthParams& params, std::pmr::memory_resource* scratch) {
+  std::pmr::vector<MarkingEdge> sides(scratch);
   for (const PublishedEdge& edge : edges) {
     if (!mayBePaint(edge) || !widths.contains(edge.published->label)) continue;
     const double blur = std::min(params.range.max_m, params.blur_px * edge.element->pixel_m);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory_resource>
 #include <optional>
 #include <span>
 #include <vector>
@@ -49,14 +50,16 @@ struct LineWidthParams {
 };
 
 /// Signed widths by label: > 0 if the paint lies to the left of both edges (a bright line), < 0 to the right.
-using LineWidths = std::map<Label, double>;
+using LineWidths = std::pmr::map<Label, double>;
 
 /// @return widths of near lines by label; none if disabled.
-LineWidths measureLineWidths(const std::vector<PublishedEdge>& edges, const LineWidthParams& params);
+LineWidths measureLineWidths(std::span<const PublishedEdge> edges, const LineWidthParams& params,
+                             std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 /// Moves the edges of distant lines to the width of near lines of their label, and confirms the second edge
 /// of a line.
-void equalizeLineWidths(const std::vector<PublishedEdge>& edges, const LineWidths& widths,
-                        const LineWidthParams& params);
+void equalizeLineWidths(std::span<const PublishedEdge> edges, const LineWidths& widths,
+                        const LineWidthParams& params,
+                        std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 }  // namespace vismem

@@ -1,5 +1,7 @@
 #include "active_visual_memory/core/markings/shape_edges.h"
 
+#include <algorithm>
+
 namespace vismem {
 
 void ShapeEdges::Params::visit(ParameterVisitor& v) {
@@ -32,41 +34,51 @@ ShapeEdges::ShapeEdges(const Params& params) : params_(params) {
   params_.line_widths.range = params_.junctions.range = params_.line_width;
 }
 
-std::uint64_t ShapeEdges::idOf(const Key& key, const NewId& new_id) {
-  const auto known = ids_.find(key);
-  const std::uint64_t id = known != ids_.end() ? known->second : new_id();
-  used_.emplace(key, id);
-  return id;
+std::uint64_t ShapeEdges::idOf(const Key& key) {
+  const auto known = std::ranges::lower_bound(ids_, key, {}, &Ids::value_type::first);
+  const bool is_known = known != ids_.end() && known->first == key;
+  return used_.emplace_back(key, is_known ? known->second : (*new_id_)()).second;
 }
 
 void ShapeEdges::complete(std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
                           std::vector<Primitive>& primitives, const NewId& new_id) {
   if (!params_.enabled) return;
+  scratch_.release();
+  std::pmr::memory_resource* const scratch = scratch_.resource();
+  const auto edges = [&] { return publishedEdges(segments, elements, scratch); };
   used_.clear();
-  const LineWidths widths = measureLineWidths(publishedEdges(segments, elements), params_.line_widths);
+  new_id_ = &new_id;
+  const LineWidths widths = measureLineWidths(edges(), params_.line_widths, scratch);
   for (Primitive& primitive : primitives) {
     if (primitive.kind != PrimitiveKind::kCircle) continue;
-    const std::uint64_t circle = primitive.id;
-    regularizeCircle(segments, primitive, widths, params_.circles, [&](int chord, int edge) {
-      return idOf({circle, static_cast<std::uint64_t>(chord), edge}, new_id);
-    });
+    const auto id = [this, circle = primitive.id](int chord, int edge) {
+      return idOf({circle, static_cast<std::uint64_t>(chord), edge});
+    };
+    regularizeCircle(segments, primitive, widths, params_.circles, id, scratch);
   }
-  replaceCrossSpots(segments, publishedEdges(segments, elements), widths, params_.dominant_direction,
-                    params_.crosses, [&](std::uint64_t oldest, int n) {
-                      return idOf({oldest, 1, -2 - n}, new_id);
-                    });
-  closeLineEnds(segments, publishedEdges(segments, elements), params_.line_width,
-                [&](std::uint64_t one, std::uint64_t other) {
-                  return idOf({one, other, -1}, new_id);
-                });
-  equalizeLineWidths(publishedEdges(segments, elements), widths, params_.line_widths);
-  splitAtJunctions(segments, publishedEdges(segments, elements), primitives, widths, params_.junctions,
-                   [&](std::uint64_t whole, int part) {
-                     return idOf({whole, 0, -2 - part}, new_id);
-                   });
-  joinAtCorners(publishedEdges(segments, elements), params_.corners);
+  replaceCrossSpots(
+      segments, edges(), widths, params_.dominant_direction, params_.crosses,
+      [this](std::uint64_t oldest, int n) {
+        return idOf({oldest, 1, -2 - n});
+      },
+      scratch);
+  closeLineEnds(
+      segments, edges(), params_.line_width,
+      [this](std::uint64_t one, std::uint64_t other) {
+        return idOf({one, other, -1});
+      },
+      scratch);
+  equalizeLineWidths(edges(), widths, params_.line_widths, scratch);
+  splitAtJunctions(
+      segments, edges(), primitives, widths, params_.junctions,
+      [this](std::uint64_t whole, int part) {
+        return idOf({whole, 0, -2 - part});
+      },
+      scratch);
+  joinAtCorners(edges(), params_.corners, scratch);
   // An edge that returns after an absence gets a new id.
   ids_.swap(used_);
+  std::ranges::sort(ids_);
 }
 
 }  // namespace vismem

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "active_visual_memory/core/markings/circle_marking.h"
@@ -16,6 +16,7 @@
 #include "active_visual_memory/core/markings/line_marking.h"
 #include "active_visual_memory/core/memory/memory_element.h"
 #include "common/config/parameter_visitor.h"
+#include "common/memory/scratch.h"
 #include "common/visual_memory/memory_snapshot.h"
 
 namespace vismem {
@@ -51,11 +52,14 @@ class ShapeEdges {
 
  private:
   using Key = std::tuple<std::uint64_t, std::uint64_t, int>;
-  std::uint64_t idOf(const Key& key, const NewId& new_id);
+  using Ids = std::vector<std::pair<Key, std::uint64_t>>;
+  std::uint64_t idOf(const Key& key);
 
   Params params_;
-  std::map<Key, std::uint64_t> ids_;
-  std::map<Key, std::uint64_t> used_;
+  Ids ids_;   ///< of the last image, sorted
+  Ids used_;  ///< of this image
+  const NewId* new_id_ = nullptr;
+  Scratch scratch_;
 };
 
 }  // namespace vismem

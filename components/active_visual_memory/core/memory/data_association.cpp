@@ -59,10 +59,10 @@ std::optional<double> associationCost(const ImageSegment& observed, const Expect
   return costAt(angle, observed, expected, params);
 }
 
-AssociationResult associate(const std::vector<ImageSegment>& observed,
-                            const std::vector<Expectation>& expected, const AssociationParams& params) {
-  std::vector<std::tuple<double, int, int>> candidates;
-  std::vector<double> directions;
+AssociationResult associate(std::span<const ImageSegment> observed, std::span<const Expectation> expected,
+                            const AssociationParams& params, std::pmr::memory_resource* scratch) {
+  std::pmr::vector<std::tuple<double, int, int>> candidates(scratch);
+  std::pmr::vector<double> directions(scratch);
   for (const Expectation& e : expected) directions.push_back(e.predicted.px.direction());
   for (int o = 0; o < static_cast<int>(observed.size()); ++o) {
     const double direction = observed[o].px.direction();
@@ -76,9 +76,9 @@ AssociationResult associate(const std::vector<ImageSegment>& observed,
   }
   std::sort(candidates.begin(), candidates.end());
 
-  AssociationResult result;
-  std::vector<bool> observed_taken(observed.size(), false);
-  std::vector<int> match_of(expected.size(), -1);
+  AssociationResult result(scratch);
+  std::pmr::vector<bool> observed_taken(observed.size(), false, scratch);
+  std::pmr::vector<int> match_of(expected.size(), -1, scratch);
   for (const auto& [cost, o, p] : candidates) {
     if (observed_taken[o] || match_of[p] >= 0) continue;
     observed_taken[o] = true;

@@ -2,6 +2,8 @@
 /// Pure. Implements V5.
 #pragma once
 
+#include <memory_resource>
+#include <span>
 #include <vector>
 
 #include "common/config/parameter_visitor.h"
@@ -35,11 +37,14 @@ struct Expectation {
 };
 
 struct AssociationResult {
-  std::vector<ImageAnalysis::Match> matches;  ///< one-to-one, best first
+  explicit AssociationResult(std::pmr::memory_resource* scratch)
+      : matches(scratch), supports(scratch), unobserved(scratch), unpredicted(scratch) {}
+
+  std::pmr::vector<ImageAnalysis::Match> matches;  ///< one-to-one, best first
   /// Further observed segments of a matched prediction, in line with its match: fragments of one line.
-  std::vector<ImageAnalysis::Match> supports;
-  std::vector<int> unobserved;   ///< predicted but not observed, ascending
-  std::vector<int> unpredicted;  ///< observed but neither matched nor supporting, ascending
+  std::pmr::vector<ImageAnalysis::Match> supports;
+  std::pmr::vector<int> unobserved;   ///< predicted but not observed, ascending
+  std::pmr::vector<int> unpredicted;  ///< observed but neither matched nor supporting, ascending
 };
 
 /// Association cost, lower is better. @return empty if a gate fails. Ideal pixels.
@@ -47,7 +52,8 @@ std::optional<double> associationCost(const ImageSegment& observed, const Expect
                                       const AssociationParams& params);
 
 /// Greedy one-to-one assignment by rising cost.
-AssociationResult associate(const std::vector<ImageSegment>& observed,
-                            const std::vector<Expectation>& expected, const AssociationParams& params);
+AssociationResult associate(std::span<const ImageSegment> observed, std::span<const Expectation> expected,
+                            const AssociationParams& params,
+                            std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 }  // namespace vismem

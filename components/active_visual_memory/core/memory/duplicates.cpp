@@ -48,9 +48,10 @@ Eigen::AlignedBox2d boxAround(const Segment2& segment, double margin_m) {
   return {segment.a.cwiseMin(segment.b) - margin, segment.a.cwiseMax(segment.b) + margin};
 }
 
-std::vector<FloorSegment> cleanDuplicates(const std::vector<FloorSegment>& segments, double max_angle_rad,
-                                          double max_distance_m, double max_gap_m) {
-  std::vector<FloorSegment> clean;
+std::pmr::vector<FloorSegment> cleanDuplicates(std::span<const FloorSegment> segments, double max_angle_rad,
+                                               double max_distance_m, double max_gap_m,
+                                               std::pmr::memory_resource* scratch) {
+  std::pmr::vector<FloorSegment> clean(scratch);
   for (const FloorSegment& segment : segments) {
     bool joined = false;
     for (FloorSegment& kept : clean) {

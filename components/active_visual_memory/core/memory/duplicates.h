@@ -3,7 +3,9 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory_resource>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "active_visual_memory/core/ground/floor_segment.h"
@@ -50,7 +52,8 @@ inline constexpr double kDuplicateGateShare = 0.5;
 
 /// Joins floor segments of one image that are copies or pieces of one line: the longer one's line, the extent
 /// of both. Order is kept.
-std::vector<FloorSegment> cleanDuplicates(const std::vector<FloorSegment>& segments, double max_angle_rad,
-                                          double max_distance_m, double max_gap_m);
+std::pmr::vector<FloorSegment> cleanDuplicates(
+    std::span<const FloorSegment> segments, double max_angle_rad, double max_distance_m, double max_gap_m,
+    std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 }  // namespace vismem

@@ -28,12 +28,6 @@ Label LabelVotes::winner(double least_share) const {
   return best && best->second >= least_share * all ? best->first : kUnknownLabel;
 }
 
-const MemoryElement* findElement(std::span<const MemoryElement> elements, std::uint64_t id) {
-  const auto found = std::find_if(elements.begin(), elements.end(),
-                                  [id](const MemoryElement& element) { return element.value.id == id; });
-  return found != elements.end() ? &*found : nullptr;
-}
-
 std::vector<MemorySegment> valuesOf(std::span<const MemoryElement> elements) {
   std::vector<MemorySegment> values;
   values.reserve(elements.size());

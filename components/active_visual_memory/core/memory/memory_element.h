@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <utility>
@@ -74,8 +75,13 @@ struct SideCompletion {
   std::vector<std::uint64_t> segments;  ///< the pieces on it, sorted
 };
 
-/// The element with an id; null if there is none.
-const MemoryElement* findElement(std::span<const MemoryElement> elements, std::uint64_t id);
+/// The element with an id; null if there is none. @param elements  a list in the order of their ids.
+template <typename Elements>
+auto* findElement(Elements&& elements, std::uint64_t id) {
+  const auto idOf = [](const MemoryElement& element) { return element.value.id; };
+  const auto found = std::ranges::lower_bound(elements, id, {}, idOf);
+  return found != elements.end() && found->value.id == id ? &*found : nullptr;
+}
 
 /// The elements as they are remembered: nothing derived, one segment each, where its line lies.
 std::vector<MemorySegment> valuesOf(std::span<const MemoryElement> elements);

@@ -56,8 +56,9 @@ bool turnsAway(const PublishedEdge& edge, const PublishedEdge& next, bool at_b, 
 
 }  // namespace
 
-void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams& params) {
-  std::vector<PublishedEdge> confirmed;
+void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams& params,
+                           std::pmr::memory_resource* scratch) {
+  std::pmr::vector<PublishedEdge> confirmed(scratch);
   for (MemoryElement& element : elements) {
     if (element.value.confirmed) confirmed.emplace_back(element.value, &element);
   }
@@ -76,11 +77,11 @@ void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams
 }
 
 void confirmContinuations(std::span<MemoryElement> elements, double camera_height_m,
-                          const CornerParams& params) {
+                          const CornerParams& params, std::pmr::memory_resource* scratch) {
   if (camera_height_m <= params.least_height_m) return;
   const double limit = params.least_height_m / (camera_height_m - params.least_height_m);
-  std::vector<PublishedEdge> confirmed;
-  std::vector<PublishedEdge> others;
+  std::pmr::vector<PublishedEdge> confirmed(scratch);
+  std::pmr::vector<PublishedEdge> others(scratch);
   for (MemoryElement& element : elements) {
     if (element.value.confirmed) {
       confirmed.emplace_back(element.value, &element);

@@ -1,6 +1,7 @@
 /// @file Edges that lie on the floor because confirmed edges meet them. Pure. See M1, M9.
 #pragma once
 
+#include <memory_resource>
 #include <span>
 
 #include "active_visual_memory/core/memory/published_edge.h"
@@ -14,11 +15,13 @@ namespace vismem {
 /// parallax that contradicts the floor.
 /// @param camera_height_m  H.
 void confirmContinuations(std::span<MemoryElement> elements, double camera_height_m,
-                          const CornerParams& params);
+                          const CornerParams& params,
+                          std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 /// Publishes as confirmed an edge that runs from the end of one confirmed edge of its label to the beginning
 /// of another one: both of its ends lie on the floor. One image is enough. Needed: a label, both true ends,
 /// and no parallax that contradicts the floor.
-void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams& params);
+void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams& params,
+                           std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 }  // namespace vismem

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <tuple>
 
 #include "common/geometry/plane.h"
 
@@ -14,9 +15,11 @@ PublishedEdge::PublishedEdge(MemorySegment& published_segment, const MemoryEleme
       line(published_segment.odom.floor()),
       along((line.b - line.a).normalized()) {}
 
-std::vector<PublishedEdge> publishedEdges(std::vector<MemorySegment>& segments,
-                                          std::span<const MemoryElement> elements) {
-  std::vector<PublishedEdge> edges;
+std::pmr::vector<PublishedEdge> publishedEdges(std::vector<MemorySegment>& segments,
+                                               std::span<const MemoryElement> elements,
+                                               std::pmr::memory_resource* scratch) {
+  std::pmr::vector<PublishedEdge> edges(scratch);
+  edges.reserve(segments.size());
   for (MemorySegment& segment : segments) edges.emplace_back(segment, findElement(elements, segment.id));
   return edges;
 }
@@ -26,7 +29,7 @@ void placeAt(MemorySegment& published, const Segment2& line) {
   published.odom.b.head<2>() = line.b;
 }
 
-void eraseSegments(std::vector<MemorySegment>& segments, const std::vector<std::uint64_t>& ids) {
+void eraseSegments(std::vector<MemorySegment>& segments, std::span<const std::uint64_t> ids) {
   std::erase_if(segments,
                 [&](const MemorySegment& s) { return std::find(ids.begin(), ids.end(), s.id) != ids.end(); });
 }
@@ -47,13 +50,14 @@ std::optional<EdgeCorner> findCorner(const PublishedEdge& one, const PublishedEd
   return EdgeCorner{one.line.b + outward_one * one.along, std::abs(outward_one) + std::abs(outward_other)};
 }
 
-void joinAtCorners(const std::vector<PublishedEdge>& edges, const CornerParams& params) {
+void joinAtCorners(std::span<const PublishedEdge> edges, const CornerParams& params,
+                   std::pmr::memory_resource* scratch) {
   struct Joint {
     std::size_t from;
     std::size_t to;
     EdgeCorner corner;
   };
-  std::vector<Joint> joints;
+  std::pmr::vector<Joint> joints(scratch);
   const auto hasEnds = [](const PublishedEdge& edge) { return edge.element && edge.confirmed(); };
   for (std::size_t i = 0; i < edges.size(); ++i) {
     for (std::size_t k = 0; hasEnds(edges[i]) && k < edges.size(); ++k) {
@@ -62,10 +66,11 @@ void joinAtCorners(const std::vector<PublishedEdge>& edges, const CornerParams& 
     }
   }
   // The nearest first; an end has one corner.
-  std::stable_sort(joints.begin(), joints.end(),
-                   [](const Joint& a, const Joint& b) { return a.corner.distance_m < b.corner.distance_m; });
-  std::vector<bool> ended(edges.size(), false);
-  std::vector<bool> begun(edges.size(), false);
+  std::sort(joints.begin(), joints.end(), [](const Joint& a, const Joint& b) {
+    return std::tie(a.corner.distance_m, a.from, a.to) < std::tie(b.corner.distance_m, b.from, b.to);
+  });
+  std::pmr::vector<bool> ended(edges.size(), false, scratch);
+  std::pmr::vector<bool> begun(edges.size(), false, scratch);
   for (const Joint& joint : joints) {
     if (ended[joint.from] || begun[joint.to]) continue;
     ended[joint.from] = begun[joint.to] = true;

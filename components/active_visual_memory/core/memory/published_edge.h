@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory_resource>
 #include <optional>
 #include <span>
 #include <vector>
@@ -30,12 +31,15 @@ struct PublishedEdge {
 };
 
 /// Lists segments with the elements that they were taken from, in their order.
-std::vector<PublishedEdge> publishedEdges(std::vector<MemorySegment>& segments,
-                                          std::span<const MemoryElement> elements);
+/// @param elements  in the order of their ids.
+/// @param scratch   memory of the list.
+std::pmr::vector<PublishedEdge> publishedEdges(
+    std::vector<MemorySegment>& segments, std::span<const MemoryElement> elements,
+    std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 /// Moves a published segment on the floor.
 void placeAt(MemorySegment& published, const Segment2& line);
-void eraseSegments(std::vector<MemorySegment>& segments, const std::vector<std::uint64_t>& ids);
+void eraseSegments(std::vector<MemorySegment>& segments, std::span<const std::uint64_t> ids);
 
 /// How far an end may lie from the place where its edge ends by the lines around [m].
 struct EndReach {
@@ -78,6 +82,7 @@ std::optional<EdgeCorner> findCorner(const PublishedEdge& one, const PublishedEd
 /// Moves the confirmed ends of edges that share a corner to the intersection of their lines, the nearest
 /// first. Along an edge with its brighter side on the left, the next edge of the same surface begins where
 /// this one ends: an end b belongs to an end a. Censored ends have no corner.
-void joinAtCorners(const std::vector<PublishedEdge>& edges, const CornerParams& params);
+void joinAtCorners(std::span<const PublishedEdge> edges, const CornerParams& params,
+                   std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 }  // namespace vismem

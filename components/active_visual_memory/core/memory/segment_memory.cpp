@@ -36,18 +36,18 @@ void censorHiddenEnds(std::vector<FloorSegment>& floor, const std::vector<ImageS
   }
 }
 
-/// Without matches.
-ImageAnalysis analysisOf(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
-                         const std::vector<Expectation>& expected) {
-  ImageAnalysis analysis;
+void analyse(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
+             std::span<const Expectation> expected, std::span<const ImageAnalysis::Match> matches,
+             ImageAnalysis& analysis) {
   analysis.stamp_us = observation.frame.stamp_us;
   analysis.frame_seq = observation.frame.seq;
   analysis.intrinsics = observation.frame.intrinsics;
   analysis.T_odom_robot = observation.T_odom_robot;
   analysis.T_robot_camera = observation.T_robot_camera;
   analysis.observed = observed;
+  analysis.predicted.clear();
   for (const Expectation& e : expected) analysis.predicted.push_back(e.predicted);
-  return analysis;
+  analysis.matches.assign(matches.begin(), matches.end());
 }
 
 }  // namespace
@@ -80,24 +80,23 @@ bool SegmentMemory::isCached(const MemoryElement& element, const Pose2& T_odom_r
   return distanceToSegment(T_odom_robot.position(), element.line.segment()) <= params_.gates.cache_radius_m;
 }
 
-std::vector<int> SegmentMemory::cache(const Pose2& T_odom_robot) const {
-  std::vector<int> near;
+std::pmr::vector<int> SegmentMemory::cache(const Pose2& T_odom_robot) const {
+  std::pmr::vector<int> near(scratch_.resource());
+  near.reserve(elements_.size());
   for (int i = 0; i < static_cast<int>(elements_.size()); ++i) {
     if (isCached(elements_[i], T_odom_robot)) near.push_back(i);
   }
   return near;
 }
 
-std::vector<Expectation> SegmentMemory::expect(const View& view, std::vector<int>& index_of) const {
-  std::vector<Expectation> expected;
+void SegmentMemory::expect(const View& view, Associations& associations) const {
   for (const int i : cache(view.observation.T_odom_robot)) {
     const MemoryElement& element = elements_[i];
     const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, element.value.odom);
     if (!px || px->length() < kMinVisible_px) continue;
-    expected.push_back({{element.value.id, *px, element.value.label}, element.strength});
-    index_of.push_back(i);
+    associations.expected.push_back({{element.value.id, *px, element.value.label}, element.strength});
+    associations.index_of.push_back(i);
   }
-  return expected;
 }
 
 bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment& observed,
@@ -327,16 +326,19 @@ Sighting SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& 
   return sighting;
 }
 
-ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
-                                    const std::vector<ImageSegment>& observed,
-                                    std::vector<FloorSegment> floor, double turn_rate_radps) {
+const ImageAnalysis& SegmentMemory::update(const RobotObservation& observation,
+                                           const std::vector<ImageSegment>& observed,
+                                           std::span<const FloorSegment> observed_floor,
+                                           double turn_rate_radps) {
+  scratch_.release();
+  std::vector<FloorSegment>& floor = floor_;
+  floor.assign(observed_floor.begin(), observed_floor.end());
   predict(observation.T_odom_robot);
   View view = viewOf(observation, turn_rate_radps);
   censorHiddenEnds(floor, observed, view.evidence);
   correctSlip(view, floor);
   const Associations associations = associate(view, observed, floor);
-  ImageAnalysis analysis = analysisOf(observation, observed, associations.expected);
-  analysis.matches = associations.matches;
+  analyse(observation, observed, associations.expected, associations.matches, analysis_);
   correct(associations, floor, view);
   updateExpected(associations, floor, view);
   insert(associations, floor, view);
@@ -344,7 +346,7 @@ ImageAnalysis SegmentMemory::update(const RobotObservation& observation,
   merge(view);
   age(observation.frame.stamp_us);
   publishAll();
-  return analysis;
+  return analysis_;
 }
 
 SegmentMemory::View SegmentMemory::viewOf(const RobotObservation& observation, double turn_rate_radps) {
@@ -388,14 +390,14 @@ void SegmentMemory::updateExpected(const Associations& associations, const std::
     publish(element);
     updateColours(element, view);
   }
-  std::vector<bool> expected_now(elements_.size(), false);
+  std::pmr::vector<bool> expected_now(elements_.size(), false, scratch_.resource());
   for (const int i : associations.index_of) expected_now[i] = true;
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     if (!expected_now[i]) elements_[i].sighting = std::max(elements_[i].sighting, Sighting::kOutOfView);
   }
 }
 
-MemoryElement* SegmentMemory::nearest(const FloorSegment& segment, const std::vector<int>& cached,
+MemoryElement* SegmentMemory::nearest(const FloorSegment& segment, std::span<const int> cached,
                                       const View& view) {
   const double distance = (segment.odom.middle() - view.camera).norm();
   MemoryElement* best = nullptr;
@@ -420,14 +422,14 @@ MemoryElement* SegmentMemory::nearest(const FloorSegment& segment, const std::ve
 void SegmentMemory::insert(const Associations& associations, const std::vector<FloorSegment>& floor,
                            const View& view) {
   if (view.turn_rate > kMaxMappingTurn_radps) return;
-  std::vector<FloorSegment> fresh;
+  std::pmr::vector<FloorSegment> fresh(scratch_.resource());
   for (const FloorSegment& segment : floor) {
     if (!associations.used[segment.observed]) fresh.push_back(segment);
   }
-  fresh =
-      cleanDuplicates(fresh, kDuplicateGateShare * kNearAngle_rad,
-                      kDuplicateGateShare * params_.gates.near_distance_m, kDuplicateGateShare * kMaxGap_m);
-  std::vector<int> cached;
+  fresh = cleanDuplicates(fresh, kDuplicateGateShare * kNearAngle_rad,
+                          kDuplicateGateShare * params_.gates.near_distance_m,
+                          kDuplicateGateShare * kMaxGap_m, scratch_.resource());
+  std::pmr::vector<int> cached(scratch_.resource());
   if (!fresh.empty()) cached = cache(view.observation.T_odom_robot);
   for (const FloorSegment& segment : fresh) {
     if (MemoryElement* element = nearest(segment, cached, view)) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "active_visual_memory/core/estimation/measurement_models.h"
@@ -11,6 +12,7 @@
 #include "active_visual_memory/core/memory/memory_element.h"
 #include "active_visual_memory/core/memory/memory_params.h"
 #include "active_visual_memory/core/memory/plane_confirmation.h"
+#include "common/memory/scratch.h"
 #include "common/robot/observation.h"
 #include "common/visual_memory/memory_snapshot.h"
 
@@ -32,8 +34,9 @@ class SegmentMemory {
   /// @param observation      with the camera pose corrected by cameraTilt().
   /// @param floor            the observed segments on the floor, with their indices.
   /// @param turn_rate_radps  of the camera, >= 0.
-  ImageAnalysis update(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
-                       std::vector<FloorSegment> floor, double turn_rate_radps);
+  /// @return until the next call.
+  const ImageAnalysis& update(const RobotObservation& observation, const std::vector<ImageSegment>& observed,
+                              std::span<const FloorSegment> floor, double turn_rate_radps);
 
   const CameraTilt& cameraTilt() const { return map_filter_.cameraTilt(); }
   CameraTiltCovariance cameraTiltCovariance() const { return map_filter_.cameraTiltCovariance(); }
@@ -65,7 +68,7 @@ class SegmentMemory {
   struct View;
   struct Associations;
   bool isCached(const MemoryElement& element, const Pose2& T_odom_robot) const;
-  std::vector<int> cache(const Pose2& T_odom_robot) const;
+  std::pmr::vector<int> cache(const Pose2& T_odom_robot) const;
   // The steps of update(), in their order.
   void predict(const Pose2& T_odom_robot);
   View viewOf(const RobotObservation& observation, double turn_rate_radps);
@@ -112,14 +115,15 @@ class SegmentMemory {
   /// @param placed  the segments where a preliminary correction puts them.
   Associations associatePlaced(const View& view, const std::vector<ImageSegment>& observed,
                                const std::vector<FloorSegment>& floor,
-                               const std::vector<FloorSegment>& placed) const;
-  static void reproject(const Correction& correction, std::vector<FloorSegment>& floor, View& view);
+                               std::span<const FloorSegment> placed) const;
+  static void reproject(const Correction& correction, std::span<FloorSegment> floor, View& view);
   void applyCorrection(const Correction& correction, std::vector<FloorSegment>& floor, View& view);
-  std::vector<Expectation> expect(const View& view, std::vector<int>& index_of) const;
+  /// Sets the expected elements of an image.
+  void expect(const View& view, Associations& associations) const;
   void cutBeyondRange(std::vector<FloorSegment>& floor, const Eigen::Vector2d& camera) const;
   /// @return the element of the cache that a segment belongs to on the floor; null if there is none.
   /// @param cached  indices of the elements near the robot.
-  MemoryElement* nearest(const FloorSegment& segment, const std::vector<int>& cached, const View& view);
+  MemoryElement* nearest(const FloorSegment& segment, std::span<const int> cached, const View& view);
   bool fitsOnFloor(const MemoryElement& element, const FloorSegment& observed, double distance_m) const;
   void fuse(MemoryElement& element, const FloorSegment& observed, const View& view);
   /// Begins parallax anew when the anchor is too old, and improves it while the camera is at its place.
@@ -138,14 +142,14 @@ class SegmentMemory {
   Sighting judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view);
   /// Moves ends inwards that enough images saw further in.
   /// @param seen  all pieces of the element in this image.
-  void updateEndpoints(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
+  void updateEndpoints(MemoryElement& element, std::span<const FloorSegment* const> seen,
                        const std::vector<FloorSegment>& floor, const View& view);
   /// Collects votes for gaps between pieces, or inside one, and splits the element at a gap with enough.
-  void updateGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
+  void updateGaps(MemoryElement& element, std::span<const FloorSegment* const> seen,
                   const std::vector<ImageSegment>& observed, const View& view);
   /// Marks the facing ends of two edges in one line as split if each was seen often enough: a blurred view
   /// across both does not merge them.
-  void preventMerge(const std::vector<int>& cached);
+  void preventMerge(std::span<const int> cached);
   /// @param place   of the gap on the floor, along the element.
   /// @param before  piece before the gap. @param behind the piece behind it.
   /// @param hidden  the gap may be an occlusion.
@@ -163,14 +167,19 @@ class SegmentMemory {
                        const std::vector<FloorSegment>& floor) const;
   static bool areDuplicates(const MemoryElement& a, const MemoryElement& b, double reach_m);
   /// Joins pairs within the gates, except across ends marked as split.
-  void mergeDuplicates(const std::vector<int>& cached);
+  void mergeDuplicates(std::span<const int> cached);
   void publish(MemoryElement& element) const;
 
   Params params_;
   LifeClock clock_;
   std::vector<MemoryElement> elements_;
   std::optional<double> dominant_direction_rad_;
-  std::vector<MemoryElement> split_off_;  ///< elements split off while the image is processed
+  std::vector<MemoryElement> split_off_;           ///< elements split off while the image is processed
+  std::vector<FloorSegment> floor_;                ///< of this image, moved by its correction
+  ImageAnalysis analysis_;                         ///< of this image
+  mutable std::vector<LineResidual> residuals_;    ///< workspace of updateMapFilter
+  mutable std::vector<LineDirection> directions_;  ///< the same
+  mutable Scratch scratch_;                        ///< of this image
   std::uint64_t next_id_ = 1;
   std::optional<Pose2> last_pose_;
   double camera_height_m_ = 0.0;  ///< of the last image

@@ -9,16 +9,16 @@ namespace vismem {
 SegmentMemory::Associations SegmentMemory::associatePlaced(const View& view,
                                                            const std::vector<ImageSegment>& observed,
                                                            const std::vector<FloorSegment>& floor,
-                                                           const std::vector<FloorSegment>& placed) const {
-  std::vector<int> floor_of(observed.size(), -1);
+                                                           std::span<const FloorSegment> placed) const {
+  std::pmr::vector<int> floor_of(observed.size(), -1, scratch_.resource());
   for (std::size_t i = 0; i < floor.size(); ++i) floor_of[floor[i].observed] = static_cast<int>(i);
 
-  Associations associations;
-  associations.expected = expect(view, associations.index_of);
+  Associations associations(scratch_.resource());
+  expect(view, associations);
   associations.seen.resize(associations.expected.size());
   associations.used.resize(observed.size(), false);
   const AssociationResult association =
-      vismem::associate(observed, associations.expected, params_.association);
+      vismem::associate(observed, associations.expected, params_.association, scratch_.resource());
   const auto assign = [&](const ImageAnalysis::Match& match) {
     const int i = floor_of[match.observed];
     if (i < 0) return false;
@@ -45,12 +45,12 @@ SegmentMemory::Associations SegmentMemory::associate(const View& view,
   const auto correction = updateMapFilter(first, view, nullptr);
   if (!correction) return first;
   View tilted_view = view;
-  std::vector<FloorSegment> placed = floor;
+  std::pmr::vector<FloorSegment> placed(floor.begin(), floor.end(), scratch_.resource());
   reproject(*correction, placed, tilted_view);
   return associatePlaced(tilted_view, observed, floor, placed);
 }
 
-void SegmentMemory::reproject(const Correction& correction, std::vector<FloorSegment>& floor, View& view) {
+void SegmentMemory::reproject(const Correction& correction, std::span<FloorSegment> floor, View& view) {
   CameraTilt change = correction.camera_tilt;
   change.head<2>() += correction.frame_tilt;
   const Pose3 T_odom_camera =

@@ -67,7 +67,7 @@ bool SegmentMemory::isOfAnotherKind(const Segment2& place, const MemoryElement& 
   });
 }
 
-void SegmentMemory::updateEndpoints(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
+void SegmentMemory::updateEndpoints(MemoryElement& element, std::span<const FloorSegment* const> seen,
                                     const std::vector<FloorSegment>& floor, const View& view) {
   // The extent in this image, from all its pieces.
   ExtentEnd low;
@@ -126,11 +126,11 @@ void SegmentMemory::split(const Associations& associations, const std::vector<Im
   split_off_.clear();
 }
 
-void SegmentMemory::updateGaps(MemoryElement& element, const std::vector<const FloorSegment*>& seen,
+void SegmentMemory::updateGaps(MemoryElement& element, std::span<const FloorSegment* const> seen,
                                const std::vector<ImageSegment>& observed, const View& view) {
   if (element.line.length() < kMinSplitLength_m) return;
   const Eigen::Vector2d u = element.line.along();
-  std::vector<FloorSegment> pieces;
+  std::pmr::vector<FloorSegment> pieces(scratch_.resource());
   for (const FloorSegment* piece : seen) {
     pieces.push_back(u.dot(piece->odom.b - piece->odom.a) < 0.0 ? reversed(*piece) : *piece);
   }
@@ -156,12 +156,12 @@ void SegmentMemory::updateGaps(MemoryElement& element, const std::vector<const F
   for (const FloorSegment& piece : pieces) {
     const Segment2& px = observed[static_cast<std::size_t>(piece.observed)].px;
     const Eigen::Vector2d along = (px.b - px.a).normalized();
-    std::vector<LineGap> gaps = findLineGaps(view.observation.frame.image, k, px);
-    std::vector<LineGap> bumps;
+    auto gaps = findLineGaps(view.observation.frame.image, k, px, {}, scratch_.resource());
+    std::pmr::vector<LineGap> bumps(scratch_.resource());
     if (const ImageSegment* other = otherEdgeOf(px, observed)) {
       std::erase_if(gaps, [](const LineGap& gap) { return gap.to_px - gap.from_px < kThinGap_px; });
       const bool outward_left = cross2(along, other->px.middle() - px.a) > 0.0;
-      bumps = findLineBumps(view.observation.frame.image, k, px, outward_left);
+      bumps = findLineBumps(view.observation.frame.image, k, px, outward_left, {}, scratch_.resource());
     }
     const std::size_t of_gaps = gaps.size();
     gaps.insert(gaps.end(), bumps.begin(), bumps.end());
@@ -182,7 +182,7 @@ void SegmentMemory::updateGaps(MemoryElement& element, const std::vector<const F
   }
 }
 
-void SegmentMemory::preventMerge(const std::vector<int>& cached) {
+void SegmentMemory::preventMerge(std::span<const int> cached) {
   if (params_.gap_votes <= 0) return;
   const auto isKnown = [&](const ExtentEnd& end) { return !end.censored && end.views >= params_.gap_votes; };
   for (const int i : cached) {

@@ -5,18 +5,6 @@
 #include "active_visual_memory/core/memory/segment_memory_view.h"
 
 namespace vismem {
-namespace {
-
-/// As findElement, fast: ids of the memory ascend.
-MemoryElement* elementOf(std::uint64_t id, std::vector<MemoryElement>& elements) {
-  const auto found = std::lower_bound(
-      elements.begin(), elements.end(), id,
-      [](const MemoryElement& element, std::uint64_t wanted) { return element.value.id < wanted; });
-  return found != elements.end() && found->value.id == id ? &*found : nullptr;
-}
-
-}  // namespace
-
 MapFilter::Params SegmentMemory::mapFilterParams() const {
   MapFilter::Params params = params_.estimation.map_filter;
   params.together_rad = params_.estimation.dominant_direction.together_rad;
@@ -25,7 +13,7 @@ MapFilter::Params SegmentMemory::mapFilterParams() const {
 
 std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& associations, const View& view,
                                                          MapFilter* filter) const {
-  std::vector<LineResidual> residuals;
+  residuals_.clear();
   const TiltView view_tilt(view.T_odom_camera, view.observation.T_odom_robot.theta);
   const bool anything_rests =
       std::any_of(elements_.begin(), elements_.end(), [](const MemoryElement& e) { return e.on_floor; });
@@ -46,19 +34,19 @@ std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& ass
       const double distance = (piece->odom.middle() - view.camera).norm();
       addLineResiduals(element.value.id, element.line, *piece, view_tilt,
                        params_.gates.slack_m + kSlackShare * distance, noise, kEndInflation, kMaxEndShift_m,
-                       residuals);
+                       residuals_);
     }
   }
   const auto direction = params_.estimation.use_dominant_direction ? dominantDirection() : std::nullopt;
-  std::vector<LineDirection> directions;
+  directions_.clear();
   for (const MemoryElement& element : elements_) {
     if (!direction || isTentative(element) || element.stands || !element.not_vertical) continue;
     if (element.line.length() < params_.estimation.dominant_direction.least_m) continue;
-    directions.push_back({element.value.id, element.line.direction()});
+    directions_.push_back({element.value.id, element.line.direction()});
   }
   const Eigen::Vector2d robot = view.observation.T_odom_robot.position();
-  return filter ? filter->update(robot, residuals, direction, directions, mapFilterParams())
-                : map_filter_.preview(robot, residuals, direction, directions, mapFilterParams());
+  return filter ? filter->update(robot, residuals_, direction, directions_, mapFilterParams())
+                : map_filter_.preview(robot, residuals_, direction, directions_, mapFilterParams());
 }
 
 void SegmentMemory::correctSlip(const View& view, const std::vector<FloorSegment>& floor) {
@@ -83,7 +71,7 @@ void SegmentMemory::correctSlip(const View& view, const std::vector<FloorSegment
 void SegmentMemory::removeStaleLines() {
   // Elements off the floor do not measure the drift.
   map_filter_.retainIf([&](std::uint64_t id) {
-    const MemoryElement* element = elementOf(id, elements_);
+    const MemoryElement* element = findElement(elements_, id);
     return element && !element->stands;
   });
 }
@@ -98,7 +86,7 @@ void SegmentMemory::join(MemoryElement& element, const MemoryElement& other) {
 
 void SegmentMemory::applyLineCorrections() {
   for (const LineCorrection& correction : map_filter_.lineCorrections()) {
-    MemoryElement* element = elementOf(correction.line, elements_);
+    MemoryElement* element = findElement(elements_, correction.line);
     if (!element) continue;
     element->line.correct(correction.reference, correction.offset_m, correction.turn_rad);
     element->line.know(correction.reference, correction.P, correction.J);

@@ -67,7 +67,7 @@ void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
 
 void SegmentMemory::merge(const View& view) {
   if (view.turn_rate > kMaxMappingTurn_radps) return;
-  const std::vector<int> cached = cache(view.observation.T_odom_robot);
+  const std::pmr::vector<int> cached = cache(view.observation.T_odom_robot);
   preventMerge(cached);
   mergeDuplicates(cached);
 }
@@ -87,7 +87,7 @@ bool SegmentMemory::areDuplicates(const MemoryElement& a, const MemoryElement& b
   return near.gap_m <= 0.0 || near.angle_rad <= kDuplicateGateShare * kNearAngle_rad;
 }
 
-void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
+void SegmentMemory::mergeDuplicates(std::span<const int> cached) {
   // Lines of one filter share their errors, so copies may lie further apart.
   const double reach = (params_.estimation.enabled ? kMapFilterReach : 1.0) * params_.gates.near_distance_m;
   struct Candidate {
@@ -95,7 +95,7 @@ void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
     bool observed;
     bool gone;
   };
-  std::vector<Candidate> candidates;
+  std::pmr::vector<Candidate> candidates(scratch_.resource());
   candidates.reserve(cached.size());
   for (const int i : cached) {
     const MemoryElement& element = elements_[i];
@@ -106,11 +106,11 @@ void SegmentMemory::mergeDuplicates(const std::vector<int>& cached) {
   for (const Candidate& candidate : candidates) {
     if (candidate.observed) observed.extend(candidate.box);
   }
-  std::vector<std::size_t> next_observed(cached.size() + 1, cached.size());
+  std::pmr::vector<std::size_t> next_observed(cached.size() + 1, cached.size(), scratch_.resource());
   for (std::size_t n = cached.size(); n-- > 0;) {
     next_observed[n] = candidates[n].observed ? n : next_observed[n + 1];
   }
-  std::vector<bool> gone(elements_.size(), false);
+  std::pmr::vector<bool> gone(elements_.size(), false, scratch_.resource());
   for (std::size_t m = 0; m < cached.size(); ++m) {
     Candidate& a = candidates[m];
     if (a.gone) continue;
@@ -189,11 +189,12 @@ void SegmentMemory::publishAll() {
   if (params_.confirmation.snap_to_dominant_direction) dominant_direction_rad_ = dominantDirection();
   for (MemoryElement& element : elements_) publish(element);
   if (!params_.confirmation.by_parallax) return;
-  confirmBetweenCorners(elements_, params_.confirmation.corners);
-  confirmContinuations(elements_, camera_height_m_, params_.confirmation.corners);
+  confirmBetweenCorners(elements_, params_.confirmation.corners, scratch_.resource());
+  confirmContinuations(elements_, camera_height_m_, params_.confirmation.corners, scratch_.resource());
 }
 
 void SegmentMemory::advanceLife(StampUs stamp_us) {
+  scratch_.release();
   // An image that is not analysed is no evidence.
   for (MemoryElement& element : elements_)
     element.sighting = std::max(element.sighting, Sighting::kOutOfView);

@@ -59,11 +59,14 @@ struct SegmentMemory::View {
 
 /// Which observed segments belong to which remembered ones.
 struct SegmentMemory::Associations {
-  std::vector<Expectation> expected;
-  std::vector<int> index_of;                           ///< of the element, per expectation
-  std::vector<std::vector<const FloorSegment*>> seen;  ///< matched and supporting ones, per expectation
-  std::vector<bool> used;                              ///< per observed segment
-  std::vector<ImageAnalysis::Match> matches;           ///< one-to-one
+  explicit Associations(std::pmr::memory_resource* scratch)
+      : expected(scratch), index_of(scratch), seen(scratch), used(scratch), matches(scratch) {}
+
+  std::pmr::vector<Expectation> expected;
+  std::pmr::vector<int> index_of;                                ///< of the element, per expectation
+  std::pmr::vector<std::pmr::vector<const FloorSegment*>> seen;  ///< matched and supporting, per expectation
+  std::pmr::vector<bool> used;                                   ///< per observed segment
+  std::pmr::vector<ImageAnalysis::Match> matches;                ///< one-to-one
 };
 
 }  // namespace vismem

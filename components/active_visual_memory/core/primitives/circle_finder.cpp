@@ -78,14 +78,14 @@ struct Found {
   double deviation = 0.0;  ///< mean [m]
 };
 
-std::vector<int> membersOf(const std::vector<FloorEdge>& edges, const std::vector<bool>& taken,
-                           const Circle& circle, int side, const Label& label, const CircleParams& params) {
-  std::vector<int> members;
+/// @param members  replaced.
+void findMembers(const std::vector<FloorEdge>& edges, const std::vector<bool>& taken, const Circle& circle,
+                 int side, const Label& label, const CircleParams& params, std::vector<int>& members) {
+  members.clear();
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (taken[i] || !labelsCompatible(edges[i].label, label)) continue;
     if (sideOf(edges[i], circle, params) == side) members.push_back(static_cast<int>(i));
   }
-  return members;
 }
 
 /// Share of the circumference that the members cover, in steps of 5 degrees.
@@ -107,26 +107,24 @@ double coverageOf(const std::vector<FloorEdge>& edges, const Found& found) {
 }
 
 /// Grows a first guess into the circle that most of its surroundings agree on.
-std::optional<Found> grow(const std::vector<FloorEdge>& edges, const std::vector<bool>& taken, Circle circle,
-                          int side, const Label& label, const CircleParams& params) {
-  Found found;
-  found.side = side;
+/// @param found  its circle is the guess; replaced. @return false if there is no such circle.
+bool grow(const std::vector<FloorEdge>& edges, const std::vector<bool>& taken, const Label& label,
+          const CircleParams& params, Found& found) {
+  Circle& circle = found.circle;
   for (int round = 0; round < 3; ++round) {
     // The guess from two short chords is rough: the first rounds take chords from further off.
     CircleParams loose = params;
     loose.tolerance_m *= 3.0 - round;
-    found.members = membersOf(edges, taken, circle, side, label, loose);
-    if (static_cast<int>(found.members.size()) < params.min_chords) return std::nullopt;
+    findMembers(edges, taken, circle, found.side, label, loose, found.members);
+    if (static_cast<int>(found.members.size()) < params.min_chords) return false;
     const auto fitted = fitCircle(edges, found.members);
-    if (!fitted || fitted->radius < params.min_radius_m || fitted->radius > params.max_radius_m)
-      return std::nullopt;
+    if (!fitted || fitted->radius < params.min_radius_m || fitted->radius > params.max_radius_m) return false;
     circle = *fitted;
   }
-  found.circle = circle;
-  found.members = membersOf(edges, taken, circle, side, label, params);
-  if (static_cast<int>(found.members.size()) < params.min_chords) return std::nullopt;
+  findMembers(edges, taken, circle, found.side, label, params, found.members);
+  if (static_cast<int>(found.members.size()) < params.min_chords) return false;
   found.coverage = coverageOf(edges, found);
-  if (found.coverage < params.min_coverage) return std::nullopt;
+  if (found.coverage < params.min_coverage) return false;
   double sum = 0.0;
   for (const int i : found.members) {
     const Segment2 cut = arcPoints(edges[i].line);
@@ -134,13 +132,14 @@ std::optional<Found> grow(const std::vector<FloorEdge>& edges, const std::vector
       sum += std::abs((p - circle.centre).norm() - circle.radius);
   }
   found.deviation = sum / (2.0 * static_cast<double>(found.members.size()));
-  return found;
+  return true;
 }
 
 /// The best circle among the edges that are left.
 std::optional<Found> bestCircle(const std::vector<FloorEdge>& edges, const std::vector<bool>& taken,
                                 const CircleParams& params) {
   std::optional<Found> best;
+  Found found;
   std::vector<bool> explained(edges.size(),
                               false);  // a guess from two chords of a known circle finds it again
   for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -155,11 +154,11 @@ std::optional<Found> bestCircle(const std::vector<FloorEdge>& edges, const std::
       if (turn > params.max_turn_rad) continue;
       const auto guess = circleOfTwo(edges[i], edges[j]);
       if (!guess || guess->radius < params.min_radius_m || guess->radius > params.max_radius_m) continue;
-      const int side = cross2(edges[i].along, guess->centre - edges[i].line.middle()) > 0.0 ? 1 : -1;
-      auto found = grow(edges, taken, *guess, side, edges[i].label, params);
-      if (!found) continue;
-      for (const int member : found->members) explained[member] = true;
-      if (!best || found->coverage > best->coverage) best = std::move(found);
+      found.circle = *guess;
+      found.side = cross2(edges[i].along, guess->centre - edges[i].line.middle()) > 0.0 ? 1 : -1;
+      if (!grow(edges, taken, edges[i].label, params, found)) continue;
+      for (const int member : found.members) explained[member] = true;
+      if (!best || found.coverage > best->coverage) best = found;
       if (explained[i]) break;
     }
   }

@@ -17,8 +17,10 @@ namespace {
 
 const Pose3 T_robot_camera = cameraPose(mount(), 0.0, -0.35);
 
-/// One image of lines, by a robot that turned by `turned_rad` while its odometry counted nothing, with a frame tilt.
-std::vector<FloorSegment> seenTurned(const std::vector<Segment3>& lines, double turned_rad, const CameraTilt& tilt) {
+/// One image of lines, by a robot that turned by `turned_rad` while its odometry counted nothing, with a
+/// frame tilt.
+std::pmr::vector<FloorSegment> seenTurned(const std::vector<Segment3>& lines, double turned_rad,
+                                          const CameraTilt& tilt) {
   std::mt19937_64 random(3);
   auto floor = seenTilted(lines, T_robot_camera, tilt, random);
   const Eigen::Rotation2Dd R(turned_rad);
@@ -37,14 +39,16 @@ std::optional<DirectionDeviation> deviationOf(const std::vector<Segment3>& lines
 
 TEST(MeasurementModels, OneLineMeasuresTheHeadingAgainstAKnownDirection) {
   const double turned = degToRad(2.0);
-  const auto found = deviationOf({{{1.2, 0.6, 0.0}, {2.2, 0.6, 0.0}}}, turned, CameraTilt::Zero(), degToRad(0.05));
+  const auto found =
+      deviationOf({{{1.2, 0.6, 0.0}, {2.2, 0.6, 0.0}}}, turned, CameraTilt::Zero(), degToRad(0.05));
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->turn_rad, turned, degToRad(0.7));
   EXPECT_LT(std::abs(found->turn_rad - turned), 3.0 * std::sqrt(found->variance));
 }
 
 TEST(MeasurementModels, LinesThatConvergeSeparateTheFrameTiltFromTheHeading) {
-  const std::vector<Segment3> corridor{{{1.5, 0.75, 0.0}, {3.5, 0.75, 0.0}}, {{3.0, -0.7, 0.0}, {1.5, -0.7, 0.0}}};
+  const std::vector<Segment3> corridor{{{1.5, 0.75, 0.0}, {3.5, 0.75, 0.0}},
+                                       {{3.0, -0.7, 0.0}, {1.5, -0.7, 0.0}}};
   const CameraTilt tilt{0.0, degToRad(1.5), 0.0, 0.0};
   const double turned = degToRad(2.0);
   const auto both = deviationOf(corridor, turned, tilt, degToRad(1.0));

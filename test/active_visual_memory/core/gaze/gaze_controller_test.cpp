@@ -58,6 +58,12 @@ struct Bench {
   explicit Bench(const AttentiveVisualMemoryParams& p)
       : params(p), pool(p.attention, p.rig), gaze(p.gaze, p.rig) {}
 
+  GazeStatus status() const {
+    GazeStatus status;
+    gaze.report(now, pool, status);
+    return status;
+  }
+
   void step(const std::vector<MemorySegment>& memory = {}) {
     const double dt = 1.0 / 30;
     now += 33'333;
@@ -106,18 +112,18 @@ TEST_P(BothModes, LooksAroundInsideTheLimitsWhenNothingIsKnown) {
   EXPECT_GT(high, degToRad(120.0));
   EXPECT_LE(bench.most_pan, degToRad(159.1));
   EXPECT_LE(bench.most_tilt, degToRad(31.1));
-  EXPECT_GT(bench.gaze.status(bench.now, bench.pool).visits, 30u);
+  EXPECT_GT(bench.status().visits, 30u);
 }
 
 TEST_P(BothModes, GivesUpWhatCannotBeReachedAndGoesOn) {
   Bench bench(params());
   bench.stuck = true;
   for (int i = 0; i < 30 * 20; ++i) bench.step();
-  const auto status = bench.gaze.status(bench.now, bench.pool);
+  const auto status = bench.status();
   EXPECT_GE(status.given_up, 3u);
   bench.stuck = false;
   for (int i = 0; i < 30 * 20; ++i) bench.step();
-  EXPECT_GT(bench.gaze.status(bench.now, bench.pool).visits, status.visits);
+  EXPECT_GT(bench.status().visits, status.visits);
 }
 
 TEST_P(BothModes, SettlesOnAFixationWithoutALimitCycle) {
@@ -133,7 +139,7 @@ TEST_P(BothModes, SettlesOnAFixationWithoutALimitCycle) {
     moved = std::max(moved, std::abs(bench.head.pan_rad - settled.pan_rad));
   }
   EXPECT_LT(moved, degToRad(0.3));
-  EXPECT_EQ(bench.gaze.status(bench.now, bench.pool).state, GazeState::kTrack);
+  EXPECT_EQ(bench.status().state, GazeState::kTrack);
 }
 
 INSTANTIATE_TEST_SUITE_P(Gaze, BothModes, ::testing::Values(false, true),
@@ -214,10 +220,10 @@ double waitOfAClient(double priority) {
   };
   for (int i = 0; i < 3000; ++i) {
     see();
-    const auto status = bench.gaze.status(bench.now, bench.pool);
+    const auto status = bench.status();
     if (status.state == GazeState::kTrack && status.target->kind == AttentionKind::kSegment) break;
   }
-  EXPECT_EQ(bench.gaze.status(bench.now, bench.pool).state, GazeState::kTrack);
+  EXPECT_EQ(bench.status().state, GazeState::kTrack);
   const StampUs asked_us = bench.now;
   bench.pool.request(
       {"client", "key", std::nullopt, PanTilt{degToRad(40), 0.0}, priority, bench.now + 60 * kSecondUs});

@@ -29,7 +29,7 @@ cv::Mat edgeImage() {
 
 const Segment2 kEdge{{60, 119.5}, {260, 119.5}};
 
-std::vector<LineGap> gapsOf(const cv::Mat& image) {
+std::pmr::vector<LineGap> gapsOf(const cv::Mat& image) {
   return findLineGaps(image, camera(), kEdge);
 }
 
@@ -112,7 +112,7 @@ cv::Mat narrowLine(double height_px, int from, int length, const cv::Scalar& col
 }
 
 /// Its lower edge, with the line above (on its left).
-std::vector<LineGap> bumpsOf(const cv::Mat& image) {
+std::pmr::vector<LineGap> bumpsOf(const cv::Mat& image) {
   return findLineBumps(image, camera(), {{60, 120.5}, {260, 120.5}}, false);
 }
 

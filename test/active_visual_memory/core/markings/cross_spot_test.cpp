@@ -33,7 +33,7 @@ std::vector<MemoryElement> square(double turn_rad) {
   const Eigen::Vector2d corners[] = {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}};
   std::vector<MemoryElement> lines;
   for (int i = 0; i < 4; ++i) {
-    lines.push_back(seen(100 + i, {turn * corners[i], turn * corners[(i + 1) % 4]}));
+    lines.push_back(seen(1 + i, {turn * corners[i], turn * corners[(i + 1) % 4]}));
   }
   return lines;
 }
@@ -59,8 +59,8 @@ TEST(CrossSpot, IsPublishedAsTheEndsOfItsArms) {
   for (const double turn_rad : {0.0, 0.2, 0.7}) {
     const Eigen::Vector2d centre(0.3, -0.4);
     auto elements = square(turn_rad);
-    elements.push_back(seen(1, slanting(centre, 1, turn_rad)));
-    elements.push_back(seen(2, slanting(centre, 3, turn_rad), false));
+    elements.push_back(seen(11, slanting(centre, 1, turn_rad)));
+    elements.push_back(seen(12, slanting(centre, 3, turn_rad), false));
     const auto segments = replaced(elements);
     ASSERT_EQ(segments.size(), 8u) << turn_rad;
     const Eigen::Rotation2Dd turn(turn_rad);
@@ -79,9 +79,9 @@ TEST(CrossSpot, IsPublishedAsTheEndsOfItsArms) {
 
 TEST(CrossSpot, AnObservedArmEndTakesPartInTheFit) {
   auto elements = square(0.0);
-  elements.push_back(seen(1, slanting({0.0, 0.0}, 1, 0.0)));
-  elements.push_back(seen(2, slanting({0.0, 0.0}, 2, 0.0)));
-  elements.push_back(seen(3, {{kArm, -0.5 * kWidth}, {kArm, 0.5 * kWidth}}));
+  elements.push_back(seen(11, slanting({0.0, 0.0}, 1, 0.0)));
+  elements.push_back(seen(12, slanting({0.0, 0.0}, 2, 0.0)));
+  elements.push_back(seen(13, {{kArm, -0.5 * kWidth}, {kArm, 0.5 * kWidth}}));
   const auto segments = replaced(elements);
   ASSERT_EQ(segments.size(), 8u);
   EXPECT_NEAR((segments[4].odom.floor().middle() - Eigen::Vector2d(kArm, 0.0)).norm(), 0.0, 1e-3);
@@ -89,8 +89,8 @@ TEST(CrossSpot, AnObservedArmEndTakesPartInTheFit) {
 
 TEST(CrossSpot, IsConfirmedOnlyByAnEdgeOnTheFloor) {
   auto elements = square(0.0);
-  elements.push_back(seen(1, slanting({0.0, 0.0}, 1, 0.0), false));
-  elements.push_back(seen(2, slanting({0.0, 0.0}, 3, 0.0), false));
+  elements.push_back(seen(11, slanting({0.0, 0.0}, 1, 0.0), false));
+  elements.push_back(seen(12, slanting({0.0, 0.0}, 3, 0.0), false));
   const auto segments = replaced(elements);
   ASSERT_EQ(segments.size(), 8u);
   for (std::size_t i = 4; i < 8; ++i) EXPECT_FALSE(segments[i].confirmed);
@@ -98,23 +98,23 @@ TEST(CrossSpot, IsConfirmedOnlyByAnEdgeOnTheFloor) {
 
 TEST(CrossSpot, LeavesOtherEdgesAsTheyWere) {
   auto lone = square(0.0);
-  lone.push_back(seen(1, slanting({0.0, 0.0}, 1, 0.0)));
+  lone.push_back(seen(11, slanting({0.0, 0.0}, 1, 0.0)));
   EXPECT_EQ(replaced(lone).size(), 5u) << "one edge";
 
   auto apart = lone;
-  apart.push_back(seen(2, slanting({0.2, 0.2}, 3, 0.0)));
+  apart.push_back(seen(12, slanting({0.2, 0.2}, 3, 0.0)));
   EXPECT_EQ(replaced(apart).size(), 6u) << "of two things";
 
   auto dark = lone;
-  dark.push_back(seen(2, slanting({0.0, 0.0}, 3, 0.0)));
+  dark.push_back(seen(12, slanting({0.0, 0.0}, 3, 0.0)));
   EXPECT_EQ(replaced(dark, -kWidth).size(), 6u) << "a hole in paint, where lines are dark";
 
   auto joining = dark;
-  joining.push_back(seen(3, {{0.1, 0.0}, {1.0, 0.0}}));
+  joining.push_back(seen(13, {{0.1, 0.0}, {1.0, 0.0}}));
   EXPECT_EQ(replaced(joining).size(), 7u) << "where a line ends";
 
   auto askew = dark;
-  for (int i = 0; i < 4; ++i) askew[i] = seen(100 + i, {{0.0, i - 2.0}, {2.0, i * 0.7}});
+  for (int i = 0; i < 4; ++i) askew[i] = seen(1 + i, {{0.0, i - 2.0}, {2.0, i * 0.7}});
   EXPECT_EQ(replaced(askew).size(), 6u) << "no dominant direction";
 }
 

@@ -64,7 +64,7 @@ TEST(LineMarking, EdgesStayWhereNearLinesHaveNoCommonWidth) {
   auto near = lineAt(1, 0.0, 0.05, kNear);
   const auto wide = lineAt(5, 1.0, 0.10, kNear);
   near.insert(near.end(), wide.begin(), wide.end());
-  const auto segments = even(near, lineAt(3, 3.0, 0.03, kFar));
+  const auto segments = even(near, lineAt(7, 3.0, 0.03, kFar));
   EXPECT_NEAR(segments[4].odom.a.x(), 3.0, 1e-9);
   EXPECT_NEAR(segments[5].odom.a.x(), 3.03, 1e-9);
 }
@@ -77,7 +77,7 @@ TEST(LineMarking, SpotsAreNotMeasured) {
     near.push_back(seen(id, {{0.0, y + 0.05}, {0.0, y}}, kNear));
     near.push_back(seen(id + 1, {{0.10, y}, {0.10, y + 0.05}}, kNear));
   }
-  const auto segments = even(near, lineAt(3, 3.0, 0.005, kFar));
+  const auto segments = even(near, lineAt(9, 3.0, 0.005, kFar));
   EXPECT_NEAR(segments[6].odom.a.x(), 3.0025 - 0.025, 1e-6);
   EXPECT_NEAR(segments[7].odom.a.x(), 3.0025 + 0.025, 1e-6);
 }

@@ -6,6 +6,9 @@
 namespace vismem {
 namespace {
 
+using Observed = std::vector<ImageSegment>;
+using Expected = std::vector<Expectation>;
+
 ImageSegment seen(double x1, double y1, double x2, double y2, const Label& label = "edge") {
   return {{{x1, y1}, {x2, y2}}, label, 40.0};
 }
@@ -23,8 +26,8 @@ TEST(Association, GivesTheThreeSetsOfFigure4) {
   ASSERT_EQ(result.matches.size(), 1u);
   EXPECT_EQ(result.matches[0].observed, 0);
   EXPECT_EQ(result.matches[0].predicted, 0);
-  EXPECT_EQ(result.unobserved, std::vector<int>{1});
-  EXPECT_EQ(result.unpredicted, std::vector<int>{1});
+  EXPECT_EQ(result.unobserved, std::pmr::vector<int>{1});
+  EXPECT_EQ(result.unpredicted, std::pmr::vector<int>{1});
 }
 
 TEST(Association, IsOneToOneBestFirst) {
@@ -41,7 +44,7 @@ TEST(Association, IsOneToOneBestFirst) {
 
 TEST(Association, FragmentsOfOneLineSupportIt) {
   const std::vector<ImageSegment> observed{seen(10, 100, 50, 100), seen(60, 100, 110, 100)};
-  const auto result = associate(observed, {expected(1, 10, 100, 110, 100)}, {});
+  const auto result = associate(observed, Expected{expected(1, 10, 100, 110, 100)}, {});
   EXPECT_EQ(result.matches.size() + result.supports.size(), 2u);
   EXPECT_TRUE(result.unpredicted.empty());
 }
@@ -50,7 +53,7 @@ TEST(Association, AFragmentLiesInLineWithItsMatch) {
   // The prediction lies 6 px off, as with a tilted camera: the match shows where the line really is.
   const Expectation line = expected(1, 10, 100, 110, 100);
   const auto supports = [&](const ImageSegment& fragment) {
-    const auto result = associate({seen(10, 106, 80, 106), fragment}, {line}, {});
+    const auto result = associate(Observed{seen(10, 106, 80, 106), fragment}, Expected{line}, {});
     EXPECT_EQ(result.matches.size(), 1u);
     EXPECT_EQ(result.supports.size() + result.unpredicted.size(), 1u);
     return result.supports.size() == 1;
@@ -60,8 +63,9 @@ TEST(Association, AFragmentLiesInLineWithItsMatch) {
   EXPECT_FALSE(supports(seen(90, 100, 110, 100)));
   EXPECT_FALSE(supports(seen(20, 102.5, 70, 102.5))) << "an edge beside it";
   // It may still be a fragment of another prediction.
-  const auto result = associate({seen(10, 100, 80, 100), seen(10, 95.5, 50, 95.5), seen(60, 96.1, 110, 96.1)},
-                                {line, expected(2, 10, 92, 110, 92)}, {});
+  const auto result =
+      associate(Observed{seen(10, 100, 80, 100), seen(10, 95.5, 50, 95.5), seen(60, 96.1, 110, 96.1)},
+                Expected{line, expected(2, 10, 92, 110, 92)}, {});
   ASSERT_EQ(result.matches.size(), 2u);
   ASSERT_EQ(result.supports.size(), 1u);
   EXPECT_EQ(result.supports[0].predicted, 1);

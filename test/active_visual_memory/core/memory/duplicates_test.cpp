@@ -17,7 +17,7 @@ TEST(Duplicates, OfOneImageAreJoinedOncePerPolarity) {
   other.odom = {{0, 0.3}, {1, 0.3}};
   FloorSegment opposite = a;
   opposite.odom = {{1, 0.01}, {0, 0.01}};
-  const auto clean = cleanDuplicates({a, copy, other, opposite}, 0.06, 0.03, 0.03);
+  const auto clean = cleanDuplicates(std::vector<FloorSegment>{a, copy, other, opposite}, 0.06, 0.03, 0.03);
   ASSERT_EQ(clean.size(), 3u) << "the other polarity is another edge";
   EXPECT_NEAR(clean[0].odom.b.x(), 1.2, 1e-9);
   EXPECT_NEAR(clean[0].odom.b.y(), 0.0, 1e-9);
