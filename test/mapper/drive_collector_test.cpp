@@ -64,17 +64,10 @@ TEST(DriveCollector, RacesSeeTheSameOfTheShortenedUpdates) {
   }
 }
 
-// A line from (11, 1) to (14, 1) is published in two parts, since another one joins it at 12.5.
-TEST(ElementsOf, AnElementThatIsPublishedInPartsIsWhole) {
-  const MemoryUpdate update = updateAt(100 * kSecondUs);
-  auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
-  snapshot->T_odom_robot = {10.0, 0.0, 0.0};
-  snapshot->segments = {segmentAt(70, {11.0, 1.0}, {12.46, 1.0}, snapshot->stamp_us),
-                        segmentAt(71, {12.54, 1.0}, {14.0, 1.0}, snapshot->stamp_us),
-                        segmentAt(72, {14.5, 1.0}, {16.0, 1.0}, snapshot->stamp_us),
-                        segmentAt(73, {14.0, 1.08}, {11.0, 1.08}, snapshot->stamp_us)};
-  auto analysis = std::make_shared<ImageAnalysis>(*update.analysis);
-  analysis->T_odom_robot = snapshot->T_odom_robot;
+/// The robot at (10, 0) looks ahead and matches element 5, which it predicts from (12, 1) to (13.5, 1).
+std::shared_ptr<ImageAnalysis> viewAhead(const ImageAnalysis& before) {
+  auto analysis = std::make_shared<ImageAnalysis>(before);
+  analysis->T_odom_robot = {10.0, 0.0, 0.0};
   analysis->intrinsics.width = 320;
   analysis->intrinsics.height = 240;
   analysis->intrinsics.fx = analysis->intrinsics.fy = 200.0;
@@ -88,8 +81,21 @@ TEST(ElementsOf, AnElementThatIsPublishedInPartsIsWhole) {
   analysis->predicted = {{5, {pixelOf(2.0), pixelOf(3.5)}, "skirting"}};
   analysis->observed.resize(1);
   analysis->matches = {{0, 0}};
+  return analysis;
+}
+
+// A line from (11, 1) to (14, 1) is published in two parts, since another one joins it at 12.5.
+TEST(PublishedElements, AnElementThatIsPublishedInPartsIsWhole) {
+  const MemoryUpdate update = updateAt(100 * kSecondUs);
+  auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
+  snapshot->T_odom_robot = {10.0, 0.0, 0.0};
+  snapshot->segments = {segmentAt(70, {11.0, 1.0}, {12.46, 1.0}, snapshot->stamp_us),
+                        segmentAt(71, {12.54, 1.0}, {14.0, 1.0}, snapshot->stamp_us),
+                        segmentAt(72, {14.5, 1.0}, {16.0, 1.0}, snapshot->stamp_us),
+                        segmentAt(73, {14.0, 1.08}, {11.0, 1.08}, snapshot->stamp_us)};
+  const auto analysis = viewAhead(*update.analysis);
   const auto elementFive = [&] {
-    const std::vector<MemorySegment> elements = elementsOf({snapshot, analysis});
+    const std::vector<MemorySegment> elements = PublishedElements().of({snapshot, analysis});
     EXPECT_EQ(elements.size(), snapshot->segments.size() + 1);
     EXPECT_EQ(elements.back().id, 5U);
     return elements.back();
@@ -105,7 +111,51 @@ TEST(ElementsOf, AnElementThatIsPublishedInPartsIsWhole) {
   EXPECT_FALSE(elementFive().confirmed);
   // One that is published with its own id is as published.
   snapshot->segments[0].id = 5;
-  EXPECT_EQ(elementsOf({snapshot, analysis}).size(), snapshot->segments.size());
+  EXPECT_EQ(PublishedElements().of({snapshot, analysis}).size(), snapshot->segments.size());
+}
+
+// The memory predicts what it has in view: what it predicts no more it has refuted.
+TEST(PublishedElements, AnElementInPartsIsThereUntilAnImageOfItsPlaceLacksIt) {
+  const MemoryUpdate update = updateAt(100 * kSecondUs);
+  auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
+  snapshot->T_odom_robot = {10.0, 0.0, 0.0};
+  snapshot->segments = {segmentAt(70, {11.0, 1.0}, {12.46, 1.0}, snapshot->stamp_us),
+                        segmentAt(71, {12.54, 1.0}, {14.0, 1.0}, snapshot->stamp_us)};
+  const auto seen = viewAhead(*update.analysis);
+  PublishedElements elements;
+  ASSERT_EQ(elements.of({snapshot, seen}).size(), 3U);
+
+  auto later = std::make_shared<MemorySnapshot>(*snapshot);
+  later->stamp_us += kSecondUs;
+  auto unmatched = std::make_shared<ImageAnalysis>(*seen);
+  unmatched->matches.clear();
+  const std::vector<MemorySegment> still = elements.of({later, unmatched});
+  ASSERT_EQ(still.size(), 3U);
+  EXPECT_EQ(still.back().id, 5U);
+  EXPECT_EQ(still.back().last_seen_us, snapshot->stamp_us);
+
+  auto away = std::make_shared<ImageAnalysis>(*unmatched);
+  away->predicted.clear();
+  auto refuted = std::make_shared<ImageAnalysis>(*away);
+  away->T_odom_robot.theta = 1.5;
+  EXPECT_EQ(elements.of({later, away}).size(), 3U) << "another place is in view";
+  EXPECT_EQ(elements.of({later, refuted}).size(), 2U);
+  EXPECT_EQ(elements.of({later, away}).size(), 2U) << "it is gone for ever";
+}
+
+TEST(PublishedElements, AMemoryThatBeganAnewHasNoElementsOfBefore) {
+  const MemoryUpdate update = updateAt(100 * kSecondUs);
+  auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
+  snapshot->T_odom_robot = {10.0, 0.0, 0.0};
+  snapshot->segments = {segmentAt(70, {11.0, 1.0}, {14.0, 1.0}, snapshot->stamp_us)};
+  const auto seen = viewAhead(*update.analysis);
+  PublishedElements elements;
+  ASSERT_EQ(elements.of({snapshot, seen}).size(), 2U);
+  auto anew = std::make_shared<MemorySnapshot>(*snapshot);
+  ++anew->epoch;
+  auto away = std::make_shared<ImageAnalysis>(*seen);
+  away->matches.clear();
+  EXPECT_EQ(elements.of({anew, away}).size(), 1U);
 }
 
 TEST(DriveCollector, KeepsUpdatesAtTheRateOfLocalization) {

@@ -42,18 +42,10 @@ std::uint64_t digest(const std::vector<std::uint8_t>& bytes) {
 
 class RecorderProcessTest : public ::testing::Test {
  protected:
-  std::unique_ptr<ComponentProcess> start(const std::string& name, std::vector<std::string> arguments) {
-    ChildProcess::Options options;
-    options.working_directory = VISMEM_SOURCE_DIR;
-    auto process = std::make_unique<ComponentProcess>(name, std::move(arguments), std::move(options));
-    EXPECT_TRUE(process->waitUntilReady());
-    return process;
-  }
-
   /// The simulated robot stands still until somebody asks for images.
   std::unique_ptr<ComponentProcess> startSimulator() {
-    return start("simulator", {cfg("sim/simulator"), "--Simulator.Endpoints=tcp -h 127.0.0.1 -p 0",
-                               "--Simulator.Paused=yes", "--Simulator.Seed=5"});
+    return startComponent("simulator", {cfg("sim/simulator"), "--Simulator.Endpoints=tcp -h 127.0.0.1 -p 0",
+                                        "--Simulator.Paused=yes", "--Simulator.Seed=5"});
   }
   /// @param more over the configuration of the setup; its memory and localization are not recorded.
   std::unique_ptr<ComponentProcess> startRecorder(const ComponentProcess& simulator,
@@ -71,7 +63,7 @@ class RecorderProcessTest : public ::testing::Test {
                                        "--Recorder.Gaze.Proxy=",
                                        "--Recorder.Localization.Proxy="};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return start("recorder", std::move(arguments));
+    return startComponent("recorder", std::move(arguments));
   }
 
   TemporaryFolder folder_;
@@ -81,15 +73,15 @@ class RecorderProcessTest : public ::testing::Test {
 TEST_F(RecorderProcessTest, AMinuteOfTheApplicationReplaysByteForByte) {
   const auto simulator = startSimulator();
   const auto memory =
-      start("active_visual_memory",
-            {cfg("sim/active_visual_memory"), "--ActiveVisualMemory.Endpoints=tcp -h 127.0.0.1 -p 0",
-             "--ActiveVisualMemory.Camera.Proxy=" + simulator->proxy("cameraA"),
-             "--ActiveVisualMemory.PanTilt.Proxy=" + simulator->proxy("PanTilt"),
-             "--ActiveVisualMemory.Odometry.Proxy=" + simulator->proxy("Encoders")});
-  const auto localization =
-      start("localization", {cfg("sim/localization"), "--Localization.Endpoints=tcp -h 127.0.0.1 -p 0",
-                             "--Localization.VisualMemory.Proxy=" + memory->proxy("VisualMemory"),
-                             "--Localization.Gaze.Proxy="});
+      startComponent("active_visual_memory",
+                     {cfg("sim/active_visual_memory"), "--ActiveVisualMemory.Endpoints=tcp -h 127.0.0.1 -p 0",
+                      "--ActiveVisualMemory.Camera.Proxy=" + simulator->proxy("cameraA"),
+                      "--ActiveVisualMemory.PanTilt.Proxy=" + simulator->proxy("PanTilt"),
+                      "--ActiveVisualMemory.Odometry.Proxy=" + simulator->proxy("Encoders")});
+  const auto localization = startComponent(
+      "localization",
+      {cfg("sim/localization"), "--Localization.Endpoints=tcp -h 127.0.0.1 -p 0",
+       "--Localization.VisualMemory.Proxy=" + memory->proxy("VisualMemory"), "--Localization.Gaze.Proxy="});
   const auto recorder =
       startRecorder(*simulator, {"--Recorder.VisualMemory.Proxy=" + memory->proxy("VisualMemory"),
                                  "--Recorder.Gaze.Proxy=" + memory->proxy("Gaze"),
@@ -148,7 +140,7 @@ TEST_F(RecorderProcessTest, AMinuteOfTheApplicationReplaysByteForByte) {
   EXPECT_NE(effective.find("Localization.Mode"), nullptr);
 
   // Replayed into a fresh client: every image, every byte, every stamp.
-  const auto replay = start(
+  const auto replay = startComponent(
       "replay_server", {cfg("replay/replay_server"), "--ReplayServer.Start=paused",
                         "--ReplayServer.Endpoints=tcp -h 127.0.0.1 -p 0", "--ReplayServer.File=" + path});
   const auto player = ice_.find<avm::ReplayPrx>(*replay, "Replay");
@@ -199,9 +191,9 @@ TEST_F(RecorderProcessTest, StartsStopsAndSavesOnDemand) {
 
 TEST_F(RecorderProcessTest, WaitsForItsPeersAndNamesAFullFolder) {
   const auto recorder =
-      start("recorder",
-            {"--Recorder.Endpoints=tcp -h 127.0.0.1 -p 0", "--Recorder.Folder=" + (folder_ / "recordings"),
-             "--Recorder.Name=run", "--Recorder.Odometry.Proxy=Encoders:tcp -h 127.0.0.1 -p 1"});
+      startComponent("recorder", {"--Recorder.Endpoints=tcp -h 127.0.0.1 -p 0",
+                                  "--Recorder.Folder=" + (folder_ / "recordings"), "--Recorder.Name=run",
+                                  "--Recorder.Odometry.Proxy=Encoders:tcp -h 127.0.0.1 -p 1"});
   const auto status = ice_.find<avm::ComponentPrx>(*recorder, "recorder/component");
   EXPECT_TRUE(eventually([&] { return status->getStatus().state == avm::ComponentState::WaitingForPeers; }));
   EXPECT_EQ(recorder->stop(kPatience), 0);
@@ -215,9 +207,9 @@ TEST_F(RecorderProcessTest, WaitsForItsPeersAndNamesAFullFolder) {
 // A service that is restarted at once shall record on.
 TEST_F(RecorderProcessTest, StartsSeveralTimesWithinASecond) {
   for (int i = 0; i < 4; ++i) {
-    const auto recorder =
-        start("recorder", {"--Recorder.Endpoints=tcp -h 127.0.0.1 -p 0",
-                           "--Recorder.Folder=" + (folder_ / "recordings"), "--Recorder.StartNow=yes"});
+    const auto recorder = startComponent(
+        "recorder", {"--Recorder.Endpoints=tcp -h 127.0.0.1 -p 0",
+                     "--Recorder.Folder=" + (folder_ / "recordings"), "--Recorder.StartNow=yes"});
     const auto control = ice_.find<avm::RecorderPrx>(*recorder, "Recorder");
     EXPECT_TRUE(eventually([&] { return control->status().state == avm::RecorderState::Recording; }));
     EXPECT_EQ(recorder->stop(kPatience), 0) << recorder->error();

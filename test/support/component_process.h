@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -56,5 +57,15 @@ class ComponentProcess : public ChildProcess {
 
   const std::string name_;
 };
+
+/// Starts a program in the source tree, where configurations name their files, and waits until it serves.
+inline std::unique_ptr<ComponentProcess> startComponent(const std::string& name,
+                                                        std::vector<std::string> arguments) {
+  ChildProcess::Options options;
+  options.working_directory = VISMEM_SOURCE_DIR;
+  auto process = std::make_unique<ComponentProcess>(name, std::move(arguments), std::move(options));
+  EXPECT_TRUE(process->waitUntilReady());
+  return process;
+}
 
 }  // namespace vismem

@@ -90,6 +90,7 @@ DriveCollector MappingLoop::drive() const {
 void MappingLoop::restart() {
   const std::lock_guard lock(mutex_);
   drive_ = DriveCollector(params_.keyframes, params_.range_m);
+  elements_ = {};
   progress_ = {};
 }
 
@@ -116,7 +117,7 @@ void MappingLoop::add(const MemoryUpdate& update) {
     return;
   }
   const auto begin = std::chrono::steady_clock::now();
-  if (drive_.add(frame, update, elementsOf(update))) status_.count("keyframes");
+  if (drive_.add(frame, update, elements_.of(update))) status_.count("keyframes");
   status_.latency("record", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   const auto& keyframes = drive_.record().keyframes;
   if (keyframes.empty()) return;

@@ -74,6 +74,7 @@ class MappingLoop {
   Failed failed_;
   RecentFrames frames_;
   mutable std::mutex mutex_;
+  PublishedElements elements_;
   DriveCollector drive_;
   DriveProgress progress_;
   std::jthread camera_thread_;

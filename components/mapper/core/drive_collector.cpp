@@ -40,9 +40,13 @@ MemoryUpdate searchedPart(const MemoryUpdate& update, double range_m) {
 namespace {
 
 constexpr double kPartAngle_rad = 0.1;
+constexpr double kChordAngle_rad =
+    0.2;                             // of the regular chords of a circle, which replace those that were seen
 constexpr double kPartOff_m = 0.04;  // of the ends of a part from the line
 constexpr double kPartGap_m = 0.15;  // a line that joins is not wider
 
+/// What was not seen for longer is not needed: KeyframeParams::dropped_s is shorter.
+constexpr StampUs kKnown_us = 10 * kSecondUs;
 constexpr double kRange_m = 6.0;  // of floor points that predictions show
 
 /// An interval along a line [m].
@@ -66,51 +70,81 @@ Reach grown(Reach reach, std::vector<Reach> parts) {
   return reach;
 }
 
-/// @param line  where the element is predicted.
-MemorySegment ofParts(const PredictedSegment& predicted, const Segment2& line,
-                      const MemorySnapshot& snapshot) {
+/// @param known  an element that is published in parts, where it was last matched.
+MemorySegment ofParts(const MemorySegment& known, const std::vector<MemorySegment>& published) {
+  const Segment2 line = known.odom.floor();
   const double length = line.length();
   const Eigen::Vector2d along = (line.b - line.a) / length;
   std::vector<Reach> parts;
-  double covered = 0.0;
-  for (const MemorySegment& segment : snapshot.segments) {
+  double confirmed = 0.0;
+  for (const MemorySegment& segment : published) {
     const Segment2 floor = segment.odom.floor();
-    if (segment.label != predicted.label || (floor.b - floor.a).dot(along) <= 0.0) continue;
-    if (lineAngleDifference(floor.direction(), line.direction()) > kPartAngle_rad) continue;
+    if (segment.label != known.label || (floor.b - floor.a).dot(along) <= 0.0) continue;
+    const double turn_rad = lineAngleDifference(floor.direction(), line.direction());
+    if (turn_rad > kChordAngle_rad) continue;
     const Reach reach{along.dot(floor.a - line.a), along.dot(floor.b - line.a)};
     const double overlap = std::min(reach.to_m, length) - std::max(reach.from_m, 0.0);
     if (overlap < -kPartGap_m || std::abs(cross2(along, floor.middle() - line.a)) > kPartOff_m) continue;
-    parts.push_back(reach);
-    if (segment.confirmed) covered += std::max(0.0, overlap);
+    if (segment.confirmed) confirmed += std::max(0.0, overlap);
+    if (turn_rad <= kPartAngle_rad) parts.push_back(reach);
   }
   const Reach whole = grown({0.0, length}, std::move(parts));
   const Eigen::Vector2d a = line.a + whole.from_m * along;
   const Eigen::Vector2d b = line.a + whole.to_m * along;
-  MemorySegment element;
-  element.id = predicted.id;
-  element.label = predicted.label;
+  MemorySegment element = known;
   element.odom = {{a.x(), a.y(), 0.0}, {b.x(), b.y(), 0.0}};
-  element.confirmed = 2.0 * covered >= length;
-  element.last_seen_us = snapshot.stamp_us;
+  element.confirmed = 2.0 * confirmed >= length;
   return element;
+}
+
+/// The memory predicts all that it has in view.
+bool isInView(const MemorySegment& element, const ImageAnalysis& analysis, const Pose3& T_odom_camera) {
+  constexpr double kLeast_px = 20.0;  // its place is known to some pixels only
+  const auto whole = projectSegmentUnbounded(analysis.intrinsics, T_odom_camera, element.odom);
+  const auto shown = projectSegment(analysis.intrinsics, T_odom_camera, element.odom);
+  return whole && shown && shown->length() >= std::max(kLeast_px, 0.5 * whole->length());
 }
 
 }  // namespace
 
-std::vector<MemorySegment> elementsOf(const MemoryUpdate& update) {
+void PublishedElements::addMatched(const MemoryUpdate& update) {
   const ImageAnalysis& analysis = *update.analysis;
-  std::vector<MemorySegment> elements = update.snapshot->segments;
-  std::unordered_set<std::uint64_t> published;
-  for (const MemorySegment& segment : elements) published.insert(segment.id);
   const Pose3 T_odom_camera = toPose3(analysis.T_odom_robot) * analysis.T_robot_camera;
   for (const ImageAnalysis::Match& match : analysis.matches) {
     const PredictedSegment& predicted = analysis.predicted[static_cast<std::size_t>(match.predicted)];
-    if (published.count(predicted.id) > 0) continue;
     const auto a = backProjectToGround(analysis.intrinsics, T_odom_camera, predicted.px.a, kRange_m);
     const auto b = backProjectToGround(analysis.intrinsics, T_odom_camera, predicted.px.b, kRange_m);
     if (!a || !b || (*b - *a).norm() <= 0.0) continue;
-    elements.push_back(ofParts(predicted, {a->head<2>(), b->head<2>()}, *update.snapshot));
+    MemorySegment& element = known_[predicted.id];
+    element.id = predicted.id;
+    element.label = predicted.label;
+    element.odom = {*a, *b};
+    element.last_seen_us = update.snapshot->stamp_us;
   }
+}
+
+std::vector<MemorySegment> PublishedElements::of(const MemoryUpdate& update) {
+  const MemorySnapshot& snapshot = *update.snapshot;
+  if (snapshot.epoch != epoch_) known_.clear();
+  epoch_ = snapshot.epoch;
+  addMatched(update);
+  std::unordered_set<std::uint64_t> published;
+  for (const MemorySegment& segment : snapshot.segments) {
+    published.insert(segment.id);
+    known_[segment.id] = segment;
+  }
+  std::unordered_set<std::uint64_t> predicted;
+  for (const PredictedSegment& each : update.analysis->predicted) predicted.insert(each.id);
+  const Pose3 T_odom_camera = toPose3(update.analysis->T_odom_robot) * update.analysis->T_robot_camera;
+  std::vector<MemorySegment> elements = snapshot.segments;
+  std::erase_if(known_, [&](const auto& entry) {
+    const auto& [id, element] = entry;
+    if (published.count(id) > 0) return false;
+    if (snapshot.stamp_us > element.last_seen_us + kKnown_us) return true;
+    if (predicted.count(id) == 0 && isInView(element, *update.analysis, T_odom_camera)) return true;
+    elements.push_back(ofParts(element, snapshot.segments));
+    return false;
+  });
   return elements;
 }
 

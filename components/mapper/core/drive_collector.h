@@ -1,6 +1,7 @@
 /// @file Everything of a drive that a map is made of. Pure. See B6.
 #pragma once
 
+#include <map>
 #include <span>
 #include <vector>
 
@@ -15,11 +16,23 @@ namespace vismem {
 /// @param range_m  ObservationParams::range_m.
 MemoryUpdate searchedPart(const MemoryUpdate& update, double range_m);
 
-/// The elements of a memory of another process, as far as an update shows them: the published segments, and
-/// for each matched element that is published in parts (at junctions, as sides of shapes; they have other
-/// ids) the line from its first part to its last one, where it is predicted. It is confirmed if confirmed
-/// parts cover half of what is predicted.
-std::vector<MemorySegment> elementsOf(const MemoryUpdate& update);
+/// The elements of a memory of another process, as far as its updates show them: the published segments, and
+/// the elements that are published in parts (at junctions, as sides of shapes; parts have other ids), from
+/// the first part to the last one. *Single-threaded* (owner: the loop of the drive).
+class PublishedElements {
+ public:
+  /// To be called for each update, in the order of stamps.
+  /// @return an element in parts is where it was last published as one, or predicted and matched. It is
+  /// confirmed if confirmed parts cover half of that. It is gone when an image shows its place and the memory
+  /// does not predict it there, and 10 s after it was seen.
+  std::vector<MemorySegment> of(const MemoryUpdate& update);
+
+ private:
+  void addMatched(const MemoryUpdate& update);
+
+  std::map<std::uint64_t, MemorySegment> known_;  ///< as last published or matched
+  std::uint32_t epoch_ = 0;
+};
 
 /// Collects keyframes and, at the rate of localization, the updates for the races. *Single-threaded* (owner:
 /// the loop of the drive).

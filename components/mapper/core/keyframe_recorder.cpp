@@ -143,6 +143,7 @@ void KeyframeRecorder::noteDropped(const MemoryUpdate& update, std::span<const M
       }
     }
   }
+  for (const auto& [id, seen_us] : alive) record_.elements[id].dropped = false;
   memory_epoch_ = update.snapshot->epoch;
   alive_ = std::move(alive);
 }

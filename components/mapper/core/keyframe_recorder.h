@@ -40,8 +40,8 @@ class KeyframeRecorder {
   ///                pixels than the analysis are averaged (reduced_image.h).
   /// @param update    of the memory, as published.
   /// @param elements  of the memory after it. An element that is published in parts (junctions, shapes) has
-  ///                  other ids there: elementsOf() (drive_collector.h) finds it where the memory is not at
-  ///                  hand.
+  ///                  other ids there: PublishedElements (drive_collector.h) finds it where the memory is not
+  ///                  at hand.
   /// @return whether it became a keyframe.
   /// @throws std::invalid_argument if the size of the image is not that of its intrinsics.
   bool add(const Frame& frame, const MemoryUpdate& update, std::span<const MemorySegment> elements);
