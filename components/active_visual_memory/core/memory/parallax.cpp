@@ -108,9 +108,9 @@ ParallaxEstimate::Verdict ParallaxEstimate::verdict(double camera_height_m, bool
   if (offset != Verdict::kUnknown) return offset;
   const Verdict a = judge(kEndA);
   const Verdict b = judge(kEndB);
+  if (a == Verdict::kOffFloor || b == Verdict::kOffFloor) return Verdict::kOffFloor;
   const int resting = (a == Verdict::kOnFloor) + (b == Verdict::kOnFloor);
   if (resting == 2 || (resting == 1 && not_vertical)) return Verdict::kOnFloor;
-  if (a == Verdict::kOffFloor || b == Verdict::kOffFloor) return Verdict::kOffFloor;
   return not_vertical ? judgeSlope(common(P_tilt, params)) : Verdict::kUnknown;
 }
 

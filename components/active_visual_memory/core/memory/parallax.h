@@ -36,8 +36,9 @@ class ParallaxEstimate {
            double variance_m2, const Params& params);
 
   /// The offset decides. Without a verdict of the offset (the camera moved along the line) the ends decide:
-  /// off the floor both would move, so one resting end is enough. A possibly vertical edge needs both, since
-  /// its foot rests. Channels too weak alone decide together.
+  /// one that moves is off the floor, or hidden by what moves. Off the floor both would move, so one resting
+  /// end is enough beside an undecided one. A possibly vertical edge needs both, since its foot rests.
+  /// Channels too weak alone decide together.
   Verdict verdict(double camera_height_m, bool not_vertical, const CameraTiltCovariance& P_tilt,
                   const Params& params) const;
 

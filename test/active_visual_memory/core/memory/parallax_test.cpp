@@ -47,6 +47,17 @@ TEST(Parallax, OneRestingEndIsNotEnoughForAPossiblyVerticalEdge) {
   EXPECT_EQ(foot.verdict(kCamera_m, true, kUpright, {}), Verdict::kOnFloor);
 }
 
+TEST(Parallax, AnEndThatMovesOutweighsOneThatRests) {
+  // The top of a skirting along the camera's way: one end lies behind a cabinet and seems to rest.
+  ParallaxEstimate top;
+  for (int i = 0; i <= 10; ++i) {
+    const double b = 0.05 * i;
+    top.add(ParallaxEstimate::kEndA, b, 0.0, TiltJacobianRow::Zero(), 1e-5, {});
+    top.add(ParallaxEstimate::kEndB, b, -b * 0.08 / (kCamera_m - 0.08), TiltJacobianRow::Zero(), 1e-5, {});
+  }
+  EXPECT_EQ(top.verdict(kCamera_m, true, kUpright, {}), Verdict::kOffFloor);
+}
+
 TEST(Parallax, ChannelsTooWeakAloneDecideTogether) {
   // 11 samples over 0.5 m: the squares about their mean are 0.275 m^2, so a slope's sigma is 0.09 for a
   // sample's variance of 0.0022; the limit is 0.06 / 0.39 = 0.154. Three together have 0.052.
