@@ -5,23 +5,25 @@
 namespace vismem {
 
 void LabelVotes::add(const Label& label, double weight) {
-  const auto known =
-      std::find_if(votes_.begin(), votes_.end(), [&](const auto& vote) { return vote.first == label; });
-  if (known == votes_.end()) {
-    votes_.emplace_back(label, weight);
-  } else {
+  const std::span votes(votes_.data(), count_);
+  const auto known = std::ranges::find(votes, label, &std::pair<Label, double>::first);
+  if (known != votes.end()) {
     known->second += weight;
+  } else if (count_ < kMost) {
+    votes_[count_++] = {label, weight};
+  } else {
+    *std::ranges::min_element(votes, {}, &std::pair<Label, double>::second) = {label, weight};
   }
 }
 
 void LabelVotes::add(const LabelVotes& others) {
-  for (const auto& [label, weight] : others.votes_) add(label, weight);
+  for (std::size_t i = 0; i < others.count_; ++i) add(others.votes_[i].first, others.votes_[i].second);
 }
 
 Label LabelVotes::winner(double least_share) const {
   double all = 0.0;
   const std::pair<Label, double>* best = nullptr;
-  for (const auto& vote : votes_) {
+  for (const auto& vote : std::span(votes_.data(), count_)) {
     all += vote.second;
     if (vote.first != kUnknownLabel && (!best || vote.second > best->second)) best = &vote;
   }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <span>
 #include <utility>
@@ -25,7 +26,10 @@ class LabelVotes {
   Label winner(double least_share) const;
 
  private:
-  std::vector<std::pair<Label, double>> votes_;
+  /// A line seldom shows more labels: a further one takes the place of the one with the fewest votes.
+  static constexpr std::size_t kMost = 8;
+  std::array<std::pair<Label, double>, kMost> votes_;
+  std::size_t count_ = 0;
 };
 
 /// *Value.*

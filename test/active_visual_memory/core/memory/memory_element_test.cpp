@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace vismem {
 namespace {
 
@@ -25,6 +27,16 @@ TEST(LabelVotes, TheNamedLabelWithTheMostVotesWinsIfItsShareIsLargeEnough) {
   others.add("wall", 4.0);
   votes.add(others);
   EXPECT_EQ(votes.winner(0.4), "wall") << "5 of 9";
+}
+
+TEST(LabelVotes, AFurtherLabelTakesThePlaceOfTheOneWithTheFewestVotes) {
+  LabelVotes votes;
+  for (int i = 1; i <= 8; ++i) votes.add("label" + std::to_string(i), i);
+  votes.add("late", 20.0);
+  EXPECT_EQ(votes.winner(0.36), "late") << "20 of 55";
+  votes.add("label1", 0.5);
+  votes.add("label8", 20.0);
+  EXPECT_EQ(votes.winner(0.38), "label8") << "28 of 3 + ... + 7 + 28 + 20 + 0.5 = 73.5";
 }
 
 TEST(MemoryElement, AbsorbingAPieceKeepsTheIdTheLongestExtentAndTheBetterValues) {
