@@ -35,7 +35,9 @@ std::unique_ptr<RaceStrategy> makeStrategy(const LocalizerParams& params, const 
   if (params.mode == LocalizationMode::kChapter) {
     return makeChapterRaces(map_edges, {params.map, params.explorers, params.evolution, params.health});
   }
-  return makeRobustRaces(map_edges, params.map, params.explorers, params.robust);
+  RobustParams robust = params.robust;
+  if (!params.odometry.enabled) robust.filter.travel_scale = 0.0;
+  return makeRobustRaces(map_edges, params.map, params.explorers, robust);
 }
 
 Eigen::AlignedBox2d placesOf(const SegmentMap& map_edges) {
@@ -270,7 +272,13 @@ void Localizer::report() {
   }
   estimate_.T_world_robot = winner ? std::optional<Pose2>(winner->T_world_robot) : std::nullopt;
   estimate_.P = Eigen::Matrix3d::Zero();
-  if (odometry_) estimate_.odometry = odometry_->bias();
+  if (odometry_) {
+    estimate_.odometry = odometry_->bias();
+    if (winner) estimate_.odometry->errors[2] = winner->travel_scale;
+    estimate_.odometry->P(2, 2) =
+        winner ? winner->travel_scale_variance
+               : params_.robust.filter.travel_scale * params_.robust.filter.travel_scale;
+  }
   if (winner) estimate_.P = winner->P_reported.topLeftCorner<3, 3>();
 }
 

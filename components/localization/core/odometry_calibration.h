@@ -12,13 +12,12 @@
 
 namespace vismem {
 
-/// Prior of the lasting errors, and noise of the measurements.
+/// Prior of the lasting errors of the heading, and noise of the measurements.
 struct OdometryCalibrationParams {
   bool enabled = true;
-  /// Prior standard deviations: yaw bias [rad/m], yaw scale error, and distance scale error.
+  /// Prior standard deviations: yaw bias [rad/m], yaw scale error.
   double turn_per_m = 0.05;
   double turn_share = 0.03;
-  double travel_share = 0.03;
   double walk_share = 0.02;  ///< random walk per square root of a metre, relative to these
 
   void visit(ParameterVisitor& v) {
@@ -29,9 +28,10 @@ struct OdometryCalibrationParams {
   }
 };
 
-/// Kalman filter of three lasting errors: yaw bias per metre (unequal wheels or legs), yaw scale (wrong wheel
-/// base) and distance scale (wrong radius). A measurement compares odometry between two reference poses of
-/// one race with the poses. *Single-threaded* (owner: Localizer).
+/// Kalman filter of two lasting errors: yaw bias per metre (unequal wheels or legs) and yaw scale (wrong
+/// wheel base). A measurement compares odometry between two reference poses of one race with the poses. The
+/// distance scale is a state of each race (Race::travel_scale) and stays 0 here. *Single-threaded* (owner:
+/// Localizer).
 class OdometryCalibration {
  public:
   explicit OdometryCalibration(const OdometryCalibrationParams& params);
@@ -56,8 +56,8 @@ class OdometryCalibration {
   };
 
   void begin(const Pose2& T_world_robot, std::uint64_t id);
-  /// Measurement update z = H * errors + noise, unless the innovation exceeds the gate.
-  void update(double z, const Eigen::RowVector3d& H, double variance);
+  /// Measurement update z = H * (yaw errors) + noise, unless the innovation exceeds the gate.
+  void update(double z, const Eigen::RowVector2d& H, double variance);
 
   OdometryCalibrationParams params_;
   OdometryBias bias_;

@@ -48,6 +48,11 @@ struct Race {
   /// Default mode: covariance of (x, y, theta, camera tilt) in the filter. Wider than the error where that
   /// keeps a race open to observations, narrower where the memory repeats itself.
   Matrix5d P = Matrix5d::Zero();
+  /// Default mode: scale error of the odometry's way, a state of the filter beside P; > 0: the way is longer
+  /// than odometry states. Its covariance with (x, y, theta, camera tilt) and its variance.
+  double travel_scale = 0.0;
+  Vector5d P_travel_scale = Vector5d::Zero();
+  double travel_scale_variance = 0.0;
   /// Covariance that is published. Default mode: from a second filter without these two effects. Chapter
   /// mode: of the elite.
   Matrix5d P_reported = Matrix5d::Zero();

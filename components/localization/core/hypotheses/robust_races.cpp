@@ -26,7 +26,8 @@ constexpr double kNoneUnexplained = 0.36;
 /// Factor on the evidence against that hypothesis: what it predicts errs in all observations alike, so that
 /// their mean counts as half an observation.
 constexpr double kNoneScale = 0.5;
-constexpr double kLeastTilt_rad = 1e-6;  // prior standard deviation of a tilt that is fixed at 0
+constexpr double kTravelScaleWalk = 0.02;  // random walk per root of a metre, relative to the prior
+constexpr double kLeastTilt_rad = 1e-6;    // prior standard deviation of a tilt that is fixed at 0
 /// Share of the heading's random walk in the reported variance. The rest keeps a race open to slips and
 /// exceeds the growth of the error.
 constexpr double kReportedTurnWalk = 0.1;
@@ -81,7 +82,9 @@ class RobustRaces : public RaceStrategy {
   void predict(Race& race, const Pose2& T_before_now) const override {
     const RaceFilterParams& filter = params_.filter;
     const double theta = race.T_world_robot.theta;
-    const Eigen::Vector2d shift = transform(Pose2{0.0, 0.0, theta}, T_before_now.position());
+    const Pose2 T_moved{(1.0 + race.travel_scale) * T_before_now.x,
+                        (1.0 + race.travel_scale) * T_before_now.y, T_before_now.theta};
+    const Eigen::Vector2d shift = transform(Pose2{0.0, 0.0, theta}, T_moved.position());
     Matrix5d F = Matrix5d::Identity();
     F(0, 2) = -shift.y();
     F(1, 2) = shift.x();
@@ -89,11 +92,19 @@ class RobustRaces : public RaceStrategy {
     const double std_m = filter.odometry_share * travelled;
     const double std_rad =
         filter.odometry_turn_share * std::abs(T_before_now.theta) + filter.odometry_turn_per_m * travelled;
+    Vector5d way = Vector5d::Zero();  // derivative by the travel scale
+    way.head<2>() = shift;
+    const Vector5d along = F * race.P_travel_scale;
+    const Matrix5d scaled = race.travel_scale_variance * way * way.transpose() + along * way.transpose() +
+                            way * along.transpose();
+    race.P_travel_scale = along + race.travel_scale_variance * way;
+    const double scale_walk = kTravelScaleWalk * filter.travel_scale;
+    race.travel_scale_variance += scale_walk * scale_walk * travelled;
     for (Matrix5d* P : {&race.P, &race.P_reported}) {
-      *P = F * *P * F.transpose();
+      *P = F * *P * F.transpose() + scaled;
       P->diagonal().head<3>() += Eigen::Vector3d(std_m * std_m, std_m * std_m, std_rad * std_rad);
     }
-    race.T_world_robot = race.T_world_robot * T_before_now;
+    race.T_world_robot = race.T_world_robot * T_moved;
   }
 
   void weight(Race& race) const override { rate(race, {race.T_world_robot, race.camera_tilt}); }
@@ -124,6 +135,11 @@ class RobustRaces : public RaceStrategy {
       if (!table.mayAdmit(race, most_health)) continue;
       complete(race);
       setInitialEvidence(race, table);
+      // The same wheels.
+      if (const Race* winner = table.winner()) {
+        race.travel_scale = winner->travel_scale;
+        race.travel_scale_variance = winner->travel_scale_variance;
+      }
     }
     return races;
   }
@@ -146,13 +162,14 @@ class RobustRaces : public RaceStrategy {
     const Matrix5d prior = filter.kalman ? Matrix5d(race.P.inverse() + broad_prior_) : broad_prior_;
     // The memory repeats itself from image to image: only a share of it is new to the filter.
     const double share = filter.kalman ? filter.information_share : 1.0;
-    Placement placement{race.T_world_robot, race.camera_tilt};
+    const Placement start{race.T_world_robot, race.camera_tilt};
+    Placement placement = start;
     if (filter.refinement_steps > 0) {
       const auto refined = maximizeLikelihood(placement, prior, share);
       placement = refined.placement;
       race.T_world_robot = placement.T_world_robot;
       race.camera_tilt = placement.tilt_bias;
-      race.P = (prior + refined.information).inverse();
+      updateTravelScale(race, start, placement, (prior + refined.information).inverse());
       updateReported(race, refined, walk);
       race.health = refined.rating.explained;
       race.log_likelihood = refined.rating.log_likelihood;
@@ -271,6 +288,7 @@ class RobustRaces : public RaceStrategy {
 
   void complete(Race& race) const {
     race.evidence = race.log_likelihood;
+    race.travel_scale_variance = params_.filter.travel_scale * params_.filter.travel_scale;
     const auto refined = likelihood_.refine(observation_, {race.T_world_robot}, broad_prior_, 1.0, 0, 0.0);
     race.P = (refined.information + broad_prior_).inverse();
     race.variance_factor = refined.rating.variance_factor;
@@ -295,6 +313,22 @@ class RobustRaces : public RaceStrategy {
     const auto again = likelihood_.refine(observation_, wide.placement, prior, share, steps, 0.0);
     if (again.rating.log_likelihood > refined.rating.log_likelihood) return again;
     return refined;
+  }
+
+  /// Replaces P by the one after the measurement update. The travel scale is not measured itself: it follows
+  /// by its covariance with what was, the last rows of the augmented filter.
+  void updateTravelScale(Race& race, const Placement& before, const Placement& after,
+                         const Matrix5d& P_after) const {
+    Vector5d moved;
+    moved << after.T_world_robot.position() - before.T_world_robot.position(),
+        angleDifference(after.T_world_robot.theta, before.T_world_robot.theta),
+        after.tilt_bias - before.tilt_bias;
+    const Vector5d gain = race.P.ldlt().solve(race.P_travel_scale);
+    race.travel_scale += gain.dot(moved);
+    race.travel_scale_variance -= gain.dot((race.P - P_after) * gain);
+    race.travel_scale_variance = std::max(race.travel_scale_variance, 0.0);
+    race.P_travel_scale = P_after * gain;
+    race.P = P_after;
   }
 
   static double varianceFactor(const Race& race) {

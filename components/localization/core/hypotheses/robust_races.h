@@ -23,9 +23,11 @@ struct RaceFilterParams {
   double odometry_share = 0.04;       ///< position standard deviation per metre travelled
   double odometry_turn_share = 0.10;  ///< heading standard deviation per radian turned
   double odometry_turn_per_m = 0.10;  ///< heading standard deviation per metre travelled [rad/m]
-  double walk_m = 0.004;              ///< random walk of the position per square root of an iteration
-  double walk_rad = 0.01;             ///< the same of the heading
-  double information_share = 1.0;     ///< share of an observation that is new since the last iteration
+  /// Prior standard deviation of the scale error of the odometry's way, a state of each race; 0: none.
+  double travel_scale = 0.1;
+  double walk_m = 0.004;           ///< random walk of the position per square root of an iteration
+  double walk_rad = 0.01;          ///< the same of the heading
+  double information_share = 1.0;  ///< share of an observation that is new since the last iteration
 
   void visit(ParameterVisitor& v);
 };

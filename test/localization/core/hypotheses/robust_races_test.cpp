@@ -108,6 +108,30 @@ TEST_F(RobustRacesTest, PredictionAddsOdometryNoiseInTheRobotsFrame) {
   EXPECT_EQ(race.P_reported, race.P);
 }
 
+TEST_F(RobustRacesTest, ARaceLearnsTheScaleOfTheOdometry) {
+  const auto drive = [&](double scale) {
+    RandomEngine engine(1);
+    Pose2 truth{3.2, 1.2, 0.9};
+    observeFrom(truth);
+    Race race = races_->createAt(truth, engine);
+    race.P = 1e-4 * Matrix5d::Identity();
+    for (int i = 0; i < 8; ++i) {
+      truth = truth * Pose2{0.3, 0.0, 0.3};
+      observeFrom(truth);
+      races_->predict(race, {scale * 0.3, 0.0, 0.3});
+      races_->refine(race, engine);
+    }
+    EXPECT_LT((race.T_world_robot.position() - truth.position()).norm(), 0.02) << scale;
+    return race;
+  };
+  for (const double scale : {0.8, 1.0, 1.2}) {
+    const Race race = drive(scale);
+    const double std = std::sqrt(race.travel_scale_variance);
+    EXPECT_NEAR(race.travel_scale, 1.0 / scale - 1.0, std::min(0.05, 3.0 * std)) << scale;
+    EXPECT_LT(std, 0.5 * params_.filter.travel_scale);
+  }
+}
+
 TEST_F(RobustRacesTest, RefinementMovesARaceToTheTruePoseAndReducesItsCovariance) {
   const Pose2 truth{1.5, 1.2, 0.4};
   observeFrom(truth);
