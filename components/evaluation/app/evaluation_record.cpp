@@ -39,13 +39,6 @@ nlohmann::json calibrationOf(const MemoryPipeline& pipeline, const PoseEstimate&
                      {"vignette", light.vignette},
                      {"named_share", estimator->namedShare()}};
   }
-  if (estimate.camera) {
-    static constexpr const char* kErrors[] = {"height_m", "focal_share", "pitch_rad", "roll_rad", "delay_s"};
-    for (int i = 0; i < 5; ++i) {
-      json["camera"][kErrors[i]] = estimate.camera->errors[i];
-      json["camera"][std::string(kErrors[i]) + "_sigma"] = std::sqrt(estimate.camera->P(i, i));
-    }
-  }
   if (!estimate.odometry) return json;
   const Eigen::Vector3d& errors = estimate.odometry->errors;
   const Eigen::Vector3d sigmas = estimate.odometry->P.diagonal().cwiseMax(0.0).cwiseSqrt();

@@ -201,7 +201,6 @@ void Localizer::select(const Race& before, bool is_inconsistent, double elapsed_
   if (!odometry_) return;
   if (is_same && support_ >= kTrust && is_unambiguous) {
     odometry_->addReferencePose(winner->T_world_robot, winner->id);
-    strategy_->learnCamera(*winner);
   } else {
     odometry_->interrupt();
   }
@@ -280,7 +279,6 @@ void Localizer::report() {
         winner ? winner->travel_scale_variance
                : params_.robust.filter.travel_scale * params_.robust.filter.travel_scale;
   }
-  estimate_.camera = strategy_->cameraErrors();
   if (winner) estimate_.P = winner->P_reported.topLeftCorner<3, 3>();
 }
 

@@ -31,18 +31,6 @@ struct OdometryBias {
   Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
 };
 
-using CameraVector = Eigen::Matrix<double, 5, 1>;
-using CameraMatrix = Eigen::Matrix<double, 5, 5>;
-
-/// Estimated lasting errors of the camera, true minus configured value.
-struct CameraErrors {
-  /// Height [m]; focal length [share]; pitch, positive where it looks lower than configured, and roll,
-  /// positive where its right side is lower [rad]; age of images beyond their stamps [s].
-  enum Error { kHeight = 0, kFocal = 1, kPitch = 2, kRoll = 3, kDelay = 4 };
-  CameraVector errors = CameraVector::Zero();
-  CameraMatrix P = CameraMatrix::Zero();
-};
-
 struct PoseEstimate {
   StampUs stamp_us = 0;        ///< of the image used
   std::uint64_t revision = 0;  ///< counts up by one per update that was used
@@ -57,7 +45,6 @@ struct PoseEstimate {
   double support = 0.0;  ///< of the winner by the last seconds, 0..1; search and gaze requests go by it
   std::vector<RaceReport> races;
   std::optional<OdometryBias> odometry;  ///< empty: not estimated
-  std::optional<CameraErrors> camera;    ///< empty: not estimated
 };
 
 /// Access to the estimate, and commands that replace it.

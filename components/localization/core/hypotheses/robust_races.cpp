@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "common/geometry/angles.h"
-#include "localization/core/likelihood/camera_calibration.h"
 #include "localization/core/observation/novelty.h"
 
 namespace vismem {
@@ -35,8 +34,7 @@ constexpr double kReportedTurnWalk = 0.1;
 /// Points deviate by much less than their sigma where camera and map are good. Errors that all points share
 /// do not show in them.
 constexpr double kLeastVarianceFactor = 0.05;
-constexpr double kVarianceGain = 0.1;   // of the running mean, per iteration
-constexpr double kCameraBlur_m = 0.05;  // a wrong camera moves points by more than their sigmas
+constexpr double kVarianceGain = 0.1;  // of the running mean, per iteration
 constexpr StampUs kJustSeen_us = kSecondUs / 2;
 /// Random walk of the tilt bias per square root of an iteration: a quarter of a degree in ten minutes.
 constexpr double kTiltWalk_rad = 1e-4;
@@ -63,10 +61,7 @@ class RobustRaces : public RaceStrategy {
         uniform_share_(uniformShare(map_, explorers.margin_m, params.explorers.uniform_area_m2)) {}
 
   bool observe(const MemoryUpdate& update) override {
-    has_image_ = update.analysis != nullptr;
-    if (has_image_) camera_.begin(*update.analysis);
-    const CameraModel view = camera_.corrected();
-    observation_ = vismem::observe(update, map_, params_.observation, has_image_ ? &view : nullptr);
+    observation_ = vismem::observe(update, map_, params_.observation);
     const auto isNew = [&](const MemorySegment& segment) {
       return segment.last_seen_us + kJustSeen_us >= update.snapshot->stamp_us;
     };
@@ -249,18 +244,6 @@ class RobustRaces : public RaceStrategy {
     return share / (1.0 + share * std::exp(kNoneScale * (none - winner->evidence)));
   }
 
-  void learnCamera(const Race& trusted) override {
-    if (!has_image_) return;
-    derivatives_.clear();
-    for (const FloorPoint& point : std::span(observation_.points).subspan(observation_.remembered)) {
-      derivatives_.push_back(camera_.derivative(point.p_robot));
-    }
-    camera_.add(likelihood_.cameraEvidence(observation_, {trusted.T_world_robot, trusted.camera_tilt},
-                                           derivatives_, kCameraBlur_m));
-  }
-
-  std::optional<CameraErrors> cameraErrors() const override { return camera_.errors(); }
-
   void resetNovelty() override {
     novelty_.reset();
     novelty_.assess(observation_, T_odom_robot_, stamp_us_);
@@ -417,9 +400,6 @@ class RobustRaces : public RaceStrategy {
   double uniform_share_;  ///< share of the uniform explorers that are sent out
   /// The last update's image has no points, and its memory was updated just now.
   bool is_memory_current_ = false;
-  CameraCalibration camera_;
-  bool has_image_ = false;  ///< the last update's
-  std::vector<CameraJacobian> derivatives_;
   Pose2 T_odom_robot_;
   StampUs stamp_us_ = 0;
   FloorObservation observation_;

@@ -132,11 +132,10 @@ FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& m
 }
 
 FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map,
-                              const ObservationParams& params, const CameraModel* corrected) {
+                              const ObservationParams& params) {
   FloorObservation observation;
-  const CameraModel view = corrected ? *corrected : CameraModel{analysis.intrinsics, analysis.T_robot_camera};
-  const Eigen::Vector2d camera = view.T_robot_camera.translation().head<2>();
-  const double height = view.T_robot_camera.translation().z();
+  const Eigen::Vector2d camera = analysis.T_robot_camera.translation().head<2>();
+  const double height = analysis.T_robot_camera.translation().z();
   if (!(height > 0.0)) return observation;
   std::vector<FloorPoint> ends;
   for (const ImageSegment& segment : analysis.observed) {
@@ -151,7 +150,8 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
     for (int i = 0; i <= pieces; ++i) {
       const double fraction = static_cast<double>(i) / pieces;
       const Eigen::Vector2d px = segment.px.a + fraction * (segment.px.b - segment.px.a);
-      const auto floor = backProjectToGround(view.intrinsics, view.T_robot_camera, px, params.image_range_m);
+      const auto floor =
+          backProjectToGround(analysis.intrinsics, analysis.T_robot_camera, px, params.image_range_m);
       if (!floor) {
         has_last = false;
         continue;
@@ -186,7 +186,7 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
       if (params.end_metres <= 0.0) continue;
       for (const bool first : {true, false}) {
         if (i != (first ? 1 : pieces)) continue;
-        if (!insideImage(view.intrinsics, first ? segment.px.a : segment.px.b)) continue;
+        if (!insideImage(analysis.intrinsics, first ? segment.px.a : segment.px.b)) continue;
         // An end fixes the position along its line; the camera's error is isotropic here.
         FloorPoint end = point;
         end.p_robot = first ? piece.a : piece.b;
@@ -207,15 +207,14 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
   return observation;
 }
 
-FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params,
-                         const CameraModel* view) {
+FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params) {
   FloorObservation memory;
   FloorObservation image;
   if (params.source != ObservationSource::kImage && update.snapshot) {
     memory = observeMemory(*update.snapshot, map, params);
   }
   if (params.source != ObservationSource::kMemory && update.analysis) {
-    image = observeImage(*update.analysis, map, params, view);
+    image = observeImage(*update.analysis, map, params);
   }
   // With an occluded camera the memory counts alone, with an empty memory the image.
   if (!memory.points.empty() && !image.points.empty()) {

@@ -88,22 +88,13 @@ struct FloorObservation {
 FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& map,
                                const ObservationParams& params);
 
-/// Intrinsics and pose of the camera for one image.
-struct CameraModel {
-  CameraIntrinsics intrinsics;
-  Pose3 T_robot_camera = Pose3::Identity();
-};
-
 /// One image as weighted points: its labelled segments projected to the floor within `image_range_m`.
-/// @param view of the camera; null: as the analysis states it.
 FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map,
-                              const ObservationParams& params, const CameraModel* view = nullptr);
+                              const ObservationParams& params);
 
 /// Memory, image or both, as configured.
 /// @param update snapshot and analysis of one stamp.
-/// @param view as of observeImage.
-FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params,
-                         const CameraModel* view = nullptr);
+FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params);
 
 /// Every n-th point with the weight of all; about `points` remain.
 FloorObservation thinned(const FloorObservation& observation, std::size_t points);
