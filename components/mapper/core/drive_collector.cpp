@@ -40,12 +40,12 @@ MemoryUpdate searchedPart(const MemoryUpdate& update, double range_m) {
 namespace {
 
 constexpr double kPartAngle_rad = 0.1;
-constexpr double kChordAngle_rad =
-    0.2;                             // of the regular chords of a circle, which replace those that were seen
+/// Between the chords that were seen of a circle and the regular ones that are published instead.
+constexpr double kChordAngle_rad = 0.2;
 constexpr double kPartOff_m = 0.04;  // of the ends of a part from the line
 constexpr double kPartGap_m = 0.15;  // a line that joins is not wider
 
-/// What was not seen for longer is not needed: KeyframeParams::dropped_s is shorter.
+/// Time unseen after which an element is forgotten; longer than KeyframeParams::dropped_s.
 constexpr StampUs kKnown_us = 10 * kSecondUs;
 constexpr double kRange_m = 6.0;  // of floor points that predictions show
 
@@ -141,10 +141,11 @@ std::vector<MemorySegment> PublishedElements::of(const MemoryUpdate& update) {
     const auto& [id, element] = entry;
     if (published.count(id) > 0) return false;
     if (snapshot.stamp_us > element.last_seen_us + kKnown_us) return true;
-    if (predicted.count(id) == 0 && isInView(element, *update.analysis, T_odom_camera)) return true;
-    elements.push_back(ofParts(element, snapshot.segments));
-    return false;
+    return predicted.count(id) == 0 && isInView(element, *update.analysis, T_odom_camera);
   });
+  for (const auto& [id, element] : known_) {
+    if (published.count(id) == 0) elements.push_back(ofParts(element, snapshot.segments));
+  }
   return elements;
 }
 

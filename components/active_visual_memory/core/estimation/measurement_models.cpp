@@ -27,8 +27,7 @@ struct DirectionResidual {
 };
 
 /// @param about  frame tilt at which the derivatives are taken: lines placed too far away turn too much with
-/// the tilt,
-///               which would bias the estimate.
+///               the tilt, which would bias the estimate.
 template <typename Use>
 void forEachDirection(std::span<const FloorSegment> floor, const TiltView& view, const Eigen::Vector2d& about,
                       const DominantDirectionParams& params, double known_rad, const Use& use) {

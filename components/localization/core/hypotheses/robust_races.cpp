@@ -21,7 +21,8 @@ constexpr double kSettledAge = 20.0;
 constexpr double kOldLead = 0.33;
 constexpr double kUnambiguous = 0.8;  // share of belief
 /// Unexplained share of the evidence of a robot at a place that no race holds. Winners in mirrored maps have
-/// 0.35 to 0.55, right ones at most 0.25 in nearly all recordings and simulations.
+/// 0.35 to 0.55, right ones at most 0.25 in nearly all recordings and simulations, more where the map lacks
+/// lines.
 constexpr double kNoneUnexplained = 0.40;
 /// Factor on the evidence against that hypothesis: what it predicts errs in all observations alike, so that
 /// their mean counts as half an observation.

@@ -6,17 +6,11 @@
 #include <cmath>
 #include <map>
 
-#include "active_visual_memory/published_salience.h"
+#include "active_visual_memory/published_attention.h"
 #include "common/geometry/angles.h"
 
 namespace vismem {
 namespace {
-
-std::vector<AttentionPoint> pointsOf(const AttentionPool& pool) {
-  std::vector<AttentionPoint> points;
-  pool.listPoints(points);
-  return points;
-}
 
 constexpr StampUs kTick = 200'000;
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "active_visual_memory/core/attentive_visual_memory.h"
-#include "active_visual_memory/published_salience.h"
+#include "active_visual_memory/published_attention.h"
 #include "common/geometry/angles.h"
 
 namespace vismem {
@@ -58,11 +58,7 @@ struct Bench {
   explicit Bench(const AttentiveVisualMemoryParams& p)
       : params(p), pool(p.attention, p.rig), gaze(p.gaze, p.rig) {}
 
-  GazeStatus status() const {
-    GazeStatus status;
-    gaze.report(now, pool, status);
-    return status;
-  }
+  GazeStatus status() const { return statusOf(gaze, now, pool); }
 
   void step(const std::vector<MemorySegment>& memory = {}) {
     const double dt = 1.0 / 30;

@@ -7,18 +7,12 @@
 #include <vector>
 
 #include "active_visual_memory/core/attentive_visual_memory.h"
-#include "active_visual_memory/published_salience.h"
+#include "active_visual_memory/published_attention.h"
 #include "common/geometry/angles.h"
 #include "common/kinematics/kinematics.h"
 
 namespace vismem {
 namespace {
-
-std::vector<AttentionPoint> pointsOf(const AttentionPool& pool) {
-  std::vector<AttentionPoint> points;
-  pool.listPoints(points);
-  return points;
-}
 
 constexpr StampUs kImage_us = 33'333;
 constexpr double kTick_s = 0.001;
@@ -30,11 +24,7 @@ class GazeBench {
   explicit GazeBench(const AttentiveVisualMemoryParams& p = AttentiveVisualMemoryParams::standard())
       : params(p), pool(p.attention, p.rig), gaze(p.gaze, p.rig) {}
 
-  GazeStatus status() const {
-    GazeStatus status;
-    gaze.report(now_us, pool, status);
-    return status;
-  }
+  GazeStatus status() const { return statusOf(gaze, now_us, pool); }
 
   /// One image, then the time to the next. @param between called every millisecond.
   template <typename Between>
