@@ -6,9 +6,6 @@ import type {Store} from "../state/store";
 import {button, fixed, h, say, select} from "./dom";
 import {Pane} from "./pane";
 
-/** Explained share from which the localization takes a fit as full (ReliabilityParams::explained_high). */
-const convinces = 0.75;
-
 export class WhyPane extends Pane {
   private readonly verdict = h("div", {class: "verdict", attrs: {role: "status"}});
   private readonly list = h("ol", {class: "causes"});
@@ -66,9 +63,9 @@ export class WhyPane extends Pane {
     this.asking = true;
     try {
       const grid = await store.call<HealthGrid>("healthMap", "Explained", null, 16, 0.5, null);
-      // The grid is coarse: a refined race that convinces fits better than the cell around it. In a wrong map races fit in part.
-      let best = 0;
-      for (const value of [...grid.health, ...e.races.map(race => race.health).filter(health => health >= convinces)]) best = Math.max(best, value);
+      // The grid is coarse: a refined pose that is probably right fits better than the cell around it.
+      let best = e.hasPose ? e.reliability : 0;
+      for (const value of grid.health) best = Math.max(best, value);
       store.bestFit.value = {value: best, at: nowMs()};
     } catch {
       // The localization has nothing to rate places by when the map has none of the labels that are seen.
