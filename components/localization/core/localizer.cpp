@@ -24,8 +24,6 @@ constexpr double kFullJump_m = 2.0;
 constexpr double kGivenStd_m = 0.1;
 constexpr double kGivenStd_rad = 0.1;
 
-/// Smallest support of a reference pose of the odometry calibration.
-constexpr double kTrust = 0.7;
 /// The tick while the winner is suspect.
 constexpr double kSuspectTick_s = 0.1;
 /// An observation is inconsistent if it supports less than this share of the winner's support.
@@ -35,9 +33,7 @@ std::unique_ptr<RaceStrategy> makeStrategy(const LocalizerParams& params, const 
   if (params.mode == LocalizationMode::kChapter) {
     return makeChapterRaces(map_edges, {params.map, params.explorers, params.evolution, params.health});
   }
-  RobustParams robust = params.robust;
-  if (!params.odometry.enabled) robust.filter.travel_scale = 0.0;
-  return makeRobustRaces(map_edges, params.map, params.explorers, robust);
+  return makeRobustRaces(map_edges, params.map, params.explorers, params.robust);
 }
 
 Eigen::AlignedBox2d placesOf(const SegmentMap& map_edges) {
@@ -73,7 +69,6 @@ void LocalizerParams::visit(ParameterVisitor& v) {
   v.group("Races", races);
   v.group("Health", health);
   v.group("Robust", robust);
-  v.group("Odometry", odometry);
 }
 
 HealthMapParams healthMapParams(const LocalizerParams& params) {
@@ -85,11 +80,7 @@ Localizer::Localizer(const LocalizerParams& params, const SegmentMap& map_edges,
       places_(placesOf(map_edges)),
       strategy_(makeStrategy(params, map_edges)),
       table_(params.races),
-      engine_(seed) {
-  if (params.mode == LocalizationMode::kDefault && params.odometry.enabled) {
-    odometry_.emplace(params.odometry);
-  }
-}
+      engine_(seed) {}
 
 Localizer::~Localizer() = default;
 Localizer::Localizer(Localizer&&) noexcept = default;
@@ -135,14 +126,8 @@ void Localizer::follow(const MemorySnapshot& snapshot) {
     return;
   }
   // In a new epoch of the memory alone, odometry continues: the races move with the robot.
-  predict(T_before_now);
+  for (Race& race : table_.races()) strategy_->predict(race, T_before_now);
   if (snapshot.epoch != epoch_ || memory_restarted) beginEpoch();
-}
-
-void Localizer::predict(const Pose2& T_before_now) {
-  if (odometry_) odometry_->addMotion(T_before_now);
-  const Pose2 T_moved = odometry_ ? odometry_->corrected(T_before_now) : T_before_now;
-  for (Race& race : table_.races()) strategy_->predict(race, T_moved);
 }
 
 void Localizer::iterate(const MemoryUpdate& update, double elapsed_s) {
@@ -198,16 +183,9 @@ void Localizer::select(const Race& before, bool is_inconsistent, double elapsed_
     support_ *= std::max(0.0, 1.0 - jump / kFullJump_m);
   }
   estimate_.reliability = strategy_->reliability(table_, support_);
-  if (!odometry_) return;
-  if (is_same && support_ >= kTrust && is_unambiguous) {
-    odometry_->addReferencePose(winner->T_world_robot, winner->id);
-  } else {
-    odometry_->interrupt();
-  }
 }
 
 void Localizer::beginEpoch() {
-  if (odometry_) odometry_->interrupt();
   tracking_ = restartedTracking(tracking_, table_.winner() != nullptr);
   support_ = std::min(support_, kReliabilityAfterEpoch);
   estimate_.reliability = std::min(estimate_.reliability, kReliabilityAfterEpoch);
@@ -236,7 +214,6 @@ void Localizer::setPose(const Pose2& T_world_robot) {
           .asDiagonal();
   race.P_reported = race.P;
   table_.replaceAll(std::move(race));
-  if (odometry_) odometry_->interrupt();
   tracking_ = restartedTracking(tracking_, true);
   strategy_->resetHistory(table_);
   table_.award(table_.winner()->id);
@@ -249,7 +226,6 @@ void Localizer::setPose(const Pose2& T_world_robot) {
 }
 
 void Localizer::relocalize() {
-  if (odometry_) odometry_->interrupt();
   table_.clear();
   strategy_->resetHistory(table_);
   support_ = estimate_.reliability = 0.0;
@@ -272,13 +248,8 @@ void Localizer::report() {
   }
   estimate_.T_world_robot = winner ? std::optional<Pose2>(winner->T_world_robot) : std::nullopt;
   estimate_.P = Eigen::Matrix3d::Zero();
-  if (odometry_) {
-    estimate_.odometry = odometry_->bias();
-    if (winner) estimate_.odometry->errors[2] = winner->travel_scale;
-    estimate_.odometry->P(2, 2) =
-        winner ? winner->travel_scale_variance
-               : params_.robust.filter.travel_scale * params_.robust.filter.travel_scale;
-  }
+  estimate_.odometry.reset();
+  if (winner && params_.mode == LocalizationMode::kDefault) estimate_.odometry = winner->odometry;
   if (winner) estimate_.P = winner->P_reported.topLeftCorner<3, 3>();
 }
 

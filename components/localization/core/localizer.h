@@ -18,7 +18,6 @@
 #include "localization/core/hypotheses/tracking.h"
 #include "localization/core/likelihood/chapter_health.h"
 #include "localization/core/likelihood/health_map.h"
-#include "localization/core/odometry_calibration.h"
 #include "localization/core/pose_estimate.h"
 
 namespace vismem {
@@ -31,10 +30,9 @@ struct LocalizerParams {
   MapParams map;
   RaceParams races;
   ExplorerParams explorers;
-  EvolutionParams evolution;           ///< chapter mode
-  HealthParams health;                 ///< chapter mode
-  RobustParams robust;                 ///< default mode
-  OdometryCalibrationParams odometry;  ///< default mode
+  EvolutionParams evolution;  ///< chapter mode
+  HealthParams health;        ///< chapter mode
+  RobustParams robust;        ///< default mode
 
   void visit(ParameterVisitor& v);
 };
@@ -81,7 +79,6 @@ class Localizer {
  private:
   /// Predicts to the snapshot's stamp, or begins an epoch where its odometry does not continue.
   void follow(const MemorySnapshot& snapshot);
-  void predict(const Pose2& T_before_now);
   void iterate(const MemoryUpdate& update, double elapsed_s);
   void propose(const std::optional<double>& agreement, bool is_inconsistent);
   void prune();
@@ -95,7 +92,6 @@ class Localizer {
   std::unique_ptr<RaceStrategy> strategy_;
   RaceTable table_;
   RandomEngine engine_;
-  std::optional<OdometryCalibration> odometry_;
   PoseEstimate estimate_;
   bool has_last_ = false;
   StampUs last_stamp_us_ = 0;

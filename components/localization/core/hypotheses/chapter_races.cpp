@@ -73,7 +73,7 @@ class ChapterRaces : public RaceStrategy {
     rateNew(race);
   }
 
-  void select(RaceTable& table, double support) const override {
+  void select(RaceTable& table, double support) override {
     selectByVictories(table,
                       support > kVeryReliable ? kLargestLead : kLeastLead + kLeadPerReliability * support);
   }

@@ -34,7 +34,7 @@ class RaceStrategy {
   virtual void refine(Race& race, RandomEngine& engine) const = 0;
   /// L8: victories and the winner.
   /// @param support 0..1 of the last iteration.
-  virtual void select(RaceTable& table, double support) const = 0;
+  virtual void select(RaceTable& table, double support) = 0;
   /// Share of belief per race, in the table's order; the sum is 1.
   virtual std::vector<double> beliefShares(const RaceTable& table) const = 0;
   /// Support that this observation alone gives the winner, 0..1; empty with too little evidence.

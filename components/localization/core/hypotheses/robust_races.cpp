@@ -27,8 +27,8 @@ constexpr double kNoneUnexplained = 0.40;
 /// Factor on the evidence against that hypothesis: what it predicts errs in all observations alike, so that
 /// their mean counts as half an observation.
 constexpr double kNoneScale = 0.5;
-constexpr double kTravelScaleWalk = 0.02;  // random walk per root of a metre, relative to the prior
-constexpr double kLeastTilt_rad = 1e-6;    // prior standard deviation of a tilt that is fixed at 0
+constexpr double kOdometryWalk = 0.02;   // of its lasting errors per root of a metre, relative to the prior
+constexpr double kLeastTilt_rad = 1e-6;  // prior standard deviation of a tilt that is fixed at 0
 /// Share of the heading's random walk in the reported variance. The rest keeps a race open to slips and
 /// exceeds the growth of the error.
 constexpr double kReportedTurnWalk = 0.1;
@@ -59,7 +59,9 @@ class RobustRaces : public RaceStrategy {
         likelihood_(map_, params_.likelihood),
         history_(likelihood_, params.history),
         broad_prior_(broadPrior(params.likelihood)),
-        uniform_share_(uniformShare(map_, explorers.margin_m, params.explorers.uniform_area_m2)) {}
+        uniform_share_(uniformShare(map_, explorers.margin_m, params.explorers.uniform_area_m2)) {
+    odometry_.P = params.filter.odometry_bias.cwiseAbs2().asDiagonal();
+  }
 
   bool observe(const MemoryUpdate& update) override {
     observation_ = vismem::observe(update, map_, params_.observation);
@@ -82,30 +84,35 @@ class RobustRaces : public RaceStrategy {
 
   void predict(Race& race, const Pose2& T_before_now) const override {
     const RaceFilterParams& filter = params_.filter;
-    const double theta = race.T_world_robot.theta;
-    const Pose2 T_moved{(1.0 + race.travel_scale) * T_before_now.x,
-                        (1.0 + race.travel_scale) * T_before_now.y, T_before_now.theta};
-    const Eigen::Vector2d shift = transform(Pose2{0.0, 0.0, theta}, T_moved.position());
+    const auto& [errors, P_errors] = race.odometry;
+    const double turn = errors[0] * T_before_now.x + errors[1] * T_before_now.theta;
+    // The additional turn happens along the way: on average half of it rotates the translation.
+    const Pose2 direction{0.0, 0.0, race.T_world_robot.theta + 0.5 * turn};
+    const Eigen::Vector2d shift =
+        transform(direction, Eigen::Vector2d((1.0 + errors[2]) * T_before_now.position()));
+    const Eigen::Vector2d across(-shift.y(), shift.x());
     Matrix5d F = Matrix5d::Identity();
-    F(0, 2) = -shift.y();
-    F(1, 2) = shift.x();
+    F.block<2, 1>(0, 2) = across;
+    Eigen::Matrix<double, 5, 3> G = Eigen::Matrix<double, 5, 3>::Zero();  // derivative by the lasting errors
+    G.row(2) << T_before_now.x, T_before_now.theta, 0.0;
+    G.topRows<2>() = 0.5 * across * G.row(2);
+    G.block<2, 1>(0, 2) = shift;
     const double travelled = shift.norm();
     const double std_m = filter.odometry_share * travelled;
     const double std_rad =
         filter.odometry_turn_share * std::abs(T_before_now.theta) + filter.odometry_turn_per_m * travelled;
-    Vector5d way = Vector5d::Zero();  // derivative by the travel scale
-    way.head<2>() = shift;
-    const Vector5d along = F * race.P_travel_scale;
-    const Matrix5d scaled = race.travel_scale_variance * way * way.transpose() + along * way.transpose() +
-                            way * along.transpose();
-    race.P_travel_scale = along + race.travel_scale_variance * way;
-    const double scale_walk = kTravelScaleWalk * filter.travel_scale;
-    race.travel_scale_variance += scale_walk * scale_walk * travelled;
+    const Eigen::Matrix<double, 5, 3> C = F * race.P_odometry;
+    const Matrix5d biased = G * P_errors * G.transpose() + C * G.transpose() + G * C.transpose();
+    race.P_odometry = C + G * P_errors;
+    const Eigen::Vector3d walk = kOdometryWalk * filter.odometry_bias;
+    race.odometry.P.diagonal() += travelled * walk.cwiseProduct(walk);
     for (Matrix5d* P : {&race.P, &race.P_reported}) {
-      *P = F * *P * F.transpose() + scaled;
+      *P = F * *P * F.transpose() + biased;
       P->diagonal().head<3>() += Eigen::Vector3d(std_m * std_m, std_m * std_m, std_rad * std_rad);
     }
-    race.T_world_robot = race.T_world_robot * T_moved;
+    const Eigen::Vector2d position = race.T_world_robot.position() + shift;
+    race.T_world_robot = {position.x(), position.y(),
+                          wrapAngle(race.T_world_robot.theta + T_before_now.theta + turn)};
   }
 
   void weight(Race& race) const override { rate(race, {race.T_world_robot, race.camera_tilt}); }
@@ -136,11 +143,6 @@ class RobustRaces : public RaceStrategy {
       if (!table.mayAdmit(race, most_health)) continue;
       complete(race);
       setInitialEvidence(race, table);
-      // The same wheels.
-      if (const Race* winner = table.winner()) {
-        race.travel_scale = winner->travel_scale;
-        race.travel_scale_variance = winner->travel_scale_variance;
-      }
     }
     return races;
   }
@@ -170,7 +172,7 @@ class RobustRaces : public RaceStrategy {
       placement = refined.placement;
       race.T_world_robot = placement.T_world_robot;
       race.camera_tilt = placement.tilt_bias;
-      updateTravelScale(race, start, placement, (prior + refined.information).inverse());
+      updateOdometry(race, start, placement, (prior + refined.information).inverse());
       updateReported(race, refined, walk);
       race.health = refined.rating.explained;
       race.log_likelihood = refined.rating.log_likelihood;
@@ -181,7 +183,7 @@ class RobustRaces : public RaceStrategy {
     history_.record({race.T_world_robot, race.camera_tilt}, race.scores);
   }
 
-  void select(RaceTable& table, double) const override {
+  void select(RaceTable& table, double) override {
     const Race* best = nullptr;
     for (const Race& race : table.races()) {
       if (!best || race.evidence > best->evidence) best = &race;
@@ -194,6 +196,7 @@ class RobustRaces : public RaceStrategy {
     if (!winner || best->evidence > winner->evidence + lead) table.setWinner(best->id);
     table.recordBest(best->id);
     table.award(table.winner()->id);
+    odometry_ = table.winner()->odometry;
   }
 
   std::vector<double> beliefShares(const RaceTable& table) const override {
@@ -289,7 +292,7 @@ class RobustRaces : public RaceStrategy {
 
   void complete(Race& race) const {
     race.evidence = race.log_likelihood;
-    race.travel_scale_variance = params_.filter.travel_scale * params_.filter.travel_scale;
+    race.odometry = odometry_;
     const auto refined = likelihood_.refine(observation_, {race.T_world_robot}, broad_prior_, 1.0, 0, 0.0);
     race.P = (refined.information + broad_prior_).inverse();
     race.variance_factor = refined.rating.variance_factor;
@@ -316,19 +319,18 @@ class RobustRaces : public RaceStrategy {
     return refined;
   }
 
-  /// Replaces P by the one after the measurement update. The travel scale is not measured itself: it follows
-  /// by its covariance with what was, the last rows of the augmented filter.
-  void updateTravelScale(Race& race, const Placement& before, const Placement& after,
-                         const Matrix5d& P_after) const {
+  /// Replaces P by the one after the measurement update. The lasting errors of odometry are not measured
+  /// themselves: they follow by their covariance with what was, the last rows of the augmented filter.
+  void updateOdometry(Race& race, const Placement& before, const Placement& after,
+                      const Matrix5d& P_after) const {
     Vector5d moved;
     moved << after.T_world_robot.position() - before.T_world_robot.position(),
         angleDifference(after.T_world_robot.theta, before.T_world_robot.theta),
         after.tilt_bias - before.tilt_bias;
-    const Vector5d gain = race.P.ldlt().solve(race.P_travel_scale);
-    race.travel_scale += gain.dot(moved);
-    race.travel_scale_variance -= gain.dot((race.P - P_after) * gain);
-    race.travel_scale_variance = std::max(race.travel_scale_variance, 0.0);
-    race.P_travel_scale = P_after * gain;
+    const Eigen::Matrix<double, 3, 5> gain = race.P.ldlt().solve(race.P_odometry).transpose();
+    race.odometry.errors += gain * moved;
+    race.odometry.P -= gain * (race.P - P_after) * gain.transpose();
+    race.P_odometry = P_after * gain.transpose();
     race.P = P_after;
   }
 
@@ -398,7 +400,8 @@ class RobustRaces : public RaceStrategy {
   ScoreHistory history_;
   ObservationNovelty novelty_;
   Matrix5d broad_prior_;
-  double uniform_share_;  ///< share of the uniform explorers that are sent out
+  double uniform_share_;   ///< share of the uniform explorers that are sent out
+  OdometryBias odometry_;  ///< of the winner, the prior of new races: the same wheels
   /// The last update's image has no points, and its memory was updated just now.
   bool is_memory_current_ = false;
   Pose2 T_odom_robot_;
