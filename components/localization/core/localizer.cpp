@@ -86,7 +86,7 @@ Localizer::~Localizer() = default;
 Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
-PoseEstimate Localizer::update(const MemoryUpdate& update) {
+const PoseEstimate& Localizer::update(const MemoryUpdate& update) {
   const MemorySnapshot& snapshot = *update.snapshot;
   if (has_last_) {
     const bool restarted = snapshot.stamp_us + kRestart_us < last_stamp_us_;
@@ -144,7 +144,7 @@ void Localizer::iterate(const MemoryUpdate& update, double elapsed_s) {
   const bool is_inconsistent = agreement && *agreement < kInconsistent * support_;
   if (is_inconsistent) strategy_->resetNovelty();
   propose(agreement, is_inconsistent);
-  prune();
+  table_.prune(strategy_->leastEvidence(table_));
   table_.mergeSamePlaces();
   for (Race& race : table_.races()) strategy_->refine(race, engine_);
   select(before, is_inconsistent, elapsed_s);
@@ -158,17 +158,6 @@ void Localizer::propose(const std::optional<double>& agreement, bool is_inconsis
   if (is_idle && iteration_ % period != 0) explorers = 0;
   if (explorers <= 0) return;
   for (Race& candidate : strategy_->propose(explorers, table_, engine_)) table_.admit(std::move(candidate));
-}
-
-void Localizer::prune() {
-  // Decided before anything is deleted, because it compares with the best race.
-  std::vector<std::uint64_t> prunable;
-  for (const Race& race : table_.races()) {
-    if (strategy_->isPrunable(race, table_)) prunable.push_back(race.id);
-  }
-  table_.prune([&](const Race& race) {
-    return std::find(prunable.begin(), prunable.end(), race.id) != prunable.end();
-  });
 }
 
 void Localizer::select(const Race& before, bool is_inconsistent, double elapsed_s) {
@@ -239,11 +228,10 @@ void Localizer::report() {
   estimate_.T_odom_robot = last_T_odom_robot_;
   estimate_.support = support_;
   estimate_.races.clear();
-  const std::vector<double> shares = strategy_->beliefShares(table_);
   const Race* winner = table_.winner();
-  for (std::size_t i = 0; i < table_.races().size(); ++i) {
-    const Race& race = table_.races()[i];
-    estimate_.races.push_back({race.id, race.T_world_robot, race.health, shares[i], race.victories, race.age,
+  for (const Race& race : table_.races()) {
+    const double share = strategy_->beliefShare(race, table_);
+    estimate_.races.push_back({race.id, race.T_world_robot, race.health, share, race.victories, race.age,
                                winner && race.id == winner->id});
   }
   estimate_.T_world_robot = winner ? std::optional<Pose2>(winner->T_world_robot) : std::nullopt;

@@ -61,7 +61,7 @@ class Localizer {
   /// that time.
   /// @param update both pointers set. An update that is not newer than the last one (except after a restart
   /// of the source's time) returns the last estimate again.
-  PoseEstimate update(const MemoryUpdate& update);
+  const PoseEstimate& update(const MemoryUpdate& update);
   /// Replaces all races by one at this pose at the last update's stamp. Its reliability is what the last
   /// observation supports, or 1 with too little evidence or in chapter mode. This and relocalize() make a new
   /// estimate at the last stamp; before the first update latest() has no stamp.
@@ -81,7 +81,6 @@ class Localizer {
   void follow(const MemorySnapshot& snapshot);
   void iterate(const MemoryUpdate& update, double elapsed_s);
   void propose(const std::optional<double>& agreement, bool is_inconsistent);
-  void prune();
   /// @param before the winner before this iteration; id 0: none.
   void select(const Race& before, bool is_inconsistent, double elapsed_s);
   void beginEpoch();

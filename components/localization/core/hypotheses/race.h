@@ -10,6 +10,7 @@
 #include "common/geometry/pose.h"
 #include "localization/core/likelihood/individual.h"
 #include "localization/core/likelihood/placement.h"
+#include "localization/core/hypotheses/score_history.h"
 #include "localization/core/pose_estimate.h"
 
 namespace vismem {
@@ -60,8 +61,8 @@ struct Race {
   double variance_factor = 1.0;
   double evidence = 0.0;        ///< default mode [nats]
   double log_likelihood = 0.0;  ///< default mode: of the last observation [nats]
-  /// Default mode: scores of the observations in ScoreHistory, newest first; fewer for a younger race.
-  std::vector<double> scores;
+  /// Default mode: scores of the observations in ScoreHistory.
+  Scores scores;
 };
 
 /// True if two poses count as one place: x, y and heading (on the circle) each within their limit.

@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "common/geometry/angles.h"
 #include "localization/core/observation/novelty.h"
@@ -64,17 +66,17 @@ class RobustRaces : public RaceStrategy {
   }
 
   bool observe(const MemoryUpdate& update) override {
-    observation_ = vismem::observe(update, map_, params_.observation);
+    observation_ = vismem::observe(update, map_, params_.observation, std::move(observation_));
     const auto isNew = [&](const MemorySegment& segment) {
       return segment.last_seen_us + kJustSeen_us >= update.snapshot->stamp_us;
     };
     const auto& remembered = update.snapshot->segments;
     is_memory_current_ = observation_.remembered == observation_.points.size() &&
                          std::any_of(remembered.begin(), remembered.end(), isNew);
-    FloorObservation all = thinned(observation_, kMaximumPoints);
-    observation_.points = std::move(all.points);
-    observation_.remembered = all.remembered;
-    few_ = thinned(observation_, kExplorerPoints);
+    few_ = thinned(observation_, kMaximumPoints, std::move(few_));
+    std::swap(observation_.points, few_.points);
+    observation_.remembered = few_.remembered;
+    few_ = thinned(observation_, kExplorerPoints, std::move(few_));
     if (observation_.points.empty()) return false;
     T_odom_robot_ = update.snapshot->T_odom_robot;
     stamp_us_ = update.snapshot->stamp_us;
@@ -118,33 +120,35 @@ class RobustRaces : public RaceStrategy {
   void weight(Race& race) const override { rate(race, {race.T_world_robot, race.camera_tilt}); }
 
   /// Races that the table would not admit have a pose and a health only.
-  std::vector<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) const override {
-    std::vector<Individual> population = explore(explorers, engine);
-    std::vector<Individual> best =
-        bestPlaces(population, params_.explorers.refined_explorers, explorers_.list_health, table.params());
-    for (Individual& one : best) {
+  std::span<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) override {
+    explore(explorers, engine);
+    keepBestPlaces(places_, params_.explorers.refined_explorers, explorers_.list_health, table.params());
+    for (Individual& one : places_) {
       const auto refined = likelihood_.refine(few_, {one.T_world_robot}, broad_prior_, 1.0,
                                               params_.filter.refinement_steps, kRefinementBlur_m);
       one = {refined.placement.T_world_robot, refined.rating.explained};
     }
-    std::vector<Race> races;
-    for (const Individual& place :
-         bestPlaces(best, explorers_.candidates, explorers_.list_health, table.params())) {
+    keepBestPlaces(places_, explorers_.candidates, explorers_.list_health, table.params());
+    candidates_.clear();
+    for (const Individual& place : places_) {
       const Placement refined = likelihood_
                                     .refine(observation_, {place.T_world_robot}, broad_prior_, 1.0,
                                             params_.filter.refinement_steps, kRefinementBlur_m)
                                     .placement;
-      races.push_back(ratedAt(refined.T_world_robot));
+      candidates_.push_back(ratedAt(refined.T_world_robot));
     }
     double most_health = 0.0;
-    for (const Race& race : races) most_health = std::max(most_health, race.health);
-    for (Race& race : races) {
+    for (const Race& race : candidates_) most_health = std::max(most_health, race.health);
+    for (Race& race : candidates_) {
       // Most candidates lie at the place of a race and are not completed.
       if (!table.mayAdmit(race, most_health)) continue;
       complete(race);
-      setInitialEvidence(race, table);
+      auto [evidence, scores] =
+          history_.initialEvidence(race.T_world_robot, race.log_likelihood, table.races());
+      race.evidence = evidence;
+      race.scores = scores;
     }
-    return races;
+    return candidates_;
   }
 
   Race createAt(const Pose2& T_world_robot, RandomEngine&) const override {
@@ -153,8 +157,8 @@ class RobustRaces : public RaceStrategy {
     return race;
   }
 
-  bool isPrunable(const Race& race, const RaceTable& table) const override {
-    return race.evidence < bestEvidence(table) - params_.evidence.delete_behind;
+  double leastEvidence(const RaceTable& table) const override {
+    return bestEvidence(table) - params_.evidence.delete_behind;
   }
 
   void refine(Race& race, RandomEngine&) const override {
@@ -199,18 +203,14 @@ class RobustRaces : public RaceStrategy {
     odometry_ = table.winner()->odometry;
   }
 
-  std::vector<double> beliefShares(const RaceTable& table) const override {
+  double beliefShare(const Race& race, const RaceTable& table) const override {
     const double best = bestEvidence(table);
     const double worth =
         std::max(1.0, params_.evidence.independent_share / (1.0 - params_.history.forgetting));
-    std::vector<double> shares;
+    const auto belief = [&](const Race& one) { return std::exp(worth * (one.evidence - best)); };
     double sum = 0.0;
-    for (const Race& race : table.races()) {
-      shares.push_back(std::exp(worth * (race.evidence - best)));
-      sum += shares.back();
-    }
-    for (double& share : shares) share /= sum;
-    return shares;
+    for (const Race& one : table.races()) sum += belief(one);
+    return belief(race) / sum;
   }
 
   std::optional<double> agreement(const RaceTable& table) const override {
@@ -261,7 +261,7 @@ class RobustRaces : public RaceStrategy {
 
   void discountEvidence(RaceTable& table) override {
     resetHistory(table);
-    for (Race& race : table.races()) race.scores.clear();
+    for (Race& race : table.races()) race.scores.resize(0);
     const double best = table.races().empty() ? 0.0 : bestEvidence(table);
     for (Race& race : table.races()) {
       race.evidence = best - std::min(1.0, best - race.evidence);
@@ -271,9 +271,7 @@ class RobustRaces : public RaceStrategy {
 
  private:
   /// @param table with a winner.
-  double winnersShare(const RaceTable& table) const {
-    return beliefShares(table)[static_cast<std::size_t>(table.winner() - table.races().data())];
-  }
+  double winnersShare(const RaceTable& table) const { return beliefShare(*table.winner(), table); }
 
   double fitOf(const Race& race) const {
     const ReliabilityParams& reliability = params_.reliability;
@@ -297,14 +295,6 @@ class RobustRaces : public RaceStrategy {
     race.P = (refined.information + broad_prior_).inverse();
     race.variance_factor = refined.rating.variance_factor;
     race.P_reported = (refined.information / varianceFactor(race) + broad_prior_).inverse();
-  }
-
-  void setInitialEvidence(Race& race, const RaceTable& table) const {
-    std::vector<ScoredRace> rivals;
-    for (const Race& other : table.races()) rivals.push_back({other.evidence, other.scores});
-    auto [evidence, scores] = history_.initialEvidence(race.T_world_robot, race.log_likelihood, rivals);
-    race.evidence = evidence;
-    race.scores = std::move(scores);
   }
 
   RobustLikelihood::Refined maximizeLikelihood(const Placement& start, const Matrix5d& prior,
@@ -356,8 +346,8 @@ class RobustRaces : public RaceStrategy {
     race.P_reported = 0.5 * (P + P.transpose());
   }
 
-  /// @return `most` rated explorers, fewer in a large map.
-  std::vector<Individual> explore(int most, RandomEngine& engine) const {
+  /// Sets places_ to `most` rated explorers, fewer in a large map.
+  void explore(int most, RandomEngine& engine) {
     const RobustExplorerParams& search = params_.explorers;
     // In a large map a uniform explorer rarely comes near the robot.
     double constructed = search.constructed_share;
@@ -366,12 +356,9 @@ class RobustRaces : public RaceStrategy {
       most = static_cast<int>(std::ceil(kept * most));
       constructed /= kept;
     }
-    std::vector<Individual> population;
-    population.reserve(static_cast<std::size_t>(most));
-    while (static_cast<int>(population.size()) < most)
-      population.push_back({propose(constructed, engine), 0.0});
-    likelihood_.explain(few_, population, kExplorerBlur_m, explorers_.list_health);
-    return population;
+    places_.clear();
+    while (static_cast<int>(places_.size()) < most) places_.push_back({propose(constructed, engine), 0.0});
+    likelihood_.explain(few_, places_, kExplorerBlur_m, explorers_.list_health);
   }
 
   Pose2 propose(double constructed_share, RandomEngine& engine) const {
@@ -408,6 +395,8 @@ class RobustRaces : public RaceStrategy {
   StampUs stamp_us_ = 0;
   FloorObservation observation_;
   FloorObservation few_;  ///< a part of observation_, for the coarse search
+  std::vector<Individual> places_;
+  std::vector<Race> candidates_;
 };
 
 }  // namespace

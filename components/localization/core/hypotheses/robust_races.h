@@ -11,7 +11,7 @@
 #include "localization/core/hypotheses/explorers.h"
 #include "localization/core/hypotheses/race_strategy.h"
 #include "localization/core/likelihood/robust_likelihood.h"
-#include "localization/core/likelihood/score_history.h"
+#include "localization/core/hypotheses/score_history.h"
 #include "localization/core/map/map_index.h"
 #include "localization/core/observation/floor_observation.h"
 
