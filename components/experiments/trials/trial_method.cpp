@@ -52,7 +52,7 @@ std::vector<Ablation> ablations(const LocalizerParams& base) {
   without("no_refinement", [](auto& p) { p.robust.filter.refinement_steps = 0; });
   without("no_ends", [](auto& p) { p.robust.observation.end_metres = 0.0; });
   without("no_kalman", [](auto& p) { p.robust.filter.kalman = false; });
-  without("no_odometry_calibration", [](auto& p) { p.odometry.enabled = false; });
+  without("no_odometry_calibration", [](auto& p) { p.robust.filter.odometry_bias.setZero(); });
   without("no_score_history", [](auto& p) { p.robust.history.forgetting = 0.0; });
   without("no_hysteresis", [](auto& p) { p.robust.evidence.lead = 0.0; });
   without("no_validity", [](auto& p) { p.robust.reliability.validity = false; });

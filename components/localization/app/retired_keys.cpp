@@ -30,6 +30,7 @@ void acceptRetiredLocalizationKeys(ConfigReader& reader) {
       "LandmarkShare Corners Doors Parallelograms KldError KldPlace_m KldPlace_deg KldLeast "
       "NegativeInformation DetectionProbability RateAtImageStamp",
       kGone);
+  reader.group("Odometry").retired("Calibrate Learn", "each hypothesis estimates the errors of odometry");
   reader.group("Odometry")
       .retired(
           "Turn_degpm TurnShare TravelShare WalkShare Piece_m Piece_deg Pose_m Pose_deg Noise_deg "

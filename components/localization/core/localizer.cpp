@@ -24,8 +24,6 @@ constexpr double kFullJump_m = 2.0;
 constexpr double kGivenStd_m = 0.1;
 constexpr double kGivenStd_rad = 0.1;
 
-/// Smallest support of a reference pose of the odometry calibration.
-constexpr double kTrust = 0.7;
 /// The tick while the winner is suspect.
 constexpr double kSuspectTick_s = 0.1;
 /// An observation is inconsistent if it supports less than this share of the winner's support.
@@ -35,9 +33,7 @@ std::unique_ptr<RaceStrategy> makeStrategy(const LocalizerParams& params, const 
   if (params.mode == LocalizationMode::kChapter) {
     return makeChapterRaces(map_edges, {params.map, params.explorers, params.evolution, params.health});
   }
-  RobustParams robust = params.robust;
-  if (!params.odometry.enabled) robust.filter.travel_scale = 0.0;
-  return makeRobustRaces(map_edges, params.map, params.explorers, robust);
+  return makeRobustRaces(map_edges, params.map, params.explorers, params.robust);
 }
 
 Eigen::AlignedBox2d placesOf(const SegmentMap& map_edges) {
@@ -73,7 +69,6 @@ void LocalizerParams::visit(ParameterVisitor& v) {
   v.group("Races", races);
   v.group("Health", health);
   v.group("Robust", robust);
-  v.group("Odometry", odometry);
 }
 
 HealthMapParams healthMapParams(const LocalizerParams& params) {
@@ -85,17 +80,13 @@ Localizer::Localizer(const LocalizerParams& params, const SegmentMap& map_edges,
       places_(placesOf(map_edges)),
       strategy_(makeStrategy(params, map_edges)),
       table_(params.races),
-      engine_(seed) {
-  if (params.mode == LocalizationMode::kDefault && params.odometry.enabled) {
-    odometry_.emplace(params.odometry);
-  }
-}
+      engine_(seed) {}
 
 Localizer::~Localizer() = default;
 Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
-PoseEstimate Localizer::update(const MemoryUpdate& update) {
+const PoseEstimate& Localizer::update(const MemoryUpdate& update) {
   const MemorySnapshot& snapshot = *update.snapshot;
   if (has_last_) {
     const bool restarted = snapshot.stamp_us + kRestart_us < last_stamp_us_;
@@ -135,14 +126,8 @@ void Localizer::follow(const MemorySnapshot& snapshot) {
     return;
   }
   // In a new epoch of the memory alone, odometry continues: the races move with the robot.
-  predict(T_before_now);
+  for (Race& race : table_.races()) strategy_->predict(race, T_before_now);
   if (snapshot.epoch != epoch_ || memory_restarted) beginEpoch();
-}
-
-void Localizer::predict(const Pose2& T_before_now) {
-  if (odometry_) odometry_->addMotion(T_before_now);
-  const Pose2 T_moved = odometry_ ? odometry_->corrected(T_before_now) : T_before_now;
-  for (Race& race : table_.races()) strategy_->predict(race, T_moved);
 }
 
 void Localizer::iterate(const MemoryUpdate& update, double elapsed_s) {
@@ -159,7 +144,7 @@ void Localizer::iterate(const MemoryUpdate& update, double elapsed_s) {
   const bool is_inconsistent = agreement && *agreement < kInconsistent * support_;
   if (is_inconsistent) strategy_->resetNovelty();
   propose(agreement, is_inconsistent);
-  prune();
+  table_.prune(strategy_->leastEvidence(table_));
   table_.mergeSamePlaces();
   for (Race& race : table_.races()) strategy_->refine(race, engine_);
   select(before, is_inconsistent, elapsed_s);
@@ -175,17 +160,6 @@ void Localizer::propose(const std::optional<double>& agreement, bool is_inconsis
   for (Race& candidate : strategy_->propose(explorers, table_, engine_)) table_.admit(std::move(candidate));
 }
 
-void Localizer::prune() {
-  // Decided before anything is deleted, because it compares with the best race.
-  std::vector<std::uint64_t> prunable;
-  for (const Race& race : table_.races()) {
-    if (strategy_->isPrunable(race, table_)) prunable.push_back(race.id);
-  }
-  table_.prune([&](const Race& race) {
-    return std::find(prunable.begin(), prunable.end(), race.id) != prunable.end();
-  });
-}
-
 void Localizer::select(const Race& before, bool is_inconsistent, double elapsed_s) {
   strategy_->select(table_, support_);
   support_ = strategy_->updatedSupport(support_, table_, elapsed_s);
@@ -198,16 +172,9 @@ void Localizer::select(const Race& before, bool is_inconsistent, double elapsed_
     support_ *= std::max(0.0, 1.0 - jump / kFullJump_m);
   }
   estimate_.reliability = strategy_->reliability(table_, support_);
-  if (!odometry_) return;
-  if (is_same && support_ >= kTrust && is_unambiguous) {
-    odometry_->addReferencePose(winner->T_world_robot, winner->id);
-  } else {
-    odometry_->interrupt();
-  }
 }
 
 void Localizer::beginEpoch() {
-  if (odometry_) odometry_->interrupt();
   tracking_ = restartedTracking(tracking_, table_.winner() != nullptr);
   support_ = std::min(support_, kReliabilityAfterEpoch);
   estimate_.reliability = std::min(estimate_.reliability, kReliabilityAfterEpoch);
@@ -236,7 +203,6 @@ void Localizer::setPose(const Pose2& T_world_robot) {
           .asDiagonal();
   race.P_reported = race.P;
   table_.replaceAll(std::move(race));
-  if (odometry_) odometry_->interrupt();
   tracking_ = restartedTracking(tracking_, true);
   strategy_->resetHistory(table_);
   table_.award(table_.winner()->id);
@@ -249,7 +215,6 @@ void Localizer::setPose(const Pose2& T_world_robot) {
 }
 
 void Localizer::relocalize() {
-  if (odometry_) odometry_->interrupt();
   table_.clear();
   strategy_->resetHistory(table_);
   support_ = estimate_.reliability = 0.0;
@@ -263,22 +228,16 @@ void Localizer::report() {
   estimate_.T_odom_robot = last_T_odom_robot_;
   estimate_.support = support_;
   estimate_.races.clear();
-  const std::vector<double> shares = strategy_->beliefShares(table_);
   const Race* winner = table_.winner();
-  for (std::size_t i = 0; i < table_.races().size(); ++i) {
-    const Race& race = table_.races()[i];
-    estimate_.races.push_back({race.id, race.T_world_robot, race.health, shares[i], race.victories, race.age,
+  for (const Race& race : table_.races()) {
+    const double share = strategy_->beliefShare(race, table_);
+    estimate_.races.push_back({race.id, race.T_world_robot, race.health, share, race.victories, race.age,
                                winner && race.id == winner->id});
   }
   estimate_.T_world_robot = winner ? std::optional<Pose2>(winner->T_world_robot) : std::nullopt;
   estimate_.P = Eigen::Matrix3d::Zero();
-  if (odometry_) {
-    estimate_.odometry = odometry_->bias();
-    if (winner) estimate_.odometry->errors[2] = winner->travel_scale;
-    estimate_.odometry->P(2, 2) =
-        winner ? winner->travel_scale_variance
-               : params_.robust.filter.travel_scale * params_.robust.filter.travel_scale;
-  }
+  estimate_.odometry.reset();
+  if (winner && params_.mode == LocalizationMode::kDefault) estimate_.odometry = winner->odometry;
   if (winner) estimate_.P = winner->P_reported.topLeftCorner<3, 3>();
 }
 

@@ -18,7 +18,6 @@
 #include "localization/core/hypotheses/tracking.h"
 #include "localization/core/likelihood/chapter_health.h"
 #include "localization/core/likelihood/health_map.h"
-#include "localization/core/odometry_calibration.h"
 #include "localization/core/pose_estimate.h"
 
 namespace vismem {
@@ -31,10 +30,9 @@ struct LocalizerParams {
   MapParams map;
   RaceParams races;
   ExplorerParams explorers;
-  EvolutionParams evolution;           ///< chapter mode
-  HealthParams health;                 ///< chapter mode
-  RobustParams robust;                 ///< default mode
-  OdometryCalibrationParams odometry;  ///< default mode
+  EvolutionParams evolution;  ///< chapter mode
+  HealthParams health;        ///< chapter mode
+  RobustParams robust;        ///< default mode
 
   void visit(ParameterVisitor& v);
 };
@@ -63,7 +61,7 @@ class Localizer {
   /// that time.
   /// @param update both pointers set. An update that is not newer than the last one (except after a restart
   /// of the source's time) returns the last estimate again.
-  PoseEstimate update(const MemoryUpdate& update);
+  const PoseEstimate& update(const MemoryUpdate& update);
   /// Replaces all races by one at this pose at the last update's stamp. Its reliability is what the last
   /// observation supports, or 1 with too little evidence or in chapter mode. This and relocalize() make a new
   /// estimate at the last stamp; before the first update latest() has no stamp.
@@ -81,10 +79,8 @@ class Localizer {
  private:
   /// Predicts to the snapshot's stamp, or begins an epoch where its odometry does not continue.
   void follow(const MemorySnapshot& snapshot);
-  void predict(const Pose2& T_before_now);
   void iterate(const MemoryUpdate& update, double elapsed_s);
   void propose(const std::optional<double>& agreement, bool is_inconsistent);
-  void prune();
   /// @param before the winner before this iteration; id 0: none.
   void select(const Race& before, bool is_inconsistent, double elapsed_s);
   void beginEpoch();
@@ -95,7 +91,6 @@ class Localizer {
   std::unique_ptr<RaceStrategy> strategy_;
   RaceTable table_;
   RandomEngine engine_;
-  std::optional<OdometryCalibration> odometry_;
   PoseEstimate estimate_;
   bool has_last_ = false;
   StampUs last_stamp_us_ = 0;

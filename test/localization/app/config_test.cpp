@@ -69,12 +69,10 @@ TEST(LocalizationConfig, AKeyOverridesThePreset) {
   const LocalizationConfig config = parse(kNeeded +
                                           "Localization.Robust.CameraSigma_deg = 2\n"
                                           "Localization.Health.Source = memory\n"
-                                          "Localization.Odometry.Calibrate = no\n"
                                           "Localization.Start.Position_m = 1.5 -2\n"
                                           "Localization.Start.Heading_deg = 90\n");
   EXPECT_NEAR(config.params.robust.observation.camera_sigma_rad, degToRad(2), 1e-12);
   EXPECT_EQ(config.params.health.source, ObservationSource::kMemory);
-  EXPECT_FALSE(config.params.odometry.enabled);
   ASSERT_TRUE(config.start);
   EXPECT_DOUBLE_EQ(config.start->y, -2.0);
   EXPECT_NEAR(config.start->theta, degToRad(90), 1e-12);
@@ -98,8 +96,6 @@ const Renamed kRenamed[] = {
           [](const auto& c) { return radToDeg(c.params.robust.likelihood.frame_tilt_rad); }),
     alias("Robust.BirthPenalty", "Robust.JumpLogPrior", 3.5,
           [](const auto& c) { return c.params.robust.history.jump_log_prior; }),
-    alias("Odometry.Learn", "Odometry.Calibrate", 0.0,
-          [](const auto& c) { return c.params.odometry.enabled ? 1.0 : 0.0; }),
     alias("Gaze.DoubtAbove", "Gaze.UncertaintyAbove", 0.4,
           [](const auto& c) { return c.gaze.uncertainty_above; }),
 };

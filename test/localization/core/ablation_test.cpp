@@ -126,7 +126,7 @@ TEST(Ablation, TheReportedCovarianceGrowsWithOdometryWhereTheImageIsEmpty) {
   const SegmentMap map = test::corridorMap();
   const LocalizerParams params = defaultsBut([](LocalizerParams& p) {
     p.explorers.count_lost = p.explorers.count_reliable = 0;
-    p.odometry.enabled = false;
+    p.robust.filter.odometry_bias.setZero();
   });
   Localizer localizer(params, map, 1);
   constexpr double kStep_m = 0.06;

@@ -41,7 +41,7 @@ LocalizerParams paramsOf(LocalizationMode mode) {
 
 /// Without calibration of odometry, for tests that compare with odometry.
 LocalizerParams withoutCalibration(LocalizerParams params) {
-  params.odometry.enabled = false;
+  params.robust.filter.odometry_bias.setZero();
   return params;
 }
 
@@ -241,7 +241,7 @@ TEST_P(InBothModes, OnlyTheDefaultModeCalibratesOdometry) {
   const auto& calibrated = localizer.latest().odometry;
   ASSERT_EQ(calibrated.has_value(), GetParam() == LocalizationMode::kDefault);
   if (calibrated) {
-    EXPECT_LT(std::sqrt(calibrated->P(0, 0)), 0.7 * OdometryCalibrationParams{}.turn_per_m);
+    EXPECT_LT(std::sqrt(calibrated->P(0, 0)), 0.7 * RaceFilterParams{}.odometry_bias[0]);
   }
 }
 

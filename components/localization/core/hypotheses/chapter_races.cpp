@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "common/geometry/angles.h"
 
@@ -44,19 +46,18 @@ class ChapterRaces : public RaceStrategy {
     rateNew(race);
   }
 
-  std::vector<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) const override {
-    std::vector<Individual> population;
-    population.reserve(static_cast<std::size_t>(explorers));
+  std::span<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) override {
+    population_.clear();
     for (int i = 0; i < explorers; ++i) {
       const Pose2 pose = uniformExplorer(map_, params_.explorers.margin_m, engine);
-      population.push_back({pose, observation_.health(pose)});
+      population_.push_back({pose, observation_.health(pose)});
     }
-    std::vector<Race> races;
-    for (const Individual& place : bestPlaces(population, params_.explorers.candidates,
-                                              params_.explorers.list_health, table.params())) {
-      races.push_back(createRace(place, params_.evolution, engine));
+    keepBestPlaces(population_, params_.explorers.candidates, params_.explorers.list_health, table.params());
+    candidates_.clear();
+    for (const Individual& place : population_) {
+      candidates_.push_back(createRace(place, params_.evolution, engine));
     }
-    return races;
+    return candidates_;
   }
 
   Race createAt(const Pose2& T_world_robot, RandomEngine& engine) const override {
@@ -66,34 +67,28 @@ class ChapterRaces : public RaceStrategy {
     return race;
   }
 
-  bool isPrunable(const Race&, const RaceTable&) const override { return false; }
+  double leastEvidence(const RaceTable&) const override { return -std::numeric_limits<double>::infinity(); }
 
   void refine(Race& race, RandomEngine& engine) const override {
     evolveRace(race, params_.evolution, engine);
     rateNew(race);
   }
 
-  void select(RaceTable& table, double support) const override {
+  void select(RaceTable& table, double support) override {
     selectByVictories(table,
                       support > kVeryReliable ? kLargestLead : kLeastLead + kLeadPerReliability * support);
   }
 
-  std::vector<double> beliefShares(const RaceTable& table) const override {
+  double beliefShare(const Race& race, const RaceTable& table) const override {
     // Victories are the chapter's belief; shares follow health while no race has a victory.
     double victories = 0.0;
     double healths = 0.0;
-    for (const Race& race : table.races()) {
-      victories += race.victories;
-      healths += race.health;
+    for (const Race& one : table.races()) {
+      victories += one.victories;
+      healths += one.health;
     }
-    std::vector<double> shares;
-    for (const Race& race : table.races()) {
-      const double even = 1.0 / static_cast<double>(table.races().size());
-      shares.push_back(victories > 0.0 ? race.victories / victories
-                       : healths > 0.0 ? race.health / healths
-                                       : even);
-    }
-    return shares;
+    if (victories > 0.0) return race.victories / victories;
+    return healths > 0.0 ? race.health / healths : 1.0 / static_cast<double>(table.races().size());
   }
 
   /// The chapter's search depends on its reliability alone.
@@ -147,6 +142,8 @@ class ChapterRaces : public RaceStrategy {
   ChapterParams params_;
   MapIndex map_;
   HealthObservation observation_;
+  std::vector<Individual> population_;
+  std::vector<Race> candidates_;
 };
 
 }  // namespace

@@ -65,19 +65,25 @@ int explorerCount(const ExplorerParams& params, double reliability, std::uint64_
   return is_reliable ? params.count_reliable : params.count_lost;
 }
 
-std::vector<Individual> bestPlaces(std::vector<Individual>& explorers, int count, double list_health,
-                                   const RaceParams& races) {
-  std::stable_sort(explorers.begin(), explorers.end(),
-                   [](const Individual& a, const Individual& b) { return a.health > b.health; });
-  std::vector<Individual> best;
+void keepBestPlaces(std::vector<Individual>& explorers, int count, double list_health,
+                    const RaceParams& races) {
+  std::erase_if(explorers, [&](const Individual& one) { return one.health < list_health; });
+  // Sorting by insertion is stable and takes no memory; few explorers are left.
+  for (auto one = explorers.begin(); one != explorers.end(); ++one) {
+    const auto place =
+        std::upper_bound(explorers.begin(), one, *one,
+                         [](const Individual& a, const Individual& b) { return a.health > b.health; });
+    std::rotate(place, one, std::next(one));
+  }
+  auto end = explorers.begin();
   for (const Individual& explorer : explorers) {
-    if (static_cast<int>(best.size()) >= count || explorer.health < list_health) break;
-    const bool is_known = std::any_of(best.begin(), best.end(), [&](const Individual& other) {
+    if (end - explorers.begin() >= count) break;
+    const bool is_known = std::any_of(explorers.begin(), end, [&](const Individual& other) {
       return samePlace(explorer.T_world_robot, other.T_world_robot, races);
     });
-    if (!is_known) best.push_back(explorer);
+    if (!is_known) *end++ = explorer;
   }
-  return best;
+  explorers.erase(end, explorers.end());
 }
 
 }  // namespace vismem

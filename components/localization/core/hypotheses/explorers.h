@@ -52,9 +52,8 @@ class ConstructedExplorers {
 /// @param iteration increases by one per iteration.
 int explorerCount(const ExplorerParams& params, double reliability, std::uint64_t iteration);
 
-/// The best `count` explorers at different places, best first, with a health of at least `list_health`.
-/// @param explorers is reordered.
-std::vector<Individual> bestPlaces(std::vector<Individual>& explorers, int count, double list_health,
-                                   const RaceParams& races);
+/// Keeps the best `count` explorers at different places, best first, with a health of at least `list_health`.
+void keepBestPlaces(std::vector<Individual>& explorers, int count, double list_health,
+                    const RaceParams& races);
 
 }  // namespace vismem

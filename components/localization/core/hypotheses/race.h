@@ -10,6 +10,8 @@
 #include "common/geometry/pose.h"
 #include "localization/core/likelihood/individual.h"
 #include "localization/core/likelihood/placement.h"
+#include "localization/core/hypotheses/score_history.h"
+#include "localization/core/pose_estimate.h"
 
 namespace vismem {
 
@@ -48,11 +50,10 @@ struct Race {
   /// Default mode: covariance of (x, y, theta, camera tilt) in the filter. Wider than the error where that
   /// keeps a race open to observations, narrower where the memory repeats itself.
   Matrix5d P = Matrix5d::Zero();
-  /// Default mode: scale error of the odometry's way, a state of the filter beside P; > 0: the way is longer
-  /// than odometry states. Its covariance with (x, y, theta, camera tilt) and its variance.
-  double travel_scale = 0.0;
-  Vector5d P_travel_scale = Vector5d::Zero();
-  double travel_scale_variance = 0.0;
+  /// Default mode: lasting errors of odometry, states of the filter beside P, and their covariance with
+  /// (x, y, theta, camera tilt).
+  OdometryBias odometry;
+  Eigen::Matrix<double, 5, 3> P_odometry = Eigen::Matrix<double, 5, 3>::Zero();
   /// Covariance that is published. Default mode: from a second filter without these two effects. Chapter
   /// mode: of the elite.
   Matrix5d P_reported = Matrix5d::Zero();
@@ -60,8 +61,8 @@ struct Race {
   double variance_factor = 1.0;
   double evidence = 0.0;        ///< default mode [nats]
   double log_likelihood = 0.0;  ///< default mode: of the last observation [nats]
-  /// Default mode: scores of the observations in ScoreHistory, newest first; fewer for a younger race.
-  std::vector<double> scores;
+  /// Default mode: scores of the observations in ScoreHistory.
+  Scores scores;
 };
 
 /// True if two poses count as one place: x, y and heading (on the circle) each within their limit.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <optional>
-#include <vector>
+#include <span>
 
 #include "common/visual_memory/memory_snapshot.h"
 #include "localization/core/hypotheses/race.h"
@@ -25,18 +25,19 @@ class RaceStrategy {
   /// Rates a race by the last observation.
   virtual void weight(Race& race) const = 0;
   /// L6: sends explorers out and creates races at the best places, best first.
-  virtual std::vector<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) const = 0;
+  /// @return valid until the next call.
+  virtual std::span<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) = 0;
   /// A rated race at a given place.
   virtual Race createAt(const Pose2& T_world_robot, RandomEngine& engine) const = 0;
-  /// True for a race to delete beyond L7's rule: too far behind the best.
-  virtual bool isPrunable(const Race& race, const RaceTable& table) const = 0;
+  /// Evidence under which a race is too far behind the best, beside L7's rule.
+  virtual double leastEvidence(const RaceTable& table) const = 0;
   /// L9, or maximization of the likelihood; the race is rated afterwards.
   virtual void refine(Race& race, RandomEngine& engine) const = 0;
   /// L8: victories and the winner.
   /// @param support 0..1 of the last iteration.
-  virtual void select(RaceTable& table, double support) const = 0;
-  /// Share of belief per race, in the table's order; the sum is 1.
-  virtual std::vector<double> beliefShares(const RaceTable& table) const = 0;
+  virtual void select(RaceTable& table, double support) = 0;
+  /// A race's share of belief; the sum over the table is 1.
+  virtual double beliefShare(const Race& race, const RaceTable& table) const = 0;
   /// Support that this observation alone gives the winner, 0..1; empty with too little evidence.
   /// Requires that all races are rated.
   virtual std::optional<double> agreement(const RaceTable& table) const = 0;

@@ -56,6 +56,14 @@ void RaceTable::replaceAll(Race race) {
   races_.push_back(std::move(race));
 }
 
+void RaceTable::prune(double least_evidence) {
+  std::erase_if(races_, [&](const Race& race) {
+    return !isProtected(race) && race.victories == 0 &&
+           (race.health < params_.delete_health || race.evidence < least_evidence);
+  });
+  forgetMissingWinner();
+}
+
 void RaceTable::mergeSamePlaces() {
   const auto isWeaker = [](const Race& a, const Race& b) {
     return a.victories != b.victories ? a.victories < b.victories : a.health < b.health;

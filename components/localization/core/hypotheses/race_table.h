@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "localization/core/hypotheses/race.h"
@@ -12,7 +13,9 @@ namespace vismem {
 /// *Single-threaded* (owner: Localizer).
 class RaceTable {
  public:
-  explicit RaceTable(const RaceParams& params) : params_(params) {}
+  explicit RaceTable(const RaceParams& params) : params_(params) {
+    races_.reserve(static_cast<std::size_t>(params.maximum));
+  }
 
   /// What happened to a candidate (L7).
   enum class Admission { kAged, kCreated, kReplaced, kIgnored };
@@ -27,18 +30,8 @@ class RaceTable {
   bool mayAdmit(const Race& candidate, double most_health) const;
   /// Replaces all races by this one, as the winner: the pose is known from outside.
   void replaceAll(Race race);
-  /// L7: deletes races with no victories and health under the limit, unless protected.
-  /// @param also true for further unprotected races without victories to delete.
-  template <typename Predicate>
-  void prune(Predicate also) {
-    std::erase_if(races_, [&](const Race& race) {
-      return !isProtected(race) && race.victories == 0 && (race.health < params_.delete_health || also(race));
-    });
-    forgetMissingWinner();
-  }
-  void prune() {
-    prune([](const Race&) { return false; });
-  }
+  /// L7: deletes races with no victories and health or evidence under the limit, unless protected.
+  void prune(double least_evidence = -std::numeric_limits<double>::infinity());
   /// L7: of two at one place the one with fewer victories goes; on a tie the one with lower health.
   void mergeSamePlaces();
   /// The race gains a victory, all others lose one, within 0..maximum_victories.

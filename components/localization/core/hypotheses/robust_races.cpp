@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "common/geometry/angles.h"
 #include "localization/core/observation/novelty.h"
@@ -27,8 +29,8 @@ constexpr double kNoneUnexplained = 0.40;
 /// Factor on the evidence against that hypothesis: what it predicts errs in all observations alike, so that
 /// their mean counts as half an observation.
 constexpr double kNoneScale = 0.5;
-constexpr double kTravelScaleWalk = 0.02;  // random walk per root of a metre, relative to the prior
-constexpr double kLeastTilt_rad = 1e-6;    // prior standard deviation of a tilt that is fixed at 0
+constexpr double kOdometryWalk = 0.02;   // of its lasting errors per root of a metre, relative to the prior
+constexpr double kLeastTilt_rad = 1e-6;  // prior standard deviation of a tilt that is fixed at 0
 /// Share of the heading's random walk in the reported variance. The rest keeps a race open to slips and
 /// exceeds the growth of the error.
 constexpr double kReportedTurnWalk = 0.1;
@@ -59,20 +61,22 @@ class RobustRaces : public RaceStrategy {
         likelihood_(map_, params_.likelihood),
         history_(likelihood_, params.history),
         broad_prior_(broadPrior(params.likelihood)),
-        uniform_share_(uniformShare(map_, explorers.margin_m, params.explorers.uniform_area_m2)) {}
+        uniform_share_(uniformShare(map_, explorers.margin_m, params.explorers.uniform_area_m2)) {
+    odometry_.P = params.filter.odometry_bias.cwiseAbs2().asDiagonal();
+  }
 
   bool observe(const MemoryUpdate& update) override {
-    observation_ = vismem::observe(update, map_, params_.observation);
+    observation_ = vismem::observe(update, map_, params_.observation, std::move(observation_));
     const auto isNew = [&](const MemorySegment& segment) {
       return segment.last_seen_us + kJustSeen_us >= update.snapshot->stamp_us;
     };
     const auto& remembered = update.snapshot->segments;
     is_memory_current_ = observation_.remembered == observation_.points.size() &&
                          std::any_of(remembered.begin(), remembered.end(), isNew);
-    FloorObservation all = thinned(observation_, kMaximumPoints);
-    observation_.points = std::move(all.points);
-    observation_.remembered = all.remembered;
-    few_ = thinned(observation_, kExplorerPoints);
+    few_ = thinned(observation_, kMaximumPoints, std::move(few_));
+    std::swap(observation_.points, few_.points);
+    observation_.remembered = few_.remembered;
+    few_ = thinned(observation_, kExplorerPoints, std::move(few_));
     if (observation_.points.empty()) return false;
     T_odom_robot_ = update.snapshot->T_odom_robot;
     stamp_us_ = update.snapshot->stamp_us;
@@ -82,67 +86,69 @@ class RobustRaces : public RaceStrategy {
 
   void predict(Race& race, const Pose2& T_before_now) const override {
     const RaceFilterParams& filter = params_.filter;
-    const double theta = race.T_world_robot.theta;
-    const Pose2 T_moved{(1.0 + race.travel_scale) * T_before_now.x,
-                        (1.0 + race.travel_scale) * T_before_now.y, T_before_now.theta};
-    const Eigen::Vector2d shift = transform(Pose2{0.0, 0.0, theta}, T_moved.position());
+    const auto& [errors, P_errors] = race.odometry;
+    const double turn = errors[0] * T_before_now.x + errors[1] * T_before_now.theta;
+    // The additional turn happens along the way: on average half of it rotates the translation.
+    const Pose2 direction{0.0, 0.0, race.T_world_robot.theta + 0.5 * turn};
+    const Eigen::Vector2d shift =
+        transform(direction, Eigen::Vector2d((1.0 + errors[2]) * T_before_now.position()));
+    const Eigen::Vector2d across(-shift.y(), shift.x());
     Matrix5d F = Matrix5d::Identity();
-    F(0, 2) = -shift.y();
-    F(1, 2) = shift.x();
+    F.block<2, 1>(0, 2) = across;
+    Eigen::Matrix<double, 5, 3> G = Eigen::Matrix<double, 5, 3>::Zero();  // derivative by the lasting errors
+    G.row(2) << T_before_now.x, T_before_now.theta, 0.0;
+    G.topRows<2>() = 0.5 * across * G.row(2);
+    G.block<2, 1>(0, 2) = shift;
     const double travelled = shift.norm();
     const double std_m = filter.odometry_share * travelled;
     const double std_rad =
         filter.odometry_turn_share * std::abs(T_before_now.theta) + filter.odometry_turn_per_m * travelled;
-    Vector5d way = Vector5d::Zero();  // derivative by the travel scale
-    way.head<2>() = shift;
-    const Vector5d along = F * race.P_travel_scale;
-    const Matrix5d scaled = race.travel_scale_variance * way * way.transpose() + along * way.transpose() +
-                            way * along.transpose();
-    race.P_travel_scale = along + race.travel_scale_variance * way;
-    const double scale_walk = kTravelScaleWalk * filter.travel_scale;
-    race.travel_scale_variance += scale_walk * scale_walk * travelled;
+    const Eigen::Matrix<double, 5, 3> C = F * race.P_odometry;
+    const Matrix5d biased = G * P_errors * G.transpose() + C * G.transpose() + G * C.transpose();
+    race.P_odometry = C + G * P_errors;
+    const Eigen::Vector3d walk = kOdometryWalk * filter.odometry_bias;
+    race.odometry.P.diagonal() += travelled * walk.cwiseProduct(walk);
     for (Matrix5d* P : {&race.P, &race.P_reported}) {
-      *P = F * *P * F.transpose() + scaled;
+      *P = F * *P * F.transpose() + biased;
       P->diagonal().head<3>() += Eigen::Vector3d(std_m * std_m, std_m * std_m, std_rad * std_rad);
     }
-    race.T_world_robot = race.T_world_robot * T_moved;
+    const Eigen::Vector2d position = race.T_world_robot.position() + shift;
+    race.T_world_robot = {position.x(), position.y(),
+                          wrapAngle(race.T_world_robot.theta + T_before_now.theta + turn)};
   }
 
   void weight(Race& race) const override { rate(race, {race.T_world_robot, race.camera_tilt}); }
 
   /// Races that the table would not admit have a pose and a health only.
-  std::vector<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) const override {
-    std::vector<Individual> population = explore(explorers, engine);
-    std::vector<Individual> best =
-        bestPlaces(population, params_.explorers.refined_explorers, explorers_.list_health, table.params());
-    for (Individual& one : best) {
+  std::span<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) override {
+    explore(explorers, engine);
+    keepBestPlaces(places_, params_.explorers.refined_explorers, explorers_.list_health, table.params());
+    for (Individual& one : places_) {
       const auto refined = likelihood_.refine(few_, {one.T_world_robot}, broad_prior_, 1.0,
                                               params_.filter.refinement_steps, kRefinementBlur_m);
       one = {refined.placement.T_world_robot, refined.rating.explained};
     }
-    std::vector<Race> races;
-    for (const Individual& place :
-         bestPlaces(best, explorers_.candidates, explorers_.list_health, table.params())) {
+    keepBestPlaces(places_, explorers_.candidates, explorers_.list_health, table.params());
+    candidates_.clear();
+    for (const Individual& place : places_) {
       const Placement refined = likelihood_
                                     .refine(observation_, {place.T_world_robot}, broad_prior_, 1.0,
                                             params_.filter.refinement_steps, kRefinementBlur_m)
                                     .placement;
-      races.push_back(ratedAt(refined.T_world_robot));
+      candidates_.push_back(ratedAt(refined.T_world_robot));
     }
     double most_health = 0.0;
-    for (const Race& race : races) most_health = std::max(most_health, race.health);
-    for (Race& race : races) {
+    for (const Race& race : candidates_) most_health = std::max(most_health, race.health);
+    for (Race& race : candidates_) {
       // Most candidates lie at the place of a race and are not completed.
       if (!table.mayAdmit(race, most_health)) continue;
       complete(race);
-      setInitialEvidence(race, table);
-      // The same wheels.
-      if (const Race* winner = table.winner()) {
-        race.travel_scale = winner->travel_scale;
-        race.travel_scale_variance = winner->travel_scale_variance;
-      }
+      auto [evidence, scores] =
+          history_.initialEvidence(race.T_world_robot, race.log_likelihood, table.races());
+      race.evidence = evidence;
+      race.scores = scores;
     }
-    return races;
+    return candidates_;
   }
 
   Race createAt(const Pose2& T_world_robot, RandomEngine&) const override {
@@ -151,8 +157,8 @@ class RobustRaces : public RaceStrategy {
     return race;
   }
 
-  bool isPrunable(const Race& race, const RaceTable& table) const override {
-    return race.evidence < bestEvidence(table) - params_.evidence.delete_behind;
+  double leastEvidence(const RaceTable& table) const override {
+    return bestEvidence(table) - params_.evidence.delete_behind;
   }
 
   void refine(Race& race, RandomEngine&) const override {
@@ -170,7 +176,7 @@ class RobustRaces : public RaceStrategy {
       placement = refined.placement;
       race.T_world_robot = placement.T_world_robot;
       race.camera_tilt = placement.tilt_bias;
-      updateTravelScale(race, start, placement, (prior + refined.information).inverse());
+      updateOdometry(race, start, placement, (prior + refined.information).inverse());
       updateReported(race, refined, walk);
       race.health = refined.rating.explained;
       race.log_likelihood = refined.rating.log_likelihood;
@@ -181,7 +187,7 @@ class RobustRaces : public RaceStrategy {
     history_.record({race.T_world_robot, race.camera_tilt}, race.scores);
   }
 
-  void select(RaceTable& table, double) const override {
+  void select(RaceTable& table, double) override {
     const Race* best = nullptr;
     for (const Race& race : table.races()) {
       if (!best || race.evidence > best->evidence) best = &race;
@@ -194,20 +200,17 @@ class RobustRaces : public RaceStrategy {
     if (!winner || best->evidence > winner->evidence + lead) table.setWinner(best->id);
     table.recordBest(best->id);
     table.award(table.winner()->id);
+    odometry_ = table.winner()->odometry;
   }
 
-  std::vector<double> beliefShares(const RaceTable& table) const override {
+  double beliefShare(const Race& race, const RaceTable& table) const override {
     const double best = bestEvidence(table);
     const double worth =
         std::max(1.0, params_.evidence.independent_share / (1.0 - params_.history.forgetting));
-    std::vector<double> shares;
+    const auto belief = [&](const Race& one) { return std::exp(worth * (one.evidence - best)); };
     double sum = 0.0;
-    for (const Race& race : table.races()) {
-      shares.push_back(std::exp(worth * (race.evidence - best)));
-      sum += shares.back();
-    }
-    for (double& share : shares) share /= sum;
-    return shares;
+    for (const Race& one : table.races()) sum += belief(one);
+    return belief(race) / sum;
   }
 
   std::optional<double> agreement(const RaceTable& table) const override {
@@ -258,7 +261,7 @@ class RobustRaces : public RaceStrategy {
 
   void discountEvidence(RaceTable& table) override {
     resetHistory(table);
-    for (Race& race : table.races()) race.scores.clear();
+    for (Race& race : table.races()) race.scores.resize(0);
     const double best = table.races().empty() ? 0.0 : bestEvidence(table);
     for (Race& race : table.races()) {
       race.evidence = best - std::min(1.0, best - race.evidence);
@@ -268,9 +271,7 @@ class RobustRaces : public RaceStrategy {
 
  private:
   /// @param table with a winner.
-  double winnersShare(const RaceTable& table) const {
-    return beliefShares(table)[static_cast<std::size_t>(table.winner() - table.races().data())];
-  }
+  double winnersShare(const RaceTable& table) const { return beliefShare(*table.winner(), table); }
 
   double fitOf(const Race& race) const {
     const ReliabilityParams& reliability = params_.reliability;
@@ -289,19 +290,11 @@ class RobustRaces : public RaceStrategy {
 
   void complete(Race& race) const {
     race.evidence = race.log_likelihood;
-    race.travel_scale_variance = params_.filter.travel_scale * params_.filter.travel_scale;
+    race.odometry = odometry_;
     const auto refined = likelihood_.refine(observation_, {race.T_world_robot}, broad_prior_, 1.0, 0, 0.0);
     race.P = (refined.information + broad_prior_).inverse();
     race.variance_factor = refined.rating.variance_factor;
     race.P_reported = (refined.information / varianceFactor(race) + broad_prior_).inverse();
-  }
-
-  void setInitialEvidence(Race& race, const RaceTable& table) const {
-    std::vector<ScoredRace> rivals;
-    for (const Race& other : table.races()) rivals.push_back({other.evidence, other.scores});
-    auto [evidence, scores] = history_.initialEvidence(race.T_world_robot, race.log_likelihood, rivals);
-    race.evidence = evidence;
-    race.scores = std::move(scores);
   }
 
   RobustLikelihood::Refined maximizeLikelihood(const Placement& start, const Matrix5d& prior,
@@ -316,19 +309,18 @@ class RobustRaces : public RaceStrategy {
     return refined;
   }
 
-  /// Replaces P by the one after the measurement update. The travel scale is not measured itself: it follows
-  /// by its covariance with what was, the last rows of the augmented filter.
-  void updateTravelScale(Race& race, const Placement& before, const Placement& after,
-                         const Matrix5d& P_after) const {
+  /// Replaces P by the one after the measurement update. The lasting errors of odometry are not measured
+  /// themselves: they follow by their covariance with what was, the last rows of the augmented filter.
+  void updateOdometry(Race& race, const Placement& before, const Placement& after,
+                      const Matrix5d& P_after) const {
     Vector5d moved;
     moved << after.T_world_robot.position() - before.T_world_robot.position(),
         angleDifference(after.T_world_robot.theta, before.T_world_robot.theta),
         after.tilt_bias - before.tilt_bias;
-    const Vector5d gain = race.P.ldlt().solve(race.P_travel_scale);
-    race.travel_scale += gain.dot(moved);
-    race.travel_scale_variance -= gain.dot((race.P - P_after) * gain);
-    race.travel_scale_variance = std::max(race.travel_scale_variance, 0.0);
-    race.P_travel_scale = P_after * gain;
+    const Eigen::Matrix<double, 3, 5> gain = race.P.ldlt().solve(race.P_odometry).transpose();
+    race.odometry.errors += gain * moved;
+    race.odometry.P -= gain * (race.P - P_after) * gain.transpose();
+    race.P_odometry = P_after * gain.transpose();
     race.P = P_after;
   }
 
@@ -354,8 +346,8 @@ class RobustRaces : public RaceStrategy {
     race.P_reported = 0.5 * (P + P.transpose());
   }
 
-  /// @return `most` rated explorers, fewer in a large map.
-  std::vector<Individual> explore(int most, RandomEngine& engine) const {
+  /// Sets places_ to `most` rated explorers, fewer in a large map.
+  void explore(int most, RandomEngine& engine) {
     const RobustExplorerParams& search = params_.explorers;
     // In a large map a uniform explorer rarely comes near the robot.
     double constructed = search.constructed_share;
@@ -364,12 +356,9 @@ class RobustRaces : public RaceStrategy {
       most = static_cast<int>(std::ceil(kept * most));
       constructed /= kept;
     }
-    std::vector<Individual> population;
-    population.reserve(static_cast<std::size_t>(most));
-    while (static_cast<int>(population.size()) < most)
-      population.push_back({propose(constructed, engine), 0.0});
-    likelihood_.explain(few_, population, kExplorerBlur_m, explorers_.list_health);
-    return population;
+    places_.clear();
+    while (static_cast<int>(places_.size()) < most) places_.push_back({propose(constructed, engine), 0.0});
+    likelihood_.explain(few_, places_, kExplorerBlur_m, explorers_.list_health);
   }
 
   Pose2 propose(double constructed_share, RandomEngine& engine) const {
@@ -398,13 +387,16 @@ class RobustRaces : public RaceStrategy {
   ScoreHistory history_;
   ObservationNovelty novelty_;
   Matrix5d broad_prior_;
-  double uniform_share_;  ///< share of the uniform explorers that are sent out
+  double uniform_share_;   ///< share of the uniform explorers that are sent out
+  OdometryBias odometry_;  ///< of the winner, the prior of new races: the same wheels
   /// The last update's image has no points, and its memory was updated just now.
   bool is_memory_current_ = false;
   Pose2 T_odom_robot_;
   StampUs stamp_us_ = 0;
   FloorObservation observation_;
   FloorObservation few_;  ///< a part of observation_, for the coarse search
+  std::vector<Individual> places_;
+  std::vector<Race> candidates_;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 /// Pure. Implements B2. See L12.
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 
 #include "common/config/parameter_visitor.h"
@@ -10,7 +11,7 @@
 #include "localization/core/hypotheses/explorers.h"
 #include "localization/core/hypotheses/race_strategy.h"
 #include "localization/core/likelihood/robust_likelihood.h"
-#include "localization/core/likelihood/score_history.h"
+#include "localization/core/hypotheses/score_history.h"
 #include "localization/core/map/map_index.h"
 #include "localization/core/observation/floor_observation.h"
 
@@ -23,8 +24,9 @@ struct RaceFilterParams {
   double odometry_share = 0.04;       ///< position standard deviation per metre travelled
   double odometry_turn_share = 0.10;  ///< heading standard deviation per radian turned
   double odometry_turn_per_m = 0.10;  ///< heading standard deviation per metre travelled [rad/m]
-  /// Prior standard deviation of the scale error of the odometry's way, a state of each race; 0: none.
-  double travel_scale = 0.1;
+  /// Prior standard deviations of the lasting errors of odometry, states of each race: yaw bias [rad/m], yaw
+  /// scale error, distance scale error; 0: none.
+  Eigen::Vector3d odometry_bias{0.05, 0.03, 0.1};
   double walk_m = 0.004;           ///< random walk of the position per square root of an iteration
   double walk_rad = 0.01;          ///< the same of the heading
   double information_share = 1.0;  ///< share of an observation that is new since the last iteration

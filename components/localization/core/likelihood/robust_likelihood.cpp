@@ -3,8 +3,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
-#include <vector>
 
 #include "common/geometry/angles.h"
 
@@ -105,12 +106,13 @@ Rating RobustLikelihood::rate(const FloorObservation& observation, const Placeme
 
 void RobustLikelihood::explain(const FloorObservation& observation, std::span<Individual> places,
                                double blur_m, double least) const {
+  assert(observation.points.size() <= kMaximumPoints);
   struct Sample {
     const FloorPoint* point;
     double per_square;  // loss per squared distance [1/m^2]
   };
-  std::vector<Sample> samples;
-  samples.reserve(observation.points.size());
+  std::array<Sample, kMaximumPoints> samples;
+  std::size_t count = 0;
   std::size_t previewed = 0;
   double preview_weight = 0.0;
   double weight = 0.0;
@@ -118,11 +120,11 @@ void RobustLikelihood::explain(const FloorObservation& observation, std::span<In
     for (std::size_t i = begin; i < observation.points.size(); i += kPreview) {
       const FloorPoint& point = observation.points[i];
       const double per_square = 0.5 / explainedVariance(point, blur_m);
-      samples.push_back({&point, per_square});
+      samples[count++] = {&point, per_square};
       weight += point.weight;
     }
     if (begin > 0) continue;
-    previewed = samples.size();
+    previewed = count;
     preview_weight = weight;
   }
   const auto add = [&](Individual& place, std::span<const Sample> some) {
@@ -140,7 +142,7 @@ void RobustLikelihood::explain(const FloorObservation& observation, std::span<In
       place.health += point.weight * agreement(square * sample.per_square);
     }
   };
-  const std::span all(samples);
+  const std::span<const Sample> all(samples.data(), count);
   for (Individual& place : places) {
     place.health = 0.0;
     add(place, all.first(previewed));

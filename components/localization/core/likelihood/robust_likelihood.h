@@ -64,6 +64,7 @@ class RobustLikelihood {
 
   /// Sets the health of many poses to Rating::explained. Poses whose every fourth point yields less than half
   /// of `least` get 0 without further rating.
+  /// @param observation of at most kMaximumPoints points.
   void explain(const FloorObservation& observation, std::span<Individual> places, double blur_m,
                double least) const;
 

@@ -1,7 +1,10 @@
 #include "localization/core/observation/floor_observation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "common/geometry/angles.h"
 #include "common/geometry/projection.h"
@@ -54,35 +57,28 @@ bool isBelow(const std::vector<MapIndex::Level>& levels, double camera_height) {
   });
 }
 
-/// Scales the points' weights so that they sum to at most `effective_points`; the amount stays as it was.
-void capPoints(FloorObservation& observation, double effective_points) {
+/// Scales the points' weights so that they sum to at most `effective_points`.
+void capPoints(std::span<FloorPoint> points, double effective_points) {
   double sum = 0.0;
-  for (const FloorPoint& point : observation.points) sum += point.weight;
+  for (const FloorPoint& point : points) sum += point.weight;
   if (sum <= effective_points) return;
-  for (FloorPoint& point : observation.points) point.weight *= effective_points / sum;
+  for (FloorPoint& point : points) point.weight *= effective_points / sum;
 }
 
-}  // namespace
+/// A remembered segment in the robot's frame.
+struct Piece {
+  Segment2 robot;
+  int label;
+  double weight_per_m;
+  double variance_a;  ///< across it at its ends
+  double variance_b;
+};
 
-double weightOf(const FloorObservation& observation) {
-  double sum = 0.0;
-  for (const FloorPoint& point : observation.points) sum += point.weight;
-  return sum;
-}
-
-FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& map,
-                               const ObservationParams& params) {
-  FloorObservation observation;
+/// Calls use(piece) for each remembered segment that counts.
+template <typename Use>
+void forEachPiece(const MemorySnapshot& snapshot, const MapIndex& map, const ObservationParams& params,
+                  const Use& use) {
   const Pose2 T_robot_odom = inverse(snapshot.T_odom_robot);
-  struct Piece {
-    Segment2 robot;
-    int label;
-    double weight_per_m;
-    double variance_a;
-    double variance_b;
-  };
-  std::vector<Piece> pieces;
-  double length = 0.0;
   for (const MemorySegment& segment : snapshot.segments) {
     const auto label = map.floorLabelId(segment.label);
     if (!label) continue;
@@ -99,14 +95,20 @@ FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& m
     const double drift = params.drift_sigma_mps * unseen_s;
     const double base = params.remembered_sigma_m * params.remembered_sigma_m + drift * drift;
     const Eigen::Vector2d along = (odom.b - odom.a).normalized();
-    pieces.push_back({*robot, *label, weight, base + variancesAcross(segment.P_a, along),
-                      base + variancesAcross(segment.P_b, along)});
-    length += robot->length();
+    use(Piece{*robot, *label, weight, base + variancesAcross(segment.P_a, along),
+              base + variancesAcross(segment.P_b, along)});
   }
+}
+
+/// Adds the memory to an empty observation.
+void addMemory(FloorObservation& observation, const MemorySnapshot& snapshot, const MapIndex& map,
+               const ObservationParams& params) {
+  double length = 0.0;
+  forEachPiece(snapshot, map, params, [&](const Piece& piece) { length += piece.robot.length(); });
   const double step = std::max(kPointStep_m, length / kMaximumPoints);
   const double least_variance = params.remembered_sigma_m * params.remembered_sigma_m;
   const double largest_variance = std::max(least_variance, kMaximumSigma_m * kMaximumSigma_m);
-  for (const Piece& piece : pieces) {
+  forEachPiece(snapshot, map, params, [&](const Piece& piece) {
     const double piece_length = piece.robot.length();
     const int count = std::max(2, static_cast<int>(std::lround(piece_length / step)));
     const double direction = piece.robot.direction();
@@ -124,22 +126,22 @@ FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& m
     }
     observation.segments.push_back({piece.robot, piece.label, weight});
     observation.amount += weight;
-  }
+  });
   observation.segment_weight = observation.amount;
   observation.remembered = observation.points.size();
-  capPoints(observation, params.effective_points);
-  return observation;
+  capPoints(observation.points, params.effective_points);
 }
 
-FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map,
-                              const ObservationParams& params) {
-  FloorObservation observation;
+/// Adds the points of an image. @return their weight before the bound.
+double addImage(FloorObservation& observation, const ImageAnalysis& analysis, const MapIndex& map,
+                const ObservationParams& params) {
   const Eigen::Vector2d camera = analysis.T_robot_camera.translation().head<2>();
   const double height = analysis.T_robot_camera.translation().z();
-  if (!(height > 0.0)) return observation;
-  std::vector<FloorPoint> ends;
+  if (!(height > 0.0)) return 0.0;
+  const std::size_t first_point = observation.points.size();
+  double amount = 0.0;
+  double segment_weight = 0.0;
   for (const ImageSegment& segment : analysis.observed) {
-    ends.clear();
     const auto label = map.labelId(segment.label);
     if (!label || !isBelow(map.levels(*label), height)) continue;
     const int pieces = std::clamp(static_cast<int>(segment.px.length() / kPiece_px), 1, kMaximumPieces);
@@ -147,6 +149,8 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
     Eigen::Vector2d last = begin;
     bool has_last = false;
     double weight = 0.0;
+    std::array<FloorPoint, 2> ends;
+    std::size_t end_count = 0;
     for (int i = 0; i <= pieces; ++i) {
       const double fraction = static_cast<double>(i) / pieces;
       const Eigen::Vector2d px = segment.px.a + fraction * (segment.px.b - segment.px.a);
@@ -180,7 +184,7 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
       point.d_tilt = movedByTilt(ray, height);
       point.camera_robot = camera;
       point.per_camera_height = 1.0 / height;
-      observation.amount += point.weight;
+      amount += point.weight;
       weight += point.weight;
       observation.points.push_back(point);
       if (params.end_metres <= 0.0) continue;
@@ -192,66 +196,93 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
         end.p_robot = first ? piece.a : piece.b;
         end.sigma_m = std::min(kMaximumSigma_m, std::hypot(params.sigma_m, std_range));
         end.d_tilt = movedByTilt(end.p_robot - camera, height);
-        ends.push_back(end);
+        ends[end_count++] = end;
       }
     }
-    for (FloorPoint& end : ends) {
+    for (FloorPoint& end : std::span(ends).first(end_count)) {
       end.weight = std::min(kPointsPerMetre * params.end_metres, kEndShare * weight);
       observation.points.push_back(end);
     }
     if (weight == 0.0 || (last - begin).norm() < kMinimumLength_m) continue;
     observation.segments.push_back({{begin, last}, *label, weight});
-    observation.segment_weight += weight;
+    segment_weight += weight;
   }
-  capPoints(observation, params.effective_points);
+  observation.segment_weight += segment_weight;
+  capPoints(std::span(observation.points).subspan(first_point), params.effective_points);
+  return amount;
+}
+
+/// Without content, but with the memory that it occupies.
+FloorObservation emptied(FloorObservation observation) {
+  observation.points.clear();
+  observation.segments.clear();
+  return {std::move(observation.points), 0, std::move(observation.segments)};
+}
+
+}  // namespace
+
+double weightOf(const FloorObservation& observation) {
+  double sum = 0.0;
+  for (const FloorPoint& point : observation.points) sum += point.weight;
+  return sum;
+}
+
+FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& map,
+                               const ObservationParams& params) {
+  FloorObservation observation;
+  addMemory(observation, snapshot, map, params);
   return observation;
 }
 
-FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params) {
-  FloorObservation memory;
-  FloorObservation image;
+FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map,
+                              const ObservationParams& params) {
+  FloorObservation observation;
+  observation.amount = addImage(observation, analysis, map, params);
+  return observation;
+}
+
+FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params,
+                         FloorObservation reused) {
+  FloorObservation all = emptied(std::move(reused));
+  double image_amount = 0.0;
   if (params.source != ObservationSource::kImage && update.snapshot) {
-    memory = observeMemory(*update.snapshot, map, params);
+    addMemory(all, *update.snapshot, map, params);
   }
   if (params.source != ObservationSource::kMemory && update.analysis) {
-    image = observeImage(*update.analysis, map, params);
+    image_amount = addImage(all, *update.analysis, map, params);
   }
+  const std::span points(all.points);
+  const bool has_image = points.size() > all.remembered;
   // With an occluded camera the memory counts alone, with an empty memory the image.
-  if (!memory.points.empty() && !image.points.empty()) {
+  if (all.remembered > 0 && has_image) {
     const double memory_share =
-        (1.0 - params.image_share) * std::max(0.0, 1.0 - image.amount / params.memory_below_points);
+        (1.0 - params.image_share) * std::max(0.0, 1.0 - image_amount / params.memory_below_points);
     if (memory_share > 0.0) {
-      capPoints(memory, memory_share * params.effective_points);
-      capPoints(image, (1.0 - memory_share) * params.effective_points);
+      capPoints(points.first(all.remembered), memory_share * params.effective_points);
+      capPoints(points.subspan(all.remembered), (1.0 - memory_share) * params.effective_points);
     } else {
-      memory.points.clear();
-      memory.remembered = 0;
+      all.points.erase(all.points.begin(), all.points.begin() + static_cast<std::ptrdiff_t>(all.remembered));
+      all.remembered = 0;
     }
   }
-  FloorObservation all = std::move(memory);
-  all.segments.insert(all.segments.end(), image.segments.begin(), image.segments.end());
-  all.segment_weight += image.segment_weight;
-  all.points.insert(all.points.end(), image.points.begin(), image.points.end());
   // The races have been refined with the memory's content before; the image is the better source from half
   // of that amount on.
-  if (!image.points.empty()) {
-    all.memory_influence = std::max(0.0, 1.0 - 2.0 * image.amount / params.memory_below_points);
-  }
+  if (has_image) all.memory_influence = std::max(0.0, 1.0 - 2.0 * image_amount / params.memory_below_points);
   // The memory repeats this image: the amount is the larger of both, not the sum.
-  all.amount = std::max(all.amount, image.amount);
+  all.amount = std::max(all.amount, image_amount);
   return all;
 }
 
-FloorObservation thinned(const FloorObservation& observation, std::size_t points) {
+FloorObservation thinned(const FloorObservation& observation, std::size_t points, FloorObservation reused) {
   const std::size_t stride = (observation.points.size() + points - 1) / std::max<std::size_t>(points, 1);
-  if (stride <= 1) return observation;
-  FloorObservation few;
+  FloorObservation few = emptied(std::move(reused));
   few.amount = observation.amount;
   few.memory_influence = observation.memory_influence;
-  for (std::size_t i = 0; i < observation.points.size(); i += stride) {
+  for (std::size_t i = 0; i < observation.points.size(); i += std::max<std::size_t>(stride, 1)) {
     few.remembered += i < observation.remembered ? 1 : 0;
     few.points.push_back(observation.points[i]);
   }
+  if (stride <= 1) return few;
   const double scale = weightOf(observation) / weightOf(few);
   for (FloorPoint& point : few.points) point.weight *= scale;
   return few;

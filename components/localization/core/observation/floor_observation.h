@@ -94,10 +94,14 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
 
 /// Memory, image or both, as configured.
 /// @param update snapshot and analysis of one stamp.
-FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params);
+/// @param reused gives its memory to the result.
+FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params,
+                         FloorObservation reused = {});
 
-/// Every n-th point with the weight of all; about `points` remain.
-FloorObservation thinned(const FloorObservation& observation, std::size_t points);
+/// Every n-th point with the weight of all, without segments; at most `points` remain.
+/// @param reused gives its memory to the result.
+FloorObservation thinned(const FloorObservation& observation, std::size_t points,
+                         FloorObservation reused = {});
 
 /// Sum of the points' weights.
 double weightOf(const FloorObservation& observation);

@@ -41,9 +41,9 @@ TEST(Explorers, UniformOnesAreReducedInProportionInALargeMap) {
 }
 
 TEST(Explorers, BestPlacesAreDistinctAndInOrder) {
-  std::vector<Individual> explorers = {
+  std::vector<Individual> best = {
       {{0, 0, 0}, 0.7}, {{0.1, 0, 0}, 0.9}, {{3, 0, 0}, 0.8}, {{6, 0, 0}, 0.2}};
-  const auto best = bestPlaces(explorers, 6, 0.3, {});
+  keepBestPlaces(best, 6, 0.3, {});
   ASSERT_EQ(best.size(), 2u);
   EXPECT_DOUBLE_EQ(best[0].health, 0.9);
   EXPECT_DOUBLE_EQ(best[1].health, 0.8);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace vismem {
@@ -16,7 +17,7 @@ SegmentMap oneWall() {
 }
 
 /// Shares of two races whose mean evidence differs by half a nat.
-std::vector<double> sharesWith(double forgetting) {
+std::array<double, 2> sharesWith(double forgetting) {
   RobustParams params;
   params.evidence.independent_share = 0.15;
   params.history.forgetting = forgetting;
@@ -29,19 +30,18 @@ std::vector<double> sharesWith(double forgetting) {
     race.evidence = -1.0 - 0.5 * i;
     table.admit(race);
   }
-  return strategy->beliefShares(table);
+  return {strategy->beliefShare(*table.find(1), table), strategy->beliefShare(*table.find(2), table)};
 }
 
 TEST(BeliefShares, CountTheIndependentObservationsInTheMean) {
   // 20 observations with 3 independent ones among them: exp(-3 * 0.5).
-  const std::vector<double> shares = sharesWith(0.95);
-  ASSERT_EQ(shares.size(), 2u);
+  const std::array<double, 2> shares = sharesWith(0.95);
   EXPECT_NEAR(shares[0] + shares[1], 1.0, 1e-12);
   EXPECT_NEAR(shares[1] / shares[0], std::exp(-1.5), 1e-9);
 }
 
 TEST(BeliefShares, OneObservationCountsOnce) {
-  const std::vector<double> shares = sharesWith(0.0);
+  const std::array<double, 2> shares = sharesWith(0.0);
   EXPECT_NEAR(shares[1] / shares[0], std::exp(-0.5), 1e-9);
 }
 
@@ -108,28 +108,47 @@ TEST_F(RobustRacesTest, PredictionAddsOdometryNoiseInTheRobotsFrame) {
   EXPECT_EQ(race.P_reported, race.P);
 }
 
-TEST_F(RobustRacesTest, ARaceLearnsTheScaleOfTheOdometry) {
-  const auto drive = [&](double scale) {
+TEST_F(RobustRacesTest, ARaceEstimatesTheLastingErrorsOfOdometry) {
+  // Odometry reports too little by: yaw bias [rad/m], yaw scale, distance scale.
+  const auto drive = [&](const Eigen::Vector3d& errors) {
     RandomEngine engine(1);
     Pose2 truth{3.2, 1.2, 0.9};
     observeFrom(truth);
     Race race = races_->createAt(truth, engine);
-    race.P = 1e-4 * Matrix5d::Identity();
-    for (int i = 0; i < 8; ++i) {
-      truth = truth * Pose2{0.3, 0.0, 0.3};
+    race.P = race.P_reported = 1e-4 * Matrix5d::Identity();
+    // Round and round, now to the left and now to the right, so that both errors of the yaw show.
+    for (int i = 0; i < 120; ++i) {
+      const Pose2 reported{0.1, 0.0, i / 30 % 2 == 0 ? 0.2 : -0.2};
+      truth = truth * Pose2{(1.0 + errors[2]) * reported.x, 0.0,
+                            (1.0 + errors[1]) * reported.theta + errors[0] * reported.x};
       observeFrom(truth);
-      races_->predict(race, {scale * 0.3, 0.0, 0.3});
+      races_->predict(race, reported);
       races_->refine(race, engine);
     }
-    EXPECT_LT((race.T_world_robot.position() - truth.position()).norm(), 0.02) << scale;
+    EXPECT_LT((race.T_world_robot.position() - truth.position()).norm(), 0.02) << errors.transpose();
     return race;
   };
-  for (const double scale : {0.8, 1.0, 1.2}) {
-    const Race race = drive(scale);
-    const double std = std::sqrt(race.travel_scale_variance);
-    EXPECT_NEAR(race.travel_scale, 1.0 / scale - 1.0, std::min(0.05, 3.0 * std)) << scale;
-    EXPECT_LT(std, 0.5 * params_.filter.travel_scale);
+  for (const Eigen::Vector3d& errors :
+       {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.06, 0, 0), Eigen::Vector3d(0, -0.05, 0),
+        Eigen::Vector3d(0, 0, 0.2), Eigen::Vector3d(-0.05, 0.04, -0.1)}) {
+    const Race race = drive(errors);
+    const Eigen::Vector3d std = race.odometry.P.diagonal().cwiseSqrt();
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(race.odometry.errors[i], errors[i], 3.0 * std[i]) << errors.transpose() << ", " << i;
+      EXPECT_LT(std[i], 0.7 * params_.filter.odometry_bias[i]) << i;
+    }
   }
+}
+
+TEST_F(RobustRacesTest, ANewRaceBeginsWithTheWinnersErrorsOfOdometry) {
+  const Pose2 truth{1.5, 1.2, 0.4};
+  observeFrom(truth);
+  RandomEngine engine(1);
+  RaceTable table{RaceParams{}};
+  table.replaceAll(races_->createAt(truth, engine));
+  table.races().front().odometry.errors = {0.01, 0.02, 0.03};
+  races_->select(table, 1.0);
+  EXPECT_EQ(races_->createAt({3.0, 3.0, 0.0}, engine).odometry.errors, Eigen::Vector3d(0.01, 0.02, 0.03));
 }
 
 TEST_F(RobustRacesTest, RefinementMovesARaceToTheTruePoseAndReducesItsCovariance) {
@@ -158,10 +177,12 @@ TEST_F(RobustRacesTest, ANewRaceNeedsTheFullLeadAnOldOneAThird) {
 
 TEST_F(RobustRacesTest, ARaceFarBehindTheBestIsPrunable) {
   RaceTable table = tableWith(-11.9, 10);
-  EXPECT_FALSE(races_->isPrunable(*table.find(2), table));
+  table.prune(races_->leastEvidence(table));
+  EXPECT_TRUE(table.find(2));
   table = tableWith(-12.1, 10);
-  EXPECT_TRUE(races_->isPrunable(*table.find(2), table));
-  EXPECT_FALSE(races_->isPrunable(*table.find(1), table));
+  table.prune(races_->leastEvidence(table));
+  EXPECT_FALSE(table.find(2));
+  EXPECT_TRUE(table.find(1));
 }
 
 TEST_F(RobustRacesTest, ProposalsIncludeTheTruePose) {

@@ -1,9 +1,8 @@
 /// @file Scores of the last observations, kept to give a new race evidence for the past, too. Pure. See L12.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
-#include <deque>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,16 +23,17 @@ struct ScoreHistoryParams {
   }
 };
 
-/// A race as the history compares it.
-struct ScoredRace {
-  double evidence = 0.0;           ///< [nats]
-  std::span<const double> scores;  ///< of the kept observations, newest first; fewer for a younger race
-};
+inline constexpr int kMostScores = 24;  ///< iterations: nearly five seconds
+
+/// Scores of the kept observations, newest first; fewer for a younger race [nats].
+using Scores = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostScores, 1>;
+
+struct Race;
 
 /// Evidence of a race that begins now.
 struct InitialEvidence {
-  double evidence = 0.0;       ///< [nats]
-  std::vector<double> scores;  ///< of the kept observations, newest first
+  double evidence = 0.0;  ///< [nats]
+  Scores scores;
 };
 
 /// The last observations, newest first, each with the odometry pose at its stamp. Each race carries its
@@ -53,7 +53,7 @@ class ScoreHistory {
     is_repeat_ = false;
   }
   /// Adds a race's score of this iteration's observation in front. To be called for every race.
-  void record(const Placement& placement, std::vector<double>& scores) const;
+  void record(const Placement& placement, Scores& scores) const;
   /// Drops all observations, after a jump of odometry or a pose given from outside.
   /// @param is_place_known the races' evidence stands for a long past; else the next observations start it.
   void clear(bool is_place_known);
@@ -72,7 +72,7 @@ class ScoreHistory {
   /// Without any race: the mean score over the kept observations.
   /// @param log_likelihood of the newest observation, for an empty history.
   InitialEvidence initialEvidence(const Pose2& T_world_robot, double log_likelihood,
-                                  std::span<const ScoredRace> races) const;
+                                  std::span<const Race> races) const;
 
  private:
   struct Kept {
@@ -80,8 +80,8 @@ class ScoreHistory {
     Pose2 T_odom_robot;
     FloorObservation observation;
   };
-  /// Scores of all kept observations, newest first, for a robot that is at a pose now.
-  std::vector<double> scoresAt(const Pose2& T_world_robot) const;
+  /// Scores of all kept observations for a robot that is at a pose now.
+  Scores scoresAt(const Pose2& T_world_robot) const;
 
   const RobustLikelihood& likelihood_;
   ScoreHistoryParams params_;
@@ -91,8 +91,9 @@ class ScoreHistory {
   double newest_observed_ = 0.0;  ///< weight of this iteration's observation
   /// This iteration's observation repeats a kept one and is not kept, so that views of other places stay.
   bool is_repeat_ = false;
-  std::deque<Kept> kept_;
-  std::optional<Kept> current_;  ///< of this iteration
+  std::vector<Kept> kept_;
+  bool has_current_ = false;
+  Kept current_;  ///< of this iteration
   Pose2 T_odom_robot_;
 };
 

@@ -1,12 +1,14 @@
-#include "localization/core/likelihood/score_history.h"
+#include "localization/core/hypotheses/score_history.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "localization/core/hypotheses/race.h"
 
 namespace vismem {
 namespace {
 
-constexpr std::size_t kMost = 24;      // iterations: nearly five seconds
 constexpr double kLeastNovelty = 0.5;  // of an observation that is kept
 constexpr int kLong = 1'000'000;       // iterations: the start of the mean no longer matters
 constexpr std::size_t kPoints = 40;    // of each observation
@@ -17,34 +19,37 @@ constexpr double kBlur_m = 0.10;
 
 void ScoreHistory::begin(const FloorObservation& observation, const Pose2& T_odom_robot, double novelty) {
   mean_weight_ = meanWeight();
-  if (current_) {
+  if (has_current_) {
     for (Kept& one : kept_) one.weight *= 1.0 - newestWeight();
-    current_->weight = newestWeight();
+    current_.weight = newestWeight();
     if (is_repeat_) {
-      kept_.front().weight += current_->weight;
+      kept_.front().weight += current_.weight;
     } else {
-      kept_.push_front(std::move(*current_));
-      if (kept_.size() > kMost) kept_.pop_back();
+      // The oldest one's place becomes the newest one's.
+      if (kept_.size() < kMostScores) kept_.emplace_back();
+      std::rotate(kept_.begin(), std::prev(kept_.end()), kept_.end());
+      std::swap(kept_.front(), current_);
     }
-    current_.reset();
   }
   T_odom_robot_ = T_odom_robot;
   ++iteration_;
   novelty_ = novelty;
   newest_observed_ = weightOf(observation);
   is_repeat_ = novelty < kLeastNovelty && !kept_.empty();
-  current_ = Kept{0.0, T_odom_robot, thinned(observation, kPoints)};
+  has_current_ = true;
+  current_ = {0.0, T_odom_robot, thinned(observation, kPoints, std::move(current_.observation))};
 }
 
-void ScoreHistory::record(const Placement& placement, std::vector<double>& scores) const {
-  if (!current_ || is_repeat_) return;
-  if (scores.size() >= kMost) scores.pop_back();
-  scores.insert(scores.begin(), likelihood_.rate(current_->observation, placement, kBlur_m).log_likelihood);
+void ScoreHistory::record(const Placement& placement, Scores& scores) const {
+  if (!has_current_ || is_repeat_) return;
+  if (scores.size() < kMostScores) scores.conservativeResize(scores.size() + 1);
+  std::rotate(scores.begin(), std::prev(scores.end()), scores.end());
+  scores[0] = likelihood_.rate(current_.observation, placement, kBlur_m).log_likelihood;
 }
 
 void ScoreHistory::clear(bool is_place_known) {
   kept_.clear();
-  current_.reset();
+  has_current_ = false;
   countAsNew();
   iteration_ = is_place_known ? kLong : 0;
   mean_weight_ = newest_observed_;
@@ -59,36 +64,36 @@ double ScoreHistory::meanWeight() const {
   return mean_weight_ + newestWeight() * (newest_observed_ - mean_weight_);
 }
 
-std::vector<double> ScoreHistory::scoresAt(const Pose2& T_world_robot) const {
-  std::vector<double> scores;
-  scores.reserve(kMost);
-  for (const Kept& one : kept_) {
-    const Pose2 T_world_then = T_world_robot * (inverse(T_odom_robot_) * one.T_odom_robot);
-    scores.push_back(likelihood_.rate(one.observation, {T_world_then}, kBlur_m).log_likelihood);
+Scores ScoreHistory::scoresAt(const Pose2& T_world_robot) const {
+  Scores scores(static_cast<Eigen::Index>(kept_.size()));
+  for (std::size_t k = 0; k < kept_.size(); ++k) {
+    const Pose2 T_world_then = T_world_robot * (inverse(T_odom_robot_) * kept_[k].T_odom_robot);
+    const Rating rating = likelihood_.rate(kept_[k].observation, {T_world_then}, kBlur_m);
+    scores[static_cast<Eigen::Index>(k)] = rating.log_likelihood;
   }
   return scores;
 }
 
 InitialEvidence ScoreHistory::initialEvidence(const Pose2& T_world_robot, double log_likelihood,
-                                              std::span<const ScoredRace> races) const {
-  const std::vector<double> own = scoresAt(T_world_robot);
-  std::vector<double> weights;
+                                              std::span<const Race> races) const {
+  const Scores own = scoresAt(T_world_robot);
+  Scores weights(own.size());
   double all_weights = 0.0;
   double mean = 0.0;
-  for (std::size_t k = 0; k < own.size(); ++k) {
-    weights.push_back(kept_[k].weight * (1.0 - newestWeight()));
-    all_weights += weights.back();
-    mean += weights.back() * own[k];
+  for (Eigen::Index k = 0; k < own.size(); ++k) {
+    weights[k] = kept_[static_cast<std::size_t>(k)].weight * (1.0 - newestWeight());
+    all_weights += weights[k];
+    mean += weights[k] * own[k];
   }
   InitialEvidence result{all_weights > 0.0 ? mean / all_weights : log_likelihood, own};
-  const ScoredRace* heir_of = nullptr;
-  std::size_t since = 0;  // number of newest observations with the new race's own scores
-  for (const ScoredRace& race : races) {
-    const std::size_t known = std::min(race.scores.size(), own.size());
+  const Race* heir_of = nullptr;
+  Eigen::Index since = 0;  // number of newest observations with the new race's own scores
+  for (const Race& race : races) {
+    const Eigen::Index known = std::min(race.scores.size(), own.size());
     double gain = 0.0;
     double most = 0.0;
-    std::size_t jumped = 0;
-    for (std::size_t k = 0; k < known; ++k) {
+    Eigen::Index jumped = 0;
+    for (Eigen::Index k = 0; k < known; ++k) {
       gain += weights[k] * (own[k] - race.scores[k]);
       if (gain <= most) continue;
       most = gain;
@@ -108,9 +113,8 @@ InitialEvidence ScoreHistory::initialEvidence(const Pose2& T_world_robot, double
     since = jumped;
   }
   if (!heir_of) return result;
-  for (std::size_t k = since; k < result.scores.size(); ++k) {
-    if (k < heir_of->scores.size()) result.scores[k] = heir_of->scores[k];
-  }
+  const Eigen::Index known = std::min(result.scores.size(), heir_of->scores.size());
+  for (Eigen::Index k = since; k < known; ++k) result.scores[k] = heir_of->scores[k];
   return result;
 }
 

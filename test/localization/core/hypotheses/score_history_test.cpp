@@ -1,10 +1,12 @@
 // Tests L12.
-#include "localization/core/likelihood/score_history.h"
+#include "localization/core/hypotheses/score_history.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+
+#include "localization/core/hypotheses/race.h"
 
 namespace vismem {
 namespace {
@@ -60,15 +62,8 @@ class ScoreHistoryTest : public testing::Test {
   }
   InitialEvidence initialAt(const Pose2& place) const { return initialAt(place, history_); }
   InitialEvidence initialAt(const Pose2& place, const ScoreHistory& history) const {
-    const ScoredRace winner{winner_.evidence, winner_.scores};
-    return history.initialEvidence(place, 0.0, std::span(&winner, 1));
+    return history.initialEvidence(place, 0.0, std::span(&winner_, 1));
   }
-
-  /// A race that stays at kFirst.
-  struct Winner {
-    double evidence = -5.0;
-    std::vector<double> scores;
-  };
 
   static constexpr double kLead = 1.5;  // EvidenceParams::lead
   static constexpr Pose2 kFirst{1.0, 1.0, 0.3};
@@ -80,7 +75,11 @@ class ScoreHistoryTest : public testing::Test {
   MapIndex map_;
   RobustLikelihood likelihood_;
   ScoreHistory history_;
-  Winner winner_;
+  Race winner_ = [] {  // stays at kFirst
+    Race race;
+    race.evidence = -5.0;
+    return race;
+  }();
   double novelty_ = 1.0;  ///< of what see() sees
 };
 
@@ -109,7 +108,7 @@ TEST_F(ScoreHistoryTest, OneImageDoesNotMakeAWinner) {
   // A false observation of the twin's door.
   see(kTwin, {2, 3, 4});
   see(kTwin, {2, 3, 4});
-  ASSERT_LT(winner_.scores.front(), -20.0) << "the winner does not explain it";
+  ASSERT_LT(winner_.scores[0], -20.0) << "the winner does not explain it";
   EXPECT_LT(initialAt(kTwin).evidence, winner_.evidence + 0.2 * kLead);
 }
 
@@ -127,7 +126,7 @@ TEST_F(ScoreHistoryTest, TheGainSinceTheJumpIsCredited) {
   const double each = -20.0 * std::log(likelihood_params_.outlier_share);
   EXPECT_GT(found.evidence, winner_.evidence - params_.jump_log_prior + 0.25 * each);
   EXPECT_LT(found.evidence, winner_.evidence - params_.jump_log_prior + 0.45 * each);
-  ASSERT_GT(found.scores.size(), 8u);
+  ASSERT_GT(found.scores.size(), 8);
   EXPECT_NEAR(found.scores[6], 0.0, 0.1) << "its own scores since the jump";
   EXPECT_NEAR(found.scores[8], winner_.scores[8], 1e-9) << "the winner's scores before";
 }
@@ -142,7 +141,7 @@ TEST_F(ScoreHistoryTest, WithoutRacesEvidenceIsTheMeanScore) {
 TEST_F(ScoreHistoryTest, AClearedHistoryIsNotScored) {
   seeCorner(40);
   history_.clear(true);
-  winner_.scores.clear();
+  winner_.scores.resize(0);
   see(kNook, {5, 6});
   EXPECT_NEAR(initialAt(kNook).evidence, winner_.evidence - params_.jump_log_prior, 1e-9);
 }
@@ -178,10 +177,10 @@ TEST_F(ScoreHistoryTest, ScoresFollowOdometryIntoThePast) {
     history_.begin(seen, odom, 1.0);
   }
   const InitialEvidence right = history_.initialEvidence({2.0, 1.0, 0.0}, 0.0, {});
-  ASSERT_GE(right.scores.size(), 20u);
-  EXPECT_NEAR(right.scores.back(), 0.0, 0.01);
+  ASSERT_GE(right.scores.size(), 20);
+  EXPECT_NEAR(right.scores.tail<1>().value(), 0.0, 0.01);
   // The pose at the start of the drive: 1 m off now.
-  EXPECT_LT(history_.initialEvidence({1.0, 1.0, 0.0}, 0.0, {}).scores.back(), -20.0);
+  EXPECT_LT(history_.initialEvidence({1.0, 1.0, 0.0}, 0.0, {}).scores.tail<1>().value(), -20.0);
 }
 
 TEST_F(ScoreHistoryTest, ARobotThatStandsDoesNotForgetWhereItCameFrom) {
