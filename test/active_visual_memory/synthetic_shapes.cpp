@@ -74,7 +74,7 @@ void SyntheticShapes::addParallelogram(const Eigen::Vector2d& corner, const Eige
   }
   Primitive truth;
   truth.kind = PrimitiveKind::kParallelogram;
-  truth.vertices = p;
+  truth.vertices.assign(p.begin(), p.end());
   truth.hidden_vertex = hidden;
   truth.centre = corner + 0.5 * (u + v);
   truth_.push_back(truth);

@@ -39,10 +39,10 @@ ShapeTruth seen(const SeesFloor& sees) {
 
 const SeesFloor kAll = [](const Eigen::Vector3d&, const Eigen::Vector3d&) { return true; };
 
-Primitive polygon(PrimitiveKind kind, std::vector<Eigen::Vector2d> vertices) {
+Primitive polygon(PrimitiveKind kind, const std::vector<Eigen::Vector2d>& vertices) {
   Primitive p;
   p.kind = kind;
-  p.vertices = std::move(vertices);
+  p.vertices.assign(vertices.begin(), vertices.end());
   for (const auto& v : p.vertices) p.centre += v / static_cast<double>(p.vertices.size());
   return p;
 }

@@ -144,6 +144,9 @@ TEST(MemoryConversions, SaysWhatIsWrongWithAnUpdate) {
   bad.snapshot.primitives[0].vertices[1].x = kNaN;
   EXPECT_EQ(checkUpdate(bad), "primitive 3 has a corner that is not finite");
   bad = good;
+  bad.snapshot.primitives[0].vertices.push_back({});
+  EXPECT_EQ(checkUpdate(bad), "primitive 3 has 5 corners, at most 4 were expected");
+  bad = good;
   bad.snapshot.primitives[0].hiddenVertex = 4;
   EXPECT_EQ(checkUpdate(bad), "primitive 3.hiddenVertex 4 names no corner");
   bad = good;

@@ -6,6 +6,8 @@ namespace vismem {
 
 namespace {
 
+constexpr std::size_t kUsualShapes = 64;
+
 SegmentMemory::Params memoryParams(const AttentiveVisualMemoryParams& params) {
   SegmentMemory::Params memory = params.memory;
   memory.gates.max_range_m = params.projector.max_range_m;
@@ -128,6 +130,7 @@ const AttentiveVisualMemory::StepResult& AttentiveVisualMemory::update(
 const AttentiveVisualMemory::StepResult& AttentiveVisualMemory::predict(const RobotObservation& observation,
                                                                         StageProbe* probe) {
   enterStage(probe, "memory");
+  scratch_.release();
   followEpoch(observation);
   readGazeRequests();
   turnRate(observation);
@@ -145,8 +148,11 @@ void AttentiveVisualMemory::finish(const RobotObservation& observation, StagePro
 
   enterStage(probe, "primitives");
   if (primitives_.update(observation.frame.stamp_us, segments_)) {
-    memory_.complete(primitives_.completions(segments_));
+    memory_.complete(primitives_.completions(scratch_.resource()));
   }
+  // They come back from a snapshot: one shape more is not to allocate in each of these.
+  shapes_.reserve(kUsualShapes);
+  hypotheses_.reserve(kUsualShapes);
   shapes_ = primitives_.published();
   hypotheses_ = primitives_.hypotheses();
 

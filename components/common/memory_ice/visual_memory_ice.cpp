@@ -84,6 +84,11 @@ Primitive fromIce(const avm::Primitive& p) {
 /// Why a primitive of a peer is unusable; empty if it is usable.
 std::string checkPrimitive(const avm::Primitive& p) {
   const std::string name = "primitive " + std::to_string(p.id);
+  constexpr std::size_t kMostCorners = decltype(Primitive::vertices)::capacity();
+  if (p.vertices.size() > kMostCorners) {
+    return name + " has " + std::to_string(p.vertices.size()) + " corners, at most " +
+           std::to_string(kMostCorners) + " were expected";
+  }
   for (const avm::Vector2& v : p.vertices) {
     if (!allFinite({v.x, v.y})) return name + " has a corner that is not finite";
   }

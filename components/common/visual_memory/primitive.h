@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <vector>
 
+#include "common/memory/bounded_vector.h"
 #include "common/robot/samples.h"
 
 namespace vismem {
@@ -19,7 +19,7 @@ struct Primitive {
   /// kStripe: both ends of the middle line. kParallelogram, kTriangle: the corners in turn,
   /// counter-clockwise. kArrow: tip, tail, ends of the heads (left and right of the pointing direction).
   /// kCircle: none.
-  std::vector<Eigen::Vector2d> vertices;
+  BoundedVector<Eigen::Vector2d, 4> vertices;
   /// Mean of the corners, middle of the stripe or circle, middle between tip and tail.
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   /// [rad] in odom: direction of the stripe or of the parallelogram's longer side (in [0, pi)), or of the
@@ -30,8 +30,9 @@ struct Primitive {
   double radius_m = 0.0;  ///< of a circle, of its line's middle
   /// A parallelogram's corner that was inferred from the other three, as index into `vertices`; -1: all seen.
   int hidden_vertex = -1;
-  double quality = 0.0;                 ///< 0..1, how well the segments fit the shape
-  std::vector<std::uint64_t> segments;  ///< ids of the remembered segments it is made of, sorted
+  double quality = 0.0;  ///< 0..1, how well the segments fit the shape
+  /// Ids of the remembered segments it is made of, sorted. A circle of 2 m radius has 66 chords.
+  BoundedVector<std::uint64_t, 80> segments;
   double life = 0.0;
   double salience = 0.0;
   StampUs first_seen_us = 0;

@@ -74,7 +74,7 @@ void addOutline(Plan& plan, const std::vector<Segment2>& outline, Rgb color, dou
 TrueShape asTrue(const Primitive& p) {
   TrueShape shape;
   shape.kind = p.kind;
-  shape.vertices = p.vertices;
+  shape.vertices.assign(p.vertices.begin(), p.vertices.end());
   shape.centre = p.centre;
   shape.outer_radius_m = p.radius_m;
   return shape;

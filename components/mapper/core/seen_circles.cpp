@@ -5,11 +5,13 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "common/geometry/plane.h"
 #include "common/geometry/projection.h"
+#include "common/memory/scratch.h"
 
 namespace vismem {
 
@@ -155,15 +157,20 @@ double coverageOf(const std::vector<SeenChord>& chords, const SeenCircle& circle
 std::vector<SeenCircle> proposals(const std::vector<SeenChord>& chords, const std::vector<bool>& taken,
                                   const SeenCircleParams& params) {
   std::vector<SeenCircle> found;
+  std::vector<std::uint64_t> ids(chords.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  Scratch scratch;
   std::size_t end = 0;
   for (std::size_t begin = 0; begin < chords.size(); begin = end) {
-    std::vector<FloorEdge> edges;
+    scratch.release();
+    FloorEdges edges(scratch.resource());
     for (end = begin; end < chords.size() && chords[end].seen.keyframe == chords[begin].seen.keyframe;
          ++end) {
       if (taken[end]) continue;
-      if (auto edge = makeFloorEdge(chords[end].floor, chords[end].label, {end})) edges.push_back(*edge);
+      if (auto edge = makeFloorEdge(chords[end].floor, chords[end].label, {&ids[end], 1}))
+        edges.push_back(*edge);
     }
-    for (const Primitive& circle : findCircles(edges, params.proposal)) {
+    for (const Primitive& circle : findCircles(edges, params.proposal, scratch.resource())) {
       SeenCircle proposed;
       proposed.label = chords[circle.segments.front()].label;
       proposed.centre = circle.centre;

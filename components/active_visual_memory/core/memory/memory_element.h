@@ -75,8 +75,8 @@ struct MemoryElement {
 
 /// A side of a published shape that consists of several remembered segments: they are to be joined.
 struct SideCompletion {
-  Segment2 side;                        ///< from corner to corner
-  std::vector<std::uint64_t> segments;  ///< the pieces on it, sorted
+  Segment2 side;                           ///< from corner to corner
+  decltype(Primitive::segments) segments;  ///< the pieces on it, sorted
 };
 
 /// The element with an id; null if there is none. @param elements  a list in the order of their ids.

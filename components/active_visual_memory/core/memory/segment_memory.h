@@ -51,7 +51,7 @@ class SegmentMemory {
   void advanceLife(StampUs stamp_us);
 
   /// Joins the pieces of one side of a shape into one segment with the id of the oldest (M9).
-  void complete(const std::vector<SideCompletion>& sides);
+  void complete(std::span<const SideCompletion> sides);
 
   /// An id that no element has or will have, for a derived edge.
   std::uint64_t newId() { return next_id_++; }

@@ -42,8 +42,8 @@ std::optional<double> SegmentMemory::dominantDirection() const {
   return place.direction();
 }
 
-void SegmentMemory::complete(const std::vector<SideCompletion>& sides) {
-  std::vector<std::uint64_t> absorbed;
+void SegmentMemory::complete(std::span<const SideCompletion> sides) {
+  std::pmr::vector<std::uint64_t> absorbed(scratch_.resource());
   for (const SideCompletion& side : sides) {
     MemoryElement* whole = nullptr;
     for (MemoryElement& element : elements_) {

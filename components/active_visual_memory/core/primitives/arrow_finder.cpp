@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "active_visual_memory/core/primitives/finders.h"
 #include "common/geometry/plane.h"
@@ -19,12 +18,12 @@ struct Head {
 };
 
 /// The strokes that may be heads at one end of a shaft.
-std::vector<Head> headsAt(const std::vector<FloorEdge>& strokes, std::size_t s, int end,
-                          const ArrowParams& params) {
+std::pmr::vector<Head> headsAt(std::span<const FloorEdge> strokes, std::size_t s, int end,
+                               const ArrowParams& params, std::pmr::memory_resource* scratch) {
   const FloorEdge& shaft = strokes[s];
   const Eigen::Vector2d shaft_end = shaft.end(end);
   const Eigen::Vector2d backwards = shaft.inward(end);
-  std::vector<Head> heads;
+  std::pmr::vector<Head> heads(scratch);
   for (std::size_t h = 0; h < strokes.size(); ++h) {
     const FloorEdge& head = strokes[h];
     if (h == s || head.length < params.min_head_m || head.length * params.shaft_ratio > shaft.length)
@@ -44,8 +43,9 @@ std::vector<Head> headsAt(const std::vector<FloorEdge>& strokes, std::size_t s, 
 }
 
 /// The arrow of a shaft and two heads at one of its ends, if they are symmetric.
-std::optional<Primitive> arrowOf(const std::vector<FloorEdge>& strokes, const FloorEdge& shaft, int end,
-                                 const Head& one, const Head& two, const ArrowParams& params) {
+std::optional<Primitive> arrowOf(std::span<const FloorEdge> strokes, const FloorEdge& shaft, int end,
+                                 const Head& one, const Head& two, const ArrowParams& params,
+                                 std::pmr::memory_resource* scratch) {
   if (std::abs(one.angle + two.angle) > params.symmetry_rad) return std::nullopt;
   const double ratio = std::min(one.length, two.length) / std::max(one.length, two.length);
   if (ratio < params.head_ratio) return std::nullopt;
@@ -65,24 +65,25 @@ std::optional<Primitive> arrowOf(const std::vector<FloorEdge>& strokes, const Fl
   primitive.width_m = (left.end - right.end).norm();
   primitive.quality = 1.0 - 0.5 * std::abs(one.angle + two.angle) / params.symmetry_rad -
                       0.5 * (1.0 - ratio) / (1.0 - params.head_ratio);
-  primitive.segments =
-      joinedIds(joinedIds(shaft.segments, strokes[one.stroke].segments), strokes[two.stroke].segments);
+  const SegmentIds heads = joinedIds(strokes[one.stroke].segments, strokes[two.stroke].segments, scratch);
+  const SegmentIds all = joinedIds(shaft.segments, heads, scratch);
+  primitive.segments.assign(all.begin(), all.end());
   return primitive;
 }
 
 }  // namespace
 
-std::vector<Primitive> findArrows(const std::vector<FloorEdge>& strokes, const ArrowParams& params,
-                                  double max_shaft_m) {
-  std::vector<Primitive> found;
+Shapes findArrows(std::span<const FloorEdge> strokes, const ArrowParams& params, double max_shaft_m,
+                  std::pmr::memory_resource* scratch) {
+  Shapes found(scratch);
   for (std::size_t s = 0; s < strokes.size(); ++s) {
     if (strokes[s].length > max_shaft_m) continue;
     for (int end = 0; end < 2; ++end) {
-      const std::vector<Head> heads = headsAt(strokes, s, end, params);
+      const std::pmr::vector<Head> heads = headsAt(strokes, s, end, params, scratch);
       for (std::size_t m = 0; m < heads.size(); ++m) {
         for (std::size_t n = m + 1; n < heads.size(); ++n) {
-          if (auto arrow = arrowOf(strokes, strokes[s], end, heads[m], heads[n], params)) {
-            found.push_back(std::move(*arrow));
+          if (const auto arrow = arrowOf(strokes, strokes[s], end, heads[m], heads[n], params, scratch)) {
+            found.push_back(*arrow);
           }
         }
       }

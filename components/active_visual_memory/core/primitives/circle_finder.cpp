@@ -35,7 +35,7 @@ std::optional<Circle> circleOfTwo(const FloorEdge& a, const FloorEdge& b) {
 }
 
 /// Least squares over the chords' points, weighted by the chords' lengths (algebraic distance).
-std::optional<Circle> fitCircle(const std::vector<FloorEdge>& edges, const std::vector<int>& members) {
+std::optional<Circle> fitCircle(std::span<const FloorEdge> edges, std::span<const int> members) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const int i : members) {
@@ -73,14 +73,17 @@ int sideOf(const FloorEdge& edge, const Circle& circle, const CircleParams& para
 struct Found {
   Circle circle;
   int side = 0;
-  std::vector<int> members;
   double coverage = 0.0;   ///< share of the circumference
   double deviation = 0.0;  ///< mean [m]
+  std::pmr::vector<int> members;
 };
 
+/// A mark for each edge.
+using Marks = std::pmr::vector<bool>;
+
 /// @param members  replaced.
-void findMembers(const std::vector<FloorEdge>& edges, const std::vector<bool>& taken, const Circle& circle,
-                 int side, const Label& label, const CircleParams& params, std::vector<int>& members) {
+void findMembers(std::span<const FloorEdge> edges, const Marks& taken, const Circle& circle, int side,
+                 std::string_view label, const CircleParams& params, std::pmr::vector<int>& members) {
   members.clear();
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (taken[i] || !labelsCompatible(edges[i].label, label)) continue;
@@ -89,7 +92,7 @@ void findMembers(const std::vector<FloorEdge>& edges, const std::vector<bool>& t
 }
 
 /// Share of the circumference that the members cover, in steps of 5 degrees.
-double coverageOf(const std::vector<FloorEdge>& edges, const Found& found) {
+double coverageOf(std::span<const FloorEdge> edges, const Found& found) {
   constexpr int kSteps = 72;
   std::array<bool, kSteps> hit{};
   for (const int i : found.members) {
@@ -108,7 +111,7 @@ double coverageOf(const std::vector<FloorEdge>& edges, const Found& found) {
 
 /// Grows a first guess into the circle that most of its surroundings agree on.
 /// @param found  its circle is the guess; replaced. @return false if there is no such circle.
-bool grow(const std::vector<FloorEdge>& edges, const std::vector<bool>& taken, const Label& label,
+bool grow(std::span<const FloorEdge> edges, const Marks& taken, std::string_view label,
           const CircleParams& params, Found& found) {
   Circle& circle = found.circle;
   for (int round = 0; round < 3; ++round) {
@@ -135,13 +138,12 @@ bool grow(const std::vector<FloorEdge>& edges, const std::vector<bool>& taken, c
   return true;
 }
 
-/// The best circle among the edges that are left.
-std::optional<Found> bestCircle(const std::vector<FloorEdge>& edges, const std::vector<bool>& taken,
-                                const CircleParams& params) {
-  std::optional<Found> best;
-  Found found;
-  std::vector<bool> explained(edges.size(),
-                              false);  // a guess from two chords of a known circle finds it again
+/// The best circle among the edges that are left; without members if there is none.
+Found bestCircle(std::span<const FloorEdge> edges, const Marks& taken, const CircleParams& params) {
+  const auto scratch = taken.get_allocator();
+  Found best{{}, 0, 0.0, 0.0, std::pmr::vector<int>(scratch)};
+  Found found{{}, 0, 0.0, 0.0, std::pmr::vector<int>(scratch)};
+  Marks explained(edges.size(), false, scratch);  // two chords of a known circle propose it again
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (taken[i] || explained[i]) continue;
     for (std::size_t j = i + 1; j < edges.size(); ++j) {
@@ -158,7 +160,7 @@ std::optional<Found> bestCircle(const std::vector<FloorEdge>& edges, const std::
       found.side = cross2(edges[i].along, guess->centre - edges[i].line.middle()) > 0.0 ? 1 : -1;
       if (!grow(edges, taken, edges[i].label, params, found)) continue;
       for (const int member : found.members) explained[member] = true;
-      if (!best || found.coverage > best->coverage) best = found;
+      if (found.coverage > best.coverage) best = found;
       if (explained[i]) break;
     }
   }
@@ -167,24 +169,26 @@ std::optional<Found> bestCircle(const std::vector<FloorEdge>& edges, const std::
 
 }  // namespace
 
-std::vector<Primitive> findCircles(const std::vector<FloorEdge>& edges, const CircleParams& params) {
-  std::vector<bool> taken(edges.size(), false);
-  std::vector<Found> circles;
-  while (auto found = bestCircle(edges, taken, params)) {
-    for (const int i : found->members) taken[i] = true;
-    circles.push_back(std::move(*found));
+Shapes findCircles(std::span<const FloorEdge> edges, const CircleParams& params,
+                   std::pmr::memory_resource* scratch) {
+  Marks taken(edges.size(), false, scratch);
+  std::pmr::vector<Found> circles(scratch);
+  for (Found found = bestCircle(edges, taken, params); !found.members.empty();
+       found = bestCircle(edges, taken, params)) {
+    for (const int i : found.members) taken[i] = true;
+    circles.push_back(std::move(found));
   }
 
-  std::vector<Primitive> primitives;
-  std::vector<bool> used(circles.size(), false);
+  Shapes primitives(scratch);
+  Marks used(circles.size(), false, scratch);
   for (std::size_t n = 0; n < circles.size(); ++n) {
     if (used[n]) continue;
     const Found& first = circles[n];
-    Primitive primitive;
+    Primitive& primitive = primitives.emplace_back();
     primitive.kind = PrimitiveKind::kCircle;
     primitive.centre = first.circle.centre;
     primitive.radius_m = first.circle.radius;
-    std::vector<int> members = first.members;
+    const Found* line = nullptr;  // its other edge
     double coverage = first.coverage;
     for (std::size_t m = n + 1; m < circles.size(); ++m) {
       const Found& other = circles[m];
@@ -197,13 +201,17 @@ std::vector<Primitive> findCircles(const std::vector<FloorEdge>& edges, const Ci
           (first.coverage * first.circle.centre + other.coverage * other.circle.centre) / total;
       primitive.radius_m = 0.5 * (first.circle.radius + other.circle.radius);
       primitive.width_m = width;
-      members.insert(members.end(), other.members.begin(), other.members.end());
+      line = &other;
       coverage = std::max(coverage, other.coverage);
       break;
     }
-    for (const int i : members) primitive.segments = joinedIds(primitive.segments, edges[i].segments);
+    SegmentIds ids;
+    for (const Found* one : {&first, line}) {
+      if (!one) continue;
+      for (const int i : one->members) ids = joinedIds(ids, edges[i].segments, scratch);
+    }
+    primitive.segments.assign(ids.begin(), ids.end());
     primitive.quality = coverage * (1.0 - std::min(1.0, first.deviation / params.tolerance_m));
-    primitives.push_back(std::move(primitive));
   }
   return primitives;
 }

@@ -1,12 +1,17 @@
-/// @file Finders of shapes among edges on the floor: circles, stripes, arrows, polygons. Pure. See M8, M9.
+/// @file Finders of shapes among edges on the floor: circles, stripes, arrows, polygons. Their results and
+/// work lie in scratch memory. Pure. See M8, M9.
 #pragma once
 
+#include <memory_resource>
+#include <span>
 #include <vector>
 
 #include "active_visual_memory/core/primitives/floor_edge.h"
 #include "common/visual_memory/primitive.h"
 
 namespace vismem {
+
+using Shapes = std::pmr::vector<Primitive>;
 
 struct CircleParams {
   double min_radius_m = 0.10;
@@ -21,7 +26,8 @@ struct CircleParams {
 
 /// Circles, by falling coverage. Each edge belongs to at most one of them; a painted circle, whose line has
 /// an inner and an outer edge, is one circle.
-std::vector<Primitive> findCircles(const std::vector<FloorEdge>& edges, const CircleParams& params);
+Shapes findCircles(std::span<const FloorEdge> edges, const CircleParams& params,
+                   std::pmr::memory_resource* scratch);
 
 struct StripeParams {
   double min_width_m = 0.008;  ///< distant lines are remembered narrower than they are
@@ -35,7 +41,8 @@ struct StripeParams {
 
 /// The middle lines of stripes with their width, longest first. Their `segments` are those of both edges; an
 /// edge broken on one side only still makes one stripe.
-std::vector<FloorEdge> findStripes(const std::vector<FloorEdge>& edges, const StripeParams& params);
+FloorEdges findStripes(std::span<const FloorEdge> edges, const StripeParams& params,
+                       std::pmr::memory_resource* scratch);
 
 Primitive stripePrimitive(const FloorEdge& stripe);
 
@@ -51,8 +58,8 @@ struct ArrowParams {
 
 /// Arrows among strokes (edges or stripes).
 /// @param max_shaft_m  longer strokes are no shafts.
-std::vector<Primitive> findArrows(const std::vector<FloorEdge>& strokes, const ArrowParams& params,
-                                  double max_shaft_m);
+Shapes findArrows(std::span<const FloorEdge> strokes, const ArrowParams& params, double max_shaft_m,
+                  std::pmr::memory_resource* scratch);
 
 struct PolygonParams {
   double min_side_m = 0.12;
@@ -71,6 +78,7 @@ struct PolygonParams {
 /// Parallelograms and triangles, complete ones and parallelograms of which three corners are seen. The sides
 /// of one shape turn the same side to its inside (brighter or darker); two collinear pieces may be one side.
 /// Every edge belongs to any number of them: the caller chooses.
-std::vector<Primitive> findPolygons(const std::vector<FloorEdge>& edges, const PolygonParams& params);
+Shapes findPolygons(std::span<const FloorEdge> edges, const PolygonParams& params,
+                    std::pmr::memory_resource* scratch);
 
 }  // namespace vismem

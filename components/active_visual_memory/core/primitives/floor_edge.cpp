@@ -2,47 +2,41 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <utility>
 
 #include "common/geometry/plane.h"
 
 namespace vismem {
 
-std::optional<FloorEdge> makeFloorEdge(const Segment2& line, Label label, std::vector<std::uint64_t> segments,
+std::optional<FloorEdge> makeFloorEdge(const Segment2& line, std::string_view label, SegmentIds segments,
                                        double width_m) {
-  FloorEdge edge;
-  edge.line = line;
-  edge.length = line.length();
-  if (!(edge.length > 0.0)) return std::nullopt;
-  edge.along = (line.b - line.a) / edge.length;
-  edge.label = std::move(label);
-  edge.segments = std::move(segments);
-  edge.width_m = width_m;
-  return edge;
+  const double length = line.length();
+  if (!(length > 0.0)) return std::nullopt;
+  return FloorEdge{line, (line.b - line.a) / length, length, label, width_m, segments};
 }
 
-std::vector<FloorEdge> floorEdges(std::span<const MemorySegment> segments, bool confirmed_only) {
-  std::vector<FloorEdge> edges;
+FloorEdges floorEdges(std::span<const MemorySegment> segments, Trust least,
+                      std::pmr::memory_resource* scratch) {
+  FloorEdges edges(scratch);
   edges.reserve(segments.size());
   for (const MemorySegment& segment : segments) {
-    if (confirmed_only && !segment.confirmed) continue;
-    if (auto edge = makeFloorEdge(segment.odom.floor(), segment.label, {segment.id})) {
-      edges.push_back(std::move(*edge));
+    const Trust trust = segment.confirmed                ? Trust::kConfirmed
+                        : segment.label != kUnknownLabel ? Trust::kLabelledOrConfirmed
+                                                         : Trust::kAny;
+    if (trust < least) continue;
+    if (auto edge = makeFloorEdge(segment.odom.floor(), segment.label, {&segment.id, 1})) {
+      edges.push_back(*edge);
     }
   }
   return edges;
 }
 
-std::vector<std::uint64_t> joinedIds(const std::vector<std::uint64_t>& a,
-                                     const std::vector<std::uint64_t>& b) {
-  std::vector<std::uint64_t> both;
-  both.reserve(a.size() + b.size());
-  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
-  return both;
+SegmentIds joinedIds(SegmentIds a, SegmentIds b, std::pmr::memory_resource* scratch) {
+  std::uint64_t* const ids =
+      std::pmr::polymorphic_allocator<>(scratch).allocate_object<std::uint64_t>(a.size() + b.size());
+  return {ids, std::set_union(a.begin(), a.end(), b.begin(), b.end(), ids)};
 }
 
-bool shareIds(const std::vector<std::uint64_t>& a, const std::vector<std::uint64_t>& b) {
+bool shareIds(SegmentIds a, SegmentIds b) {
   auto x = a.begin();
   auto y = b.begin();
   while (x != a.end() && y != b.end()) {

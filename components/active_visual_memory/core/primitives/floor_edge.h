@@ -3,8 +3,10 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory_resource>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "common/geometry/segment.h"
@@ -12,14 +14,17 @@
 
 namespace vismem {
 
-/// A straight piece of an outline: an edge with its brighter side left of a -> b, or a stripe.
+using SegmentIds = std::span<const std::uint64_t>;
+
+/// A straight piece of an outline: an edge with its brighter side left of a -> b, or a stripe. Label and ids
+/// are those of the remembered segments, or of the finder's scratch memory. *Value.*
 struct FloorEdge {
   Segment2 line;
   Eigen::Vector2d along = Eigen::Vector2d::UnitX();  ///< unit vector a -> b
   double length = 0.0;
-  Label label = kUnknownLabel;
-  double width_m = 0.0;                 ///< of a stripe, which has no polarity; 0: an edge
-  std::vector<std::uint64_t> segments;  ///< ids, sorted
+  std::string_view label;
+  double width_m = 0.0;  ///< of a stripe, which has no polarity; 0: an edge
+  SegmentIds segments;   ///< sorted
 
   bool isStripe() const { return width_m > 0.0; }
   /// End 0 is a, end 1 is b.
@@ -28,18 +33,22 @@ struct FloorEdge {
   Eigen::Vector2d inward(int which) const { return which == 0 ? along : Eigen::Vector2d(-along); }
 };
 
+/// A list in the scratch memory of a search.
+using FloorEdges = std::pmr::vector<FloorEdge>;
+
 /// An edge of length > 0; empty for less.
-std::optional<FloorEdge> makeFloorEdge(const Segment2& line, Label label, std::vector<std::uint64_t> segments,
+std::optional<FloorEdge> makeFloorEdge(const Segment2& line, std::string_view label, SegmentIds segments,
                                        double width_m = 0.0);
 
-/// The remembered segments, in their order. @param confirmed_only leaves out unconfirmed ones.
-std::vector<FloorEdge> floorEdges(std::span<const MemorySegment> segments, bool confirmed_only);
+/// Remembered segments, in their order. @param least  leaves out the others.
+enum class Trust { kAny, kLabelledOrConfirmed, kConfirmed };
+FloorEdges floorEdges(std::span<const MemorySegment> segments, Trust least,
+                      std::pmr::memory_resource* scratch);
 
-/// Sorted union of two sorted lists of ids.
-std::vector<std::uint64_t> joinedIds(const std::vector<std::uint64_t>& a,
-                                     const std::vector<std::uint64_t>& b);
+/// Sorted union of two sorted lists, in scratch memory.
+SegmentIds joinedIds(SegmentIds a, SegmentIds b, std::pmr::memory_resource* scratch);
 /// True if two sorted lists share an id.
-bool shareIds(const std::vector<std::uint64_t>& a, const std::vector<std::uint64_t>& b);
+bool shareIds(SegmentIds a, SegmentIds b);
 
 /// Intersection of the lines of two edges; empty if they are parallel within 0.01 rad.
 std::optional<Eigen::Vector2d> intersection(const FloorEdge& a, const FloorEdge& b);

@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
 #include <optional>
-#include <utility>
 
 #include "active_visual_memory/core/primitives/finders.h"
 #include "common/geometry/angles.h"
@@ -21,15 +19,15 @@ struct Corner {
   double gap_share = 0.0;  ///< of the ends from the corner, relative to what is allowed
 };
 
-/// Corners per edge and end.
-using Corners = std::vector<std::array<std::vector<Corner>, 2>>;
+/// Corners per edge and end, those of both ends of an edge one behind the other.
+using Corners = std::pmr::vector<std::pmr::vector<Corner>>;
 
 double allowedGap(const FloorEdge& edge, double other_width_m, const PolygonParams& params) {
   return params.corner_gap_m + 0.5 * other_width_m + params.corner_share * edge.length;
 }
 
-Corners findCorners(const std::vector<FloorEdge>& edges, const PolygonParams& params) {
-  Corners corners(edges.size());
+Corners findCorners(const FloorEdges& edges, const PolygonParams& params) {
+  Corners corners(2 * edges.size(), edges.get_allocator());
   for (std::size_t i = 0; i < edges.size(); ++i) {
     for (std::size_t j = i + 1; j < edges.size(); ++j) {
       const FloorEdge& a = edges[i];
@@ -48,8 +46,8 @@ Corners findCorners(const std::vector<FloorEdge>& edges, const PolygonParams& pa
           if (off_a > gap_a || off_b > gap_b) continue;
           if (!labelsCompatible(a.label, b.label) || shareIds(a.segments, b.segments)) continue;
           const double share = 0.5 * (off_a / gap_a + off_b / gap_b);
-          corners[i][end_a].push_back({static_cast<int>(j), end_b, *place, share});
-          corners[j][end_b].push_back({static_cast<int>(i), end_a, *place, share});
+          corners[2 * i + end_a].push_back({static_cast<int>(j), end_b, *place, share});
+          corners[2 * j + end_b].push_back({static_cast<int>(i), end_a, *place, share});
         }
       }
     }
@@ -58,7 +56,7 @@ Corners findCorners(const std::vector<FloorEdge>& edges, const PolygonParams& pa
 }
 
 /// Adds sides of two collinear pieces with an occlusion between them.
-void addBrokenSides(std::vector<FloorEdge>& edges, const PolygonParams& params) {
+void addBrokenSides(FloorEdges& edges, const PolygonParams& params, std::pmr::memory_resource* scratch) {
   const std::size_t originals = edges.size();
   for (std::size_t i = 0; i < originals; ++i) {
     for (std::size_t j = i + 1; j < originals; ++j) {
@@ -79,10 +77,10 @@ void addBrokenSides(std::vector<FloorEdge>& edges, const PolygonParams& params) 
           distanceToLine(second.line.a, whole) > params.broken_offset_m) {
         continue;
       }
-      const Label label = a.label == kUnknownLabel ? b.label : a.label;
-      if (auto side = makeFloorEdge(whole, label, joinedIds(a.segments, b.segments),
-                                    std::max(a.width_m, b.width_m))) {
-        edges.push_back(std::move(*side));
+      if (const auto side =
+              makeFloorEdge(whole, a.label == kUnknownLabel ? b.label : a.label,
+                            joinedIds(a.segments, b.segments, scratch), std::max(a.width_m, b.width_m))) {
+        edges.push_back(*side);
       }
     }
   }
@@ -129,25 +127,27 @@ void measureParallelogram(Primitive& primitive) {
 }
 
 /// Sets what follows from corners and sides.
-Primitive finished(Primitive primitive, std::initializer_list<const FloorEdge*> sides) {
-  for (const FloorEdge* side : sides) primitive.segments = joinedIds(primitive.segments, side->segments);
+void finish(Primitive& primitive, std::initializer_list<const FloorEdge*> sides,
+            std::pmr::memory_resource* scratch) {
+  SegmentIds ids;
+  for (const FloorEdge* side : sides) ids = joinedIds(ids, side->segments, scratch);
+  primitive.segments.assign(ids.begin(), ids.end());
   orient(primitive);
   primitive.centre.setZero();
   for (const auto& v : primitive.vertices) primitive.centre += v;
   primitive.centre /= static_cast<double>(primitive.vertices.size());
   if (primitive.kind == PrimitiveKind::kParallelogram) measureParallelogram(primitive);
-  return primitive;
 }
 
 class PolygonSearch {
  public:
-  PolygonSearch(const std::vector<FloorEdge>& edges, const Corners& corners, const PolygonParams& params)
+  PolygonSearch(const FloorEdges& edges, const Corners& corners, const PolygonParams& params)
       : edges_(edges), corners_(corners), params_(params) {}
 
   /// Searches shapes on a base with a corner at either end.
-  void from(int base, std::vector<Primitive>& found) const {
-    for (const Corner& left : corners_[base][0]) {
-      for (const Corner& right : corners_[base][1]) {
+  void from(int base, Shapes& found) const {
+    for (const Corner& left : cornersAt(base, 0)) {
+      for (const Corner& right : cornersAt(base, 1)) {
         if (left.other == right.other) continue;
         triangle(base, left, right, found);
         const FloorEdge& a = edges_[left.other];
@@ -157,10 +157,10 @@ class PolygonSearch {
         const Eigen::Vector2d up_b = b.inward(right.other_end);
         if (up_a.dot(up_b) < std::cos(params_.parallel_rad)) continue;
         // Three corners make the shape: the fourth may be hidden, at the top of either upright.
-        for (const Corner& far : corners_[right.other][1 - right.other_end]) {
+        for (const Corner& far : cornersAt(right.other, 1 - right.other_end)) {
           close(base, left, right, far, false, found);
         }
-        for (const Corner& far : corners_[left.other][1 - left.other_end]) {
+        for (const Corner& far : cornersAt(left.other, 1 - left.other_end)) {
           close(base, left, right, far, true, found);
         }
       }
@@ -168,11 +168,12 @@ class PolygonSearch {
   }
 
  private:
+  std::span<const Corner> cornersAt(int edge, int end) const { return corners_[2 * edge + end]; }
   bool sideFits(double length) const { return length >= params_.min_side_m && length <= params_.max_side_m; }
 
   /// @param from_left the far side begins at the left upright.
   void close(int base, const Corner& left, const Corner& right, const Corner& far, bool from_left,
-             std::vector<Primitive>& found) const {
+             Shapes& found) const {
     const FloorEdge& i = edges_[base];
     const FloorEdge& near_upright = edges_[from_left ? left.other : right.other];
     const FloorEdge& far_upright = edges_[from_left ? right.other : left.other];
@@ -211,51 +212,52 @@ class PolygonSearch {
                 polarityFrom(across, across_end), polarityFrom(near_upright, 1 - near_foot.other_end)})) {
       return;
     }
-    Primitive primitive;
+    Primitive& primitive = found.emplace_back();
     primitive.kind = PrimitiveKind::kParallelogram;
     primitive.vertices = {p0, p1, p3, p2};
     primitive.hidden_vertex = closed ? -1 : 2;
     const double gaps = (near_foot.gap_share + far_foot.gap_share + far.gap_share) / 3.0;
     primitive.quality = (closed ? 1.0 : 0.7) * (1.0 - 0.5 * closing / allowed - 0.4 * gaps);
-    found.push_back(finished(std::move(primitive), {&i, &near_upright, &far_upright, &across}));
+    finish(primitive, {&i, &near_upright, &far_upright, &across}, edges_.get_allocator().resource());
   }
 
-  void triangle(int base, const Corner& left, const Corner& right, std::vector<Primitive>& found) const {
+  void triangle(int base, const Corner& left, const Corner& right, Shapes& found) const {
     const FloorEdge& i = edges_[base];
     const FloorEdge& a = edges_[left.other];
     const FloorEdge& b = edges_[right.other];
     if (left.other <= base || right.other <= base || shareIds(a.segments, b.segments))
       return;  // once per triangle
-    for (const Corner& top : corners_[left.other][1 - left.other_end]) {
+    for (const Corner& top : cornersAt(left.other, 1 - left.other_end)) {
       if (top.other != right.other || top.other_end != 1 - right.other_end) continue;
       const Eigen::Vector2d p0 = left.place, p1 = right.place, p2 = top.place;
       if (!sideFits((p1 - p0).norm()) || !sideFits((p2 - p1).norm()) || !sideFits((p0 - p2).norm())) return;
       if (!agree({polarityFrom(i, 0), polarityFrom(b, right.other_end), polarityFrom(a, 1 - left.other_end)}))
         return;
-      Primitive primitive;
+      Primitive& primitive = found.emplace_back();
       primitive.kind = PrimitiveKind::kTriangle;
       primitive.vertices = {p0, p1, p2};
       primitive.quality = 1.0 - (left.gap_share + right.gap_share + top.gap_share) / 3.0 * 0.6;
-      found.push_back(finished(std::move(primitive), {&i, &a, &b}));
+      finish(primitive, {&i, &a, &b}, edges_.get_allocator().resource());
     }
   }
 
-  const std::vector<FloorEdge>& edges_;
+  const FloorEdges& edges_;
   const Corners& corners_;
   const PolygonParams& params_;
 };
 
 }  // namespace
 
-std::vector<Primitive> findPolygons(const std::vector<FloorEdge>& edges, const PolygonParams& params) {
-  std::vector<FloorEdge> sides;
+Shapes findPolygons(std::span<const FloorEdge> edges, const PolygonParams& params,
+                    std::pmr::memory_resource* scratch) {
+  FloorEdges sides(scratch);
   for (const FloorEdge& edge : edges) {
     if (edge.length <= params.max_side_m) sides.push_back(edge);
   }
-  addBrokenSides(sides, params);
+  addBrokenSides(sides, params, scratch);
   const Corners corners = findCorners(sides, params);
   const PolygonSearch search(sides, corners, params);
-  std::vector<Primitive> found;
+  Shapes found(scratch);
   for (std::size_t i = 0; i < sides.size(); ++i) {
     if (sides[i].length >= 0.5 * params.min_side_m) search.from(static_cast<int>(i), found);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <ranges>
 #include <utility>
 
 #include "active_visual_memory/core/primitives/floor_edge.h"
@@ -18,28 +19,30 @@ int sharedIds(const Primitive& a, const Primitive& b) {
   return shared;
 }
 
-/// Chooses the best readings: a shape that mostly uses segments of a better one is dropped. Neighbours may
+/// Adds the best readings: a shape that mostly uses segments of a better one is dropped. Neighbours may
 /// share one side.
-void choose(std::vector<Primitive> readings, int may_share, const PrimitiveParams& params,
-            std::vector<Primitive>& chosen) {
-  std::stable_sort(readings.begin(), readings.end(),
-                   [](const Primitive& a, const Primitive& b) { return a.quality > b.quality; });
-  for (Primitive& reading : readings) {
-    const bool known = std::any_of(chosen.begin(), chosen.end(), [&](const Primitive& better) {
-      return sharedIds(reading, better) > may_share || sameShape(reading, better, params);
+void choose(const Shapes& readings, int may_share, const PrimitiveParams& params, Shapes& chosen) {
+  std::pmr::vector<const Primitive*> order(chosen.get_allocator());
+  for (const Primitive& reading : readings) order.push_back(&reading);
+  std::ranges::sort(order, {},
+                    [](const Primitive* reading) { return std::pair(-reading->quality, reading); });
+  for (const Primitive* reading : order) {
+    const bool known = std::ranges::any_of(chosen, [&](const Primitive& better) {
+      return sharedIds(*reading, better) > may_share || sameShape(*reading, better, params);
     });
-    if (!known) chosen.push_back(std::move(reading));
+    if (!known) chosen.push_back(*reading);
   }
 }
 
 /// The edges that share no segment with some others. @param others  shapes or edges.
-template <typename Other>
-std::vector<FloorEdge> without(std::vector<FloorEdge> edges, const std::vector<Other>& others) {
-  std::erase_if(edges, [&](const FloorEdge& edge) {
-    return std::any_of(others.begin(), others.end(),
-                       [&](const Other& other) { return shareIds(edge.segments, other.segments); });
+template <typename Others>
+FloorEdges without(const FloorEdges& edges, const Others& others) {
+  FloorEdges rest(edges.get_allocator());
+  std::ranges::copy_if(edges, std::back_inserter(rest), [&](const FloorEdge& edge) {
+    return std::ranges::none_of(others,
+                                [&](const auto& other) { return shareIds(edge.segments, other.segments); });
   });
-  return edges;
+  return rest;
 }
 
 double sizeOf(const Primitive& primitive) {
@@ -62,23 +65,20 @@ double confirmedShare(const Primitive& shape, std::span<const MemorySegment> seg
   return all > 0.0 ? confirmed / all : 0.0;
 }
 
-std::vector<Primitive> findAmong(const std::vector<FloorEdge>& edges, const PrimitiveParams& params) {
-  std::vector<Primitive> found;
-  choose(findCircles(edges, params.circles), 0, params, found);
-  const std::vector<FloorEdge> straight = without(edges, found);
-  const std::vector<FloorEdge> stripes = findStripes(straight, params.stripes);
-  const std::vector<FloorEdge> single = without(straight, stripes);
-  std::vector<FloorEdge> strokes = stripes;
+Shapes findAmong(const FloorEdges& edges, const PrimitiveParams& params) {
+  std::pmr::memory_resource* const scratch = edges.get_allocator().resource();
+  Shapes found(scratch);
+  choose(findCircles(edges, params.circles, scratch), 0, params, found);
+  const FloorEdges straight = without(edges, found);
+  const FloorEdges stripes = findStripes(straight, params.stripes, scratch);
+  const FloorEdges single = without(straight, stripes);
+  FloorEdges strokes(stripes, scratch);
   strokes.insert(strokes.end(), single.begin(), single.end());
-  std::vector<Primitive> arrows;
-  choose(findArrows(strokes, params.arrows, params.polygons.max_side_m), 0, params, arrows);
-  const std::vector<FloorEdge> lines = without(stripes, arrows);
-  std::vector<FloorEdge> sides = without(single, arrows);
+  choose(findArrows(strokes, params.arrows, params.polygons.max_side_m, scratch), 0, params, found);
+  const FloorEdges lines = without(stripes, found);
+  FloorEdges sides = without(single, found);
   sides.insert(sides.end(), lines.begin(), lines.end());
-  std::vector<Primitive> polygons;
-  choose(findPolygons(sides, params.polygons), 1, params, polygons);
-  found.insert(found.end(), arrows.begin(), arrows.end());
-  found.insert(found.end(), polygons.begin(), polygons.end());
+  choose(findPolygons(sides, params.polygons, scratch), 1, params, found);
   for (const FloorEdge& stripe : lines) found.push_back(stripePrimitive(stripe));
   return found;
 }
@@ -94,19 +94,19 @@ bool sameShape(const Primitive& a, const Primitive& b, const PrimitiveParams& pa
   return std::abs(std::sin(a.heading_rad - b.heading_rad)) < 0.3;  // crossing lines may have one middle
 }
 
-std::vector<Primitive> findPrimitives(std::span<const MemorySegment> segments,
-                                      const PrimitiveParams& params) {
-  std::vector<Primitive> found = findAmong(floorEdges(segments, params.confirmed_only), params);
+Shapes findPrimitives(std::span<const MemorySegment> segments, const PrimitiveParams& params,
+                      std::pmr::memory_resource* scratch) {
+  const Trust least = params.confirmed_only ? Trust::kConfirmed : Trust::kAny;
+  Shapes found = findAmong(floorEdges(segments, least, scratch), params);
   if (!params.confirmed_only) return found;
 
   // An unconfirmed labelled segment may close a shape of confirmed ones: an edge off the floor would not
   // fit.
   const auto is_stripe = [](const Primitive& shape) { return shape.kind == PrimitiveKind::kStripe; };
-  std::vector<Primitive> closed;
-  std::remove_copy_if(found.begin(), found.end(), std::back_inserter(closed), is_stripe);
-  std::vector<MemorySegment> labelled(segments.begin(), segments.end());
-  std::erase_if(labelled, [](const MemorySegment& s) { return !s.confirmed && s.label == kUnknownLabel; });
-  std::vector<Primitive> more = findAmong(without(floorEdges(labelled, false), closed), params);
+  Shapes closed(scratch);
+  std::ranges::remove_copy_if(found, std::back_inserter(closed), is_stripe);
+  Shapes more =
+      findAmong(without(floorEdges(segments, Trust::kLabelledOrConfirmed, scratch), closed), params);
   std::erase_if(more, [&](const Primitive& shape) {
     const bool known = std::any_of(closed.begin(), closed.end(), [&](const Primitive& better) {
       return better.kind == shape.kind && (better.centre - shape.centre).norm() <= params.same_place_m;
@@ -118,7 +118,7 @@ std::vector<Primitive> findPrimitives(std::span<const MemorySegment> segments,
              return shareIds(shape.segments, better.segments);
            });
   });
-  found.insert(found.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  found.insert(found.end(), more.begin(), more.end());
   return found;
 }
 

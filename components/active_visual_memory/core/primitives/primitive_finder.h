@@ -2,8 +2,8 @@
 /// Pure. Implements M8.
 #pragma once
 
+#include <memory_resource>
 #include <span>
-#include <vector>
 
 #include "active_visual_memory/core/primitives/finders.h"
 #include "common/visual_memory/memory_snapshot.h"
@@ -25,7 +25,8 @@ struct PrimitiveParams {
 /// Shapes without id, life and stamps: circles, then arrows, polygons and stripes of the remaining segments.
 /// Of two readings of the same segments the better one is kept. Confirmed segments come first; labelled
 /// unconfirmed ones may complete a shape.
-std::vector<Primitive> findPrimitives(std::span<const MemorySegment> segments, const PrimitiveParams& params);
+Shapes findPrimitives(std::span<const MemorySegment> segments, const PrimitiveParams& params,
+                      std::pmr::memory_resource* scratch);
 
 /// Whether two findings are one shape: of one kind, at one place, of one size.
 bool sameShape(const Primitive& a, const Primitive& b, const PrimitiveParams& params);

@@ -35,7 +35,8 @@ void alignVertices(const Primitive& known, Primitive& found) {
 
 }  // namespace
 
-void PrimitiveTracker::take(Entry& entry, Primitive found, double dt_s) const {
+void PrimitiveTracker::take(Entry& entry, const Primitive& seen, double dt_s) const {
+  Primitive found = seen;
   Primitive& known = entry.value;
   ++entry.findings;
   const double weight = std::max(params_.smoothing, 1.0 / entry.findings);
@@ -61,37 +62,31 @@ void PrimitiveTracker::take(Entry& entry, Primitive found, double dt_s) const {
   known.quality += weight * (found.quality - known.quality);
   // An observed corner stays known; until then the hypothesis follows the findings.
   known.hidden_vertex = was_seen ? -1 : found.hidden_vertex;
-  known.segments = std::move(found.segments);
+  known.segments = found.segments;
   known.life = std::min(params_.max_life, known.life + params_.gain_per_s * dt_s);
 }
 
-std::vector<std::optional<Segment2>> PrimitiveTracker::placesOf(const Primitive& shape,
-                                                                std::span<const MemorySegment> segments) {
-  std::vector<std::optional<Segment2>> places(shape.segments.size());
-  for (const MemorySegment& segment : segments) {
-    const auto id = std::lower_bound(shape.segments.begin(), shape.segments.end(), segment.id);
-    if (id == shape.segments.end() || *id != segment.id) continue;
-    places[static_cast<std::size_t>(id - shape.segments.begin())] = segment.odom.floor();
-  }
-  return places;
+const Segment2* PrimitiveTracker::find(const Places& places, std::uint64_t segment) {
+  const auto place = std::ranges::lower_bound(places, segment, {}, &Place::segment);
+  return place != places.end() && place->segment == segment ? &place->odom : nullptr;
 }
 
-/// Moves a shape by the least-squares rigid motion of its segments' lines; their extents may change.
-void PrimitiveTracker::follow(Primitive& shape, const std::vector<std::optional<Segment2>>& before,
-                              const std::vector<std::optional<Segment2>>& now) {
+void PrimitiveTracker::follow(Primitive& shape) const {
   // A small prior on no motion makes the problem regular.
   constexpr double kRest = 1e-3;
   Eigen::Matrix3d normal = kRest * Eigen::Matrix3d::Identity();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < before.size() && i < now.size(); ++i) {
-    if (!before[i] || !now[i]) continue;
-    const Eigen::Vector2d along = (now[i]->b - now[i]->a).normalized();
+  for (const std::uint64_t segment : shape.segments) {
+    const Segment2* const before = find(before_, segment);
+    const Segment2* const now = find(places_, segment);
+    if (!before || !now) continue;
+    const Eigen::Vector2d along = (now->b - now->a).normalized();
     const Eigen::Vector2d across = turned90(along);
-    for (const Eigen::Vector2d& p : {before[i]->a, before[i]->b}) {
+    for (const Eigen::Vector2d& p : {before->a, before->b}) {
       const Eigen::Vector2d arm = p - shape.centre;
       const Eigen::Vector3d row(across.x(), across.y(), across.dot(turned90(arm)));
       normal += row * row.transpose();
-      right += across.dot(now[i]->a - p) * row;
+      right += across.dot(now->a - p) * row;
     }
   }
   const Eigen::Vector3d motion = normal.ldlt().solve(right);
@@ -112,8 +107,13 @@ bool PrimitiveTracker::update(StampUs stamp_us, std::span<const MemorySegment> s
   has_last_ = true;
   last_us_ = stamp_us;
 
-  std::vector<Primitive> found = findPrimitives(segments, params_.finder);
-  std::vector<bool> taken(found.size(), false);
+  scratch_.release();
+  const Shapes found = findPrimitives(segments, params_.finder, scratch_.resource());
+  std::pmr::vector<bool> taken(found.size(), false, scratch_.resource());
+  before_.swap(places_);
+  places_.clear();
+  for (const MemorySegment& segment : segments) places_.push_back({segment.id, segment.odom.floor()});
+  std::ranges::sort(places_, {}, &Place::segment);
   for (Entry& entry : entries_) {
     int best = -1;
     double nearest = std::numeric_limits<double>::max();
@@ -127,16 +127,13 @@ bool PrimitiveTracker::update(StampUs stamp_us, std::span<const MemorySegment> s
     }
     if (best >= 0) {
       taken[best] = true;
-      take(entry, std::move(found[best]), dt_s);
-      entry.places = placesOf(entry.value, segments);
+      take(entry, found[best], dt_s);
       entry.value.last_seen_us = stamp_us;
       continue;
     }
-    const auto places = placesOf(entry.value, segments);
-    const auto alive =
-        std::count_if(places.begin(), places.end(), [](const auto& p) { return p.has_value(); });
-    follow(entry.value, entry.places, places);
-    entry.places = places;
+    follow(entry.value);
+    const auto alive = std::ranges::count_if(
+        entry.value.segments, [&](std::uint64_t segment) { return find(places_, segment) != nullptr; });
     if (2 * alive < static_cast<std::ptrdiff_t>(entry.value.segments.size())) {
       entry.value.life -= params_.loss_per_s * dt_s;
     }
@@ -144,58 +141,44 @@ bool PrimitiveTracker::update(StampUs stamp_us, std::span<const MemorySegment> s
   std::erase_if(entries_, [](const Entry& entry) { return entry.value.life <= 0.0; });
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (taken[i]) continue;
-    Entry entry;
-    entry.value = std::move(found[i]);
-    entry.value.id = next_id_++;
-    entry.value.life = params_.gain_per_s * dt_s;
-    entry.value.first_seen_us = entry.value.last_seen_us = stamp_us;
-    entry.findings = 1;
-    entry.places = placesOf(entry.value, segments);
-    entries_.push_back(std::move(entry));
+    Primitive& shape = entries_.emplace_back(Entry{found[i], 1}).value;
+    shape.id = next_id_++;
+    shape.life = params_.gain_per_s * dt_s;
+    shape.first_seen_us = shape.last_seen_us = stamp_us;
   }
+  publish();
   return true;
 }
 
-std::vector<Primitive> PrimitiveTracker::published() const {
-  std::vector<Primitive> shapes;
-  for (const Entry& entry : entries_) {
-    if (isPublished(entry)) shapes.push_back(entry.value);
-  }
-  return shapes;
-}
-
-std::vector<VertexHypothesis> PrimitiveTracker::hypotheses() const {
-  std::vector<VertexHypothesis> corners;
-  for (const Entry& entry : entries_) {
-    if (!isPublished(entry) || entry.value.hidden_vertex < 0) continue;
-    corners.push_back(
-        {entry.value.id, entry.value.vertices[static_cast<std::size_t>(entry.value.hidden_vertex)]});
-  }
-  return corners;
-}
-
-std::vector<SideCompletion> PrimitiveTracker::completions(std::span<const MemorySegment> segments) const {
-  const PolygonParams& polygons = params_.finder.polygons;
-  std::vector<SideCompletion> completions;
+void PrimitiveTracker::publish() {
+  published_.clear();
+  hypotheses_.clear();
   for (const Entry& entry : entries_) {
     const Primitive& shape = entry.value;
-    const bool outline =
-        shape.kind == PrimitiveKind::kParallelogram || shape.kind == PrimitiveKind::kTriangle;
-    if (!isPublished(entry) || !outline) continue;
+    if (shape.life < params_.published_life) continue;
+    published_.push_back(shape);
+    if (shape.hidden_vertex < 0) continue;
+    hypotheses_.push_back({shape.id, shape.vertices[static_cast<std::size_t>(shape.hidden_vertex)]});
+  }
+}
+
+std::pmr::vector<SideCompletion> PrimitiveTracker::completions(std::pmr::memory_resource* scratch) const {
+  const PolygonParams& polygons = params_.finder.polygons;
+  const double reach = polygons.broken_offset_m + polygons.corner_gap_m;
+  std::pmr::vector<SideCompletion> completions(scratch);
+  for (const Primitive& shape : published_) {
+    if (shape.kind != PrimitiveKind::kParallelogram && shape.kind != PrimitiveKind::kTriangle) continue;
     const std::size_t n = shape.vertices.size();
     for (std::size_t i = 0; i < n; ++i) {
-      const Segment2 side{shape.vertices[i], shape.vertices[(i + 1) % n]};
-      SideCompletion completion{side, {}};
-      for (const MemorySegment& segment : segments) {
-        if (!std::binary_search(shape.segments.begin(), shape.segments.end(), segment.id)) continue;
-        const Segment2 floor = segment.odom.floor();
-        const bool along = lineAngleDifference(floor.direction(), side.direction()) <= polygons.parallel_rad;
-        const double reach = polygons.broken_offset_m + polygons.corner_gap_m;
-        if (along && distanceToLine(floor.middle(), side) <= reach) completion.segments.push_back(segment.id);
+      SideCompletion completion{{shape.vertices[i], shape.vertices[(i + 1) % n]}, {}};
+      const Segment2& side = completion.side;
+      for (const std::uint64_t segment : shape.segments) {
+        const Segment2* const place = find(places_, segment);
+        if (!place || lineAngleDifference(place->direction(), side.direction()) > polygons.parallel_rad)
+          continue;
+        if (distanceToLine(place->middle(), side) <= reach) completion.segments.push_back(segment);
       }
-      if (completion.segments.size() < 2) continue;
-      std::sort(completion.segments.begin(), completion.segments.end());
-      completions.push_back(std::move(completion));
+      if (completion.segments.size() >= 2) completions.push_back(completion);
     }
   }
   return completions;
@@ -203,6 +186,8 @@ std::vector<SideCompletion> PrimitiveTracker::completions(std::span<const Memory
 
 void PrimitiveTracker::clear() {
   entries_.clear();
+  places_.clear();
+  publish();
   has_last_ = false;
 }
 

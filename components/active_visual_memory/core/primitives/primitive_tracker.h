@@ -3,13 +3,13 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "active_visual_memory/core/memory/memory_element.h"
 #include "active_visual_memory/core/primitives/primitive_finder.h"
 #include "common/config/parameter_visitor.h"
+#include "common/memory/scratch.h"
 
 namespace vismem {
 
@@ -40,11 +40,12 @@ class PrimitiveTracker {
   /// @return true if shapes were searched for.
   bool update(StampUs stamp_us, std::span<const MemorySegment> segments);
 
-  /// The published shapes, oldest first.
-  std::vector<Primitive> published() const;
-  std::vector<VertexHypothesis> hypotheses() const;
-  /// Of published parallelograms and triangles: the sides that consist of several segments.
-  std::vector<SideCompletion> completions(std::span<const MemorySegment> segments) const;
+  /// The published shapes, oldest first. Until the next update.
+  const std::vector<Primitive>& published() const { return published_; }
+  const std::vector<VertexHypothesis>& hypotheses() const { return hypotheses_; }
+  /// Of published parallelograms and triangles: the sides that consist of several segments of the last
+  /// update.
+  std::pmr::vector<SideCompletion> completions(std::pmr::memory_resource* scratch) const;
 
   void clear();
 
@@ -52,18 +53,25 @@ class PrimitiveTracker {
   struct Entry {
     Primitive value;
     int findings = 0;
-    /// Where its segments were at the last update, as value.segments.
-    std::vector<std::optional<Segment2>> places;
   };
-  void take(Entry& entry, Primitive found, double dt_s) const;
-  static std::vector<std::optional<Segment2>> placesOf(const Primitive& shape,
-                                                       std::span<const MemorySegment> segments);
-  static void follow(Primitive& shape, const std::vector<std::optional<Segment2>>& before,
-                     const std::vector<std::optional<Segment2>>& now);
-  bool isPublished(const Entry& entry) const { return entry.value.life >= params_.published_life; }
+  struct Place {
+    std::uint64_t segment = 0;
+    Segment2 odom;
+  };
+  using Places = std::vector<Place>;  ///< sorted
+  static const Segment2* find(const Places& places, std::uint64_t segment);
+  void take(Entry& entry, const Primitive& found, double dt_s) const;
+  /// Moves a shape by the least-squares rigid motion of its segments' lines; their extents may change.
+  void follow(Primitive& shape) const;
+  void publish();
 
   Params params_;
   std::vector<Entry> entries_;
+  Places places_;  ///< of all segments
+  Places before_;  ///< the same at the update before
+  std::vector<Primitive> published_;
+  std::vector<VertexHypothesis> hypotheses_;
+  Scratch scratch_;  ///< of one update
   std::uint64_t next_id_ = 1;
   bool has_last_ = false;
   StampUs last_us_ = 0;

@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
-#include <utility>
+#include <ranges>
 
 #include "active_visual_memory/core/memory/duplicates.h"
 #include "active_visual_memory/core/primitives/finders.h"
@@ -12,7 +13,8 @@ namespace vismem {
 namespace {
 
 /// The stripe of two edges, if they are its two edges.
-std::optional<FloorEdge> between(const FloorEdge& a, const FloorEdge& b, const StripeParams& params) {
+std::optional<FloorEdge> between(const FloorEdge& a, const FloorEdge& b, const StripeParams& params,
+                                 std::pmr::memory_resource* scratch) {
   if (!labelsCompatible(a.label, b.label)) return std::nullopt;
   const auto beside = antiparallel(a.line, b.line, params.max_angle_rad);
   if (!beside || beside->overlap_m() < params.min_overlap * std::min(a.length, b.length)) return std::nullopt;
@@ -26,11 +28,12 @@ std::optional<FloorEdge> between(const FloorEdge& a, const FloorEdge& b, const S
   const double to = std::max(t(a.line.b), t(b.line.a));
   if (to - from < params.min_slenderness * width) return std::nullopt;
   return makeFloorEdge({base + from * along, base + to * along}, a.label == kUnknownLabel ? b.label : a.label,
-                       joinedIds(a.segments, b.segments), width);
+                       joinedIds(a.segments, b.segments, scratch), width);
 }
 
 /// Two pieces of one line as one, if they are such. @param a  the longer one.
-std::optional<FloorEdge> joined(const FloorEdge& a, const FloorEdge& b, const StripeParams& params) {
+std::optional<FloorEdge> joined(const FloorEdge& a, const FloorEdge& b, const StripeParams& params,
+                                std::pmr::memory_resource* scratch) {
   const Neighbourhood near = neighbourhood(a.line, b.line);
   if (near.angle_rad > params.max_angle_rad || near.distance_m > params.max_offset_m ||
       near.gap_m > params.max_gap_m ||
@@ -44,36 +47,41 @@ std::optional<FloorEdge> joined(const FloorEdge& a, const FloorEdge& b, const St
   const auto [from, to] = std::minmax({along.dot(a.line.a - middle), along.dot(a.line.b - middle),
                                        along.dot(b.line.a - middle), along.dot(b.line.b - middle)});
   return makeFloorEdge({middle + from * along, middle + to * along}, a.label,
-                       joinedIds(a.segments, b.segments),
+                       joinedIds(a.segments, b.segments, scratch),
                        (a.length * a.width_m + b.length * b.width_m) / total);
+}
+
+/// Inserts an edge behind those that are as long.
+void insertByLength(FloorEdges& edges, const FloorEdge& edge) {
+  edges.insert(std::ranges::upper_bound(edges, edge.length, std::greater<>(), &FloorEdge::length), edge);
 }
 
 }  // namespace
 
-std::vector<FloorEdge> findStripes(const std::vector<FloorEdge>& edges, const StripeParams& params) {
-  std::vector<FloorEdge> stripes;
+FloorEdges findStripes(std::span<const FloorEdge> edges, const StripeParams& params,
+                       std::pmr::memory_resource* scratch) {
+  // Longest first, so that the pieces join what they belong to.
+  FloorEdges stripes(scratch);
   for (std::size_t i = 0; i < edges.size(); ++i) {
     for (std::size_t j = i + 1; j < edges.size(); ++j) {
-      if (auto stripe = between(edges[i], edges[j], params)) stripes.push_back(std::move(*stripe));
+      if (const auto stripe = between(edges[i], edges[j], params, scratch)) insertByLength(stripes, *stripe);
     }
   }
-  // Longest first, so that the pieces join what they belong to.
-  const auto longer = [](const FloorEdge& a, const FloorEdge& b) { return a.length > b.length; };
-  std::stable_sort(stripes.begin(), stripes.end(), longer);
   for (bool again = true; again;) {
     again = false;
     for (std::size_t i = 0; i < stripes.size() && !again; ++i) {
       for (std::size_t j = i + 1; j < stripes.size() && !again; ++j) {
-        if (auto one = joined(stripes[i], stripes[j], params)) {
-          stripes[i] = std::move(*one);
+        if (const auto one = joined(stripes[i], stripes[j], params, scratch)) {
+          stripes[i] = *one;
           stripes.erase(stripes.begin() + static_cast<std::ptrdiff_t>(j));
           again = true;
         }
       }
     }
   }
-  std::stable_sort(stripes.begin(), stripes.end(), longer);
-  return stripes;
+  FloorEdges sorted(scratch);
+  for (const FloorEdge& stripe : stripes) insertByLength(sorted, stripe);
+  return sorted;
 }
 
 Primitive stripePrimitive(const FloorEdge& stripe) {
@@ -86,7 +94,7 @@ Primitive stripePrimitive(const FloorEdge& stripe) {
   primitive.length_m = stripe.length;
   primitive.width_m = stripe.width_m;
   primitive.quality = 1.0;
-  primitive.segments = stripe.segments;
+  primitive.segments.assign(stripe.segments.begin(), stripe.segments.end());
   return primitive;
 }
 

@@ -3,38 +3,47 @@
 
 #include <gtest/gtest.h>
 
+#include "active_visual_memory/floor_edges.h"
+
 namespace vismem {
 namespace {
 
+using testing::edge;
+using testing::listed;
+using testing::scratch;
+
 TEST(FloorEdge, IsMadeOfASegmentOfSomeLength) {
-  const auto edge = makeFloorEdge({{1.0, 1.0}, {4.0, 5.0}}, "line", {7});
+  const auto edge = makeFloorEdge({{1.0, 1.0}, {4.0, 5.0}}, "line", {});
   ASSERT_TRUE(edge);
   EXPECT_DOUBLE_EQ(edge->length, 5.0);
   EXPECT_TRUE(edge->along.isApprox(Eigen::Vector2d(0.6, 0.8)));
   EXPECT_TRUE(edge->inward(0).isApprox(edge->along));
   EXPECT_TRUE(edge->inward(1).isApprox(-edge->along));
   EXPECT_FALSE(edge->isStripe());
-  EXPECT_FALSE(makeFloorEdge({{1.0, 1.0}, {1.0, 1.0}}, "line", {7}));
+  EXPECT_FALSE(makeFloorEdge({{1.0, 1.0}, {1.0, 1.0}}, "line", {}));
 }
 
 TEST(FloorEdge, IntersectionIsThatOfTheInfiniteLines) {
-  const auto a = *makeFloorEdge({{0.0, 0.0}, {1.0, 0.0}}, "line", {1});
-  const auto b = *makeFloorEdge({{3.0, -2.0}, {3.0, -1.0}}, "line", {2});
+  const auto a = edge(1, {{0.0, 0.0}, {1.0, 0.0}});
+  const auto b = edge(2, {{3.0, -2.0}, {3.0, -1.0}});
   const auto point = intersection(a, b);
   ASSERT_TRUE(point);
   EXPECT_TRUE(point->isApprox(Eigen::Vector2d(3.0, 0.0)));
-  const auto parallel = *makeFloorEdge({{0.0, 1.0}, {1.0, 1.005}}, "line", {3});
+  const auto parallel = edge(3, {{0.0, 1.0}, {1.0, 1.005}});
   EXPECT_FALSE(intersection(a, parallel)) << "0.005 rad";
 }
 
 TEST(FloorEdge, IdsAreJoinedSortedAndCompared) {
-  EXPECT_EQ(joinedIds({1, 4, 9}, {2, 4}), (std::vector<std::uint64_t>{1, 2, 4, 9}));
-  EXPECT_TRUE(shareIds({1, 4, 9}, {2, 4}));
-  EXPECT_FALSE(shareIds({1, 5, 9}, {2, 4}));
-  EXPECT_FALSE(shareIds({}, {2, 4}));
+  const std::vector<std::uint64_t> three{1, 4, 9};
+  const std::vector<std::uint64_t> others{1, 5, 9};
+  const std::vector<std::uint64_t> two{2, 4};
+  EXPECT_EQ(listed(joinedIds(three, two, scratch())), (std::vector<std::uint64_t>{1, 2, 4, 9}));
+  EXPECT_TRUE(shareIds(three, two));
+  EXPECT_FALSE(shareIds(others, two));
+  EXPECT_FALSE(shareIds({}, two));
 }
 
-TEST(FloorEdge, ConfirmedOnlyLeavesOutTheRest) {
+TEST(FloorEdge, SegmentsOfLessTrustAreLeftOut) {
   MemorySegment confirmed;
   confirmed.id = 1;
   confirmed.confirmed = true;
@@ -42,10 +51,15 @@ TEST(FloorEdge, ConfirmedOnlyLeavesOutTheRest) {
   MemorySegment other = confirmed;
   other.id = 2;
   other.confirmed = false;
-  const std::vector<MemorySegment> segments{confirmed, other};
-  EXPECT_EQ(floorEdges(segments, true).size(), 1U);
-  ASSERT_EQ(floorEdges(segments, false).size(), 2U);
-  EXPECT_EQ(floorEdges(segments, false)[1].segments, (std::vector<std::uint64_t>{2}));
+  MemorySegment labelled = other;
+  labelled.id = 3;
+  labelled.label = "line";
+  const std::vector<MemorySegment> segments{confirmed, other, labelled};
+  const auto kept = [&](Trust least) { return floorEdges(segments, least, scratch()); };
+  EXPECT_EQ(kept(Trust::kConfirmed).size(), 1U);
+  EXPECT_EQ(kept(Trust::kAny).size(), 3U);
+  ASSERT_EQ(kept(Trust::kLabelledOrConfirmed).size(), 2U);
+  EXPECT_EQ(listed(kept(Trust::kLabelledOrConfirmed)[1].segments), (std::vector<std::uint64_t>{3}));
 }
 
 }  // namespace

@@ -144,7 +144,7 @@ TEST(PrimitiveTracker, ReportsThePiecesOfABrokenSide) {
   ASSERT_EQ(floor.segments().size(), 6u);
   PrimitiveTracker memory(memoryParams());
   for (StampUs t = 0; t <= 1'000'000; t += 200'000) memory.update(t, floor.segments());
-  const auto completions = memory.completions(floor.segments());
+  const auto completions = memory.completions(std::pmr::get_default_resource());
   ASSERT_EQ(completions.size(), 3u);
   for (const SideCompletion& c : completions) {
     EXPECT_EQ(c.segments.size(), 2u);
