@@ -72,8 +72,10 @@ Surroundings lookAround(const Segment2& end, const PublishedEdge& one, const Pub
   for (MemorySegment& segment : segments) {
     if (&segment == one.published || &segment == other.published) continue;
     const Segment2 floor = segment.odom.floor();
+    const double distance = distanceToSegment(end.middle(), floor);
+    if (distance > kContinuation_m + kNeighbour_m + width) continue;  // too far for either
     if (lineAngleDifference(floor.direction(), end.direction()) < kAcross_rad) {
-      if (distanceToSegment(end.middle(), floor) > kNeighbour_m) continue;
+      if (distance > kNeighbour_m) continue;
       const bool is_short = floor.length() <= 1.8 * width + 0.04;
       if (is_short && !segment.confirmed) {
         found.replaced.push_back(segment.id);

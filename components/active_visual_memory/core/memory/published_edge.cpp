@@ -20,7 +20,13 @@ std::pmr::vector<PublishedEdge> publishedEdges(std::vector<MemorySegment>& segme
                                                std::pmr::memory_resource* scratch) {
   std::pmr::vector<PublishedEdge> edges(scratch);
   edges.reserve(segments.size());
-  for (MemorySegment& segment : segments) edges.emplace_back(segment, findElement(elements, segment.id));
+  auto next = elements.begin();  // most segments come in the order of the elements
+  for (MemorySegment& segment : segments) {
+    const bool is_next = next != elements.end() && next->value.id == segment.id;
+    const MemoryElement* const element = is_next ? &*next : findElement(elements, segment.id);
+    if (element) next = elements.begin() + (element - elements.data() + 1);
+    edges.emplace_back(segment, element);
+  }
   return edges;
 }
 

@@ -108,7 +108,6 @@ class SegmentMemory {
   /// @param filter  that is updated; null: preview only.
   std::optional<Correction> updateMapFilter(const Associations& associations, const View& view,
                                             MapFilter* filter) const;
-  void applyLineCorrections();
   void correctSlip(const View& view, const std::vector<FloorSegment>& floor);
   void removeStaleLines();
   void join(MemoryElement& element, const MemoryElement& other);

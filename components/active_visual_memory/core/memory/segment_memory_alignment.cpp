@@ -73,9 +73,16 @@ void SegmentMemory::correct(const Associations& associations, std::vector<FloorS
 void SegmentMemory::applyCorrection(const Correction& correction, std::vector<FloorSegment>& floor,
                                     View& view) {
   transformAll(correction.motion);
-  applyLineCorrections();
+  std::pmr::vector<bool> in_filter(elements_.size(), false, scratch_.resource());
+  for (const LineCorrection& line : map_filter_.lineCorrections()) {
+    MemoryElement* const element = findElement(elements_, line.line);
+    if (!element) continue;
+    element->line.correct(line.reference, line.offset_m, line.turn_rad);
+    element->line.know(line.reference, line.P, line.J);
+    in_filter[element - elements_.data()] = true;
+  }
   for (MemoryElement& element : elements_) {
-    if (inFilter(element)) {
+    if (in_filter[&element - elements_.data()]) {
       element.line.tiltExtent(correction.camera_tilt);
     } else {
       element.line.applyTiltChange(correction.camera_tilt);

@@ -84,13 +84,4 @@ void SegmentMemory::join(MemoryElement& element, const MemoryElement& other) {
   absorb(element, other, params_.line);
 }
 
-void SegmentMemory::applyLineCorrections() {
-  for (const LineCorrection& correction : map_filter_.lineCorrections()) {
-    MemoryElement* element = findElement(elements_, correction.line);
-    if (!element) continue;
-    element->line.correct(correction.reference, correction.offset_m, correction.turn_rad);
-    element->line.know(correction.reference, correction.P, correction.J);
-  }
-}
-
 }  // namespace vismem
