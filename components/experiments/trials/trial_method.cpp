@@ -49,13 +49,10 @@ std::vector<Ablation> ablations(const LocalizerParams& base) {
   };
   without("no_direction_gate", [](auto& p) { p.robust.likelihood.direction_gate = false; });
   without("no_bound", [](auto& p) { p.robust.likelihood.bounded = false; });
-  without("no_refinement", [](auto& p) { p.robust.filter.refinement_steps = 0; });
   without("no_ends", [](auto& p) { p.robust.observation.end_metres = 0.0; });
-  without("no_kalman", [](auto& p) { p.robust.filter.kalman = false; });
   without("no_odometry_calibration", [](auto& p) { p.robust.filter.odometry_bias.setZero(); });
   without("no_score_history", [](auto& p) { p.robust.history.forgetting = 0.0; });
   without("no_hysteresis", [](auto& p) { p.robust.evidence.lead = 0.0; });
-  without("no_validity", [](auto& p) { p.robust.reliability.validity = false; });
   without("no_constructed", [](auto& p) { p.robust.explorers.constructed_share = 0.0; });
   without("no_age_weight", [](auto& p) { p.robust.observation.half_life_s = 0.0; });
   without("no_camera_tilt",

@@ -28,7 +28,7 @@ void reportOdometry(const OdometryBias& bias, StatusBoard& status) {
   report("odometry distance scale error", 2, 100.0, "%");
 }
 
-class LocalizationComponent final : public Component, public LocalizationControl {
+class LocalizationComponent final : public Component, public PoseCommands {
  public:
   LocalizationComponent(LocalizationConfig config, LoadedMap loaded, avm::MapContents map)
       : config_(std::move(config)),
@@ -74,7 +74,8 @@ class LocalizationComponent final : public Component, public LocalizationControl
           host.status().count("estimates");
           host.status().latency("step", step_s);
           if (estimate.odometry) reportOdometry(*estimate.odometry, host.status());
-          estimates_.publish(estimate);
+          estimates_.publish(std::make_shared<const PoseEstimate>(estimate),
+                             static_cast<std::int64_t>(estimate.revision));
         },
         [this, &host](SourceState state, const std::string& why) {
           if (state == SourceState::kRunning) {
@@ -103,10 +104,6 @@ class LocalizationComponent final : public Component, public LocalizationControl
     estimates_.stop();
   }
 
-  std::optional<PoseEstimate> latest() const override { return estimates_.latest(); }
-  std::optional<PoseEstimate> next(std::uint64_t after_revision, std::chrono::milliseconds timeout) override {
-    return estimates_.next(after_revision, timeout);
-  }
   PortReply setPose(const Pose2& T_world_robot) override { return loop_->setPose(T_world_robot); }
   PortReply relocalize() override { return loop_->relocalize(); }
 
@@ -163,7 +160,7 @@ class LocalizationComponent final : public Component, public LocalizationControl
   MapWatch watch_;                      ///< the loop's thread after start()
   std::optional<GazePlanner> planner_;  ///< until start(), then the loop's
   bool planner_wanted_ = false;
-  EstimateBroadcaster estimates_;
+  LatestEstimate estimates_{"no estimate yet"};
   std::unique_ptr<VisualMemoryClient> memory_;
   std::unique_ptr<GazeSender> gaze_;        ///< null: no gaze requests
   std::unique_ptr<LocalizationLoop> loop_;  ///< its thread uses all of the above

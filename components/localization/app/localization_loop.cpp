@@ -146,7 +146,7 @@ void LocalizationLoop::run(const std::stop_token& stop) {
     const auto spent_s = [&begin] {
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     };
-    const PoseEstimate estimate = localizer_.update(result.update);
+    const PoseEstimate& estimate = localizer_.update(result.update);
     if (estimate.revision == before) continue;
     const double step_s = spent_s();
     {

@@ -82,10 +82,6 @@ Localizer::Localizer(const LocalizerParams& params, const SegmentMap& map_edges,
       table_(params.races),
       engine_(seed) {}
 
-Localizer::~Localizer() = default;
-Localizer::Localizer(Localizer&&) noexcept = default;
-Localizer& Localizer::operator=(Localizer&&) noexcept = default;
-
 const PoseEstimate& Localizer::update(const MemoryUpdate& update) {
   const MemorySnapshot& snapshot = *update.snapshot;
   if (has_last_) {

@@ -52,9 +52,6 @@ class Localizer {
  public:
   /// @param map_edges the map with its stripes expanded to edges.
   Localizer(const LocalizerParams& params, const SegmentMap& map_edges, std::uint64_t seed);
-  ~Localizer();
-  Localizer(Localizer&&) noexcept;
-  Localizer& operator=(Localizer&&) noexcept;
 
   /// Predicts the races by odometry to the update's stamp and, once per tick of stamps, runs an iteration
   /// (L2). The pose belongs to the stamp of the update's image: a late image is rated at the robot's pose of

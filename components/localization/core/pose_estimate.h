@@ -47,19 +47,24 @@ struct PoseEstimate {
   std::optional<OdometryBias> odometry;  ///< empty: not estimated
 };
 
-/// Access to the estimate, and commands that replace it.
-class LocalizationControl {
+/// Commands that replace the estimate.
+class PoseCommands {
  public:
-  virtual ~LocalizationControl() = default;
+  virtual ~PoseCommands() = default;
+  /// Replaces all races by one at this pose, with the reliability that the last observation supports.
+  virtual PortReply setPose(const Pose2& T_world_robot) = 0;
+  /// Deletes all races and searches the whole map.
+  virtual PortReply relocalize() = 0;
+};
+
+/// Access to the estimate, and the commands.
+class LocalizationControl : public PoseCommands {
+ public:
   /// The newest estimate; empty before the first.
   virtual std::optional<PoseEstimate> latest() const = 0;
   /// The newest estimate with a revision above `after_revision`; waits at most `timeout`; empty if none came.
   virtual std::optional<PoseEstimate> next(std::uint64_t after_revision,
                                            std::chrono::milliseconds timeout) = 0;
-  /// Replaces all races by one at this pose, with the reliability that the last observation supports.
-  virtual PortReply setPose(const Pose2& T_world_robot) = 0;
-  /// Deletes all races and searches the whole map.
-  virtual PortReply relocalize() = 0;
 };
 
 }  // namespace vismem

@@ -118,34 +118,16 @@ std::optional<HealthMap> fromIce(const avm::HealthGrid& map) {
   return result;
 }
 
-void EstimateBroadcaster::publish(PoseEstimate estimate) {
-  const auto revision = static_cast<std::int64_t>(estimate.revision);
-  newest_.publish(std::make_shared<const PoseEstimate>(std::move(estimate)), revision);
-}
-
-std::optional<PoseEstimate> EstimateBroadcaster::latest() const {
-  const auto newest = newest_.latest();
-  if (!newest) return std::nullopt;
-  return *newest;
-}
-
-std::optional<PoseEstimate> EstimateBroadcaster::next(std::uint64_t after_revision,
-                                                      std::chrono::milliseconds timeout) const {
-  const auto reading = newest_.waitOther(known(static_cast<std::int64_t>(after_revision)), timeout);
-  if (!reading.value) return std::nullopt;
-  return *reading.value;
-}
-
 avm::PoseEstimate LocalizationServant::latest(const Ice::Current&) {
-  const auto newest = estimates_.stream().latest();
-  if (!newest) throw avm::NotAvailable(estimates_.stream().message());
+  const auto newest = estimates_.latest();
+  if (!newest) throw avm::NotAvailable(estimates_.message());
   return toIce(*newest);
 }
 
 void LocalizationServant::nextAsync(Ice::Long after_revision,
                                     std::function<void(const avm::EstimateResult&)> response,
                                     std::function<void(std::exception_ptr)> exception, const Ice::Current&) {
-  estimates_.stream().whenOther(
+  estimates_.whenOther(
       known(after_revision), kLongPollWait,
       [response = std::move(response), exception = std::move(exception)](const auto& reading) {
         try {
@@ -161,11 +143,11 @@ avm::CommandReply LocalizationServant::setPose(avm::Pose2 T_world_robot, const I
   requireFinite("robotInWorld.x", T_world_robot.x);
   requireFinite("robotInWorld.y", T_world_robot.y);
   requireFinite("robotInWorld.theta", T_world_robot.theta);
-  return toIce(control_.setPose(fromIce(T_world_robot)));
+  return toIce(commands_.setPose(fromIce(T_world_robot)));
 }
 
 avm::CommandReply LocalizationServant::relocalize(const Ice::Current&) {
-  return toIce(control_.relocalize());
+  return toIce(commands_.relocalize());
 }
 
 void LocalizationServant::healthMapAsync(avm::HealthMapRequest request,
@@ -189,7 +171,7 @@ void LocalizationServant::healthMapAsync(avm::HealthMapRequest request,
 }
 
 std::shared_ptr<jderobot::Pose3DData> LocalizationServant::getPose3DData(const Ice::Current&) {
-  const auto newest = estimates_.stream().latest();
+  const auto newest = estimates_.latest();
   if (!newest || !newest->T_world_robot) {
     throw Ice::UnknownException(__FILE__, __LINE__, "localization has no pose yet");
   }
@@ -199,7 +181,7 @@ std::shared_ptr<jderobot::Pose3DData> LocalizationServant::getPose3DData(const I
 int LocalizationServant::setPose3DData(std::shared_ptr<jderobot::Pose3DData> data, const Ice::Current&) {
   if (!data) return -1;
   const auto pose = fromPose3D(*data, pose3d_scale_);
-  return pose && control_.setPose(*pose).ok() ? 0 : -1;
+  return pose && commands_.setPose(*pose).ok() ? 0 : -1;
 }
 
 RemoteLocalization::RemoteLocalization(const std::shared_ptr<avm::LocalizationPrx>& proxy, LinkReport report)

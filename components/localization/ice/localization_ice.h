@@ -1,4 +1,4 @@
-/// @file Localization over Ice: broadcaster, servant, and the client, which is a LocalizationControl again.
+/// @file Localization over Ice: servant and client.
 #pragma once
 
 #include <avm/localization.h>
@@ -27,26 +27,8 @@ avm::HealthGrid toIce(const HealthMap& map);
 /// @return empty unless each place has one finite value.
 std::optional<HealthMap> fromIce(const avm::HealthGrid& map);
 
-/// Distributes the newest estimate from the component's loop to local and remote readers. Revisions start at
-/// 1. *Thread-safe.*
-class EstimateBroadcaster {
- public:
-  using Latest = LatestValue<PoseEstimate>;
-
-  void publish(PoseEstimate estimate);
-  /// No estimate for now, with the reason. kFinished: the recording has ended.
-  void setState(SourceState state, std::string message) { newest_.setState(state, std::move(message)); }
-  /// For the component's own LocalizationControl.
-  std::optional<PoseEstimate> latest() const;
-  std::optional<PoseEstimate> next(std::uint64_t after_revision, std::chrono::milliseconds timeout) const;
-  /// Answers all waiting and all later calls at once.
-  void stop() { newest_.stop(); }
-
-  Latest& stream() { return newest_; }
-
- private:
-  Latest newest_{"no estimate yet"};
-};
+/// The newest estimate, from the component's loop to its clients. Revisions start at 1.
+using LatestEstimate = LatestValue<PoseEstimate>;
 
 /// Computes health maps for the servant. *Thread-safe.*
 class HealthMapSource {
@@ -63,16 +45,15 @@ class HealthMapSource {
   virtual PortReply draw(const HealthMapRequest& request, Done done) = 0;
 };
 
-/// avm::Localization, which includes jderobot::Pose3D. *Thread-safe* if its control is. Control, broadcaster
+/// avm::Localization, which includes jderobot::Pose3D. *Thread-safe* if its commands are. Commands, estimates
 /// and source of health maps must outlive the adapter.
 class LocalizationServant : public avm::Localization {
  public:
-  /// @param control takes setPose and relocalize; reads come from the broadcaster.
   /// @param map as clients get it.
   /// @param pose3d_scale of JdeRobot's positions: 1 for metres, 1000 for millimetre clients.
-  LocalizationServant(LocalizationControl& control, EstimateBroadcaster& estimates,
-                      HealthMapSource& health_maps, avm::MapContents map, double pose3d_scale = 1.0)
-      : control_(control),
+  LocalizationServant(PoseCommands& commands, LatestEstimate& estimates, HealthMapSource& health_maps,
+                      avm::MapContents map, double pose3d_scale = 1.0)
+      : commands_(commands),
         estimates_(estimates),
         health_maps_(health_maps),
         map_(std::move(map)),
@@ -100,8 +81,8 @@ class LocalizationServant : public avm::Localization {
   int setPose3DData(std::shared_ptr<jderobot::Pose3DData> data, const Ice::Current&) override;
 
  private:
-  LocalizationControl& control_;
-  EstimateBroadcaster& estimates_;
+  PoseCommands& commands_;
+  LatestEstimate& estimates_;
   HealthMapSource& health_maps_;
   std::mutex map_mutex_;
   avm::MapContents map_;

@@ -136,7 +136,6 @@ TEST(LocalizationConfig, RemovedKeysAreAcceptedWithAWarningAndHaveNoEffect) {
   EXPECT_NO_THROW(reader.finish());
   const LocalizerParams preset = localizerPreset(LocalizationMode::kDefault);
   EXPECT_EQ(config.params.races.same_place_m, preset.races.same_place_m);
-  EXPECT_TRUE(config.params.robust.filter.kalman);
   const auto warnings = reader.renamedKeys();
   ASSERT_EQ(warnings.size(), 3u);
   for (const Problem& warning : warnings)

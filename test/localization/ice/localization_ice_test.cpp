@@ -102,7 +102,7 @@ TEST(MapIds, DifferForMapsThatDiffer) {
   EXPECT_EQ(ids.size(), 6u);
 }
 
-class LocalizationLoopback : public ::testing::Test, public LocalizationControl, public HealthMapSource {
+class LocalizationLoopback : public ::testing::Test, public PoseCommands, public HealthMapSource {
  protected:
   LocalizationLoopback() {
     server.add("Localization", std::make_shared<LocalizationServant>(*this, estimates, *this, map));
@@ -110,9 +110,9 @@ class LocalizationLoopback : public ::testing::Test, public LocalizationControl,
   }
   ~LocalizationLoopback() override { estimates.stop(); }
 
-  std::optional<PoseEstimate> latest() const override { return estimates.latest(); }
-  std::optional<PoseEstimate> next(std::uint64_t after_revision, std::chrono::milliseconds timeout) override {
-    return estimates.next(after_revision, timeout);
+  void publish(std::uint64_t revision) {
+    estimates.publish(std::make_shared<const PoseEstimate>(estimateWith(revision)),
+                      static_cast<std::int64_t>(revision));
   }
   PortReply setPose(const Pose2& pose) override {
     if (pose.x > 100) return PortReply::rejected("outside the map");
@@ -140,7 +140,7 @@ class LocalizationLoopback : public ::testing::Test, public LocalizationControl,
     return client.proxy<avm::LocalizationPrx>("Localization", server.port());
   }
 
-  EstimateBroadcaster estimates;
+  LatestEstimate estimates{"no estimate yet"};
   const SegmentMap map_of_two{
       {{{{1, 2, 0}, {3, 4, 0}}, "skirting", 0.0}, {{{0, 0, 0}, {0, 1, 0}}, "line", 0.05}}};
   avm::MapContents map = toIce(map_of_two, "two.csv");
@@ -156,17 +156,17 @@ TEST_F(LocalizationLoopback, GivesTheNewestEstimateOnce) {
   RemoteLocalization remote(proxy());
   EXPECT_FALSE(remote.latest());
   EXPECT_FALSE(remote.next(0, 10ms));
-  estimates.publish(estimateWith(1));
+  publish(1);
   ASSERT_TRUE(remote.latest());
   EXPECT_EQ(remote.latest()->revision, 1U);
   EXPECT_EQ(remote.next(0, 2s)->revision, 1U);
   EXPECT_FALSE(remote.next(1, 10ms));
-  estimates.publish(estimateWith(2));
+  publish(2);
   EXPECT_EQ(remote.next(1, 2s)->revision, 2U);
   // A restarted server counts from the beginning.
   EXPECT_EQ(remote.next(900, 2s)->revision, 2U);
-  EXPECT_EQ(estimates.next(900, 0ms)->revision, 2U);
-  EXPECT_FALSE(estimates.next(2, 0ms));
+  EXPECT_EQ(estimates.waitOther(900, 0ms).value->revision, 2U);
+  EXPECT_FALSE(estimates.waitOther(2, 0ms).value);
 }
 
 TEST_F(LocalizationLoopback, CommandsAreTakenOrRefusedWithAReason) {
@@ -232,7 +232,7 @@ TEST_F(LocalizationLoopback, ServesJdeRobotsPose3D) {
   const auto pose = Ice::checkedCast<jderobot::Pose3DPrx>(proxy());
   ASSERT_TRUE(pose);
   EXPECT_THROW(pose->getPose3DData(), Ice::UnknownException);
-  estimates.publish(estimateWith(1));
+  publish(1);
   EXPECT_FLOAT_EQ(pose->getPose3DData()->x, 1.5F);
   auto wanted = std::make_shared<jderobot::Pose3DData>(toPose3D({4, 5, -0.5}, 1.0));
   EXPECT_EQ(pose->setPose3DData(wanted), 0);
@@ -245,7 +245,7 @@ TEST_F(LocalizationLoopback, ServesJdeRobotsPose3D) {
 TEST_F(LocalizationLoopback, StopAnswersWaitingRequests) {
   std::promise<avm::SourceState> state;
   proxy()->nextAsync(0, [&](avm::EstimateResult result) { state.set_value(result.state); });
-  ASSERT_TRUE(eventually([&] { return estimates.stream().waiting() == 1; }));
+  ASSERT_TRUE(eventually([&] { return estimates.waiting() == 1; }));
   estimates.stop();
   EXPECT_EQ(state.get_future().get(), avm::SourceState::Waiting);
 }

@@ -15,6 +15,11 @@ namespace {
 constexpr double kExplorerBlur_m = 0.15;  // an explorer must come within about 0.3 m only
 constexpr double kRefinementBlur_m = 0.08;
 constexpr std::size_t kExplorerPoints = 64;
+constexpr int kRefinementSteps = 3;      // Gauss-Newton, per race and iteration
+constexpr double kSupportTime_s = 2.0;   // time constant of the support
+constexpr double kEnoughPoints = 12.0;   // effective points from which an observation counts fully
+constexpr double kExplainedLow = 0.35;   // explained share without support
+constexpr double kExplainedHigh = 0.75;  // explained share with full support
 /// Prior standard deviations that keep the covariance of an undetermined direction finite.
 constexpr double kLargestStd_m = 5.0;
 constexpr double kLargestStd_rad = 1.0;
@@ -124,8 +129,8 @@ class RobustRaces : public RaceStrategy {
     explore(explorers, engine);
     keepBestPlaces(places_, params_.explorers.refined_explorers, explorers_.list_health, table.params());
     for (Individual& one : places_) {
-      const auto refined = likelihood_.refine(few_, {one.T_world_robot}, broad_prior_, 1.0,
-                                              params_.filter.refinement_steps, kRefinementBlur_m);
+      const auto refined = likelihood_.refine(few_, {one.T_world_robot}, broad_prior_, 1.0, kRefinementSteps,
+                                              kRefinementBlur_m);
       one = {refined.placement.T_world_robot, refined.rating.explained};
     }
     keepBestPlaces(places_, explorers_.candidates, explorers_.list_health, table.params());
@@ -133,7 +138,7 @@ class RobustRaces : public RaceStrategy {
     for (const Individual& place : places_) {
       const Placement refined = likelihood_
                                     .refine(observation_, {place.T_world_robot}, broad_prior_, 1.0,
-                                            params_.filter.refinement_steps, kRefinementBlur_m)
+                                            kRefinementSteps, kRefinementBlur_m)
                                     .placement;
       candidates_.push_back(ratedAt(refined.T_world_robot));
     }
@@ -166,23 +171,16 @@ class RobustRaces : public RaceStrategy {
     Vector5d walk;
     walk << filter.walk_m, filter.walk_m, filter.walk_rad, kTiltWalk_rad, kTiltWalk_rad;
     race.P.diagonal() += walk.cwiseProduct(walk);
-    const Matrix5d prior = filter.kalman ? Matrix5d(race.P.inverse() + broad_prior_) : broad_prior_;
-    // The memory repeats itself from image to image: only a share of it is new to the filter.
-    const double share = filter.kalman ? filter.information_share : 1.0;
+    const Matrix5d prior = race.P.inverse() + broad_prior_;
     const Placement start{race.T_world_robot, race.camera_tilt};
-    Placement placement = start;
-    if (filter.refinement_steps > 0) {
-      const auto refined = maximizeLikelihood(placement, prior, share);
-      placement = refined.placement;
-      race.T_world_robot = placement.T_world_robot;
-      race.camera_tilt = placement.tilt_bias;
-      updateOdometry(race, start, placement, (prior + refined.information).inverse());
-      updateReported(race, refined, walk);
-      race.health = refined.rating.explained;
-      race.log_likelihood = refined.rating.log_likelihood;
-    } else {
-      rate(race, placement);
-    }
+    // The memory repeats itself from image to image: only a share of it is new to the filter.
+    const auto refined = maximizeLikelihood(start, prior, filter.information_share);
+    race.T_world_robot = refined.placement.T_world_robot;
+    race.camera_tilt = refined.placement.tilt_bias;
+    updateOdometry(race, start, refined.placement, (prior + refined.information).inverse());
+    updateReported(race, refined, walk);
+    race.health = refined.rating.explained;
+    race.log_likelihood = refined.rating.log_likelihood;
     race.evidence += history_.newestWeight() * (race.log_likelihood - race.evidence);
     history_.record({race.T_world_robot, race.camera_tilt}, race.scores);
   }
@@ -215,9 +213,7 @@ class RobustRaces : public RaceStrategy {
 
   std::optional<double> agreement(const RaceTable& table) const override {
     const Race* winner = table.winner();
-    if (!winner || !params_.reliability.validity || observation_.amount < params_.reliability.enough_points) {
-      return std::nullopt;
-    }
+    if (!winner || observation_.amount < kEnoughPoints) return std::nullopt;
     return fitOf(*winner);
   }
 
@@ -226,15 +222,11 @@ class RobustRaces : public RaceStrategy {
   }
 
   double updatedSupport(double last, const RaceTable& table, double elapsed_s) const override {
-    const ReliabilityParams& reliability = params_.reliability;
     double target = 0.0;
     if (const Race* winner = table.winner()) {
-      const double amount = std::min(1.0, observation_.amount / reliability.enough_points);
-      if (!reliability.validity) return winnersShare(table);
-      target = fitOf(*winner) * amount * winnersShare(table);
+      target = fitOf(*winner) * std::min(1.0, observation_.amount / kEnoughPoints) * winnersShare(table);
     }
-    if (!reliability.validity) return 0.0;
-    const double gain = 1.0 - std::exp(-elapsed_s / reliability.time_constant_s);
+    const double gain = 1.0 - std::exp(-elapsed_s / kSupportTime_s);
     return last + gain * (target - last);
   }
 
@@ -242,7 +234,6 @@ class RobustRaces : public RaceStrategy {
     const Race* winner = table.winner();
     if (!winner) return 0.0;
     const double share = winnersShare(table);
-    if (!params_.reliability.validity) return share;
     // One more hypothesis in the softmax: the robot is at none of the races' places.
     const double none = kNoneUnexplained * history_.meanWeight() * std::log(params_.likelihood.outlier_share);
     return share / (1.0 + share * std::exp(kNoneScale * (none - winner->evidence)));
@@ -273,11 +264,8 @@ class RobustRaces : public RaceStrategy {
   /// @param table with a winner.
   double winnersShare(const RaceTable& table) const { return beliefShare(*table.winner(), table); }
 
-  double fitOf(const Race& race) const {
-    const ReliabilityParams& reliability = params_.reliability;
-    return std::clamp(
-        (race.health - reliability.explained_low) / (reliability.explained_high - reliability.explained_low),
-        0.0, 1.0);
+  static double fitOf(const Race& race) {
+    return std::clamp((race.health - kExplainedLow) / (kExplainedHigh - kExplainedLow), 0.0, 1.0);
   }
 
   /// A race with health and likelihood only.
@@ -299,12 +287,12 @@ class RobustRaces : public RaceStrategy {
 
   RobustLikelihood::Refined maximizeLikelihood(const Placement& start, const Matrix5d& prior,
                                                double share) const {
-    const int steps = params_.filter.refinement_steps;
-    auto refined = likelihood_.refine(observation_, start, prior, share, steps, 0.0);
-    if (refined.rating.explained >= params_.reliability.explained_low) return refined;
+    auto refined = likelihood_.refine(observation_, start, prior, share, kRefinementSteps, 0.0);
+    if (refined.rating.explained >= kExplainedLow) return refined;
     // The odometry error of a period without observations may exceed the width of the likelihood.
-    const auto wide = likelihood_.refine(observation_, start, prior, share, steps, kExplorerBlur_m);
-    const auto again = likelihood_.refine(observation_, wide.placement, prior, share, steps, 0.0);
+    const auto wide =
+        likelihood_.refine(observation_, start, prior, share, kRefinementSteps, kExplorerBlur_m);
+    const auto again = likelihood_.refine(observation_, wide.placement, prior, share, kRefinementSteps, 0.0);
     if (again.rating.log_likelihood > refined.rating.log_likelihood) return again;
     return refined;
   }
@@ -330,10 +318,6 @@ class RobustRaces : public RaceStrategy {
 
   /// Kalman update of the reported covariance, beside the one that moves the race.
   void updateReported(Race& race, const RobustLikelihood::Refined& refined, const Vector5d& walk) const {
-    if (!params_.filter.kalman) {
-      race.P_reported = race.P;
-      return;
-    }
     race.variance_factor += kVarianceGain * (refined.rating.variance_factor - race.variance_factor);
     Vector5d growth = walk.cwiseProduct(walk);
     growth[2] *= kReportedTurnWalk;

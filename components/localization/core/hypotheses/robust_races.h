@@ -10,8 +10,8 @@
 #include "common/segment_map/segment_map.h"
 #include "localization/core/hypotheses/explorers.h"
 #include "localization/core/hypotheses/race_strategy.h"
-#include "localization/core/likelihood/robust_likelihood.h"
 #include "localization/core/hypotheses/score_history.h"
+#include "localization/core/likelihood/robust_likelihood.h"
 #include "localization/core/map/map_index.h"
 #include "localization/core/observation/floor_observation.h"
 
@@ -19,8 +19,6 @@ namespace vismem {
 
 /// The filter of each race: motion noise and measurement update.
 struct RaceFilterParams {
-  int refinement_steps = 3;           ///< Gauss-Newton steps per race and iteration; 0: none
-  bool kalman = true;                 ///< false: refinement without the motion prior
   double odometry_share = 0.04;       ///< position standard deviation per metre travelled
   double odometry_turn_share = 0.10;  ///< heading standard deviation per radian turned
   double odometry_turn_per_m = 0.10;  ///< heading standard deviation per metre travelled [rad/m]
@@ -52,16 +50,6 @@ struct RobustExplorerParams {
   int refined_explorers = 24;  ///< best explorers that are refined before candidates are chosen
 };
 
-/// Support of the winner, which controls the search.
-struct ReliabilityParams {
-  bool validity = true;          ///< false: support and reliability are the winner's share of belief
-  double time_constant_s = 2.0;  ///< of the low-pass filter
-  double enough_points = 12.0;   ///< effective points from which an observation counts fully
-  double explained_low = 0.35;   ///< explained share without support
-  double explained_high = 0.75;  ///< explained share with full support
-};
-
-/// Each part can be switched off alone.
 struct RobustParams {
   ObservationParams observation;
   LikelihoodParams likelihood;
@@ -69,7 +57,6 @@ struct RobustParams {
   RaceFilterParams filter;
   EvidenceParams evidence;
   RobustExplorerParams explorers;
-  ReliabilityParams reliability;
 
   void visit(ParameterVisitor& v);
 };
