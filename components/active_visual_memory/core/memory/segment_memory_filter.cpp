@@ -31,6 +31,7 @@ std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& ass
         element.on_floor || moved < params_.confirmation.parallax.min_step_m ? 1.0 : kUnconfirmedInflation;
     const double noise = std::pow(kCorrelationInflation * inflation, 2);
     for (const FloorSegment* piece : associations.seen[p]) {
+      if (residuals_.size() >= MapFilter::kMaxResiduals) break;
       const double distance = (piece->odom.middle() - view.camera).norm();
       addLineResiduals(element.value.id, element.line, *piece, view_tilt,
                        params_.gates.slack_m + kSlackShare * distance, noise, kEndInflation, kMaxEndShift_m,
