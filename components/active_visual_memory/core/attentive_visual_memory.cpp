@@ -111,7 +111,11 @@ const AttentiveVisualMemory::StepResult& AttentiveVisualMemory::update(
                                         believed.T_odom_robot.theta, scratch_.resource());
   memory_.suspectSince(kidnap_.suspectSince());
   const auto analysis = analyses_.next();
-  *analysis = memory_.update(believed, observed, floor, rate);
+  const ImageAnalysis& seen = memory_.update(believed, observed, floor, rate);
+  analysis->observed.reserve(seen.observed.capacity());
+  analysis->predicted.reserve(seen.predicted.capacity());
+  analysis->matches.reserve(seen.matches.capacity());
+  *analysis = seen;
   // Published is the pose of the kinematics: localization estimates the tilt from its own map.
   analysis->T_robot_camera = observation.T_robot_camera;
   result_.update.analysis = analysis;

@@ -1,6 +1,7 @@
 #include "active_visual_memory/core/memory/segment_memory.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "active_visual_memory/core/memory/duplicates.h"
@@ -44,6 +45,10 @@ void analyse(const RobotObservation& observation, const std::vector<ImageSegment
   analysis.intrinsics = observation.frame.intrinsics;
   analysis.T_odom_robot = observation.T_odom_robot;
   analysis.T_robot_camera = observation.T_robot_camera;
+  // An assignment reserves no more than it needs: it would allocate again in each image with one more.
+  analysis.observed.reserve(std::bit_ceil(observed.size()));
+  analysis.predicted.reserve(std::bit_ceil(expected.size()));
+  analysis.matches.reserve(std::bit_ceil(matches.size()));
   analysis.observed = observed;
   analysis.predicted.clear();
   for (const Expectation& e : expected) analysis.predicted.push_back(e.predicted);
@@ -55,7 +60,9 @@ void analyse(const RobotObservation& observation, const std::vector<ImageSegment
 SegmentMemory::SegmentMemory(const Params& params)
     : params_(params),
       clock_(params.retention.life.tick_us),
-      map_filter_(params.estimation.enabled ? params.estimation.tilt_prior : TiltPrior{0.0, 0.0, 0.0}) {}
+      map_filter_(params.estimation.enabled ? params.estimation.tilt_prior : TiltPrior{0.0, 0.0, 0.0}) {
+  residuals_.reserve(MapFilter::kMaxResiduals + kResidualsPerPiece);
+}
 
 void SegmentMemory::clear() {
   elements_.clear();

@@ -105,6 +105,8 @@ class SegmentMemory {
     return params_.estimation.enabled && map_filter_.contains(element.value.id);
   }
   MapFilter::Params mapFilterParams() const;
+  /// Whether an image shows enough elements known to rest to do without new ones.
+  bool restingSuffice(const Associations& associations) const;
   /// @param filter  that is updated; null: preview only.
   std::optional<Correction> updateMapFilter(const Associations& associations, const View& view,
                                             MapFilter* filter) const;
