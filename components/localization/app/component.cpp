@@ -13,6 +13,7 @@
 #include "localization/app/health_map_worker.h"
 #include "localization/app/localization_loop.h"
 #include "localization/app/map_watch.h"
+#include "localization/core/likelihood/camera_calibration.h"
 #include "localization/ice/localization_ice.h"
 #include "localization/ice/map_ice.h"
 
@@ -26,6 +27,14 @@ void reportOdometry(const OdometryBias& bias, StatusBoard& status) {
   report("odometry yaw bias", 0, radToDeg(1.0), "deg/m");
   report("odometry yaw scale error", 1, 100.0, "%");
   report("odometry distance scale error", 2, 100.0, "%");
+}
+
+void reportCamera(const CameraErrors& camera, StatusBoard& status) {
+  for (std::size_t i = 0; i < kCameraErrorTexts.size(); ++i) {
+    const auto row = static_cast<int>(i);
+    const CameraErrorText& is = kCameraErrorTexts[i];
+    status.gauge({is.name, is.scale * camera.errors[row], is.scale * camera.sigmas[row], is.unit});
+  }
 }
 
 class LocalizationComponent final : public Component, public LocalizationControl {
@@ -74,6 +83,11 @@ class LocalizationComponent final : public Component, public LocalizationControl
           host.status().count("estimates");
           host.status().latency("step", step_s);
           if (estimate.odometry) reportOdometry(*estimate.odometry, host.status());
+          if (estimate.camera) {
+            reportCamera(*estimate.camera, host.status());
+            if (const std::string text = camera_alarm_.update(*estimate.camera); !text.empty())
+              host.status().note(text);
+          }
           estimates_.publish(estimate);
         },
         [this, &host](SourceState state, const std::string& why) {
@@ -163,6 +177,7 @@ class LocalizationComponent final : public Component, public LocalizationControl
   MapWatch watch_;                      ///< the loop's thread after start()
   std::optional<GazePlanner> planner_;  ///< until start(), then the loop's
   bool planner_wanted_ = false;
+  CameraAlarm camera_alarm_;  ///< the loop's thread after start()
   EstimateBroadcaster estimates_;
   std::unique_ptr<VisualMemoryClient> memory_;
   std::unique_ptr<GazeSender> gaze_;        ///< null: no gaze requests
