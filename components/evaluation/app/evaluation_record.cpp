@@ -7,6 +7,7 @@
 
 #include "common/geometry/angles.h"
 #include "evaluation/report/run_pictures.h"
+#include "localization/core/likelihood/camera_calibration.h"
 
 namespace vismem {
 namespace {
@@ -38,6 +39,16 @@ nlohmann::json calibrationOf(const MemoryPipeline& pipeline, const PoseEstimate&
                      {"gamma", light.gamma},
                      {"vignette", light.vignette},
                      {"named_share", estimator->namedShare()}};
+  }
+  if (estimate.camera) {
+    for (std::size_t i = 0; i < kCameraErrorTexts.size(); ++i) {
+      const CameraErrorText& is = kCameraErrorTexts[i];
+      const auto row = static_cast<int>(i);
+      json["camera"][is.name] = {{"error", is.scale * estimate.camera->errors[row]},
+                                 {"sigma", is.scale * estimate.camera->sigmas[row]},
+                                 {"unit", is.unit},
+                                 {"is_found", estimate.camera->isFound(row)}};
+    }
   }
   if (!estimate.odometry) return json;
   const Eigen::Vector3d& errors = estimate.odometry->errors;

@@ -13,6 +13,7 @@
 #include "localization/app/health_map_worker.h"
 #include "localization/app/localization_loop.h"
 #include "localization/app/map_watch.h"
+#include "localization/core/likelihood/camera_calibration.h"
 #include "localization/ice/localization_ice.h"
 #include "localization/ice/map_ice.h"
 
@@ -26,6 +27,14 @@ void reportOdometry(const OdometryBias& bias, StatusBoard& status) {
   report("odometry yaw bias", 0, radToDeg(1.0), "deg/m");
   report("odometry yaw scale error", 1, 100.0, "%");
   report("odometry distance scale error", 2, 100.0, "%");
+}
+
+void reportCamera(const CameraErrors& camera, StatusBoard& status) {
+  for (std::size_t i = 0; i < kCameraErrorTexts.size(); ++i) {
+    const auto row = static_cast<int>(i);
+    const CameraErrorText& is = kCameraErrorTexts[i];
+    status.gauge({is.name, is.scale * camera.errors[row], is.scale * camera.sigmas[row], is.unit});
+  }
 }
 
 class LocalizationComponent final : public Component, public PoseCommands {
@@ -74,6 +83,11 @@ class LocalizationComponent final : public Component, public PoseCommands {
           host.status().count("estimates");
           host.status().latency("step", step_s);
           if (estimate.odometry) reportOdometry(*estimate.odometry, host.status());
+          if (estimate.camera) {
+            reportCamera(*estimate.camera, host.status());
+            if (const std::string text = camera_alarm_.update(*estimate.camera); !text.empty())
+              host.status().note(text);
+          }
           estimates_.publish(std::make_shared<const PoseEstimate>(estimate),
                              static_cast<std::int64_t>(estimate.revision));
         },
@@ -160,6 +174,7 @@ class LocalizationComponent final : public Component, public PoseCommands {
   MapWatch watch_;                      ///< the loop's thread after start()
   std::optional<GazePlanner> planner_;  ///< until start(), then the loop's
   bool planner_wanted_ = false;
+  CameraAlarm camera_alarm_;  ///< the loop's thread after start()
   LatestEstimate estimates_{"no estimate yet"};
   std::unique_ptr<VisualMemoryClient> memory_;
   std::unique_ptr<GazeSender> gaze_;        ///< null: no gaze requests

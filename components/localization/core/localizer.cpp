@@ -24,6 +24,8 @@ constexpr double kFullJump_m = 2.0;
 constexpr double kGivenStd_m = 0.1;
 constexpr double kGivenStd_rad = 0.1;
 
+/// Support from which on a winner that is unambiguous is right.
+constexpr double kTrust = 0.7;
 /// The tick while the winner is suspect.
 constexpr double kSuspectTick_s = 0.1;
 /// An observation is inconsistent if it supports less than this share of the winner's support.
@@ -168,6 +170,7 @@ void Localizer::select(const Race& before, bool is_inconsistent, double elapsed_
     support_ *= std::max(0.0, 1.0 - jump / kFullJump_m);
   }
   estimate_.reliability = strategy_->reliability(table_, support_);
+  if (is_same && support_ >= kTrust && is_unambiguous) strategy_->learnCamera(*winner);
 }
 
 void Localizer::beginEpoch() {
@@ -234,6 +237,7 @@ void Localizer::report() {
   estimate_.P = Eigen::Matrix3d::Zero();
   estimate_.odometry.reset();
   if (winner && params_.mode == LocalizationMode::kDefault) estimate_.odometry = winner->odometry;
+  estimate_.camera = strategy_->cameraErrors();
   if (winner) estimate_.P = winner->P_reported.topLeftCorner<3, 3>();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <bitset>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -31,6 +32,23 @@ struct OdometryBias {
   Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
 };
 
+inline constexpr int kCameraErrors = 7;
+using CameraVector = Eigen::Matrix<double, kCameraErrors, 1>;
+using CameraMatrix = Eigen::Matrix<double, kCameraErrors, kCameraErrors>;
+
+/// Lasting errors of the camera, true minus configured value.
+struct CameraErrors {
+  /// Height [m]; focal length [share]; turns about the camera's x axis (positive looks up) and its optical
+  /// axis, and about the robot's y axis (positive looks down) and x axis [rad]; age of images beyond their
+  /// stamps [s].
+  enum Error { kHeight, kFocal, kPitch, kRoll, kMountPitch, kMountRoll, kDelay };
+  CameraVector errors = CameraVector::Zero();  ///< each with those that were found, the others being 0
+  CameraVector sigmas = CameraVector::Zero();  ///< standard deviations; 0: nothing was learnt yet
+  std::bitset<kCameraErrors> found;            ///< significant ones, which the pose is corrected for
+
+  bool isFound(int error) const { return found[static_cast<std::size_t>(error)]; }
+};
+
 struct PoseEstimate {
   StampUs stamp_us = 0;        ///< of the image used
   std::uint64_t revision = 0;  ///< counts up by one per update that was used
@@ -45,6 +63,7 @@ struct PoseEstimate {
   double support = 0.0;  ///< of the winner by the last seconds, 0..1; search and gaze requests go by it
   std::vector<RaceReport> races;
   std::optional<OdometryBias> odometry;  ///< empty: not estimated
+  std::optional<CameraErrors> camera;    ///< empty: not estimated
 };
 
 /// Commands that replace the estimate.

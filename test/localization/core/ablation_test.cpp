@@ -23,23 +23,6 @@ double errorOf(const PoseEstimate& estimate, const Pose2& truth) {
   return estimate.T_world_robot ? (estimate.T_world_robot->position() - truth.position()).norm() : 10.0;
 }
 
-/// The same drive for every variant; mean error after a known start.
-double trackingError(const LocalizerParams& params, double false_share, std::uint64_t seed) {
-  test::CorridorParams corridor;
-  corridor.false_share = false_share;
-  test::CorridorWorld world(corridor, seed);
-  Localizer localizer(params, test::corridorMap(), seed);
-  localizer.update(world.next());
-  localizer.setPose(world.truth());
-  double sum = 0.0;
-  int count = 0;
-  while (world.seconds() < 40.0) {
-    sum += std::min(5.0, errorOf(localizer.update(world.next()), world.truth()));
-    ++count;
-  }
-  return sum / count;
-}
-
 // Unbounded squared distances give false segments full influence.
 TEST(Ablation, WithoutTheBoundFalseSegmentsBiasThePose) {
   SegmentMap corner;

@@ -7,6 +7,7 @@
 #include "common/visual_memory/memory_snapshot.h"
 #include "localization/core/hypotheses/race.h"
 #include "localization/core/hypotheses/race_table.h"
+#include "localization/core/pose_estimate.h"
 #include "localization/core/random_engine.h"
 
 namespace vismem {
@@ -49,6 +50,9 @@ class RaceStrategy {
   virtual double updatedSupport(double last, const RaceTable& table, double elapsed_s) const = 0;
   /// Reliability that is published, 0..1; 0 without a winner.
   virtual double reliability(const RaceTable& table, double support) const = 0;
+  /// Learns the camera's errors from the last observation at a pose that is trusted.
+  virtual void learnCamera(const Race& /*trusted*/) {}
+  virtual std::optional<CameraErrors> cameraErrors() const { return std::nullopt; }
   /// The robot may have been moved: what it sees now is new, wherever odometry has it.
   virtual void resetNovelty() {}
   /// Reduces the races' evidence, after a new epoch of the memory or a jump of the source.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/geometry/angles.h"
+#include "localization/core/likelihood/camera_calibration.h"
 #include "localization/core/observation/novelty.h"
 
 namespace vismem {
@@ -43,6 +44,8 @@ constexpr double kReportedTurnWalk = 0.1;
 /// do not show in them.
 constexpr double kLeastVarianceFactor = 0.05;
 constexpr double kVarianceGain = 0.1;  // of the running mean, per iteration
+/// Camera direction that deviates by more from image to image, as on legs, hides lasting errors.
+constexpr double kLegged_rad = degToRad(0.5);
 constexpr StampUs kJustSeen_us = kSecondUs / 2;
 /// Random walk of the tilt bias per square root of an iteration: a quarter of a degree in ten minutes.
 constexpr double kTiltWalk_rad = 1e-4;
@@ -71,7 +74,11 @@ class RobustRaces : public RaceStrategy {
   }
 
   bool observe(const MemoryUpdate& update) override {
-    observation_ = vismem::observe(update, map_, params_.observation, std::move(observation_));
+    analysis_ = update.analysis;
+    if (analysis_) camera_.begin(*analysis_);
+    const auto view = analysis_ ? camera_.corrected() : std::nullopt;
+    observation_ =
+        vismem::observe(update, map_, params_.observation, view ? &*view : nullptr, std::move(observation_));
     const auto isNew = [&](const MemorySegment& segment) {
       return segment.last_seen_us + kJustSeen_us >= update.snapshot->stamp_us;
     };
@@ -239,6 +246,17 @@ class RobustRaces : public RaceStrategy {
     return share / (1.0 + share * std::exp(kNoneScale * (none - winner->evidence)));
   }
 
+  void learnCamera(const Race& trusted) override {
+    const bool is_legged =
+        std::max(params_.likelihood.frame_tilt_rad, params_.observation.camera_sigma_rad) > kLegged_rad;
+    if (analysis_ && !is_legged) camera_.learn(*analysis_, trusted.T_world_robot);
+  }
+
+  std::optional<CameraErrors> cameraErrors() const override {
+    const CameraErrors& errors = camera_.errors();
+    return errors.sigmas.isZero() ? std::nullopt : std::optional(errors);
+  }
+
   void resetNovelty() override {
     novelty_.reset();
     novelty_.assess(observation_, T_odom_robot_, stamp_us_);
@@ -375,6 +393,8 @@ class RobustRaces : public RaceStrategy {
   OdometryBias odometry_;  ///< of the winner, the prior of new races: the same wheels
   /// The last update's image has no points, and its memory was updated just now.
   bool is_memory_current_ = false;
+  CameraCalibration camera_{likelihood_, map_, params_.observation};
+  std::shared_ptr<const ImageAnalysis> analysis_;  ///< of the last update; null: without an image
   Pose2 T_odom_robot_;
   StampUs stamp_us_ = 0;
   FloorObservation observation_;

@@ -163,47 +163,94 @@ struct RobustLikelihood::Curvature {
   double inlier_square = 0.0;  ///< the same, times (d / sigma)^2
 };
 
+/// A point beside the nearest line of the map.
+struct RobustLikelihood::Match {
+  FieldSample field;
+  Eigen::Vector2d arm;        ///< from the robot to the point, in the world's axes [m]
+  double share_of_way = 1.0;  ///< of the camera's ray, at which the point lies
+  double variance = 0.0;      ///< [m^2]
+  double influence = 1.0;     ///< derivative of the bounded loss (iteratively reweighted least squares)
+};
+
+std::optional<RobustLikelihood::Match> RobustLikelihood::match(const FloorPoint& point,
+                                                               const Placement& placement,
+                                                               double blur_m) const {
+  const Pose2& pose = placement.T_world_robot;
+  const Eigen::Rotation2Dd R(pose.theta);
+  const Eigen::Vector2d on_floor = point.p_robot + point.d_tilt * placement.tilt();
+  std::optional<Match> match;
+  atEachLevel(map_, point, on_floor, [&](const MapIndex::Level& level, const Eigen::Vector2d& p_robot) {
+    const Eigen::Vector2d there = R * p_robot;
+    const auto found = map_.nearest(level.field, pose.position() + there, point.direction_robot + pose.theta);
+    if (!found || (match && found->distance_m >= match->field.distance_m)) return;
+    match = Match{*found, there, point.shareAt(level.height_m)};
+  });
+  if (!match) return match;
+  const double eps = params_.outlier_share;
+  match->variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+  const double distance_m = match->field.distance_m;
+  const double inlier = (1.0 - eps) * std::exp(-0.5 * distance_m * distance_m / match->variance);
+  if (params_.bounded) match->influence = inlier / (inlier + eps);
+  return match;
+}
+
 RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const FloorPoint> points,
                                                         const Placement& placement, double share,
                                                         double blur_m, Rating* rating) const {
   Curvature result;
-  const double eps = params_.outlier_share;
-  const Pose2& pose = placement.T_world_robot;
-  const Eigen::Vector2d tilt = placement.tilt();
-  Eigen::Matrix2d R;
-  R << std::cos(pose.theta), -std::sin(pose.theta), std::sin(pose.theta), std::cos(pose.theta);
+  const Eigen::Rotation2Dd R(placement.T_world_robot.theta);
   for (const FloorPoint& point : points) {
-    const Eigen::Vector2d on_floor = point.p_robot + point.d_tilt * tilt;
-    Eigen::Vector2d arm = Eigen::Vector2d::Zero();
-    std::optional<FieldSample> field;
-    double share_of_way = 1.0;
-    atEachLevel(map_, point, on_floor, [&](const MapIndex::Level& level, const Eigen::Vector2d& p_robot) {
-      const Eigen::Vector2d there = R * p_robot;
-      const auto found =
-          map_.nearest(level.field, pose.position() + there, point.direction_robot + pose.theta);
-      if (!found || (field && found->distance_m >= field->distance_m)) return;
-      field = found;
-      arm = there;
-      share_of_way = point.shareAt(level.height_m);
-    });
-    if (rating) add(*rating, point, field ? field->distance_m : kTruncation_m, blur_m);
-    if (!field) continue;
-    const double variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
-    const double inlier = (1.0 - eps) * std::exp(-0.5 * field->distance_m * field->distance_m / variance);
-    // Derivative of the bounded loss (the weight of iteratively reweighted least squares).
-    const double influence = params_.bounded ? inlier / (inlier + eps) : 1.0;
-    const double weight = share * point.weight / variance * influence;
-    result.inlier_weight += point.weight * influence;
-    result.inlier_square += point.weight * influence * field->distance_m * field->distance_m / variance;
-    const Eigen::Vector2d& gradient = field->gradient;
+    const auto found = match(point, placement, blur_m);
+    if (rating) add(*rating, point, found ? found->field.distance_m : kTruncation_m, blur_m);
+    if (!found) continue;
+    const double distance_m = found->field.distance_m;
+    const double weight = share * point.weight / found->variance * found->influence;
+    result.inlier_weight += point.weight * found->influence;
+    result.inlier_square += point.weight * found->influence * distance_m * distance_m / found->variance;
+    const Eigen::Vector2d& gradient = found->field.gradient;
     Vector5d J;
     J.head<2>() = gradient;
-    J[2] = gradient.y() * arm.x() - gradient.x() * arm.y();
-    J.tail<2>() = share_of_way * point.d_tilt.transpose() * (R.transpose() * gradient);
+    J[2] = gradient.y() * found->arm.x() - gradient.x() * found->arm.y();
+    J.tail<2>() = found->share_of_way * point.d_tilt.transpose() * (R.inverse() * gradient);
     result.H += weight * J * J.transpose();
-    result.g += weight * field->distance_m * J;
+    result.g += weight * distance_m * J;
   }
   return result;
+}
+
+CameraEvidence RobustLikelihood::cameraEvidence(const FloorObservation& observation,
+                                                const Placement& placement,
+                                                std::span<const CameraJacobian> derivatives,
+                                                double blur_m) const {
+  // Pose and tilt of this image, then the errors of the camera.
+  constexpr int kAll = 5 + kCameraErrors;
+  Eigen::Matrix<double, kAll, kAll> H = Eigen::Matrix<double, kAll, kAll>::Zero();
+  Eigen::Matrix<double, kAll, 1> g = Eigen::Matrix<double, kAll, 1>::Zero();
+  const Eigen::Rotation2Dd R(placement.T_world_robot.theta);
+  for (std::size_t i = 0; i < derivatives.size(); ++i) {
+    const FloorPoint& point = observation.points[observation.remembered + i];
+    const auto found = match(point, placement, blur_m);
+    if (!found) continue;
+    const Eigen::Vector2d& gradient = found->field.gradient;
+    const Eigen::Vector2d in_robot = R.inverse() * gradient;
+    Eigen::Matrix<double, kAll, 1> J;
+    J.head<2>() = gradient;
+    J[2] = gradient.y() * found->arm.x() - gradient.x() * found->arm.y();
+    J.segment<2>(3) = found->share_of_way * point.d_tilt.transpose() * in_robot;
+    J.tail<kCameraErrors>() = found->share_of_way * derivatives[i].transpose() * in_robot;
+    const double weight = point.weight / found->variance * found->influence;
+    // The tilt of this image counts from 0.
+    const double distance_m = found->field.distance_m - J.segment<2>(3).dot(placement.tilt());
+    H += weight * J * J.transpose();
+    g += weight * distance_m * J;
+  }
+  Matrix5d free = H.topLeftCorner<5, 5>() + kDamping;
+  const double tilt = std::max(params_.frame_tilt_rad, kFixedTilt_rad);
+  free.diagonal().tail<2>().array() += 1.0 / (tilt * tilt);
+  const Eigen::Matrix<double, kCameraErrors, 5> gain =
+      free.ldlt().solve(H.topRightCorner<5, kCameraErrors>()).transpose();
+  return {H.bottomRightCorner<kCameraErrors, kCameraErrors>() - gain * H.topRightCorner<5, kCameraErrors>(),
+          g.tail<kCameraErrors>() - gain * g.head<5>()};
 }
 
 /// Marginalizes a common shift and turn of the memory, which bounds its information about the pose.

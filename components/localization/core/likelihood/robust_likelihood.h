@@ -14,6 +14,7 @@
 #include "localization/core/likelihood/placement.h"
 #include "localization/core/map/map_index.h"
 #include "localization/core/observation/floor_observation.h"
+#include "localization/core/pose_estimate.h"
 
 namespace vismem {
 
@@ -53,6 +54,16 @@ struct Rating {
   double variance_factor = 0.0;
 };
 
+/// Derivative of a floor point by the errors of the camera, in the order of CameraErrors.
+using CameraJacobian = Eigen::Matrix<double, 2, kCameraErrors>;
+
+/// Quadratic form of -log L of one image in the errors of the camera, with pose and tilt of this image
+/// marginalized.
+struct CameraEvidence {
+  CameraMatrix information = CameraMatrix::Zero();
+  CameraVector gradient = CameraVector::Zero();  ///< at the errors that the observation was made with
+};
+
 /// Rates poses by one observation. *Pure*; keeps references to its arguments.
 class RobustLikelihood {
  public:
@@ -84,8 +95,15 @@ class RobustLikelihood {
   Refined refine(const FloorObservation& observation, const Placement& start,
                  const Matrix5d& prior_information, double share, int steps, double blur_m) const;
 
+  /// What the image's points say about the camera's errors.
+  /// @param derivatives of the observation's points from `remembered` on.
+  CameraEvidence cameraEvidence(const FloorObservation& observation, const Placement& placement,
+                                std::span<const CameraJacobian> derivatives, double blur_m) const;
+
  private:
   struct Curvature;
+  struct Match;
+  std::optional<Match> match(const FloorPoint& point, const Placement& placement, double blur_m) const;
   Curvature curvature(std::span<const FloorPoint> points, const Placement& placement, double share,
                       double blur_m, Rating* rating) const;
   void marginalizeMemoryShift(Curvature& memory) const;

@@ -134,9 +134,11 @@ void addMemory(FloorObservation& observation, const MemorySnapshot& snapshot, co
 
 /// Adds the points of an image. @return their weight before the bound.
 double addImage(FloorObservation& observation, const ImageAnalysis& analysis, const MapIndex& map,
-                const ObservationParams& params) {
-  const Eigen::Vector2d camera = analysis.T_robot_camera.translation().head<2>();
-  const double height = analysis.T_robot_camera.translation().z();
+                const ObservationParams& params, const CameraModel* corrected) {
+  const CameraIntrinsics& intrinsics = corrected ? corrected->intrinsics : analysis.intrinsics;
+  const Pose3& T_robot_camera = corrected ? corrected->T_robot_camera : analysis.T_robot_camera;
+  const Eigen::Vector2d camera = T_robot_camera.translation().head<2>();
+  const double height = T_robot_camera.translation().z();
   if (!(height > 0.0)) return 0.0;
   const std::size_t first_point = observation.points.size();
   double amount = 0.0;
@@ -154,8 +156,7 @@ double addImage(FloorObservation& observation, const ImageAnalysis& analysis, co
     for (int i = 0; i <= pieces; ++i) {
       const double fraction = static_cast<double>(i) / pieces;
       const Eigen::Vector2d px = segment.px.a + fraction * (segment.px.b - segment.px.a);
-      const auto floor =
-          backProjectToGround(analysis.intrinsics, analysis.T_robot_camera, px, params.image_range_m);
+      const auto floor = backProjectToGround(intrinsics, T_robot_camera, px, params.image_range_m);
       if (!floor) {
         has_last = false;
         continue;
@@ -190,7 +191,7 @@ double addImage(FloorObservation& observation, const ImageAnalysis& analysis, co
       if (params.end_metres <= 0.0) continue;
       for (const bool first : {true, false}) {
         if (i != (first ? 1 : pieces)) continue;
-        if (!insideImage(analysis.intrinsics, first ? segment.px.a : segment.px.b)) continue;
+        if (!insideImage(intrinsics, first ? segment.px.a : segment.px.b)) continue;
         // An end fixes the position along its line; the camera's error is isotropic here.
         FloorPoint end = point;
         end.p_robot = first ? piece.a : piece.b;
@@ -235,21 +236,22 @@ FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& m
 }
 
 FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map,
-                              const ObservationParams& params) {
-  FloorObservation observation;
-  observation.amount = addImage(observation, analysis, map, params);
+                              const ObservationParams& params, const CameraModel* view,
+                              FloorObservation reused) {
+  FloorObservation observation = emptied(std::move(reused));
+  observation.amount = addImage(observation, analysis, map, params, view);
   return observation;
 }
 
 FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params,
-                         FloorObservation reused) {
+                         const CameraModel* view, FloorObservation reused) {
   FloorObservation all = emptied(std::move(reused));
   double image_amount = 0.0;
   if (params.source != ObservationSource::kImage && update.snapshot) {
     addMemory(all, *update.snapshot, map, params);
   }
   if (params.source != ObservationSource::kMemory && update.analysis) {
-    image_amount = addImage(all, *update.analysis, map, params);
+    image_amount = addImage(all, *update.analysis, map, params, view);
   }
   const std::span points(all.points);
   const bool has_image = points.size() > all.remembered;

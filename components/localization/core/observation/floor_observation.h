@@ -88,15 +88,25 @@ struct FloorObservation {
 FloorObservation observeMemory(const MemorySnapshot& snapshot, const MapIndex& map,
                                const ObservationParams& params);
 
+/// Intrinsics and pose of the camera for one image.
+struct CameraModel {
+  CameraIntrinsics intrinsics;
+  Pose3 T_robot_camera = Pose3::Identity();
+};
+
 /// One image as weighted points: its labelled segments projected to the floor within `image_range_m`.
+/// @param view of the camera; null: as the analysis states it.
+/// @param reused gives its memory to the result.
 FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map,
-                              const ObservationParams& params);
+                              const ObservationParams& params, const CameraModel* view = nullptr,
+                              FloorObservation reused = {});
 
 /// Memory, image or both, as configured.
 /// @param update snapshot and analysis of one stamp.
+/// @param view as of observeImage.
 /// @param reused gives its memory to the result.
 FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params,
-                         FloorObservation reused = {});
+                         const CameraModel* view = nullptr, FloorObservation reused = {});
 
 /// Every n-th point with the weight of all, without segments; at most `points` remain.
 /// @param reused gives its memory to the result.

@@ -1,0 +1,175 @@
+#include "localization/core/likelihood/camera_calibration.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "common/geometry/projection.h"
+
+namespace vismem {
+namespace {
+
+constexpr double kLongestPause_s = 0.5;  // between two images whose difference is a motion
+/// Weight of an image falls to 1/e after this number of images: a camera that is knocked is found again.
+constexpr double kRemembered = 600.0;
+/// Share of an image's evidence that is independent of the images before.
+constexpr double kIndependent = 0.5;
+/// Floor points farther away lie near the horizon of some perturbed view [m].
+constexpr double kFarthest_m = 50.0;
+constexpr double kCameraBlur_m = 0.05;  // a wrong camera moves points by more than their sigmas
+constexpr int kSteps = 3;
+/// Information about the lasting tilt of a race, which is one of the errors here.
+constexpr double kFixedTilt = 1e8;
+/// An error is found from this number of standard deviations, and given up below the other one.
+constexpr double kFound = 3.2;
+constexpr double kGivenUp = 2.0;
+constexpr double kNever = 1e12;  // information about an error that is taken to be 0
+
+/// Prior standard deviations, in the order of CameraErrors::Error.
+const CameraVector kPrior{{0.03, 0.03, degToRad(1.0), degToRad(1.0), degToRad(1.0), degToRad(1.0), 0.05}};
+constexpr double kStep = 1e-4;  // of the derivatives
+
+CameraVector priorInformation() {
+  return kPrior.cwiseProduct(kPrior).cwiseInverse();
+}
+
+}  // namespace
+
+void CameraCalibration::begin(const ImageAnalysis& analysis) {
+  const double since_s = static_cast<double>(analysis.stamp_us - stamp_us_) / kSecondUs;
+  T_odom_camera_before_ = T_odom_robot_ * stated_.T_robot_camera;
+  since_before_s_ = since_s > 0.0 && since_s <= kLongestPause_s ? since_s : 0.0;
+  stated_ = {analysis.intrinsics, analysis.T_robot_camera};
+  T_odom_robot_ = toPose3(analysis.T_odom_robot);
+  stamp_us_ = analysis.stamp_us;
+}
+
+std::optional<CameraModel> CameraCalibration::corrected() const {
+  if (errors_.found.none()) return std::nullopt;
+  CameraVector found = errors_.errors;
+  for (int i = 0; i < kCameraErrors; ++i) {
+    if (!errors_.isFound(i)) found[i] = 0.0;
+  }
+  return view(found);
+}
+
+CameraModel CameraCalibration::view(const CameraVector& errors) const {
+  CameraModel view = stated_;
+  if (since_before_s_ > 0.0) {
+    const Pose3 T_odom_camera = T_odom_robot_ * stated_.T_robot_camera;
+    const double back = errors[CameraErrors::kDelay] / since_before_s_;
+    view.T_robot_camera = T_odom_robot_.inverse() * interpolate(T_odom_camera, T_odom_camera_before_, back);
+  }
+  view.T_robot_camera.translation().z() += errors[CameraErrors::kHeight];
+  const auto turn = [&](CameraErrors::Error error, const Eigen::Vector3d& axis) {
+    return Eigen::AngleAxisd(errors[error], axis).toRotationMatrix();
+  };
+  view.T_robot_camera.linear() = turn(CameraErrors::kMountPitch, Eigen::Vector3d::UnitY()) *
+                                 turn(CameraErrors::kMountRoll, Eigen::Vector3d::UnitX()) *
+                                 view.T_robot_camera.linear() *
+                                 turn(CameraErrors::kPitch, Eigen::Vector3d::UnitX()) *
+                                 turn(CameraErrors::kRoll, Eigen::Vector3d::UnitZ());
+  view.intrinsics.fx *= 1.0 + errors[CameraErrors::kFocal];
+  view.intrinsics.fy *= 1.0 + errors[CameraErrors::kFocal];
+  return view;
+}
+
+/// Derivatives of the observation's points by the errors [m per unit of CameraErrors].
+void CameraCalibration::differentiate(const CameraModel& here) {
+  std::array<CameraModel, kCameraErrors> moved;
+  for (int i = 0; i < kCameraErrors; ++i) {
+    moved[static_cast<std::size_t>(i)] = view(linearized_at_ + kStep * CameraVector::Unit(i));
+  }
+  const Pose3 T_camera_robot = here.T_robot_camera.inverse();
+  derivatives_.clear();
+  for (const FloorPoint& point : observation_.points) {
+    const Eigen::Vector2d& p = point.p_robot;
+    CameraJacobian& d = derivatives_.emplace_back(CameraJacobian::Zero());
+    const auto px = projectToIdeal(here.intrinsics, T_camera_robot * Eigen::Vector3d(p.x(), p.y(), 0.0));
+    if (!px) continue;
+    for (int i = 0; i < kCameraErrors; ++i) {
+      const CameraModel& there = moved[static_cast<std::size_t>(i)];
+      const auto floor = backProjectToGround(there.intrinsics, there.T_robot_camera, *px, kFarthest_m);
+      if (floor) d.col(i) = (floor->head<2>() - p) / kStep;
+    }
+  }
+}
+
+void CameraCalibration::learn(const ImageAnalysis& analysis, const Pose2& T_world_robot) {
+  const CameraModel here = view(linearized_at_);
+  seen_ = observeImage(analysis, map_, params_, &here, std::move(seen_));
+  observation_ = thinned(seen_, kMaximumPoints, std::move(observation_));
+  if (observation_.points.empty()) return;
+  Matrix5d prior = Matrix5d::Identity();
+  prior.diagonal().tail<2>().setConstant(kFixedTilt);
+  const auto refined = likelihood_.refine(observation_, {T_world_robot}, prior, 1.0, kSteps, kCameraBlur_m);
+  differentiate(here);
+  const CameraEvidence evidence =
+      likelihood_.cameraEvidence(observation_, refined.placement, derivatives_, kCameraBlur_m);
+  const double kept = 1.0 - 1.0 / kRemembered;
+  information_ = kept * information_ + kIndependent * evidence.information;
+  information_vector_ =
+      kept * information_vector_ + kIndependent * (evidence.information * linearized_at_ - evidence.gradient);
+  linearized_at_ =
+      (information_ + CameraMatrix(priorInformation().asDiagonal())).ldlt().solve(information_vector_);
+  selectErrors();
+}
+
+/// Stepwise regression: each error with those that were found, and without the others.
+void CameraCalibration::selectErrors() {
+  const auto estimateWith = [&](int error) {
+    CameraMatrix information = information_;
+    CameraVector prior = priorInformation();
+    for (int i = 0; i < kCameraErrors; ++i) {
+      if (i != error && !errors_.isFound(i)) prior[i] = kNever;
+    }
+    information.diagonal() += prior;
+    const CameraMatrix P = information.inverse();
+    errors_.errors[error] = P.row(error).dot(information_vector_);
+    errors_.sigmas[error] = std::sqrt(P(error, error));
+  };
+  const auto estimate = [&] {
+    for (int i = 0; i < kCameraErrors; ++i) estimateWith(i);
+    return CameraVector(errors_.errors.cwiseAbs().cwiseQuotient(errors_.sigmas));
+  };
+  for (int step = 0; step < kCameraErrors; ++step) {
+    CameraVector sigmas = estimate();
+    int worst = -1;
+    for (int i = 0; i < kCameraErrors; ++i) {
+      if (errors_.isFound(i) && sigmas[i] < kGivenUp) worst = i;
+    }
+    if (worst >= 0) {
+      errors_.found.reset(static_cast<std::size_t>(worst));
+      continue;
+    }
+    for (int i = 0; i < kCameraErrors; ++i) {
+      if (errors_.isFound(i)) sigmas[i] = 0.0;
+    }
+    int most = 0;
+    if (sigmas.maxCoeff(&most) < kFound) return;
+    errors_.found.set(static_cast<std::size_t>(most));
+  }
+  estimate();
+}
+
+std::string CameraAlarm::update(const CameraErrors& camera) {
+  if (camera.found == named_) return {};
+  named_ = camera.found;
+  std::string text;
+  for (std::size_t i = 0; i < kCameraErrorTexts.size(); ++i) {
+    if (!named_[i]) continue;
+    const CameraErrorText& is = kCameraErrorTexts[i];
+    const auto row = static_cast<int>(i);
+    char part[80];
+    std::snprintf(part, sizeof part, "%s %.1f +- %.1f %s", is.name, is.scale * camera.errors[row],
+                  is.scale * camera.sigmas[row], is.unit);
+    text += (text.empty() ? "" : ", ") + std::string(part);
+  }
+  return text.empty() ? "the camera is as it is configured, as far as the map shows"
+                      : "against the map: " + text + ": run calibrate body";
+}
+
+}  // namespace vismem

@@ -1,0 +1,88 @@
+/// @file Estimation of the lasting errors of the camera from trusted poses, against the map. Pure. See L12.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/geometry/angles.h"
+#include "common/geometry/pose.h"
+#include "common/visual_memory/memory_snapshot.h"
+#include "localization/core/likelihood/robust_likelihood.h"
+#include "localization/core/map/map_index.h"
+#include "localization/core/observation/floor_observation.h"
+#include "localization/core/pose_estimate.h"
+
+namespace vismem {
+
+/// Information filter of the lasting errors of the camera (CameraErrors), linearized at its own estimate. A
+/// map fixes the scale of what is seen, which a moving camera alone does not: on the floor a camera that
+/// looks too high is a robot that travels too far. Pose and tilt of each image are free (Schur complement).
+/// Errors are found one by one (stepwise regression): a wrong height alone also looks a little like a wrong
+/// focal length. *Single-threaded* (owner: RobustRaces); keeps references to its arguments.
+class CameraCalibration {
+ public:
+  CameraCalibration(const RobustLikelihood& likelihood, const MapIndex& map, const ObservationParams& params)
+      : likelihood_(likelihood), map_(map), params_(params) {}
+
+  /// Begins an image: its stated view, and the camera's motion since the last image, which a delay needs.
+  void begin(const ImageAnalysis& analysis);
+  /// The view of this image without the errors that were found; empty where none was.
+  std::optional<CameraModel> corrected() const;
+  /// Learns from the image that was begun last.
+  /// @param T_world_robot trusted pose at its stamp.
+  void learn(const ImageAnalysis& analysis, const Pose2& T_world_robot);
+
+  const CameraErrors& errors() const { return errors_; }
+
+ private:
+  CameraModel view(const CameraVector& errors) const;
+  void differentiate(const CameraModel& here);
+  void selectErrors();
+
+  const RobustLikelihood& likelihood_;
+  const MapIndex& map_;
+  const ObservationParams& params_;
+  CameraModel stated_;
+  Pose3 T_odom_robot_ = Pose3::Identity();
+  Pose3 T_odom_camera_before_ = Pose3::Identity();
+  StampUs stamp_us_ = 0;
+  double since_before_s_ = 0.0;  ///< 0: no motion is known
+  CameraMatrix information_ = CameraMatrix::Zero();
+  CameraVector information_vector_ = CameraVector::Zero();  ///< information times errors
+  CameraVector linearized_at_ = CameraVector::Zero();       ///< estimate with all errors free
+  CameraErrors errors_;
+  FloorObservation seen_, observation_;      ///< of the last image that was learnt from; all points, and some
+  std::vector<CameraJacobian> derivatives_;  ///< of its points
+};
+
+/// Says once which errors of the camera were found, and again when they are others. *Single-threaded.*
+class CameraAlarm {
+ public:
+  /// @return what to say now, such as "against the map: camera height error -1.9 +- 0.3 cm: run calibrate
+  /// body"; empty for nothing new.
+  std::string update(const CameraErrors& camera);
+
+ private:
+  std::bitset<kCameraErrors> named_;
+};
+
+/// An error in the unit of users.
+struct CameraErrorText {
+  const char* name;
+  double scale;  ///< from SI
+  const char* unit;
+};
+/// In the order of CameraErrors::Error.
+inline constexpr std::array<CameraErrorText, kCameraErrors> kCameraErrorTexts{
+    {{"camera height error", 100.0, "cm"},
+     {"focal length error", 100.0, "%"},
+     {"camera pitch error", radToDeg(1.0), "deg"},
+     {"camera roll error", radToDeg(1.0), "deg"},
+     {"mount pitch error", radToDeg(1.0), "deg"},
+     {"mount roll error", radToDeg(1.0), "deg"},
+     {"image delay", 1000.0, "ms"}}};
+
+}  // namespace vismem
