@@ -170,6 +170,16 @@ struct RobustLikelihood::Match {
   double share_of_way = 1.0;  ///< of the camera's ray, at which the point lies
   double variance = 0.0;      ///< [m^2]
   double influence = 1.0;     ///< derivative of the bounded loss (iteratively reweighted least squares)
+
+  /// Derivative of the distance by (x, y, theta, tilt). @param R  the robot's heading.
+  Vector5d jacobian(const FloorPoint& point, const Eigen::Rotation2Dd& R) const {
+    const Eigen::Vector2d& gradient = field.gradient;
+    Vector5d J;
+    J.head<2>() = gradient;
+    J[2] = gradient.y() * arm.x() - gradient.x() * arm.y();
+    J.tail<2>() = share_of_way * point.d_tilt.transpose() * (R.inverse() * gradient);
+    return J;
+  }
 };
 
 std::optional<RobustLikelihood::Match> RobustLikelihood::match(const FloorPoint& point,
@@ -207,11 +217,7 @@ RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const FloorPoi
     const double weight = share * point.weight / found->variance * found->influence;
     result.inlier_weight += point.weight * found->influence;
     result.inlier_square += point.weight * found->influence * distance_m * distance_m / found->variance;
-    const Eigen::Vector2d& gradient = found->field.gradient;
-    Vector5d J;
-    J.head<2>() = gradient;
-    J[2] = gradient.y() * found->arm.x() - gradient.x() * found->arm.y();
-    J.tail<2>() = found->share_of_way * point.d_tilt.transpose() * (R.inverse() * gradient);
+    const Vector5d J = found->jacobian(point, R);
     result.H += weight * J * J.transpose();
     result.g += weight * distance_m * J;
   }
@@ -231,13 +237,10 @@ CameraEvidence RobustLikelihood::cameraEvidence(const FloorObservation& observat
     const FloorPoint& point = observation.points[observation.remembered + i];
     const auto found = match(point, placement, blur_m);
     if (!found) continue;
-    const Eigen::Vector2d& gradient = found->field.gradient;
-    const Eigen::Vector2d in_robot = R.inverse() * gradient;
     Eigen::Matrix<double, kAll, 1> J;
-    J.head<2>() = gradient;
-    J[2] = gradient.y() * found->arm.x() - gradient.x() * found->arm.y();
-    J.segment<2>(3) = found->share_of_way * point.d_tilt.transpose() * in_robot;
-    J.tail<kCameraErrors>() = found->share_of_way * derivatives[i].transpose() * in_robot;
+    J.head<5>() = found->jacobian(point, R);
+    J.tail<kCameraErrors>() =
+        found->share_of_way * derivatives[i].transpose() * (R.inverse() * found->field.gradient);
     const double weight = point.weight / found->variance * found->influence;
     // The tilt of this image counts from 0.
     const double distance_m = found->field.distance_m - J.segment<2>(3).dot(placement.tilt());
