@@ -24,7 +24,7 @@ constexpr double kFullJump_m = 2.0;
 constexpr double kGivenStd_m = 0.1;
 constexpr double kGivenStd_rad = 0.1;
 
-/// Support from which on a winner that is unambiguous is right.
+/// Support from which on the pose of an unambiguous winner is trusted.
 constexpr double kTrust = 0.7;
 /// The tick while the winner is suspect.
 constexpr double kSuspectTick_s = 0.1;

@@ -42,7 +42,7 @@ struct CameraErrors {
   /// axis, and about the robot's y axis (positive looks down) and x axis [rad]; age of images beyond their
   /// stamps [s].
   enum Error { kHeight, kFocal, kPitch, kRoll, kMountPitch, kMountRoll, kDelay };
-  CameraVector errors = CameraVector::Zero();  ///< each with those that were found, the others being 0
+  CameraVector errors = CameraVector::Zero();  ///< each estimated with those found, the others being 0
   CameraVector sigmas = CameraVector::Zero();  ///< standard deviations; 0: nothing was learnt yet
   std::bitset<kCameraErrors> found;            ///< significant ones, which the pose is corrected for
 

@@ -40,8 +40,8 @@ using FloorEdges = std::pmr::vector<FloorEdge>;
 std::optional<FloorEdge> makeFloorEdge(const Segment2& line, std::string_view label, SegmentIds segments,
                                        double width_m = 0.0);
 
-/// Remembered segments, in their order. @param least  leaves out the others.
 enum class Trust { kAny, kLabelledOrConfirmed, kConfirmed };
+/// Remembered segments, in their order. @param least  leaves out those of less trust.
 FloorEdges floorEdges(std::span<const MemorySegment> segments, Trust least,
                       std::pmr::memory_resource* scratch);
 

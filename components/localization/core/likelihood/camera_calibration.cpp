@@ -40,9 +40,9 @@ CameraVector priorInformation() {
 
 void CameraCalibration::begin(const ImageAnalysis& analysis) {
   const double since_s = static_cast<double>(analysis.stamp_us - stamp_us_) / kSecondUs;
-  T_odom_camera_before_ = T_odom_robot_ * stated_.T_robot_camera;
+  T_odom_camera_before_ = T_odom_robot_ * configured_.T_robot_camera;
   since_before_s_ = since_s > 0.0 && since_s <= kLongestPause_s ? since_s : 0.0;
-  stated_ = {analysis.intrinsics, analysis.T_robot_camera};
+  configured_ = {analysis.intrinsics, analysis.T_robot_camera};
   T_odom_robot_ = toPose3(analysis.T_odom_robot);
   stamp_us_ = analysis.stamp_us;
 }
@@ -57,9 +57,9 @@ std::optional<CameraModel> CameraCalibration::corrected() const {
 }
 
 CameraModel CameraCalibration::view(const CameraVector& errors) const {
-  CameraModel view = stated_;
+  CameraModel view = configured_;
   if (since_before_s_ > 0.0) {
-    const Pose3 T_odom_camera = T_odom_robot_ * stated_.T_robot_camera;
+    const Pose3 T_odom_camera = T_odom_robot_ * configured_.T_robot_camera;
     const double back = errors[CameraErrors::kDelay] / since_before_s_;
     view.T_robot_camera = T_odom_robot_.inverse() * interpolate(T_odom_camera, T_odom_camera_before_, back);
   }

@@ -27,9 +27,10 @@ class CameraCalibration {
   CameraCalibration(const RobustLikelihood& likelihood, const MapIndex& map, const ObservationParams& params)
       : likelihood_(likelihood), map_(map), params_(params) {}
 
-  /// Begins an image: its stated view, and the camera's motion since the last image, which a delay needs.
+  /// Begins an image: its camera as configured, and the camera's motion since the last image, which a delay
+  /// needs.
   void begin(const ImageAnalysis& analysis);
-  /// The view of this image without the errors that were found; empty where none was.
+  /// The camera of this image, corrected by the errors that were found; empty where none was.
   std::optional<CameraModel> corrected() const;
   /// Learns from the image that was begun last.
   /// @param T_world_robot trusted pose at its stamp.
@@ -45,7 +46,7 @@ class CameraCalibration {
   const RobustLikelihood& likelihood_;
   const MapIndex& map_;
   const ObservationParams& params_;
-  CameraModel stated_;
+  CameraModel configured_;
   Pose3 T_odom_robot_ = Pose3::Identity();
   Pose3 T_odom_camera_before_ = Pose3::Identity();
   StampUs stamp_us_ = 0;

@@ -95,7 +95,7 @@ struct CameraModel {
 };
 
 /// One image as weighted points: its labelled segments projected to the floor within `image_range_m`.
-/// @param view of the camera; null: as the analysis states it.
+/// @param view corrected camera; null: the one of the analysis.
 /// @param reused gives its memory to the result.
 FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map,
                               const ObservationParams& params, const CameraModel* view = nullptr,
