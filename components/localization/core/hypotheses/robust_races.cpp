@@ -73,9 +73,10 @@ class RobustRaces : public RaceStrategy {
     odometry_.P = params.filter.odometry_bias.cwiseAbs2().asDiagonal();
   }
 
+  void follow(const ImageAnalysis& analysis) override { camera_.begin(analysis); }
+
   bool observe(const MemoryUpdate& update) override {
     analysis_ = update.analysis;
-    if (analysis_) camera_.begin(*analysis_);
     const auto view = analysis_ ? camera_.corrected() : std::nullopt;
     observation_ =
         vismem::observe(update, map_, params_.observation, view ? &*view : nullptr, std::move(observation_));

@@ -21,6 +21,9 @@ constexpr double kIndependent = 0.5;
 constexpr double kFarthest_m = 50.0;
 constexpr double kCameraBlur_m = 0.05;  // a wrong camera moves points by more than their sigmas
 constexpr int kSteps = 3;
+/// Standard deviations of odometry from image to image: share of the way, and heading per radian and metre.
+constexpr double kOdometryShare = 0.04;
+constexpr double kOdometryTurnShare = 0.1;
 /// Information about the lasting tilt of a race, which is one of the errors here.
 constexpr double kFixedTilt = 1e8;
 /// An error is found from this number of standard deviations, and given up below the other one.
@@ -113,9 +116,38 @@ void CameraCalibration::learn(const ImageAnalysis& analysis, const Pose2& T_worl
   information_ = kept * information_ + kIndependent * evidence.information;
   information_vector_ =
       kept * information_vector_ + kIndependent * (evidence.information * linearized_at_ - evidence.gradient);
+  const FittedPose fitted{analysis.stamp_us, analysis.T_odom_robot, refined.placement.T_world_robot,
+                          evidence.d_pose,   evidence.P_pose,       linearized_at_};
+  if (fitted_ && since_before_s_ > 0.0) compareMotion(*fitted_, fitted);
+  fitted_ = fitted;
   linearized_at_ =
       (information_ + CameraMatrix(priorInformation().asDiagonal())).ldlt().solve(information_vector_);
   selectErrors();
+}
+
+/// Odometry says by how much two fitted poses must differ.
+void CameraCalibration::compareMotion(const FittedPose& before, const FittedPose& now) {
+  const StampUs between_us = now.stamp_us - before.stamp_us;
+  if (between_us <= 0 || between_us > toStampUs(kLongestPause_s)) return;
+  const Pose2 motion = inverse(before.T_odom_robot) * now.T_odom_robot;
+  const Pose2 predicted = before.T_world_robot * motion;
+  const Eigen::Vector2d shift = predicted.position() - before.T_world_robot.position();
+  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+  F.block<2, 1>(0, 2) << -shift.y(), shift.x();
+  const Eigen::Vector3d residual{now.T_world_robot.x - predicted.x, now.T_world_robot.y - predicted.y,
+                                 angleDifference(now.T_world_robot.theta, predicted.theta)};
+  const PoseJacobian J = now.d_errors - F * before.d_errors;
+  const double moved_m = kOdometryShare * motion.position().norm();
+  const double turned = kOdometryTurnShare * (std::abs(motion.theta) + motion.position().norm());
+  Eigen::Matrix3d P = now.P + F * before.P * F.transpose();
+  P.diagonal() += Eigen::Vector3d(moved_m * moved_m, moved_m * moved_m, turned * turned);
+  const Eigen::Matrix3d information = P.inverse();
+  const Eigen::Vector3d without = residual - now.d_errors * now.errors + F * before.d_errors * before.errors;
+  const Eigen::Vector3d left = without + J * now.errors;
+  // Cauchy's weight: wheels slip.
+  const double weight = kIndependent / (1.0 + left.dot(information * left) / 3.0);
+  information_ += weight * J.transpose() * information * J;
+  information_vector_ -= weight * J.transpose() * information * without;
 }
 
 /// Stepwise regression: each error with those that were found, and without the others.

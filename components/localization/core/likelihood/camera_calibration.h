@@ -19,7 +19,8 @@ namespace vismem {
 
 /// Information filter of the lasting errors of the camera (CameraErrors), linearized at its own estimate. A
 /// map fixes the scale of what is seen, which a moving camera alone does not: on the floor a camera that
-/// looks too high is a robot that travels too far. Pose and tilt of each image are free (Schur complement).
+/// looks too high is a robot that travels too far. Pose and tilt of each image are free (Schur complement),
+/// but odometry ties successive poses: images that are late turn the robot with its head.
 /// Errors are found one by one (stepwise regression): a wrong height alone also looks a little like a wrong
 /// focal length. *Single-threaded* (owner: RobustRaces); keeps references to its arguments.
 class CameraCalibration {
@@ -27,8 +28,8 @@ class CameraCalibration {
   CameraCalibration(const RobustLikelihood& likelihood, const MapIndex& map, const ObservationParams& params)
       : likelihood_(likelihood), map_(map), params_(params) {}
 
-  /// Begins an image: its camera as configured, and the camera's motion since the last image, which a delay
-  /// needs.
+  /// Begins an image, also one that is not learnt from: its camera as configured, and the camera's motion
+  /// since the last image, which a delay needs.
   void begin(const ImageAnalysis& analysis);
   /// The camera of this image, corrected by the errors that were found; empty where none was.
   std::optional<CameraModel> corrected() const;
@@ -39,8 +40,19 @@ class CameraCalibration {
   const CameraErrors& errors() const { return errors_; }
 
  private:
+  /// The pose that fits an image best, linear in the errors.
+  struct FittedPose {
+    StampUs stamp_us = 0;
+    Pose2 T_odom_robot;
+    Pose2 T_world_robot;
+    PoseJacobian d_errors;
+    Eigen::Matrix3d P;    ///< of (x, y, theta) for known errors
+    CameraVector errors;  ///< for which T_world_robot was fitted
+  };
+
   CameraModel view(const CameraVector& errors) const;
   void differentiate(const CameraModel& here);
+  void compareMotion(const FittedPose& before, const FittedPose& now);
   void selectErrors();
 
   const RobustLikelihood& likelihood_;
@@ -55,6 +67,7 @@ class CameraCalibration {
   CameraVector information_vector_ = CameraVector::Zero();  ///< information times errors
   CameraVector linearized_at_ = CameraVector::Zero();       ///< estimate with all errors free
   CameraErrors errors_;
+  std::optional<FittedPose> fitted_;         ///< of the last image that was learnt from
   FloorObservation seen_, observation_;      ///< of the last image that was learnt from; all points, and some
   std::vector<CameraJacobian> derivatives_;  ///< of its points
 };

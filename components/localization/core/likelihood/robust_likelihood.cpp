@@ -253,7 +253,8 @@ CameraEvidence RobustLikelihood::cameraEvidence(const FloorObservation& observat
   const Eigen::Matrix<double, kCameraErrors, 5> gain =
       free.ldlt().solve(H.topRightCorner<5, kCameraErrors>()).transpose();
   return {H.bottomRightCorner<kCameraErrors, kCameraErrors>() - gain * H.topRightCorner<5, kCameraErrors>(),
-          g.tail<kCameraErrors>() - gain * g.head<5>()};
+          g.tail<kCameraErrors>() - gain * g.head<5>(), -gain.leftCols<3>().transpose(),
+          free.inverse().topLeftCorner<3, 3>()};
 }
 
 /// Marginalizes a common shift and turn of the memory, which bounds its information about the pose.

@@ -57,11 +57,16 @@ struct Rating {
 /// Derivative of a floor point by the errors of the camera, in the order of CameraErrors.
 using CameraJacobian = Eigen::Matrix<double, 2, kCameraErrors>;
 
+/// Derivative of a pose (x, y, theta) by the errors of the camera.
+using PoseJacobian = Eigen::Matrix<double, 3, kCameraErrors>;
+
 /// Quadratic form of -log L of one image in the errors of the camera, with pose and tilt of this image
 /// marginalized.
 struct CameraEvidence {
   CameraMatrix information = CameraMatrix::Zero();
-  CameraVector gradient = CameraVector::Zero();  ///< at the errors that the observation was made with
+  CameraVector gradient = CameraVector::Zero();      ///< at the errors that the observation was made with
+  PoseJacobian d_pose = PoseJacobian::Zero();        ///< of the pose that fits best, by the errors
+  Eigen::Matrix3d P_pose = Eigen::Matrix3d::Zero();  ///< of that pose, for known errors
 };
 
 /// Rates poses by one observation. *Pure*; keeps references to its arguments.

@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 #include "common/geometry/angles.h"
@@ -26,13 +28,19 @@ struct Misstated {
   double delay_s = 0.0;
 };
 
+/// Motions of the head over time [rad].
+struct Head {
+  std::function<double(double)> pan = [](double t_s) { return degToRad(40.0) * std::sin(0.7 * t_s); };
+  std::function<double(double)> tilt = [](double t_s) {
+    return degToRad(-28.0 + 10.0 * std::sin(1.3 * t_s));
+  };
+};
+
 /// A robot that knows its place drives along a corridor and looks around, at five images a second.
-CameraErrors errorsAfterDrive(const Misstated& by) {
+CameraErrors errorsAfterDrive(const Misstated& by, const Head& head = {}) {
   const SegmentMap map = test::corridorMap();
   Localizer localizer(localizerPreset(LocalizationMode::kDefault), map, 1);
-  const auto pan = [](double t_s) { return degToRad(40.0) * std::sin(0.7 * t_s); };
-  // A delay shows in the tilt, because the heading of each image is free.
-  const auto tilt = [](double t_s) { return degToRad(-28.0 + 10.0 * std::sin(1.3 * t_s)); };
+  const auto& [pan, tilt] = head;
   const auto pose = [](double t_s) { return Pose2{1.0 + 0.05 * t_s, 0.1, 0.1 * std::sin(0.3 * t_s)}; };
   for (int i = 0; i < 400; ++i) {
     const double t_s = 0.2 * i;
@@ -91,6 +99,18 @@ TEST(CameraCalibration, FindsLateImages) {
   const CameraErrors found = errorsAfterDrive({.delay_s = 0.05});
   EXPECT_NEAR(found.errors[CameraErrors::kDelay], 0.05, 0.01);
   EXPECT_THAT(CameraAlarm().update(found), HasSubstr("image delay"));
+}
+
+TEST(CameraCalibration, FindsLateImagesOfAHeadThatOnlyPans) {
+  // From side to side in 0.4 s, and every two seconds.
+  const auto pan = [](double t_s) {
+    const double way = std::clamp(std::fmod(t_s, 2.0) / 0.4, 0.0, 1.0) - 0.5;
+    return degToRad(40.0) * (std::fmod(t_s, 4.0) < 2.0 ? way : -way);
+  };
+  const auto tilt = [](double) { return degToRad(-28.0); };
+  const CameraErrors found = errorsAfterDrive({.delay_s = 0.05}, {pan, tilt});
+  EXPECT_NEAR(found.errors[CameraErrors::kDelay], 0.05, 0.005);
+  EXPECT_TRUE(found.isFound(CameraErrors::kDelay));
 }
 
 }  // namespace
