@@ -175,6 +175,10 @@ int run(const RunOptions& options, StopSignals& signals) {
   auto problems = writeReport(options, *files, recorded, summary, inputs.map);
   if (!done->failure.empty()) problems.push_back(done->failure);
   std::cout << resultJson(options, summary).dump() << std::endl;
+  if (!summary.score.errors.empty() && !summary.score.recovered && !summary.score.is_twin) {
+    std::cerr << "run_application: not localized at the end (is " << options.map.string()
+              << " the map of this world?)" << std::endl;
+  }
   for (const std::string& problem : problems) std::cerr << "run_application: " << problem << std::endl;
   return problems.empty() ? 0 : 1;
 }
@@ -190,8 +194,7 @@ int main(int argc, char** argv) {
     std::cerr << "run_application: " << error.what() << std::endl;
     return 2;
   } catch (const ConfigError& error) {
-    for (const std::string& problem : error.problems())
-      std::cerr << "run_application: " << problem << std::endl;
+    std::cerr << "run_application: " << error.what() << std::endl;
     return 2;
   } catch (const std::exception& error) {
     std::cerr << "run_application: " << error.what() << std::endl;

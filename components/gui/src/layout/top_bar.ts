@@ -76,7 +76,7 @@ export class TopBar {
 
   private drawWho(element: HTMLElement): void {
     const lease = this.store.lease.value, mine = this.store.driving.value.active;
-    say(element, mine || lease?.mine ? "you drive" : lease?.held ? `${holderOf(lease)} drives` : "nobody drives");
+    say(element, lease?.mine || (mine && !lease?.held) ? "you drive" : lease?.held ? `${holderOf(lease)} drives` : "nobody drives");
   }
 
   /** What a file kept replaces what this browser keeps; the page begins anew with it. */

@@ -12,7 +12,7 @@ import {Pane} from "./pane";
 interface PlotSpec { id: string; title: string; unit: string; group: GroupName; pick: (name: string) => boolean; fit?: boolean }
 
 const specs: PlotSpec[] = [
-  {id: "error", title: "position error", unit: "m", group: "pose", pick: n => n === "error (m)" || n === "sigma (m)"},
+  {id: "error", title: "position error", unit: "m", group: "pose", pick: n => !n.includes("heading")},
   {id: "heading", title: "heading error", unit: "deg", group: "pose", pick: n => n.includes("heading")},
   {id: "reliability", title: "reliability", unit: "", group: "health", pick: () => true},
   {id: "memory", title: "elements", unit: "", group: "memory", pick: n => n !== "mean life"},
@@ -20,6 +20,11 @@ const specs: PlotSpec[] = [
   {id: "latency", title: "latency", unit: "ms", group: "latency", pick: () => true},
   {id: "cpu", title: "CPU", unit: "% of a core", group: "cpu", pick: () => true},
 ];
+
+/** Errors are known in a simulation only. */
+function withoutTruth(spec: PlotSpec): PlotSpec {
+  return spec.group !== "pose" ? spec : {...spec, title: spec.title.replace("error", "sigma"), pick: n => spec.pick(n) && n.includes("sigma")};
+}
 
 /** A number that was chosen: a plot of its own. */
 function specOf(key: string): PlotSpec {
@@ -130,7 +135,7 @@ export class PlotsPane extends Pane {
       this.draw();
     }), this.liveButton, this.add, button("save CSV", "all numbers of the last 5 minutes as a table", () => saveFile("numbers.csv", new Blob([store.columns.csv()], {type: "text/csv"}))),
     h("span", {class: "dim", text: "drag: zoom; double-click: go to that moment"}));
-    this.fixedCharts = specs.filter(s => store.config.proxies.Simulation || (s.id !== "error")).map(spec => new Chart(spec, store, this.zoom));
+    this.fixedCharts = (store.config.proxies.Simulation ? specs : specs.map(withoutTruth)).map(spec => new Chart(spec, store, this.zoom));
     this.element.append(bar, this.grid);
     this.choose(store.plots.value);
     const timer = setInterval(() => this.draw(), 500);
