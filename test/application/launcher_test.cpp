@@ -85,7 +85,7 @@ TEST(Commands, RecordIntoTheFolderOfTheResults) {
               testing::Contains("--Recorder.Cameras.cameraA.Proxy=cameraA:tcp -h 127.0.0.1 -p 10999"));
 }
 
-TEST(Commands, GiveThePageTheRecordersProxy) {
+TEST(Commands, GiveThePageTheRecordersProxies) {
   RunOptions options = simulation();
   options.port_offset = 1000;
   const auto recorderOfPage = testing::Contains(testing::HasSubstr("GuiServer.Recorder.Proxy"));
@@ -93,7 +93,10 @@ TEST(Commands, GiveThePageTheRecordersProxy) {
   options.record = true;
   options.out = "/somewhere";
   EXPECT_THAT(commandsOf(options).back().arguments,
-              testing::Contains("--GuiServer.Recorder.Proxy=Recorder:ws -h 127.0.0.1 -p 12008"));
+              testing::AllOf(
+                  testing::Contains("--GuiServer.Recorder.Proxy=Recorder:ws -h 127.0.0.1 -p 12008"),
+                  testing::Contains(
+                      "--GuiServer.Components.recorder.Proxy=recorder/component:ws -h 127.0.0.1 -p 12008")));
 }
 
 TEST(Commands, TakeASessionsConfigurationsAtTheReplaysPlaces) {

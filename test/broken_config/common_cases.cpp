@@ -386,6 +386,13 @@ std::vector<BrokenConfig> proxiesAndEndpoints() {
         "PORT, since "
         "pages are served without TLS and may hold a token; GuiServer.PlainRemote = yes serves them to "
         "everybody)"}},
+      {"PageWithATokenThatIsTooShort",
+       "gui_server",
+       {"GuiServer.Http.Endpoints = 8770", "Robot.Token = abc"},
+       {"broken.cfg:1: GuiServer.Http.Endpoints = 8770 (must be http -h HOST -p PORT, such as http -h "
+        "127.0.0.1 "
+        "-p 8770)",
+        "broken.cfg:2: Robot.Token = *** (must be 16..100 letters, digits, '-' or '_')"}},
       {"AddressOfAnotherHost",
        l,
        {"Localization.Endpoints = tcp -h 192.0.2.1 -p 9971", "Localization.PlainRemote = yes"},

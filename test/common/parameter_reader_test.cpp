@@ -104,10 +104,10 @@ TEST(ParameterReader, DescribesItsKeys) {
   }
   EXPECT_THAT(
       lines,
-      ElementsAre("Car.Colour|blue|one of: red, blue|of the paint", "Car.Doors|4|0..6|number of doors|basic",
-                  "Car.Names|one two||of the owners", "Car.Open|false|true or false|without a roof",
-                  "Car.Seats|5|1..9|number of seats", testing::StartsWith("Car.Wheel.Angle_deg|"),
-                  "Car.Wheel.Radius_m|0.1|0.01..1|of the wheel|basic"));
+      ElementsAre("Car.Wheel.Radius_m|0.1|0.01..1|of the wheel|basic",
+                  "Car.Wheel.Angle_deg|30|-90..90|of its axle", "Car.Doors|4|0..6|number of doors|basic",
+                  "Car.Seats|5|1..9|number of seats", "Car.Open|false|true or false|without a roof",
+                  "Car.Colour|blue|one of: red, blue|of the paint", "Car.Names|one two||of the owners"));
 }
 
 }  // namespace

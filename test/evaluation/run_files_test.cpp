@@ -6,8 +6,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "evaluation/core/trajectory_io.h"
 #include "support/temporary_folder.h"
+#include "support/tum.h"
 
 namespace vismem {
 namespace {
@@ -70,7 +70,7 @@ TEST(RunFiles, LeaveOutWhatIsNotNewer) {
   RunFiles files(folder.path());
   for (const StampUs stamp_us : {0, 200'000, 100'000, 200'000, 300'000}) files.addPose({stamp_us, {}});
   files.finish(nullptr);
-  EXPECT_EQ(parseTum(contents(folder.path() / "trajectory.tum"), "t").size(), 3u);
+  EXPECT_EQ(readTum(contents(folder.path() / "trajectory.tum")).size(), 3u);
 }
 
 TEST(RunFiles, AFullDiskStopsOneFileAndIsNamed) {

@@ -153,8 +153,9 @@ TEST_F(Pages, NamesThePortThatIsInUse) {
   options.endpoint = {"127.0.0.1", server_->port()};
   options.pages = folder_.path();
   PageServer second(options);
-  EXPECT_THAT([&] { second.bind(); }, testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr(
-                                          "http -h 127.0.0.1 -p " + std::to_string(server_->port()))));
+  EXPECT_THAT([&] { second.bind(); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr(
+                  "GuiServer.Http.Endpoints = http -h 127.0.0.1 -p " + std::to_string(server_->port()))));
 }
 
 TEST(PageServer, StopsThoughItWasAskedToBeforeItListened) {

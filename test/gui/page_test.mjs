@@ -7,11 +7,11 @@ import {crowd} from "./parts/crowd.mjs";
 import {gateway} from "./parts/gateway.mjs";
 import {recording, replay} from "./parts/recording.mjs";
 import {foreign, loss, viewer} from "./parts/safety.mjs";
-import {bundle, keyboard, looks, panes, rates, tablet, timeTravel} from "./parts/views.mjs";
+import {bundle, keyboard, looks, numbers, panes, rates, tablet, timeTravel} from "./parts/views.mjs";
 import {browser, pictures} from "./support/page.mjs";
 import {Robot} from "./support/robot.mjs";
 
-const shared = {looks, panes, tablet, rates, gaze, drive, pose, timeTravel, keyboard, bundle, foreign, blindness, crowd, loss};
+const shared = {looks, panes, numbers, tablet, rates, gaze, drive, pose, timeTravel, keyboard, bundle, foreign, blindness, crowd, loss};
 const own = {viewer, gateway, wrongMap, odometryLost, recording, replay};
 const wanted = process.argv.slice(2), chosen = name => wanted.length === 0 || wanted.includes(name);
 let failed = 0;

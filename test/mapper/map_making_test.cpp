@@ -114,7 +114,7 @@ double shareOnField(const MapState& state, const SegmentMap& field) {
     int all = 0;
     constexpr double kStep_m = 0.02;
     for (const LineLandmark& landmark : state.landmarks) {
-      if (!isMapped(landmark)) continue;
+      if (landmark.label == kUnknownLabel || landmark.b.t_m <= landmark.a.t_m) continue;
       const Segment2 edge = transform(T_field_map * T_map_world, state.worldSegment(landmark));
       for (double t = 0.0; t < edge.length(); t += kStep_m, ++all) {
         const Eigen::Vector2d p = edge.a + t * (edge.b - edge.a).normalized();

@@ -49,10 +49,27 @@ TEST(MapOutput, CsvIsReadBackBitForBit) {
   std::filesystem::remove(file);
 }
 
+/// The lines of a drawing in DXF: pairs of a group's number and its value.
+SegmentMap linesOf(const std::string& dxf) {
+  SegmentMap map;
+  std::istringstream in(dxf);
+  for (std::string group, value; std::getline(in, group) && std::getline(in, value);) {
+    if (group == "0" && value == "LINE") map.segments.emplace_back();
+    if (map.segments.empty()) continue;
+    MapSegment& line = map.segments.back();
+    const int number = std::stoi(group);
+    if (number == 8) line.label = value;
+    if (number == 39) line.width_m = std::stod(value);
+    if (number >= 10 && number < 39)
+      (number % 10 == 0 ? line.world.a : line.world.b)[number / 10 - 1] = std::stod(value);
+  }
+  return map;
+}
+
 TEST(MapOutput, DxfIsReadBackBitForBit) {
   SegmentMap map = hall();
   map.segments.push_back({{{1.5, 2.0, 2.0}, {1.5, 2.0, 0.0}}, "door_foot"});  // upright
-  expectSame(map, parseDxf(dxfOf(map), "hall.dxf"));
+  expectSame(map, linesOf(dxfOf(map)));
 }
 
 TEST(MapOutput, PaintedLinesAreNoObstacles) {

@@ -15,6 +15,7 @@
 #include "mapper/app/map_making.h"
 #include "mapper/core/drive_record_io.h"
 #include "simulator/core/renderer.h"
+#include "support/tum.h"
 
 namespace vismem {
 namespace {
@@ -61,8 +62,7 @@ std::vector<TrueEdge> shownEdges(const RecordedDrive& drive) {
 MapScore scoreOf(const fs::path& folder, const RecordedDrive& drive, const std::vector<TrueEdge>& truth) {
   std::vector<Eigen::Vector2d> mapped;
   std::vector<Eigen::Vector2d> driven;
-  for (const StampedPose& each :
-       parseTum(readTextFile(folder / "trajectory.tum", "a path"), "trajectory.tum")) {
+  for (const StampedPose& each : readTum(readTextFile(folder / "trajectory.tum", "a path"))) {
     const auto pose = poseAt(drive.truth, each.stamp_us);
     if (!pose) continue;
     mapped.push_back(each.pose.position());

@@ -227,7 +227,7 @@ TEST_F(ComponentTest, ReportsVersionAndKeys) {
   const auto help = probe({"--help"});
   EXPECT_EQ(help->waitForExit(kPatience), 0);
   EXPECT_THAT(help->out(), HasSubstr("usage: probe_component [--Ice.Config=FILE | FILE] [--Key=Value ...]"));
-  EXPECT_THAT(help->out(), HasSubstr("\n  Probe.Size = 8\n"));
+  EXPECT_THAT(help->out(), HasSubstr("\n  Probe.Size = 8   # "));
 }
 
 TEST_F(ComponentTest, ListsItsOwnKeysOneALine) {

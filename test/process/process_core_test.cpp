@@ -273,10 +273,7 @@ TEST(ReadyLine, CarriesEndpointsAndPorts) {
   const auto line = readyLine("eye", "EyeAdapter", "tcp -h 127.0.0.1 -p 9970:ws -h 127.0.0.1 -p 11004");
   EXPECT_EQ(line, "eye ready: EyeAdapter=tcp -h 127.0.0.1 -p 9970:ws -h 127.0.0.1 -p 11004");
   EXPECT_EQ(readyEndpoints(line), "tcp -h 127.0.0.1 -p 9970:ws -h 127.0.0.1 -p 11004");
-  EXPECT_EQ(readyPort(line), 9970);
-  EXPECT_EQ(readyPort(line, "ws"), 11004);
-  EXPECT_EQ(readyPort(line, "ssl"), std::nullopt);
-  EXPECT_EQ(readyPort("eye is not ready"), std::nullopt);
+  EXPECT_EQ(readyEndpoints("eye is not ready"), std::nullopt);
 }
 
 TEST(Setup, KeysBelongToTheComponentOfTheirFirstPart) {

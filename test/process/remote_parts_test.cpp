@@ -233,10 +233,6 @@ TEST(ReadyLineOfTwoAdapters, KeepsWhatWebPagesUseApart) {
       line,
       "eye ready: EyeAdapter=tcp -h 127.0.0.1 -p 1:tcp -h 127.0.0.1 -p 2 EyeWebAdapter=ws -h 127.0.0.1 -p 3");
   EXPECT_EQ(readyEndpoints(line), "tcp -h 127.0.0.1 -p 1:tcp -h 127.0.0.1 -p 2");
-  EXPECT_EQ(readyWebEndpoints(line), "ws -h 127.0.0.1 -p 3");
-  EXPECT_EQ(readyPort(line), 1);
-  EXPECT_EQ(readyPort(line, "ws"), 3);
-  EXPECT_EQ(readyWebEndpoints(readyLine("eye", "EyeAdapter", "tcp -p 1")), std::nullopt);
 }
 
 }  // namespace

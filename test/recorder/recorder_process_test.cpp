@@ -202,6 +202,10 @@ TEST_F(RecorderProcessTest, WaitsForItsPeersAndNamesAFullFolder) {
                                  "--Recorder.Folder=" + (folder_ / "recordings"), "--Recorder.Name=run"});
   EXPECT_EQ(second.waitForExit(kPatience), 1);
   EXPECT_THAT(second.error(), HasSubstr("recordings/run: exists already"));
+  const ComponentProcess third(
+      "recorder", {"--Recorder.Endpoints=tcp -h 127.0.0.1 -p 0", "--Recorder.Folder=/proc/recordings"});
+  EXPECT_EQ(third.waitForExit(kPatience), 1);
+  EXPECT_THAT(third.error(), HasSubstr("Recorder.Folder = /proc/recordings (cannot be made: "));
 }
 
 // A service that is restarted at once shall record on.

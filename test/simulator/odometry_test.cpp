@@ -8,6 +8,7 @@
 #include "common/geometry/angles.h"
 #include "common/kinematics/kinematics.h"
 #include "common/kinematics/random_stream.h"
+#include "support/odometry_error.h"
 
 namespace vismem {
 namespace {

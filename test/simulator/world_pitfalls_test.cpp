@@ -270,14 +270,18 @@ TEST(WorldPitfalls, AHouseIsNotOneBlockToTheRobot) {
   EXPECT_FALSE(inside(1.0, 1.0));
 }
 
-TEST(WorldPitfalls, ModelsLoadByThemselves) {
-  const auto loaded = loadModel("model://crate", {kFolder + "/models"});
-  EXPECT_EQ(loaded.model.name, "crate");
-  EXPECT_EQ(loaded.model.bodies.size(), 1U);
-  EXPECT_FALSE(loaded.model.outlines.empty());
-  const auto by_file = loadModel(kFolder + "/models/no_config/model.sdf");
-  EXPECT_EQ(by_file.model.name, "no_config");
-  EXPECT_THROW(loadModel("model://nobody", {kFolder + "/models"}), ConfigError);
+TEST(WorldPitfalls, ModelsAreFoundByNameAndByFile) {
+  const auto modelOf = [](const std::string& uri) {
+    const std::string text =
+        "<sdf version='1.9'><world name='one'><include><uri>" + uri + "</uri></include></world></sdf>";
+    return parseWorld(text, "one.world", {kFolder + "/models"}).world.models.front();
+  };
+  const auto crate = modelOf("model://crate");
+  EXPECT_EQ(crate.name, "crate");
+  EXPECT_EQ(crate.bodies.size(), 1U);
+  EXPECT_FALSE(crate.outlines.empty());
+  EXPECT_EQ(modelOf(kFolder + "/models/no_config/model.sdf").name, "no_config");
+  EXPECT_THROW(modelOf("model://nobody"), ConfigError);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "common/process/ready_line.h"
 #include "support/build_paths.h"
 #include "support/eventually.h"
+#include "support/ready_port.h"
 
 namespace vismem {
 

@@ -124,7 +124,7 @@ TEST_F(RunApplication, CtrlCEndsWithFiguresAndExitCodeZero) {
   EXPECT_TRUE(noneLeftWithin(5s));
 }
 
-TEST_F(RunApplication, ADeadComponentEndsTheRunWithItsName) {
+TEST_F(RunApplication, ADeadComponentEndsTheRunWithItsNameAndTheFigures) {
   const auto run = startSimulation();
   ASSERT_TRUE(run->waitForLine("reliability", 60s)) << run->error();
   const auto all = components();
@@ -138,6 +138,8 @@ TEST_F(RunApplication, ADeadComponentEndsTheRunWithItsName) {
   kill(victim, SIGKILL);
   EXPECT_EQ(run->waitForExit(20s), 1);
   EXPECT_THAT(run->error(), testing::HasSubstr("localization was killed by signal 9 (Killed)"));
+  EXPECT_TRUE(lastLine(*run).is_object());
+  expectFigures();
   EXPECT_TRUE(noneLeftWithin(5s));
 }
 

@@ -50,21 +50,22 @@ std::string makeToken() {
   return text.str();
 }
 
-/// Where the page reaches the recorder; the configuration of its server leaves out what runs on request.
-std::string recorderOfPage(const RunOptions& options) {
+/// Adds where the page reaches the recorder; the configuration of its server leaves out what runs on request.
+void addRecorderOfPage(const RunOptions& options, ComponentCommand& page) {
   const Properties properties = Properties::load(configOf(options, "recorder"));
   properties.throwIfBad();
   const auto* entry = properties.find("Recorder.WebEndpoints");
-  return entry == nullptr ? "" : "Recorder:" + shiftPorts(entry->value, options.port_offset);
+  if (entry == nullptr) return;
+  const std::string endpoints = ":" + shiftPorts(entry->value, options.port_offset);
+  page.arguments.push_back("--GuiServer.Recorder.Proxy=Recorder" + endpoints);
+  page.arguments.push_back("--GuiServer.Components.recorder.Proxy=recorder/component" + endpoints);
 }
 
 /// Adds the server of the page, and the token without which components answer no page.
 void addPage(const RunOptions& options, std::vector<ComponentCommand>& commands) {
   if (!hasPage(options)) return;
   commands.push_back(commandOf(options, "gui_server"));
-  if (options.record) {
-    commands.back().arguments.push_back("--GuiServer.Recorder.Proxy=" + recorderOfPage(options));
-  }
+  if (options.record) addRecorderOfPage(options, commands.back());
   const std::string token = makeToken();
   for (auto& command : commands) command.arguments.push_back("--Robot.Token=" + token);
 }

@@ -112,11 +112,16 @@ RunInputs loadInputs(const RunOptions& options) {
   return inputs;
 }
 
+struct RecordedRun {
+  RunRecord record;
+  std::string failure;  ///< what ended it early; empty: nothing
+};
+
 /// Runs the components until the end.
 /// @param files made once the robot's time begins.
 /// @return empty: stopped before that.
-std::optional<RunRecord> record(const RunOptions& options, StopSignals& signals, const RunInputs& inputs,
-                                std::optional<RunFiles>& files) {
+std::optional<RecordedRun> record(const RunOptions& options, StopSignals& signals, const RunInputs& inputs,
+                                  std::optional<RunFiles>& files) {
   StatusLine status(std::cerr, isatty(STDERR_FILENO) == 1);
   const auto interrupted = [&] { return signals.wait(std::chrono::milliseconds(0)); };
   Launcher launcher(options, commandsOf(options));
@@ -134,15 +139,15 @@ std::optional<RunRecord> record(const RunOptions& options, StopSignals& signals,
   observer.start();
   const PortReply reply = link.replay() != nullptr ? link.replay()->play() : link.simulation()->resume();
   if (!reply.ok()) throw ComponentFailure("time does not begin: " + reply.message);
+  std::string failure;
   try {
     watch(options, launcher, link, observer, signals, status);
-  } catch (...) {
-    status.end();
-    throw;
+  } catch (const ComponentFailure& lost) {
+    failure = lost.what();  // what came until then is reported
   }
   status.end();
   observer.stop();
-  return observer.takeRecord();
+  return RecordedRun{observer.takeRecord(), std::move(failure)};
 }
 
 int run(const RunOptions& options, StopSignals& signals) {
@@ -151,23 +156,29 @@ int run(const RunOptions& options, StopSignals& signals) {
   std::cerr << "run_application: setup " << options.folder << ", seed " << options.seed << ", results in "
             << options.out.string() << std::endl;
   std::optional<RunFiles> files;
-  std::optional<RunRecord> recorded = record(options, signals, inputs, files);
-  if (!recorded) {
+  std::optional<RecordedRun> done = record(options, signals, inputs, files);
+  if (!done) {
     std::cerr << "run_application: stopped before the components were ready" << std::endl;
     folder.discard();
     return 0;
   }
-  if (!inputs.truth.empty() && !recorded->odometry.empty()) {
-    const Trajectory& played = recorded->odometry;
+  RunRecord& recorded = done->record;
+  if (!inputs.truth.empty() && !recorded.odometry.empty()) {
+    const Trajectory& played = recorded.odometry;
     for (const StampedPose& pose : inputs.truth) {
       if (pose.stamp_us < played.front().stamp_us || pose.stamp_us > played.back().stamp_us) continue;
-      recorded->truth.push_back(pose);
+      recorded.truth.push_back(pose);
       files->addTruth(pose);
     }
   }
-  const RunSummary summary = summarize(*recorded, inputs.map.edges, inputs.judged.has_value());
-  const auto problems = writeReport(options, *files, *recorded, summary, inputs.map);
+  const RunSummary summary = summarize(recorded, inputs.map.edges, inputs.judged.has_value());
+  auto problems = writeReport(options, *files, recorded, summary, inputs.map);
+  if (!done->failure.empty()) problems.push_back(done->failure);
   std::cout << resultJson(options, summary).dump() << std::endl;
+  if (!summary.score.errors.empty() && !summary.score.recovered && !summary.score.is_twin) {
+    std::cerr << "run_application: not localized at the end (is " << options.map.string()
+              << " the map of this world?)" << std::endl;
+  }
   for (const std::string& problem : problems) std::cerr << "run_application: " << problem << std::endl;
   return problems.empty() ? 0 : 1;
 }
@@ -183,8 +194,7 @@ int main(int argc, char** argv) {
     std::cerr << "run_application: " << error.what() << std::endl;
     return 2;
   } catch (const ConfigError& error) {
-    for (const std::string& problem : error.problems())
-      std::cerr << "run_application: " << problem << std::endl;
+    std::cerr << "run_application: " << error.what() << std::endl;
     return 2;
   } catch (const std::exception& error) {
     std::cerr << "run_application: " << error.what() << std::endl;

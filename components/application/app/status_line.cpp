@@ -47,23 +47,16 @@ const char* nameOf(AttentionKind kind) {
 
 std::string gazeText(const GazeStatus& gaze) {
   if (gaze.mode == GazeMode::kOff) return "gaze off";
-  std::string text = std::string("gaze ") + nameOf(gaze.state);
-  if (!gaze.target) return text;
-  text += std::string(" ") + nameOf(gaze.target->kind);
-  if (gaze.target->p_odom) {
-    text += formatted(" at %.1f %.1f", gaze.target->p_odom->x(), gaze.target->p_odom->y());
-  } else if (gaze.target->direction) {
-    text += formatted(" at pan %.0f", radToDeg(gaze.target->direction->pan_rad));
-  }
-  return text;
+  const std::string text = std::string("gaze ") + nameOf(gaze.state);
+  return gaze.target ? text + " " + nameOf(gaze.target->kind) : text;
 }
 
 }  // namespace
 
 std::string statusText(const LiveState& live, const std::optional<GazeStatus>& gaze) {
-  std::string text = formatted("%6.1f s | camera %4.1f Hz | memory %4.1f Hz, %zu segments", live.elapsed_s(),
-                               live.camera_hz, live.memory_hz, live.memory_segments);
-  text += " | " + (gaze ? gazeText(*gaze) : std::string("no gaze"));
+  // A narrow terminal shows the beginning.
+  std::string text = formatted("%6.1f s", live.elapsed_s());
+  if (!live.drive_failure.empty()) text += " | cannot drive: " + live.drive_failure;
   if (live.estimate && live.estimate->T_world_robot) {
     const Pose2& pose = *live.estimate->T_world_robot;
     text += formatted(" | pose %.2f %.2f m %.0f deg, reliability %.2f", pose.x, pose.y, radToDeg(pose.theta),
@@ -76,8 +69,9 @@ std::string statusText(const LiveState& live, const std::optional<GazeStatus>& g
         formatted(" | error %.2f m %.1f deg", *live.error->position_m, radToDeg(*live.error->heading_rad));
     if (live.is_twin) text += " of the twin place, from which the map looks the same";
   }
-  if (!live.drive_failure.empty()) text += " | cannot drive: " + live.drive_failure;
-  return text;
+  text += formatted(" | camera %4.1f Hz | memory %4.1f Hz, %zu segments", live.camera_hz, live.memory_hz,
+                    live.memory_segments);
+  return text + " | " + (gaze ? gazeText(*gaze) : std::string("no gaze"));
 }
 
 bool StatusLine::due(std::chrono::steady_clock::time_point now) {
@@ -89,7 +83,8 @@ bool StatusLine::due(std::chrono::steady_clock::time_point now) {
 
 void StatusLine::show(const std::string& text) {
   if (terminal_) {
-    out_ << "\r\033[K" << text << std::flush;
+    // Without the terminal's wrapping: a wrapped line could not be rewritten in place.
+    out_ << "\r\033[K\033[?7l" << text << "\033[?7h" << std::flush;
     open_ = true;
   } else {
     out_ << text << std::endl;

@@ -11,7 +11,7 @@
 
 namespace vismem {
 
-/// "  12.3 s | camera 30.0 Hz | memory 15.0 Hz 42 segments | gaze track segment 17 at 1.20 0.40 | ...".
+/// "  12.3 s | pose 1.25 -0.50 m 90 deg, reliability 0.75 | error ... | camera ... | memory ... | gaze tracks segment".
 std::string statusText(const LiveState& live, const std::optional<GazeStatus>& gaze);
 
 /// Shows texts five times a second on a terminal, elsewhere one line a second. *Single-threaded.*

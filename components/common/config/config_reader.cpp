@@ -6,9 +6,11 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <sstream>
 
 #include "common/config/config_error.h"
 #include "common/config/nearest_name.h"
@@ -85,6 +87,8 @@ struct ConfigReader::State {
   const Properties& properties;
   /// Keys that were read, with their defaults as text.
   std::map<std::string, std::string> defaults;
+  /// The same keys as they were first read: a description may refer to the one before.
+  std::vector<std::string> order;
   /// Prefixes of keys that other code reads.
   std::vector<std::string> foreign;
   std::vector<Problem> problems;
@@ -95,6 +99,9 @@ struct ConfigReader::State {
   std::map<std::string, Key> described;
   std::map<std::string, std::string> ranges;
 
+  void add(const std::string& key, const std::string& fallback) {
+    if (defaults.try_emplace(key, fallback).second) order.push_back(key);
+  }
   bool isKnown(const std::string& key) const {
     return defaults.contains(key) || retired.contains(key) ||
            std::any_of(foreign.begin(), foreign.end(),
@@ -134,7 +141,7 @@ std::vector<std::string> ConfigReader::children(std::string_view name) const {
 
 const Properties::Entry* ConfigReader::entry(std::string_view name, const std::string& fallback,
                                              const std::string& range) {
-  state_->defaults.try_emplace(key(name), fallback);
+  state_->add(key(name), fallback);
   state_->ranges.try_emplace(key(name), range);
   return find(key(name));
 }
@@ -188,8 +195,12 @@ std::vector<Problem> ConfigReader::renamedKeys() const {
 
 void ConfigReader::reject(std::string_view name, const Properties::Entry& entry, std::string_view rule) {
   const auto value = entry.value.empty() ? std::string("(empty)") : entry.value;
-  state_->problems.push_back(
-      {entry.origin, written(key(name)) + " = " + value + " (" + std::string(rule) + ")"});
+  const std::string text = written(key(name)) + " = " + value + " (" + std::string(rule) + ")";
+  // A key that two parts read is named once.
+  auto& problems = state_->problems;
+  if (std::none_of(problems.begin(), problems.end(),
+                   [&](const auto& known) { return known.message == text; }))
+    problems.push_back({entry.origin, text});
 }
 
 void ConfigReader::missing(std::string_view name, std::string_view expected) {
@@ -387,10 +398,24 @@ ConfigReader& ConfigReader::describe(const Key& described) {
   return *this;
 }
 
+namespace {
+
+/// A number that was made from radians, without the digits of its rounding: "158.996".
+std::string readable(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.size() <= 9 || text.find('.') == std::string::npos || *end != '\0') return text;
+  std::ostringstream out;
+  out << value;
+  return out.str();
+}
+
+}  // namespace
+
 std::vector<KeyDescription> ConfigReader::keys() const {
   std::vector<KeyDescription> keys;
-  for (const auto& [name, fallback] : state_->defaults) {
-    KeyDescription one{name, fallback, state_->ranges[name], "", false};
+  for (const std::string& name : state_->order) {
+    KeyDescription one{name, readable(state_->defaults[name]), state_->ranges[name], "", false};
     const auto found = state_->described.find(name);
     if (found != state_->described.end()) {
       one.meaning = found->second.meaning;
@@ -406,7 +431,7 @@ void ConfigReader::known(std::string_view name) {
   if (whole.ends_with(".*")) {
     state_->foreign.push_back(whole.substr(0, whole.size() - 1));
   } else {
-    state_->defaults.try_emplace(whole, "");
+    state_->add(whole, "");
   }
 }
 

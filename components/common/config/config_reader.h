@@ -30,7 +30,7 @@ struct Setting {
 /// A key that a program reads.
 struct KeyDescription {
   std::string key;
-  std::string fallback;  ///< the default as text
+  std::string fallback;  ///< the default as text, numbers with at most six digits
   std::string range;     ///< "1..64", "one of: default, chapter"; empty: any text
   std::string meaning;   ///< empty: not described
   bool is_basic = false;
@@ -125,7 +125,7 @@ class ConfigReader {
 
   /// Says what a key is for; to be called before it is read. @return this reader.
   ConfigReader& describe(const Key& key);
-  /// Every key read so far, sorted, with what it is for.
+  /// Every key read so far, in that order, with what it is for.
   std::vector<KeyDescription> keys() const;
 
   /// Marks keys as known that other code reads: a name, or all names under it with ".*" at its end.
@@ -167,11 +167,6 @@ std::vector<Problem> checkIceKeys(const Properties& properties);
 /// The same for the keys ADAPTER.* of an object adapter.
 std::vector<Problem> checkAdapterKeys(const Properties& properties, const std::string& adapter);
 
-/// As checkIceKeys, and keys without a known prefix; "Ice" and its services are always known.
-std::vector<Problem> checkPrefixes(const Properties& properties, const std::set<std::string>& prefixes);
-
-/// @return whether Ice 3.7 has this property (KEY begins with "Ice.").
-bool isIceProperty(std::string_view key);
 /// @return whether the key belongs to Ice or a service of it, which read it themselves: Ice., IceSSL.,
 /// IceGrid. ...
 bool belongsToIce(std::string_view key);

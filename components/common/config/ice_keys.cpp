@@ -130,12 +130,12 @@ std::string firstPart(std::string_view key) {
   return std::string(key.substr(0, key.find('.')));
 }
 
-}  // namespace
-
 bool isIceProperty(std::string_view key) {
   return key.starts_with("Ice.Plugin.") || key.starts_with("Ice.Package.") ||
          key.starts_with("Ice.InitPlugins.") || iceKeys().contains(std::string(key));
 }
+
+}  // namespace
 
 bool belongsToIce(std::string_view key) {
   static const std::set<std::string> kNames = setOf(kServices);
@@ -165,19 +165,6 @@ std::vector<Problem> checkAdapterKeys(const Properties& properties, const std::s
     } else {
       problems.push_back({entry.origin, "unknown key \"" + key + "\"" + suggestion(key, keys)});
     }
-  }
-  return problems;
-}
-
-std::vector<Problem> checkPrefixes(const Properties& properties, const std::set<std::string>& prefixes) {
-  auto problems = checkIceKeys(properties);
-  for (const auto& [key, entry] : properties.entries()) {
-    if (belongsToIce(key) || prefixes.contains(firstPart(key))) continue;
-    const auto nearest = nearestName(firstPart(key), prefixes);
-    const auto rest = key.substr(firstPart(key).size());
-    problems.push_back(
-        {entry.origin, "unknown key \"" + key + "\"" +
-                           (nearest.empty() ? "" : " (did you mean \"" + nearest + rest + "\"?)")});
   }
   return problems;
 }

@@ -187,22 +187,4 @@ cv::Mat grayPixels(const cv::Mat& image) {
   return gray;
 }
 
-const char* nameOf(NativeFormat format) {
-  switch (format) {
-    case NativeFormat::kRgb8:
-      return "RGB8";
-    case NativeFormat::kGray8:
-      return "GRAY8";
-    case NativeFormat::kJpeg:
-      return "JPEG";
-    case NativeFormat::kYuyv:
-      return "YUYV";
-    case NativeFormat::kUyvy:
-      return "UYVY";
-    case NativeFormat::kNv12:
-      return "NV12";
-  }
-  return "unknown";
-}
-
 }  // namespace vismem

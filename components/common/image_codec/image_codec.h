@@ -57,7 +57,4 @@ std::vector<std::uint8_t> tightBytes(const cv::Mat& image);
 cv::Mat colourPixels(const cv::Mat& image);
 cv::Mat grayPixels(const cv::Mat& image);
 
-/// For people: "JPEG", "YUYV" ...
-const char* nameOf(NativeFormat format);
-
 }  // namespace vismem

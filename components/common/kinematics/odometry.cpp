@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "common/kinematics/kinematics.h"
 #include "common/kinematics/random_stream.h"
@@ -39,16 +38,6 @@ OdometryErrorParams thrunOdometryError() {
   OdometryErrorParams errors;
   errors.thrun = {0.02, 0.001, 0.001, 0.001};
   return errors;
-}
-
-double expectedStraightError_m(const OdometryErrorParams& errors, double wheel_base_m, double length_m) {
-  const double L = length_m;
-  const double systematic = std::numbers::sqrt2 * errors.radius_sigma / wheel_base_m;
-  const double random = std::numbers::sqrt2 * errors.travel_sigma_sqrtm / wheel_base_m;
-  const double across = std::pow(0.5 * systematic * L * L, 2) + random * random * L * L * L / 3.0;
-  const double along =
-      0.5 * std::pow(errors.radius_sigma * L, 2) + 0.5 * std::pow(errors.travel_sigma_sqrtm, 2) * L;
-  return std::sqrt(across + along);
 }
 
 SimulatedOdometry::SimulatedOdometry(const OdometryErrorParams& errors, double wheel_base_m,

@@ -43,11 +43,6 @@ OdometryErrorParams stageOdometryError();
 /// alpha = 0.02, 0.001, 0.001, 0.001: standard deviations of 1.3 degrees and 1.6 cm after 1 m straight on.
 OdometryErrorParams thrunOdometryError();
 
-/// RMS position error of the wheel model after a straight path of length L, to first order in the errors.
-/// With s = sqrt(2) radius_sigma / base and n = sqrt(2) travel_sigma / base, the variance is (s L^2 / 2)^2 +
-/// n^2 L^3 / 3 across and (radius_sigma L)^2 / 2 + travel_sigma^2 L / 2 along. Slips and ticks are ignored.
-double expectedStraightError_m(const OdometryErrorParams& errors, double wheel_base_m, double length_m);
-
 /// Dead reckoning from the wheel travel that the encoders report. *Single-threaded*. The thrun model draws
 /// its three normal numbers anew every 0.25 m or 0.2 rad of motion and distributes them over that motion.
 class SimulatedOdometry {

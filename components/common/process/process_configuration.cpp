@@ -171,8 +171,12 @@ void printHelp(const ComponentSpec& spec) {
             << "Without a file the one named by the environment variable ICE_CONFIG is read.\n"
             << "Exit code: 0 after SIGINT or SIGTERM, 1 on a failure, 2 on a wrong configuration.\n\n"
             << "Keys and their defaults:\n";
-  for (const auto& setting : config.effective())
-    std::cout << "  " << setting.key << " = " << setting.value << "\n";
+  for (const KeyDescription& one : config.keys()) {
+    std::cout << "  " << one.key << " = " << one.fallback;
+    if (!one.range.empty() || !one.meaning.empty()) std::cout << "   # " << one.range;
+    if (!one.meaning.empty()) std::cout << (one.range.empty() ? "" : "; ") << one.meaning;
+    std::cout << "\n";
+  }
 }
 
 }  // namespace vismem

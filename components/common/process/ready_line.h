@@ -16,11 +16,4 @@ std::string readyLine(std::string_view component, std::string_view adapter, std:
 /// @return the endpoints of a ready line, for proxies: "tcp -h 127.0.0.1 -p 9971"; empty if it is none.
 std::optional<std::string> readyEndpoints(std::string_view line);
 
-/// @return the endpoints for WebSocket: "ws -h 127.0.0.1 -p 11005"; empty if there are none.
-std::optional<std::string> readyWebEndpoints(std::string_view line);
-
-/// @param protocol  "tcp" or "ws".
-/// @return the port of the first endpoint of the protocol in a ready line.
-std::optional<int> readyPort(std::string_view line, std::string_view protocol = "tcp");
-
 }  // namespace vismem

@@ -20,11 +20,6 @@ namespace vismem {
 void writeTumRow(const StampedPose& pose, std::ostream& out);
 inline constexpr std::string_view kTumHeader = "# t x y z qx qy qz qw\n";
 
-/// Reads TUM text; lines of blanks and those that begin with `#` are skipped. Heights, roll and pitch are
-/// dropped.
-/// @throws ConfigError with every problem: FILE:LINE, what was found, what was expected.
-Trajectory parseTum(std::string_view text, const std::string& file_name);
-
 /// `t_s,id,x1_m,...,label,life,position_std_m,last_seen_s,confirmed,p1_xx_m2,...,p2_yy_m2`, in odom;
 /// position_std_m is the root of the larger end's mean variance in the plane, the last columns are the
 /// covariances of both ends in the plane.

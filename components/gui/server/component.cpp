@@ -110,10 +110,12 @@ Access readAccess(ConfigReader& root, ConfigReader& config, std::vector<std::str
     return access;
   }
   access.category = access.viewer ? access.robot.viewTokenCategory() : access.robot.tokenCategory();
-  if (access.category.empty()) {
-    config.problem("ReadOnly", access.viewer
-                                   ? "needs Robot.ViewToken: components answer web pages only with a token"
-                                   : "needs Robot.Token: components answer web pages only with a token");
+  const std::string token = access.viewer ? "Robot.ViewToken" : "Robot.Token";
+  if (root.text(token, "").empty()) {
+    config.problem(
+        "ReadOnly",
+        "needs " + token +
+            ", as scripts/start and scripts/run draw it: components answer web pages only with a token");
   }
   return access;
 }
@@ -144,7 +146,8 @@ std::unique_ptr<Component> configure(ConfigReader& reader) {
     options.endpoint = *endpoint;
   else
     config.problem("Http.Endpoints", "must be http -h HOST -p PORT, such as http -h 127.0.0.1 -p 8770");
-  if (!isLoopback(options.endpoint.host) && !config.boolean("PlainRemote", false)) {
+  const bool plain_remote = config.boolean("PlainRemote", false);
+  if (!options.endpoint.host.empty() && !isLoopback(options.endpoint.host) && !plain_remote) {
     config.problem(
         "Http.Endpoints",
         "must be http -h 127.0.0.1 -p PORT, since pages are served without TLS and may hold a token; "

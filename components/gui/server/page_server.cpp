@@ -33,9 +33,10 @@ const char* mimeTypeOf(const std::filesystem::path& file) {
   return "application/octet-stream";
 }
 
-/// Sends a file as it lies there, read anew for each request: a build shows at the next load. The packed one beside
-/// it serves browsers that take gzip.
-void sendFile(const std::filesystem::path& file, const httplib::Request& request, httplib::Response& response) {
+/// Sends a file as it lies there, read anew for each request: a build shows at the next load. The packed one
+/// beside it serves browsers that take gzip.
+void sendFile(const std::filesystem::path& file, const httplib::Request& request,
+              httplib::Response& response) {
   if (!std::filesystem::is_regular_file(file)) {
     response.status = 404;
     return;
@@ -44,15 +45,16 @@ void sendFile(const std::filesystem::path& file, const httplib::Request& request
   const bool packed = request.get_header_value("Accept-Encoding").find("gzip") != std::string::npos &&
                       std::filesystem::exists(packed_file);
   std::ifstream stream(packed ? packed_file : file.string(), std::ios::binary);
-  const auto content = std::make_shared<std::string>(std::istreambuf_iterator<char>(stream),
-                                                     std::istreambuf_iterator<char>());
+  const auto content =
+      std::make_shared<std::string>(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
   if (packed) response.set_header("Content-Encoding", "gzip");
   response.set_header("Vary", "Accept-Encoding");
-  // With a known length: a plain body would be compressed by the library for each request, which takes seconds.
-  response.set_content_provider(
-      content->size(), mimeTypeOf(file), [content](size_t offset, size_t length, httplib::DataSink& sink) {
-        return sink.write(content->data() + offset, length);
-      });
+  // With a known length: a plain body would be compressed by the library for each request, which takes
+  // seconds.
+  response.set_content_provider(content->size(), mimeTypeOf(file),
+                                [content](size_t offset, size_t length, httplib::DataSink& sink) {
+                                  return sink.write(content->data() + offset, length);
+                                });
 }
 
 }  // namespace
@@ -139,8 +141,8 @@ void PageServer::bind() {
     port_ = port;
   }
   if (port_ <= 0)
-    throw std::runtime_error("cannot serve pages at http -h " + host + " -p " + std::to_string(port) +
-                             ": the address is in use or not of this machine");
+    throw std::runtime_error("GuiServer.Http.Endpoints = http -h " + host + " -p " + std::to_string(port) +
+                             " (the address is in use or not of this machine)");
 }
 
 std::string PageServer::address() const {

@@ -200,8 +200,4 @@ DriveMap mapDriveAgain(const DriveRecord& record, const std::vector<Closing>& ac
   return Mapping(record, params).run({}, accepted, {});
 }
 
-bool isMapped(const LineLandmark& landmark) {
-  return landmark.label != kUnknownLabel && landmark.b.t_m > landmark.a.t_m;
-}
-
 }  // namespace vismem

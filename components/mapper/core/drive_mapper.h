@@ -65,7 +65,4 @@ DriveMap mapDrive(const DriveRecord& record, const std::vector<MemoryUpdate>& up
 DriveMap mapDriveAgain(const DriveRecord& record, const std::vector<Closing>& accepted,
                        const DriveMapperParams& params);
 
-/// Whether a landmark stands in a map: a known label and some length.
-bool isMapped(const LineLandmark& landmark);
-
 }  // namespace vismem

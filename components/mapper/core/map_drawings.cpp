@@ -2,10 +2,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <sstream>
 
-#include "common/config/config_error.h"
 #include "mapper/core/map_output.h"
 
 namespace vismem {
@@ -67,42 +64,6 @@ std::string dxfOf(const SegmentMap& map) {
     dxf += format("11\n%.3f\n21\n%.3f\n31\n%.3f\n", b.x(), b.y(), b.z());
   }
   return dxf + "0\nENDSEC\n0\nEOF\n";
-}
-
-SegmentMap parseDxf(const std::string& text, const std::string& file_name) {
-  SegmentMap map;
-  std::istringstream in(text);
-  std::string code;
-  std::string value;
-  int line = 0;
-  bool in_line = false;
-  while (std::getline(in, code) && std::getline(in, value)) {
-    line += 2;
-    if (code == "0") {
-      in_line = value == "LINE";
-      if (in_line) map.segments.emplace_back();
-      continue;
-    }
-    if (!in_line) continue;
-    MapSegment& segment = map.segments.back();
-    if (code == "8") {
-      segment.label = value;
-      continue;
-    }
-    char* end = nullptr;
-    const double number = std::strtod(value.c_str(), &end);
-    if (end == value.c_str() || *end != '\0') {
-      throw ConfigError({file_name + ":" + std::to_string(line) + ": \"" + value + "\" (must be a number)"});
-    }
-    const int group = std::atoi(code.c_str());
-    if (group == 39) segment.width_m = number;
-    const int axis = group / 10 - 1;
-    const int end_of = group % 10;
-    if (axis >= 0 && axis < 3 && end_of < 2 && group != 39) {
-      (end_of == 0 ? segment.world.a : segment.world.b)[axis] = number + 0.0;
-    }
-  }
-  return map;
 }
 
 }  // namespace vismem

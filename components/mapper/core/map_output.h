@@ -62,9 +62,6 @@ SegmentMap segmentMapOf(const std::vector<MappedRow>& rows);
 std::string svgOf(const SegmentMap& map);
 /// AutoCAD R12 text: lines in metres, one layer a label.
 std::string dxfOf(const SegmentMap& map);
-/// The lines of a drawing that dxfOf wrote.
-/// @throws ConfigError naming line and value.
-SegmentMap parseDxf(const std::string& text, const std::string& file_name);
 
 /// An occupancy grid as map_server reads it.
 struct GridImage {

@@ -42,7 +42,12 @@ class RecorderComponent : public Component {
         streams_(config_, service_, session_) {}
 
   void start(ComponentHost& host) override {
-    std::filesystem::create_directories(config_.folder);
+    std::error_code error;
+    std::filesystem::create_directories(config_.folder, error);
+    if (error) {
+      throw std::runtime_error("Recorder.Folder = " + config_.folder.string() +
+                               " (cannot be made: " + error.message() + ")");
+    }
     service_.start([this, &host](const RecorderService::Status& now) { watch(host, now); },
                    [&host](const std::string& text) { host.status().note(text); });
     if (map_) service_.take(mapMarkers(*map_));

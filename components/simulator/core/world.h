@@ -134,14 +134,6 @@ constexpr int kRescueTries = 120;
 LoadedWorld parseWorld(const std::string& bytes, const std::string& file,
                        const std::vector<std::filesystem::path>& search, int rescue_tries = kRescueTries);
 
-struct LoadedModel {
-  WorldModel model;
-  std::vector<std::string> warnings;
-};
-/// Reads one model: `model://NAME`, its folder, or its .sdf file. Its pose is that of the file.
-/// @throws ConfigError as loadWorld.
-LoadedModel loadModel(const std::string& uri, const std::vector<std::filesystem::path>& model_paths = {});
-
 /// Lowest and highest height of a robot's body above the floor, for collisions [m].
 constexpr double kRobotBodyBottom_m = 0.03;
 constexpr double kRobotBodyTop_m = 0.5;

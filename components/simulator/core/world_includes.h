@@ -17,7 +17,4 @@ bool isBuiltInModel(const std::string& uri);
 /// The uris of the `<include>` elements of a text, in their order.
 std::vector<std::string> includedUris(const std::string& xml);
 
-/// A text between tags with XML's five entities in place of their characters.
-std::string escapeXml(std::string_view text);
-
 }  // namespace vismem

@@ -464,13 +464,4 @@ LoadedWorld parseWorld(const std::string& bytes, const std::string& file, const 
   return buildFrom(repairedText(bytes, file), file, builder);
 }
 
-LoadedModel loadModel(const std::string& uri, const std::vector<fs::path>& model_paths) {
-  WorldBuilder builder(uri, model_paths);
-  LoadedWorld loaded = buildFrom({"<sdf version='1.9'><world name='one'><include><uri>" + escapeXml(uri) +
-                                      "</uri></include></world></sdf>",
-                                  {}},
-                                 uri, builder);
-  return {std::move(loaded.world.models.front()), std::move(loaded.warnings)};
-}
-
 }  // namespace vismem

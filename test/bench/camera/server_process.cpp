@@ -5,6 +5,7 @@
 
 #include "common/process/ice_setup.h"
 #include "common/process/ready_line.h"
+#include "support/ready_port.h"
 
 namespace vismem {
 

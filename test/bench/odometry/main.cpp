@@ -16,6 +16,7 @@
 #include "common/routes/route_follower.h"
 #include "common/tool/command_line_tool.h"
 #include "evaluation/figures/canvas.h"
+#include "support/odometry_error.h"
 
 namespace {
 

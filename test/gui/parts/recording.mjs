@@ -150,6 +150,7 @@ export async function replay() {
         return stampUs >= goal - 0.2e6 && stampUs < goal + 4e6;
       });
     }
+    await eventually("without a truth the first plot is the position's sigma", async () => /^position sigma \(m\)sigma [\d.]+$/.test(await text(page, ".plot figcaption")));
     await sleep(3000);
     await page.screenshot({path: join(pictures, "replay_recording.png")});
     page.checkErrors();

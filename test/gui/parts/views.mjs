@@ -83,9 +83,9 @@ function layoutProblems(page) {
   });
 }
 
-/** A tablet held either way: controls are large enough for fingers, and nothing overlaps. */
+/** A tablet held either way, and a telephone: controls are large enough for fingers, and nothing overlaps. */
 export async function tablet(robot) {
-  for (const [width, height] of [[1024, 768], [768, 1024]]) {
+  for (const [width, height] of [[1024, 768], [768, 1024], [390, 844]]) {
     const page = await openPage(robot, {width, height, touch: true});
     await waitForVideo(page);
     for (const preset of ["watch", "tune", "replay"]) {
@@ -146,6 +146,47 @@ export async function panes(robot) {
   await page.locator(".pane-world").screenshot({path: join(pictures, "legend.png")});
   page.checkErrors();
   await page.context().close();
+}
+
+/** Any number becomes a plot that outlives the page, all of them a table, and what a browser keeps goes to another one as a file. */
+export async function numbers(robot) {
+  const page = await openPage(robot);
+  await waitForVideo(page);
+  const gauge = "memory mount pitch error (deg)", plot = p => p.locator(`.plot[aria-label='components: ${gauge} over time']`);
+  const chooser = page.locator("select[aria-label='plot one more number']");
+  await eventually("the gauge is offered", () => chooser.locator(`option:text-is("${gauge}")`).count());
+  await chooser.selectOption({label: gauge});
+  await chooser.selectOption({label: "x (m)"});
+  await page.locator(".plot[aria-label='robot: x (m) over time'] .close").click();
+  await page.reload();
+  await waitForVideo(page);
+  assert.equal(await page.locator(".plot .close").count(), 1, "one of the two was removed");
+  await eventually("the plot has a value after the page came again", async () => /error \(deg\)-?[\d.]+/.test(await plot(page).locator("figcaption").textContent()));
+  const table = await saved(page, page.getByRole("button", {name: "save CSV"}));
+  const [head, ...rows] = table.trimEnd().split("\n").map(line => line.split(",")), at = head.indexOf(`components: ${gauge}`), gauges = (await robot.proxy("Component", "active_visual_memory/component", 9970).getStatus()).gauges;
+  assert.ok(rows.every(r => r.length === head.length) && Math.abs(Date.parse(rows.at(-1)[0]) - Date.now()) < 20_000, table.slice(0, 500));
+  const last = Number(rows.findLast(r => r[at] !== "")[at]), now = gauges.find(g => g.name === "mount pitch error").value;
+  assert.ok(Math.abs(last - now) < 0.5, `the table's ${last}, the component's ${now}`);
+  await page.locator("summary:has-text('panes')").click();
+  const kept = await saved(page, page.getByRole("button", {name: "save as a file"}));
+  page.checkErrors();
+  await page.context().close();
+  const other = await openPage(robot);
+  for (const [content, wanted] of [["{}", /has no arrangement/], [kept, null]]) {
+    await other.locator("summary:has-text('panes')").click();
+    const [asked] = await Promise.all([other.waitForEvent("filechooser"), other.getByRole("button", {name: "load a file"}).click()]);
+    await asked.setFiles({name: "page.json", mimeType: "application/json", buffer: Buffer.from(content)});
+    if (wanted) await eventually("a wrong file is refused", async () => wanted.test(await text(other, ".notice")));
+    else await eventually("the other browser has the plot", () => plot(other).count());
+    if (wanted) await other.locator("summary:has-text('panes')").click();
+  }
+  other.checkErrors();
+  await other.context().close();
+}
+
+async function saved(page, button) {
+  const [download] = await Promise.all([page.waitForEvent("download"), button.click()]);
+  return readFileSync(await download.path(), "utf8");
 }
 
 /** Clicking a segment of the top view shows all that is known of it. */

@@ -97,7 +97,7 @@ export class Robot {
     if (name === "gui_server") {
       command.push(`--GuiServer.Pages=${pages}`);
       if (this.options.viewer) command.push("--GuiServer.ReadOnly=yes");
-      if (this.options.recorder) command.push(moved(`--GuiServer.Recorder.Proxy=Recorder:ws -h 127.0.0.1 -p ${recorderWebPort}`));
+      if (this.options.recorder) command.push(...["Recorder.Proxy=Recorder", "Components.recorder.Proxy=recorder/component"].map(proxy => moved(`--GuiServer.${proxy}:ws -h 127.0.0.1 -p ${recorderWebPort}`)));
     }
     return [...command, ...(this.options.arguments?.[name] ?? [])];
   }

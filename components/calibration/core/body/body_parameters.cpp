@@ -117,20 +117,6 @@ CameraMount mountOf(const BodyParameters& p) {
   return {pose(kUnitX, kUnitRoll), pose(kCameraX, kCameraRoll)};
 }
 
-CameraIntrinsics intrinsicsOf(const BodyParameters& p, const CameraIntrinsics& like) {
-  CameraIntrinsics k = like;
-  k.fx = p.lens[kFx];
-  k.fy = p.lens[kFy];
-  k.cx = p.lens[kCx];
-  k.cy = p.lens[kCy];
-  k.k1 = p.lens[kK1];
-  k.k2 = p.lens[kK2];
-  k.p1 = p.lens[kP1];
-  k.p2 = p.lens[kP2];
-  k.k3 = p.lens[kK3];
-  return k;
-}
-
 Pose3 cameraPose(const BodyParameters& p, const PanTilt& reported) {
   CameraMount mount = mountOf(p);
   const double tilt = p.body[kTiltScale] * reported.tilt_rad;

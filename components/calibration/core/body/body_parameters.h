@@ -94,8 +94,6 @@ constexpr std::size_t wheelParameter(WheelIndex index) {
 BodyParameters nominalBody(const CameraMount& mount, const CameraIntrinsics& intrinsics, double wheel_base_m);
 
 CameraMount mountOf(const BodyParameters& parameters);
-/// @param like has the image size.
-CameraIntrinsics intrinsicsOf(const BodyParameters& parameters, const CameraIntrinsics& like);
 
 /// Pose of the camera frame on the robot for reported joint angles, without backlash. See G1.
 Pose3 cameraPose(const BodyParameters& parameters, const PanTilt& reported);

@@ -2,6 +2,7 @@
 /// the others. See C1.
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -62,6 +63,13 @@ void printAdvice(const BagAdvice& advice, const std::vector<std::string>& files)
   if (!advice.truth.empty()) std::printf("%-12s %s\n", "truth", advice.truth.c_str());
   if (!advice.playable) {
     std::printf("It cannot be replayed yet:\n%s\n", advice.problem.c_str());
+    return;
+  }
+  if (files.size() == 1 && std::filesystem::exists(std::filesystem::path(files.front()) / "session.json")) {
+    // The recorder left map and configurations beside the bags.
+    std::printf("It can be replayed:\n  scripts/run --setup replay --session '%s'\n", files.front().c_str());
+    std::printf("It can be evaluated:\n  evaluate --bag '%s' --map '%s/map.csv' --out DIR\n",
+                files.front().c_str(), files.front().c_str());
     return;
   }
   std::string file;

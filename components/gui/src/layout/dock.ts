@@ -139,6 +139,4 @@ export class Dock {
     const position = ({left: "left", right: "right", above: "top", below: "bottom", within: "center"} as const)[to];
     panel.api.moveTo({group: target.api.group, position});
   }
-
-  export(): string { return JSON.stringify({preset: this.preset, layout: this.api.toJSON()}); }
 }

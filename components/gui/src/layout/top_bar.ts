@@ -1,7 +1,8 @@
 // The bar on top of every preset: who, what, STOP, verdict, link.
 import {effect} from "@preact/signals-core";
 import {nowMs} from "../shared/messages";
-import {button, fixed, h, say, select} from "../panes/dom";
+import {button, fileButton, fixed, h, holderOf, saveFile, say, select} from "../panes/dom";
+import {keepText, keptAsText} from "../state/store";
 import type {Store} from "../state/store";
 import {verdictOf} from "../why/rules";
 import type {Dock, MoveTo} from "./dock";
@@ -28,8 +29,12 @@ export class TopBar {
       say(verdict, v.text);
       verdict.dataset.level = v.level;
     });
+    let slowSince = Infinity;
     effect(() => {
-      const v = store.video.value, slow = v && v.sourceFps > 1 && v.fps < 0.7 * v.sourceFps;
+      const v = store.video.value, behind = v && v.sourceFps > 1 && v.fps < 0.7 * v.sourceFps;
+      // A page that was busy for a moment catches up: only what lasts is the link's.
+      slowSince = behind ? Math.min(slowSince, nowMs()) : Infinity;
+      const slow = v && nowMs() - slowSince > 2500;
       say(link, !v || v.last === 0 ? "no video" : store.past.value !== null ? `keeps ${fixed(v.sourceFps, 0)} fps` : slow ? `${fixed(v.fps, 0)} of ${fixed(v.sourceFps, 0)} fps, link slow` : `${fixed(v.fps, 0)} fps  ${fixed(v.ageMs, 0)} ms`);
     });
     effect(() => {
@@ -71,7 +76,17 @@ export class TopBar {
 
   private drawWho(element: HTMLElement): void {
     const lease = this.store.lease.value, mine = this.store.driving.value.active;
-    say(element, mine || lease?.mine ? "you drive" : lease?.held ? `${lease.client} drives` : "nobody drives");
+    say(element, lease?.mine || (mine && !lease?.held) ? "you drive" : lease?.held ? `${holderOf(lease)} drives` : "nobody drives");
+  }
+
+  /** What a file kept replaces what this browser keeps; the page begins anew with it. */
+  private take(text: string): void {
+    try {
+      keepText(text);
+      location.reload();
+    } catch (failure) {
+      this.store.say("bad", `not loaded: ${(failure as Error).message}`);
+    }
   }
 
   private themeButton(): HTMLElement {
@@ -86,6 +101,8 @@ export class TopBar {
     const which = select("pane to move", names, "camera", () => {}), where = select("where to", [["within", "into the tabs of"], ["left", "left of"], ["right", "right of"], ["above", "above"], ["below", "below"]], "within", () => {});
     const other = select("beside which pane", names, "world", () => {});
     list.append(h("b", {text: "move"}), which, where, other, button("move", "", () => this.dock.move(which.value, where.value as MoveTo, other.value)),
+      h("b", {text: "everything that is kept: panes, plots, overlays, theme"}), button("save as a file", "to load it in another browser", () => saveFile("page.json", new Blob([keptAsText()], {type: "application/json"}))),
+      fileButton("load a file", text => this.take(text)),
       button("reset arrangement", "the preset as it was made", () => { this.load((localStorage.getItem("avm.preset") as PresetName | null) ?? "watch", true); menu.open = false; }));
     menu.append(list);
     menu.addEventListener("keydown", event => { if (event.key === "Escape" && menu.open) { event.stopPropagation(); menu.open = false; menu.querySelector("summary")!.focus(); } });

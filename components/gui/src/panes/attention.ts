@@ -93,7 +93,7 @@ export class AttentionPane extends Pane {
     c.font = "11px system-ui, sans-serif";
     c.fillStyle = colour("dim", this.store.theme.value);
     c.strokeStyle = colour("grid", this.store.theme.value);
-    c.fillText(most.toPrecision(2), 0, 12);
+    c.fillText(most.toFixed(most < 10 ? 1 : 0), 0, 12);
     c.fillText("0", 18, bottom);
     c.strokeRect(left, 3, w - left - 2, bottom - 3);
     for (const s of [20, 10, 0]) c.fillText(s === 0 ? "now" : `-${s} s`, Math.min(w - 26, left + (w - left - 2) * (1 - s * 1000 / spanMs)), hh - 3);

@@ -1,7 +1,7 @@
 // The camera's picture with overlays. The worker draws it; a click points the gaze.
 import type {OverlayName} from "../shared/messages";
 import type {Store} from "../state/store";
-import {fixed, h, say, toggle} from "./dom";
+import {clockText, fixed, h, say, toggle} from "./dom";
 import {Pane} from "./pane";
 
 const overlays: readonly (readonly [OverlayName, string, string])[] = [
@@ -69,5 +69,5 @@ export class CameraPane extends Pane {
 export function stampText(us: number | undefined): string {
   if (us === undefined) return "-";
   if (us < 1e14) return `${(us / 1e6).toFixed(2)} s`;
-  return new Date(us / 1000).toISOString().slice(11, 22);
+  return clockText(us);
 }

@@ -2,7 +2,7 @@
 import {nowMs} from "../shared/messages";
 import type {ComponentInfo} from "../shared/state";
 import type {Store} from "../state/store";
-import {button, fixed, h, say} from "./dom";
+import {button, clockText, fixed, h, say} from "./dom";
 import {Pane} from "./pane";
 
 /** One process. Its elements stay, so that what is clicked or read is not replaced under the hand. */
@@ -72,7 +72,7 @@ export class ComponentsPane extends Pane {
       table(["peer", "state", "at"], c.peers.map(p => [p.name, p.connected ? "connected" : p.message || "away", p.proxy])),
       table(["latency", "p50 ms", "p95", "p99", "max"], c.latencies.map(l => [l.name, fixed(l.p50, 1), fixed(l.p95, 1), fixed(l.p99, 1), fixed(l.max, 1)])),
       table(["gauge", "value", "sigma"], c.gauges.map(g => [g.name, `${fixed(g.value, 3)} ${g.unit}`, g.sigma > 0 ? fixed(g.sigma, 3) : ""])),
-      table(["error", ""], c.errors.slice(-5).map(e => [new Date(e.stampUs / 1000).toLocaleTimeString(), e.text])),
+      table(["error", ""], c.errors.slice(-5).map(e => [clockText(e.stampUs), e.text])),
     ].filter((t): t is HTMLTableElement => t !== null);
   }
 

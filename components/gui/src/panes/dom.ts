@@ -1,4 +1,5 @@
 // Elements without markup text: nothing that comes from the robot is ever read as HTML.
+import type {LeaseInfo} from "../shared/state";
 
 type Child = Node | string | null | undefined | false;
 type Properties = {
@@ -55,7 +56,29 @@ export function fixed(value: number | undefined, digits: number): string {
   return value === undefined || !Number.isFinite(value) ? "-" : value.toFixed(digits);
 }
 
+/** Who has the lease: a name that was given, else where the program calls from. */
+export function holderOf(lease: LeaseInfo): string { return lease.implicit ? `a program at ${lease.client}` : lease.client; }
+
+/** The time of the day here, as the components' own logs have it. */
+export function clockText(us: number): string {
+  return new Date(us / 1000).toLocaleTimeString("en-GB", {fractionalSecondDigits: 3});
+}
+
 export const degrees = (radians: number) => radians * 180 / Math.PI;
+
+/** Hands the person a file, as a download of the browser. */
+export function saveFile(name: string, content: Blob): void {
+  const link = h("a", {attrs: {download: name}});
+  link.href = URL.createObjectURL(content);
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+/** Asks the person for a file and reads it as text. */
+export function fileButton(text: string, take: (content: string) => void): HTMLButtonElement {
+  const input = h("input", {attrs: {type: "file", accept: ".json"}, on: {change: () => void input.files?.[0]?.text().then(take)}});
+  return button(text, "", () => { input.value = ""; input.click(); });
+}
 
 /** Redraws at most once per animation frame, only when asked. */
 export class Redraw {

@@ -2,7 +2,7 @@
 import {driveKeys, speedsOf} from "../drive/keys";
 import {nowMs} from "../shared/messages";
 import type {Store} from "../state/store";
-import {button, degrees, fixed, h, say} from "./dom";
+import {button, degrees, fixed, h, holderOf, say} from "./dom";
 import {Pane} from "./pane";
 
 const reportEveryMs = 50;
@@ -117,7 +117,7 @@ export class DrivePane extends Pane {
 
   private drawStatus(): void {
     const {store} = this, d = store.driving.value, o = store.moment.value.odometry, lease = store.lease.value;
-    const who = lease?.held && !lease.mine ? ` ${lease.client} drives.` : "";
-    say(this.status, `${d.active ? "driving" : d.why ? `stands: ${d.why}` : "stands"}${o ? `, ${fixed(o.v, 2)} m/s, ${fixed(degrees(o.w), 0)} deg/s` : ""}.${who}`);
+    const who = lease?.held && !lease.mine ? ` ${holderOf(lease)} drives.` : "";
+    say(this.status, `${d.active ? "driving" : d.why ? `stopped here: ${d.why}` : "not driven from here"}${o ? `, ${fixed(o.v, 2)} m/s, ${fixed(degrees(o.w), 0)} deg/s` : ""}.${who}`);
   }
 }

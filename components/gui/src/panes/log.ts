@@ -1,7 +1,7 @@
 // Messages of all components with a filter.
 import type {LogLine} from "../shared/state";
 import type {Store} from "../state/store";
-import {button, h, select} from "./dom";
+import {button, clockText, h, select} from "./dom";
 import {Pane} from "./pane";
 
 const order = ["Debug", "Info", "Warning", "Error"];
@@ -37,7 +37,7 @@ export class LogPane extends Pane {
     if (lines.length === this.drawn.length && lines.at(-1) === this.drawn.at(-1)) return;
     this.drawn = lines;
     const atEnd = this.body.scrollTop + this.body.clientHeight >= this.body.scrollHeight - 30;
-    this.body.replaceChildren(...lines.map(l => h("div", {class: `line ${l.level.toLowerCase()}`}, h("span", {class: "dim", text: new Date(l.stampUs / 1000).toISOString().slice(11, 23)}),
+    this.body.replaceChildren(...lines.map(l => h("div", {class: `line ${l.level.toLowerCase()}`}, h("span", {class: "dim", text: clockText(l.stampUs)}),
       h("b", {text: l.component}), messageOf(l.level === "Info" || l.level === "Debug" ? l.text : `${l.level.toUpperCase()} ${l.text}`))));
     if (lines.length === 0) this.body.append(h("p", {class: "dim", text: "No messages of this level yet."}));
     if (atEnd) this.body.scrollTop = this.body.scrollHeight;

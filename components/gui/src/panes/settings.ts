@@ -21,7 +21,8 @@ class ParameterRow {
     this.slider.addEventListener("input", () => { this.field.value = this.slider.value; });
     for (const input of [this.slider, this.field]) input.addEventListener("change", () => void this.set(input.valueAsNumber));
     this.element.title = p.description;
-    this.element.append(h("span", {class: "name", text: p.name}), this.slider, this.field, h("span", {class: "unit", text: p.unit}),
+    this.element.append(// A long name breaks at its full stops.
+    h("span", {class: "name"}, ...p.name.split(".").flatMap((part, i) => i === 0 ? [part] : [".", h("wbr"), part])), this.slider, this.field, h("span", {class: "unit", text: p.unit}),
       h("span", {class: "dim", text: `${p.minimum}..${p.maximum}`}), this.undo, h("p", {class: "dim", text: p.description}));
     this.show(parameter);
   }

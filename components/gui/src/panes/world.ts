@@ -9,7 +9,7 @@ import {defaultSceneOptions, SceneContent} from "../scene/content";
 import type {ColourBy, SceneInput, SceneOptions} from "../scene/content";
 import {pick} from "../scene/picking";
 import type {Store, Tool} from "../state/store";
-import {button, degrees, fixed, h, numberField, say, select} from "./dom";
+import {button, degrees, fixed, h, numberField, saveFile, say, select} from "./dom";
 import {layers, Legend, signsOf} from "./legend";
 import {Pane} from "./pane";
 
@@ -391,13 +391,7 @@ export class WorldPane extends Pane {
 
   private save(): void {
     this.draw();
-    const link = h("a", {attrs: {download: "scene.png"}});
-    this.canvas.toBlob(blob => {
-      if (!blob) return;
-      link.href = URL.createObjectURL(blob);
-      link.click();
-      URL.revokeObjectURL(link.href);
-    });
+    this.canvas.toBlob(blob => { if (blob) saveFile("scene.png", blob); });
   }
 }
 

@@ -33,6 +33,8 @@ export class Columns {
   readonly rates = new Group();
   readonly latency = new Group();
   readonly cpu = new Group();
+  readonly motion = new Group();
+  readonly gauges = new Group();
   private last = 0;
   private lastComponents = 0;
 
@@ -48,6 +50,10 @@ export class Columns {
       "heading error (deg)": known ? Math.abs(wrapAngle(e.world.theta - truth.pose.theta)) * 180 / Math.PI : undefined,
       "sigma (m)": fresh ? Math.sqrt(Math.max(0, e.covariance[0]! + e.covariance[3]!)) : undefined,
       "heading sigma (deg)": fresh ? Math.sqrt(Math.max(0, e.covariance[5]!)) * 180 / Math.PI : undefined,
+    });
+    this.motion.add(m.t, {
+      "x (m)": fresh ? e.world.x : undefined, "y (m)": fresh ? e.world.y : undefined, "heading (deg)": fresh ? e.world.theta * 180 / Math.PI : undefined,
+      "speed (m/s)": m.odometry?.v, "turn rate (deg/s)": m.odometry ? m.odometry.w * 180 / Math.PI : undefined,
     });
     this.health.add(m.t, {reliability: e?.reliability, health: winner?.health, weight: winner?.weight});
     this.memory.add(m.t, this.counts(m));
@@ -70,19 +76,47 @@ export class Columns {
   addComponents(t: number, components: ComponentInfo[], video: VideoInfo | null): void {
     if (t - this.lastComponents < 900) return;
     this.lastComponents = t;
-    const rates: Record<string, number> = {}, latency: Record<string, number> = {}, cpu: Record<string, number> = {};
+    const rates: Record<string, number> = {}, latency: Record<string, number> = {}, cpu: Record<string, number> = {}, gauges: Record<string, number> = {};
     for (const c of components.filter(c => c.alive)) {
       for (const r of c.rates) rates[`${short(c.name)} ${r.name}`] = r.hz;
       for (const l of c.latencies) latency[`${short(c.name)} ${l.name} p95`] = l.p95;
-      const used = c.gauges.find(g => g.name === "cpu");
-      if (used) cpu[short(c.name)] = used.value;
+      for (const g of c.gauges) {
+        if (g.name === "cpu") cpu[short(c.name)] = g.value;
+        else gauges[`${short(c.name)} ${g.name}${g.unit ? ` (${g.unit})` : ""}`] = g.value;
+      }
     }
     if (video) rates["page video"] = video.fps;
     this.rates.add(t, rates);
     this.latency.add(t, latency);
     this.cpu.add(t, cpu);
+    this.gauges.add(t, gauges);
+  }
+
+  get groups(): [GroupName, Group][] { return (Object.keys(groupTitles) as GroupName[]).map(name => [name, this[name]]); }
+
+  /** All that is held, as a table for other programs: a row for each time, empty cells where a number has no value then. */
+  csv(): string {
+    const rows = new Map<number, string[]>(), heads: string[] = [];
+    for (const [title, group] of this.groups) {
+      for (const [name, values] of group.series) {
+        const at = heads.push(`${groupTitles[title]}: ${name}`) - 1;
+        values.forEach((value, i) => {
+          if (Number.isNaN(value)) return;
+          const t = group.times[i]!, row = rows.get(t) ?? [];
+          row[at] = String(value);
+          rows.set(t, row);
+        });
+      }
+    }
+    const cells = (row: string[]) => heads.map((_, i) => row[i] ?? "").join(",");
+    const lines = [...rows].sort(([a], [b]) => a - b).map(([t, row]) => `${new Date(t).toISOString()},${cells(row)}`);
+    return [["time_utc", ...heads.map(h => /[",]/.test(h) ? `"${h.replace(/"/g, '""')}"` : h)].join(","), ...lines, ""].join("\n");
   }
 }
+
+/** What each group has, in the order of lists. */
+export const groupTitles = {motion: "robot", pose: "errors", health: "localization", memory: "memory", gauges: "components", rates: "rate (Hz)", latency: "latency (ms)", cpu: "CPU (% of a core)"} as const;
+export type GroupName = keyof typeof groupTitles;
 
 const shorter: Record<string, string> = {active_visual_memory: "memory", localization: "localiz.", simulator: "sim", replay_server: "replay",
   camera_server: "camera", pantilt_server: "pan-tilt", base_server: "base", gui_server: "gui"};

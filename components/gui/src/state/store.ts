@@ -36,6 +36,20 @@ function kept<T>(key: string, fallback: T) {
   return result;
 }
 
+/** All that this browser keeps of the page, as a file. */
+export function keptAsText(): string {
+  return JSON.stringify(Object.fromEntries(Object.entries(localStorage).filter(([key]) => key.startsWith("avm."))), null, 1);
+}
+
+/** Replaces all that is kept. @throws Error with what is wrong; then nothing was changed. */
+export function keepText(text: string): void {
+  const kept = JSON.parse(text) as unknown;
+  const entries = typeof kept === "object" && kept !== null ? Object.entries(kept) : [];
+  if (entries.length === 0 || !entries.every(([key, value]) => key.startsWith("avm.") && typeof value === "string")) throw new Error("the file has no arrangement of this page (must be one that \"save as a file\" made)");
+  for (const key of Object.keys(localStorage)) if (key.startsWith("avm.")) localStorage.removeItem(key);
+  for (const [key, value] of entries) localStorage.setItem(key, value as string);
+}
+
 export class Store {
   readonly moment = signal<Moment>(emptyMoment);
   /** Counts up with each moment that is shown, so that views draw once for it. */
@@ -60,6 +74,8 @@ export class Store {
   readonly session = signal<SessionInfo>({state: "none", message: ""});
   readonly overlays = kept<OverlayOptions>("overlays", defaultOverlays);
   readonly theme = kept<Theme>("theme", matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark");
+  /** Numbers that are plotted on request: group and name as JSON. */
+  readonly plots = kept<string[]>("plots", []);
   readonly columns = new Columns();
   /** Time that the cursors of all plots show [ms]; null: none. */
   readonly cursor = signal<number | null>(null);
