@@ -11,7 +11,6 @@ constexpr std::size_t kUsualShapes = 64;
 SegmentMemory::Params memoryParams(const AttentiveVisualMemoryParams& params) {
   SegmentMemory::Params memory = params.memory;
   memory.gates.max_range_m = params.projector.max_range_m;
-  memory.confirmation.corners.least_height_m = memory.confirmation.parallax.least_height_m;
   return memory;
 }
 

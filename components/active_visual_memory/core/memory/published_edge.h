@@ -61,7 +61,6 @@ struct CornerParams {
   int min_views = 3;           ///< of either end
   double min_length_m = 0.12;  ///< shorter edges have no reliable direction
   // Confirmation as a continuation of a confirmed edge:
-  double least_height_m = 0.06;  ///< lower edges count as lying on the floor
   double sigmas = 2.0;           ///< of both lines together
   double slack_m = 0.01;         ///< added to that
   double max_line_rad = 0.06;    ///< between an edge and its continuation

@@ -94,6 +94,10 @@ class SegmentMemory {
   void publishAll();
 
   void transformAll(const PlanarIncrement& motion);
+  /// Whether an element may have the dominant direction.
+  bool hasDirection(const MemoryElement& element) const {
+    return !isTentative(element) && !element.plane.stands && element.plane.not_vertical;
+  }
   std::optional<double> dominantDirection() const;
   bool isLegged() const {
     return params_.estimation.enabled &&
@@ -104,7 +108,6 @@ class SegmentMemory {
   bool inFilter(const MemoryElement& element) const {
     return params_.estimation.enabled && map_filter_.contains(element.value.id);
   }
-  MapFilter::Params mapFilterParams() const;
   /// Whether an image shows enough elements known to rest to do without new ones.
   bool restingSuffice(const Associations& associations) const;
   /// @param filter  that is updated; null: preview only.
@@ -127,16 +130,7 @@ class SegmentMemory {
   MemoryElement* nearest(const FloorSegment& segment, std::span<const int> cached, const View& view);
   bool fitsOnFloor(const MemoryElement& element, const FloorSegment& observed, double distance_m) const;
   void fuse(MemoryElement& element, const FloorSegment& observed, const View& view);
-  /// Begins parallax anew when the anchor is too old, and improves it while the camera is at its place.
-  void renewAnchor(MemoryElement& element, const FloorSegment& observed, const View& view);
-  /// Compares an observation with the anchor (M1).
-  void verifyOnFloor(MemoryElement& element, const FloorSegment& observed, const View& view);
-  /// @return sigma of the drift of odometry since the anchor [m].
-  double driftSinceAnchor(const MemoryElement& element, double distance_m) const;
-  void addOffsetParallax(MemoryElement& element, const FloorSegment& observed, const View& view,
-                         double drift_m) const;
-  void addEndParallax(MemoryElement& element, const FloorSegment& observed, bool at_b, const View& view,
-                      double drift_m) const;
+  PlaneView planeView(const View& view) const;
   void vote(MemoryElement& element, const Label& label, double distance_m) const;
   void addElement(const FloorSegment& observed, const View& view);
   void updateColours(MemoryElement& element, const View& view) const;
