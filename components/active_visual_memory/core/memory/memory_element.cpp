@@ -35,8 +35,7 @@ std::vector<MemorySegment> valuesOf(std::span<const MemoryElement> elements) {
   values.reserve(elements.size());
   for (const MemoryElement& element : elements) {
     values.push_back(element.value);
-    const Segment2 floor = element.line.segment();
-    values.back().odom = {{floor.a.x(), floor.a.y(), 0.0}, {floor.b.x(), floor.b.y(), 0.0}};
+    values.back().odom = onFloor(element.line.segment());
   }
   return values;
 }

@@ -10,13 +10,14 @@
 namespace vismem {
 namespace {
 
-/// Whether it is located and has a label, two true ends, and no parallax off the floor. A censored edge may
-/// continue anywhere.
-bool mayBeConfirmed(const MemoryElement& element, double least_length_m, const CornerParams& params) {
+/// Whether it is located and has a label, two true ends, a view across the viewing ray, and no parallax off
+/// the floor. A censored edge may continue anywhere.
+bool mayBeConfirmed(const MemoryElement& element, const CornerParams& params) {
   const FloorLine& line = element.line;
-  return !element.plane.stands && isLocated(element.value) && element.value.label != kUnknownLabel &&
-         !line.endA().censored && !line.endB().censored && line.endA().views >= params.min_views &&
-         line.endB().views >= params.min_views && line.length() >= least_length_m;
+  return !element.plane.stands && element.plane.not_vertical && isLocated(element.value) &&
+         element.value.label != kUnknownLabel && !line.endA().censored && !line.endB().censored &&
+         line.endA().views >= params.min_views && line.endB().views >= params.min_views &&
+         line.length() >= params.least_length_m;
 }
 
 double sigmaOf(const MemoryElement& element, double t_m) {
@@ -56,26 +57,6 @@ bool turnsAway(const PublishedEdge& edge, const PublishedEdge& next, bool at_b, 
 
 }  // namespace
 
-void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams& params,
-                           std::pmr::memory_resource* scratch) {
-  std::pmr::vector<PublishedEdge> confirmed(scratch);
-  for (MemoryElement& element : elements) {
-    if (element.value.confirmed) confirmed.emplace_back(element.value, &element);
-  }
-  for (MemoryElement& element : elements) {
-    if (element.value.confirmed || !mayBeConfirmed(element, params.min_length_m, params)) continue;
-    const PublishedEdge edge(element.value, &element);
-    const PublishedEdge* before = nullptr;
-    const PublishedEdge* behind = nullptr;
-    for (const PublishedEdge& other : confirmed) {
-      if (other.published->label != element.value.label) continue;
-      if (!before && findCorner(other, edge, params)) before = &other;
-      if (!behind && findCorner(edge, other, params)) behind = &other;
-    }
-    element.value.confirmed = before && behind && before != behind;
-  }
-}
-
 void confirmContinuations(std::span<MemoryElement> elements, double limit, const CornerParams& params,
                           std::pmr::memory_resource* scratch) {
   std::pmr::vector<PublishedEdge> confirmed(scratch);
@@ -83,7 +64,7 @@ void confirmContinuations(std::span<MemoryElement> elements, double limit, const
   for (MemoryElement& element : elements) {
     if (element.value.confirmed) {
       confirmed.emplace_back(element.value, &element);
-    } else if (mayBeConfirmed(element, params.least_length_m, params) && element.plane.not_vertical) {
+    } else if (mayBeConfirmed(element, params)) {
       others.emplace_back(element.value, &element);
     }
   }

@@ -18,10 +18,4 @@ namespace vismem {
 void confirmContinuations(std::span<MemoryElement> elements, double limit, const CornerParams& params,
                           std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
-/// Publishes as confirmed an edge that runs from the end of one confirmed edge of its label to the beginning
-/// of another one: both of its ends lie on the floor. One image is enough. Needed: a label, both true ends,
-/// and no parallax that contradicts the floor.
-void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams& params,
-                           std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
-
 }  // namespace vismem

@@ -289,13 +289,6 @@ SegmentMemory::View SegmentMemory::viewOf(const RobotObservation& observation, d
           {observation.frame.image, observation.frame.intrinsics, params_.evidence}};
 }
 
-void SegmentMemory::cutBeyondRange(std::vector<FloorSegment>& floor, const Eigen::Vector2d& camera) const {
-  for (FloorSegment& segment : floor) {
-    const double far = std::max((segment.a.p - camera).norm(), (segment.b.p - camera).norm());
-    if (far > kRangeSlack * params_.gates.max_range_m) cutToRange(segment, camera, params_.gates.max_range_m);
-  }
-}
-
 void SegmentMemory::updateExpected(const Associations& associations, const std::vector<FloorSegment>& floor,
                                    const View& view) {
   const StampUs stamp_us = view.observation.frame.stamp_us;

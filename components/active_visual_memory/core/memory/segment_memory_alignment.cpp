@@ -67,7 +67,12 @@ void SegmentMemory::correct(const Associations& associations, std::vector<FloorS
   if (!params_.estimation.enabled) return;
   if (const auto correction = updateMapFilter(associations, view, &map_filter_))
     applyCorrection(*correction, floor, view);
-  cutBeyondRange(floor, view.camera);
+  for (FloorSegment& segment : floor) {
+    const double far = std::max((segment.a.p - view.camera).norm(), (segment.b.p - view.camera).norm());
+    if (far > kRangeSlack * params_.gates.max_range_m) {
+      cutToRange(segment, view.camera, params_.gates.max_range_m);
+    }
+  }
 }
 
 void SegmentMemory::applyCorrection(const Correction& correction, std::vector<FloorSegment>& floor,

@@ -186,7 +186,6 @@ void SegmentMemory::publishAll() {
   if (params_.confirmation.snap_to_dominant_direction) dominant_direction_rad_ = dominantDirection();
   for (MemoryElement& element : elements_) publish(element);
   if (!params_.confirmation.by_parallax) return;
-  confirmBetweenCorners(elements_, params_.confirmation.corners, scratch_.resource());
   confirmContinuations(elements_, params_.confirmation.parallax.slopeLimit(camera_height_m_),
                        params_.confirmation.corners, scratch_.resource());
 }
