@@ -13,9 +13,9 @@ namespace vismem {
 inline MemoryElement seen(std::uint64_t id, const Segment2& line, bool censored_b = false,
                           double strength = 100.0) {
   FloorSegment segment;
-  segment.odom = line;
-  segment.P_a = segment.P_b = 1e-4 * Eigen::Matrix2d::Identity();
-  segment.censored_b = censored_b;
+  segment.place(line);
+  segment.a.P = segment.b.P = 1e-4 * Eigen::Matrix2d::Identity();
+  segment.b.censored = censored_b;
   segment.label = "line";
   MemoryElement element;
   element.value.id = id;

@@ -11,7 +11,6 @@ constexpr std::size_t kUsualShapes = 64;
 SegmentMemory::Params memoryParams(const AttentiveVisualMemoryParams& params) {
   SegmentMemory::Params memory = params.memory;
   memory.gates.max_range_m = params.projector.max_range_m;
-  memory.confirmation.corners.least_height_m = memory.confirmation.parallax.least_height_m;
   return memory;
 }
 
@@ -69,9 +68,13 @@ void AttentiveVisualMemory::reset() {
   ++epoch_;
 }
 
-void AttentiveVisualMemory::followEpoch(const RobotObservation& observation) {
+double AttentiveVisualMemory::begin(const RobotObservation& observation, StageProbe* probe) {
+  enterStage(probe, "memory");
+  scratch_.release();
   if (source_epoch_ && *source_epoch_ != observation.epoch) reset();
   source_epoch_ = observation.epoch;
+  readGazeRequests();
+  return turnRate(observation);
 }
 
 void AttentiveVisualMemory::readGazeRequests() {
@@ -99,11 +102,7 @@ double AttentiveVisualMemory::turnRate(const RobotObservation& observation) {
 
 const AttentiveVisualMemory::StepResult& AttentiveVisualMemory::update(
     const RobotObservation& observation, const std::vector<ImageSegment>& observed, StageProbe* probe) {
-  enterStage(probe, "memory");
-  scratch_.release();
-  followEpoch(observation);
-  readGazeRequests();
-  const double rate = turnRate(observation);
+  const double rate = begin(observation, probe);
   RobotObservation believed = observation;
   believed.T_robot_camera = tilted(observation.T_robot_camera, memory_.cameraTilt());
   const Pose3 T_odom_camera = toPose3(believed.T_odom_robot) * believed.T_robot_camera;
@@ -133,11 +132,7 @@ const AttentiveVisualMemory::StepResult& AttentiveVisualMemory::update(
 
 const AttentiveVisualMemory::StepResult& AttentiveVisualMemory::predict(const RobotObservation& observation,
                                                                         StageProbe* probe) {
-  enterStage(probe, "memory");
-  scratch_.release();
-  followEpoch(observation);
-  readGazeRequests();
-  turnRate(observation);
+  begin(observation, probe);
   memory_.advanceLife(observation.frame.stamp_us);
   result_.kidnapped = false;
   finish(observation, probe);

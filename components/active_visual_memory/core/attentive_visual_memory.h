@@ -89,7 +89,9 @@ class AttentiveVisualMemory {
   CameraTiltCovariance cameraTiltCovariance() const { return memory_.cameraTiltCovariance(); }
 
  private:
-  void followEpoch(const RobotObservation& observation);
+  /// Begins a step; a new epoch of the observations drops the memory. @return turn rate of the camera
+  /// [rad/s].
+  double begin(const RobotObservation& observation, StageProbe* probe);
   void readGazeRequests();
   double turnRate(const RobotObservation& observation);
   /// Shapes, gaze and, after an image that was analysed, the new snapshot. Sets `result_`.

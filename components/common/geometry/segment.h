@@ -32,6 +32,11 @@ struct Segment3 {
   Segment2 floor() const { return {a.head<2>(), b.head<2>()}; }
 };
 
+/// A segment of the floor in space, at z = 0.
+inline Segment3 onFloor(const Segment2& floor) {
+  return {{floor.a.x(), floor.a.y(), 0.0}, {floor.b.x(), floor.b.y(), 0.0}};
+}
+
 Segment2 transform(const Pose2& T_a_b, const Segment2& segment_b);
 Segment3 transform(const Pose2& T_a_b, const Segment3& segment_b);
 

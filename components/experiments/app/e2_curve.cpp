@@ -69,7 +69,7 @@ std::vector<Segment2> seenWalls(const ExperimentRun& run) {
   std::vector<Segment2> walls;
   for (const FloorSegment& segment :
        projector.project(analysis.intrinsics, analysis.T_robot_camera, analysis.observed)) {
-    if (isLabelled(segment.label)) walls.push_back(segment.odom);
+    if (isLabelled(segment.label)) walls.push_back(segment.odom());
   }
   return walls;
 }

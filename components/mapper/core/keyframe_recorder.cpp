@@ -109,8 +109,8 @@ LineSighting KeyframeRecorder::sightingOf(const ImageAnalysis& analysis, const I
   sighting.element = predicted.id;
   const Strong strong = strongPart(observed.px, evidence, params_);
   sighting.px = strong.px;
-  sighting.censored_a = !strong.cut_a && (floor.censored_a || evidence.isHiddenBeyond(strong.px, false));
-  sighting.censored_b = !strong.cut_b && (floor.censored_b || evidence.isHiddenBeyond(strong.px, true));
+  sighting.censored_a = !strong.cut_a && (floor.a.censored || evidence.isHiddenBeyond(strong.px, false));
+  sighting.censored_b = !strong.cut_b && (floor.b.censored || evidence.isHiddenBeyond(strong.px, true));
   const Eigen::Vector2d along = (observed.px.b - observed.px.a).normalized();
   if (!sighting.censored_a && !strong.cut_a) sighting.px.a -= params_.end_short_px * along;
   if (!sighting.censored_b && !strong.cut_b) sighting.px.b += params_.end_short_px * along;

@@ -160,9 +160,8 @@ PlanarIncrement MapFilter::applySlip(const Eigen::Vector2d& robot, double turn_r
   return motion;
 }
 
-void MapFilter::beginImage(State& state, const Eigen::Vector2d& robot,
-                           const std::optional<double>& dominant_direction_rad, const Params& params) const {
-  state.pivot = robot;
+void MapFilter::beginImage(State& state, const ImageMeasurements& image, const Params& params) const {
+  state.pivot = image.robot;
   state.P_frame_tilt.setZero();
   Eigen::Block<Matrix> P = state.known();
   P.middleRows<4>(kFrameTilt).setZero();
@@ -173,18 +172,17 @@ void MapFilter::beginImage(State& state, const Eigen::Vector2d& robot,
   const double frame_shift = params.gait_height_m * tilt_prior_.per_frame_rad;
   P.block<2, 2>(kFrameTilt + 2, kFrameTilt + 2).diagonal().setConstant(frame_shift * frame_shift);
   for (Line& line : state.lines) ++line.unseen;
-  if (!dominant_direction_rad || state.dominant_direction_rad) return;
-  state.dominant_direction_rad = dominant_direction_rad;
+  if (!image.dominant_direction_rad || state.dominant_direction_rad) return;
+  state.dominant_direction_rad = image.dominant_direction_rad;
   P.row(kDirection).setZero();
   P.col(kDirection).setZero();
   P(kDirection, kDirection) = kInitialDirection * kInitialDirection;
 }
 
-void MapFilter::linearize(State& state, const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
-                          std::span<const LineDirection> directions, const Params& params) const {
+void MapFilter::linearize(State& state, const ImageMeasurements& image, const Params& params) const {
   std::vector<Row>& rows = innovation_.rows;
   rows.clear();
-  for (const LineDirection& named : directions) {
+  for (const LineDirection& named : image.directions) {
     const int slot = state.slotOf(named.line);
     if (!state.dominant_direction_rad || slot < 0 || rows.size() == kMaxResiduals) continue;
     Line& line = state.lines[static_cast<std::size_t>(slot)];
@@ -198,13 +196,13 @@ void MapFilter::linearize(State& state, const Eigen::Vector2d& robot, std::span<
     row.residual = -off;
     row.variance = params.direction_rad * params.direction_rad;
   }
-  for (const LineResidual& c : residuals) {
+  for (const LineResidual& c : image.residuals) {
     if (rows.size() == kMaxResiduals) return;
     Row& row = rows.emplace_back();
     row.residual = c.residual_m;
     row.variance = c.variance_m2;
     for (int k = 0; k < 2; ++k) row.add(k, c.direction[k]);
-    row.add(kTurn, c.direction.dot(turned90(c.p - robot)));
+    row.add(kTurn, c.direction.dot(turned90(c.p - image.robot)));
     for (int k = 0; k < 4; ++k) row.add(kTilt + k, -c.d_tilt[k]);
     for (int k = 0; k < 2; ++k) row.add(kFrameTilt + k, -c.d_frame_tilt[k]);
     for (int k = 0; k < 2; ++k) row.add(kFrameTilt + 2 + k, c.direction[k]);
@@ -267,11 +265,12 @@ void MapFilter::divideByFactor(int first, int end) const {
   }
 }
 
-bool MapFilter::solve(State& state, const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
-                      std::span<const LineDirection> directions, const Params& params) const {
-  linearize(state, robot, residuals, directions, params);
+std::optional<Correction> MapFilter::solve(State& state, const ImageMeasurements& image,
+                                           const Params& params) const {
+  beginImage(state, image, params);
+  linearize(state, image, params);
   const std::vector<Row>& rows = innovation_.rows;
-  if (rows.empty()) return false;
+  if (rows.empty()) return std::nullopt;
   const int n = state.size();
   const int m = static_cast<int>(rows.size());
   projectCovariance(state);
@@ -295,18 +294,22 @@ bool MapFilter::solve(State& state, const Eigen::Vector2d& robot, std::span<cons
       R[i] = variance;
     }
     if (!changed) break;
-    if (!factorize()) return false;
+    if (!factorize()) return std::nullopt;
     for (int i = 0; i < m; ++i) y[i] = rows[static_cast<std::size_t>(i)].residual;
     L.solveInPlace(y);
     L.transpose().solveInPlace(y);
     Hx.noalias() = spread.selfadjointView<Eigen::Lower>() * y;
   }
-  innovation_.x.head(n).noalias() = innovation_.W.topLeftCorner(n, m) * y;
+  Eigen::VectorXd& x = innovation_.x;
+  x.head(n).noalias() = innovation_.W.topLeftCorner(n, m) * y;
   divideByFactor(0, kCommon);
   const auto frame_tilts = innovation_.W.block(kFrameTilt, 0, 2, m);
   state.P_frame_tilt =
       state.P.block<2, 2>(kFrameTilt, kFrameTilt) - frame_tilts.lazyProduct(frame_tilts.transpose());
-  return true;
+  return Correction{{image.robot, x.head<2>(), x[kTurn]},
+                    x.segment<4>(kTilt),
+                    x.segment<2>(kFrameTilt),
+                    state.P_frame_tilt};
 }
 
 void MapFilter::updateCovariance() {
@@ -317,34 +320,19 @@ void MapFilter::updateCovariance() {
   for (int k = 0; k < n; ++k) state_.P(k, k) = std::max(state_.P(k, k), kLeastVariance);
 }
 
-std::optional<Correction> MapFilter::preview(const Eigen::Vector2d& robot,
-                                             std::span<const LineResidual> residuals,
-                                             const std::optional<double>& dominant_direction_rad,
-                                             std::span<const LineDirection> directions,
-                                             const Params& params) const {
+std::optional<Correction> MapFilter::preview(const ImageMeasurements& image, const Params& params) const {
   preview_state_.copy(state_);
-  beginImage(preview_state_, robot, dominant_direction_rad, params);
-  if (!solve(preview_state_, robot, residuals, directions, params)) return std::nullopt;
-  const Eigen::VectorXd& x = innovation_.x;
-  return Correction{{robot, x.head<2>(), x[kTurn]},
-                    x.segment<4>(kTilt),
-                    x.segment<2>(kFrameTilt),
-                    preview_state_.P_frame_tilt};
+  return solve(preview_state_, image, params);
 }
 
-std::optional<Correction> MapFilter::update(const Eigen::Vector2d& robot,
-                                            std::span<const LineResidual> residuals,
-                                            const std::optional<double>& dominant_direction_rad,
-                                            std::span<const LineDirection> directions, const Params& params) {
+std::optional<Correction> MapFilter::update(const ImageMeasurements& image, const Params& params) {
   corrections_.clear();
-  beginImage(state_, robot, dominant_direction_rad, params);
-  if (!solve(state_, robot, residuals, directions, params)) return std::nullopt;
+  auto correction = solve(state_, image, params);
+  if (!correction) return std::nullopt;
   updateCovariance();
 
   const Eigen::VectorXd& x = innovation_.x;
   Matrix& P = state_.P;
-  Correction correction{
-      {robot, x.head<2>(), x[kTurn]}, CameraTilt::Zero(), x.segment<2>(kFrameTilt), state_.P_frame_tilt};
   const CameraTilt before = camera_tilt_;
   camera_tilt_ += x.segment<4>(kTilt);
   rates_ += x.segment<3>(kRates);
@@ -352,12 +340,12 @@ std::optional<Correction> MapFilter::update(const Eigen::Vector2d& robot,
                                    params.odometry.travel_scale};
   limitRates(most_rates, rates_, P.block<3, 3>(kRates, kRates));
   limitCameraTilt(tilt_prior_, camera_tilt_, P.block<4, 4>(kTilt, kTilt));
-  correction.camera_tilt = camera_tilt_ - before;
+  correction->camera_tilt = camera_tilt_ - before;
   if (state_.dominant_direction_rad) *state_.dominant_direction_rad += x[kTurn] + x[kDirection];
   const Eigen::Matrix4d tilt_information = cameraTiltCovariance().inverse();
   int at = kLines;
   for (Line& known : state_.lines) {
-    known.reference = correction.motion.apply(known.reference);
+    known.reference = correction->motion.apply(known.reference);
     LineCorrection line{known.id, known.reference, x[at], x[at + 1], P.block<2, 2>(at, at), {}};
     line.J = P.block<2, 4>(at, kTilt) * tilt_information;
     line.P -= line.J * P.block<4, 2>(kTilt, at);
@@ -375,9 +363,9 @@ void MapFilter::addLine(std::uint64_t line, const FloorSegment& observed, const 
                                           [](const Line& a, const Line& b) { return a.unseen < b.unseen; });
     remove(static_cast<int>(longest - lines.begin()));
   }
-  const Eigen::Vector2d middle = observed.odom.middle();
-  const double length = observed.odom.length();
-  const Eigen::Vector2d along = (observed.odom.b - observed.odom.a) / length;
+  const Eigen::Vector2d middle = observed.odom().middle();
+  const double length = observed.odom().length();
+  const Eigen::Vector2d along = (observed.b.p - observed.a.p) / length;
   const Eigen::Vector2d normal = turned90(along);
   // Jacobian of the offset at p by the common unknowns.
   using CommonRow = Eigen::Matrix<double, 1, kLines>;
@@ -391,17 +379,17 @@ void MapFilter::addLine(std::uint64_t line, const FloorSegment& observed, const 
     g.segment<2>(kFrameTilt + 2) = -normal;
     return g;
   };
-  const CommonRow a = row(observed.odom.a);
-  const CommonRow b = row(observed.odom.b);
+  const CommonRow a = row(observed.a.p);
+  const CommonRow b = row(observed.b.p);
   Eigen::Matrix<double, 2, kLines> G;
   G.row(0) = 0.5 * (a + b);
   G.row(1) = (b - a) / length;
-  const auto own = [&](const Eigen::Matrix2d& P, const TiltJacobian& D) {
-    const Eigen::Matrix2d without = P - D.leftCols<2>() * state_.P_frame_tilt * D.leftCols<2>().transpose();
-    return noise * (ownVariance(normal, without, D, observed.pitch_sigma_rad) + slack_m * slack_m);
+  const auto own = [&](FloorEnd end) {
+    end.P -= end.D.leftCols<2>() * state_.P_frame_tilt * end.D.leftCols<2>().transpose();
+    return noise * (ownVariance(normal, end, observed.pitch_sigma_rad) + slack_m * slack_m);
   };
-  const double va = own(observed.P_a, observed.D_a);
-  const double vb = own(observed.P_b, observed.D_b);
+  const double va = own(observed.a);
+  const double vb = own(observed.b);
   Eigen::Matrix2d R;
   R << 0.25 * (va + vb), 0.5 * (vb - va) / length, 0.5 * (vb - va) / length, (va + vb) / (length * length);
   Matrix& P = state_.P;

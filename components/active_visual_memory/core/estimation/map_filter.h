@@ -58,6 +58,14 @@ struct LineDirection {
   double direction_rad = 0.0;  ///< in odom
 };
 
+/// What one image measures.
+struct ImageMeasurements {
+  Eigen::Vector2d robot = Eigen::Vector2d::Zero();  ///< its place in odom [m]
+  std::span<const LineResidual> residuals;
+  std::optional<double> dominant_direction_rad;  ///< of the place, modulo 90 degrees; empty if there is none
+  std::span<const LineDirection> directions;     ///< of the lines that have it; each is used once
+};
+
 /// Correction of one line after an image.
 struct LineCorrection {
   std::uint64_t line = 0;
@@ -100,18 +108,11 @@ class MapFilter {
   PlanarIncrement predict(const Pose2& before, const Pose2& now, const Params& params);
 
   /// Update by one image; to be called for each image, also without residuals.
-  /// @param dominant_direction_rad  of the place, modulo 90 degrees; empty if there is none.
-  /// @param directions              of the lines that have it; each is used once.
   /// @return motion of the memory and change of the tilt; empty without information. Corrections of the lines
-  /// are in
-  ///         lineCorrections(), relative to that motion.
-  std::optional<Correction> update(const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
-                                   const std::optional<double>& dominant_direction_rad,
-                                   std::span<const LineDirection> directions, const Params& params);
+  ///         are in lineCorrections(), relative to that motion.
+  std::optional<Correction> update(const ImageMeasurements& image, const Params& params);
   /// The result that `update` would return; the state stays.
-  std::optional<Correction> preview(const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
-                                    const std::optional<double>& dominant_direction_rad,
-                                    std::span<const LineDirection> directions, const Params& params) const;
+  std::optional<Correction> preview(const ImageMeasurements& image, const Params& params) const;
   const std::vector<LineCorrection>& lineCorrections() const { return corrections_; }
   /// Applies a slip of the odometry: turns the memory about the robot. @return that motion.
   PlanarIncrement applySlip(const Eigen::Vector2d& robot, double turn_rad, double sigma_rad);
@@ -213,21 +214,18 @@ class MapFilter {
   };
 
   void remove(int slot);
-  void beginImage(State& state, const Eigen::Vector2d& robot,
-                  const std::optional<double>& dominant_direction_rad, const Params& params) const;
+  void beginImage(State& state, const ImageMeasurements& image, const Params& params) const;
   /// Linearizes the measurements: sets the rows of `innovation_`.
-  void linearize(State& state, const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
-                 std::span<const LineDirection> directions, const Params& params) const;
+  void linearize(State& state, const ImageMeasurements& image, const Params& params) const;
   /// Sets W to P H^T, and spread.
   void projectCovariance(const State& state) const;
   /// Sets L. @return false where H P H^T + R is not positive definite.
   bool factorize() const;
   /// Multiplies the rows of W from `first` to before `end` by L^-T.
   void divideByFactor(int first, int end) const;
-  /// Iterated update of the mean. @return false without information; else `innovation_` is set, W to P H^T
+  /// Iterated update of the mean. @return empty without information; else `innovation_` is set, W to P H^T
   /// L^-T in its first kCommon rows and to P H^T in the others.
-  bool solve(State& state, const Eigen::Vector2d& robot, std::span<const LineResidual> residuals,
-             std::span<const LineDirection> directions, const Params& params) const;
+  std::optional<Correction> solve(State& state, const ImageMeasurements& image, const Params& params) const;
   /// Covariance update with `innovation_`: P - P H^T (H P H^T + R)^-1 H P = P - W W^T.
   void updateCovariance();
 

@@ -10,11 +10,10 @@
 #include "common/geometry/plane.h"
 
 namespace vismem {
-double ownVariance(const Eigen::Vector2d& direction, const Eigen::Matrix2d& P, const TiltJacobian& D,
-                   double pitch_sigma_rad) {
+double ownVariance(const Eigen::Vector2d& direction, const FloorEnd& end, double pitch_sigma_rad) {
   return std::max(
-      0.0, direction.dot(P * direction) -
-               pitch_sigma_rad * pitch_sigma_rad * (direction.transpose() * D.rightCols<2>()).squaredNorm());
+      0.0, end.varianceAlong(direction) - pitch_sigma_rad * pitch_sigma_rad *
+                                              (direction.transpose() * end.D.rightCols<2>()).squaredNorm());
 }
 
 namespace {
@@ -32,22 +31,21 @@ template <typename Use>
 void forEachDirection(std::span<const FloorSegment> floor, const TiltView& view, const Eigen::Vector2d& about,
                       const DominantDirectionParams& params, double known_rad, const Use& use) {
   for (const FloorSegment& s : floor) {
-    const Eigen::Vector2d ray = (s.odom.middle() - view.camera.head<2>()).normalized();
-    const Eigen::Vector2d seen = s.odom.b - s.odom.a;
+    const Eigen::Vector2d ray = (s.odom().middle() - view.camera.head<2>()).normalized();
+    const Eigen::Vector2d seen = s.b.p - s.a.p;
     if (seen.norm() < params.least_m || std::abs(cross2(ray, seen)) < params.not_radial * seen.norm())
       continue;
-    if (std::abs(offDominantDirection(s.odom.direction(), known_rad)) > params.slip_together_rad) continue;
+    if (std::abs(offDominantDirection(s.odom().direction(), known_rad)) > params.slip_together_rad) continue;
     CameraTilt tilt = CameraTilt::Zero();
     tilt.head<2>() = about;
-    const auto tiltedPoint = [&](const Eigen::Vector2d& p, const TiltJacobian& D) -> Eigen::Vector2d {
-      return p + view.derivativeAt(p + 0.5 * D * tilt) * tilt;
+    const auto tiltedPoint = [&](const FloorEnd& end) -> Eigen::Vector2d {
+      return end.p + view.derivativeAt(end.p + 0.5 * end.D * tilt) * tilt;
     };
-    const Segment2 line{tiltedPoint(s.odom.a, s.D_a), tiltedPoint(s.odom.b, s.D_b)};
+    const Segment2 line{tiltedPoint(s.a), tiltedPoint(s.b)};
     const double length = line.length();
     const Eigen::Vector2d n = turned90(Eigen::Vector2d((line.b - line.a) / length));
     const double own =
-        (ownVariance(n, s.P_a, s.D_a, s.pitch_sigma_rad) + ownVariance(n, s.P_b, s.D_b, s.pitch_sigma_rad)) /
-        (length * length);
+        (ownVariance(n, s.a, s.pitch_sigma_rad) + ownVariance(n, s.b, s.pitch_sigma_rad)) / (length * length);
     const TiltJacobianRow d =
         n.transpose() * (view.derivativeAt(line.b) - view.derivativeAt(line.a)) / length;
     use({offDominantDirection(line.direction(), known_rad) - d.head<2>().dot(about),
@@ -62,28 +60,25 @@ void addLineResiduals(std::uint64_t id, const FloorLine& line, const FloorSegmen
                       double max_end_shift_m, std::vector<LineResidual>& residuals) {
   const Eigen::Vector2d n = line.normal();
   const Eigen::Vector2d u = line.along();
-  const bool against = u.dot(piece.odom.b - piece.odom.a) < 0.0;
-  const FloorSegment observed = against ? reversed(piece) : piece;
+  const FloorSegment observed = runningAlong(u, piece);
   const double slack = slack_m * slack_m;
   const double end_noise = noise * end_inflation * end_inflation;
-  const auto variance = [&](const Eigen::Vector2d& direction, const Eigen::Matrix2d& P,
-                            const TiltJacobian& D) {
-    return ownVariance(direction, P, D, observed.pitch_sigma_rad);
+  const auto variance = [&](const Eigen::Vector2d& direction, const FloorEnd& seen) {
+    return ownVariance(direction, seen, observed.pitch_sigma_rad);
   };
-  const auto add = [&](const Eigen::Vector2d& at, const Eigen::Matrix2d& P, const TiltJacobian& D,
-                       bool censored, const ExtentEnd& known) {
-    const TiltJacobianRow across = n.transpose() * view.derivativeAt(at - line.offsetOf(at) * n);
-    residuals.push_back(
-        {at, n, line.offsetOf(at), noise * (variance(n, P, D) + slack), across, across.head<2>(), id});
-    const double gap = line.tOf(at) - known.t_m;
-    if (censored || known.censored || std::abs(gap) > max_end_shift_m) return;
+  for (const bool at_b : {false, true}) {
+    const FloorEnd& seen = observed.end(at_b);
+    const ExtentEnd& known = line.end(at_b);
+    const double off = line.offsetOf(seen.p);
+    const TiltJacobianRow across = n.transpose() * view.derivativeAt(seen.p - off * n);
+    residuals.push_back({seen.p, n, off, noise * (variance(n, seen) + slack), across, across.head<2>(), id});
+    const double gap = line.tOf(seen.p) - known.t_m;
+    if (seen.censored || known.censored || std::abs(gap) > max_end_shift_m) continue;
     // The extent is not in the filter.
     const TiltJacobianRow far = u.transpose() * view.derivativeAt(line.pointAt(known.t_m));
-    residuals.push_back({at, u, gap, end_noise * (variance(u, P, D) + known.variance_m2 + slack),
+    residuals.push_back({seen.p, u, gap, end_noise * (variance(u, seen) + known.variance_m2 + slack),
                          far - known.d_tilt, far.head<2>(), 0});
-  };
-  add(observed.odom.a, observed.P_a, observed.D_a, observed.censored_a, line.endA());
-  add(observed.odom.b, observed.P_b, observed.D_b, observed.censored_b, line.endB());
+  }
 }
 
 std::optional<DirectionDeviation> directionDeviation(std::span<const FloorSegment> floor,

@@ -25,10 +25,9 @@ void addLineResiduals(std::uint64_t id, const FloorLine& line, const FloorSegmen
                       const TiltView& view, double slack_m, double noise, double end_inflation,
                       double max_end_shift_m, std::vector<LineResidual>& residuals);
 
-/// Variance along a direction without the contribution of camera pitch and roll, which are common to the
-/// image and part of the state [m^2].
-double ownVariance(const Eigen::Vector2d& direction, const Eigen::Matrix2d& P, const TiltJacobian& D,
-                   double pitch_sigma_rad);
+/// Variance of an end along a direction without the contribution of camera pitch and roll, which are common
+/// to the image and part of the state [m^2].
+double ownVariance(const Eigen::Vector2d& direction, const FloorEnd& end, double pitch_sigma_rad);
 
 struct DirectionDeviation {
   double turn_rad = 0.0;

@@ -7,19 +7,15 @@
 #include "common/geometry/angles.h"
 
 namespace vismem {
-namespace {
 
-double varianceAlong(const Eigen::Matrix2d& P, const Eigen::Vector2d& direction) {
-  return direction.dot(P * direction);
+double endGate(double one, double other, const FloorLine::Params& params) {
+  return std::max(params.end_gate_m, params.end_gate_sigmas * std::sqrt(one + other));
 }
-
-}  // namespace
 
 ExtentEnd fuseEnds(const ExtentEnd& known, const ExtentEnd& seen, double outward,
                    const FloorLine::Params& params) {
   const double further = outward * (seen.t_m - known.t_m);
-  const double gate =
-      std::max(params.end_gate_m, params.end_gate_sigmas * std::sqrt(known.variance_m2 + seen.variance_m2));
+  const double gate = endGate(known.variance_m2, seen.variance_m2, params);
   const bool well_known = !known.censored && known.views >= params.known_views;
   const bool may_extend =
       !known.split && (!well_known || seen.variance_m2 <= params.worse_view * known.best_m2);
@@ -57,32 +53,37 @@ bool areSplit(const FloorLine& one, const FloorLine& other) {
 }
 
 FloorLine::FloorLine(const FloorSegment& segment, const Params& params) {
-  origin_ = segment.odom.middle();
-  turnTo(segment.odom.direction());
-  const double half = 0.5 * segment.odom.length();
+  const Segment2 odom = segment.odom();
+  origin_ = odom.middle();
+  turnTo(odom.direction());
   const Eigen::Vector2d n = normal();
   const double floor_variance = params.measure_floor_m * params.measure_floor_m;
-  const double va = varianceAlong(segment.P_a, n) + floor_variance;
-  const double vb = varianceAlong(segment.P_b, n) + floor_variance;
+  const double va = segment.a.varianceAlong(n) + floor_variance;
+  const double vb = segment.b.varianceAlong(n) + floor_variance;
   // offset = (ya + yb) / 2, angle = (yb - ya) / length.
-  const double length = 2.0 * half;
+  const double length = odom.length();
   P_(0, 0) = 0.25 * (va + vb);
   P_(1, 1) = (va + vb) / (length * length);
   P_(0, 1) = P_(1, 0) = 0.5 * (vb - va) / length;
-  J_.row(0) = 0.5 * n.transpose() * (segment.D_a + segment.D_b);
-  J_.row(1) = n.transpose() * (segment.D_b - segment.D_a) / length;
-  a_ = endAt(-half, segment.P_a, segment.D_a, segment.censored_a);
-  b_ = endAt(half, segment.P_b, segment.D_b, segment.censored_b);
+  J_.row(0) = 0.5 * n.transpose() * (segment.a.D + segment.b.D);
+  J_.row(1) = n.transpose() * (segment.b.D - segment.a.D) / length;
+  a_ = project(segment.a);
+  b_ = project(segment.b);
+  a_.t_m = -0.5 * length, b_.t_m = 0.5 * length;
   applyFloor(params);
 }
 
-ExtentEnd FloorLine::endAt(double t, const Eigen::Matrix2d& P, const TiltJacobian& D, bool censored) const {
-  const double variance = varianceAlong(P, along());
-  return {t, variance, censored, variance, 1, along().transpose() * D, false};
+ExtentEnd FloorLine::project(const FloorEnd& seen) const {
+  const double variance = seen.varianceAlong(along());
+  return {tOf(seen.p), variance, seen.censored, variance, 1, along().transpose() * seen.D, false};
 }
 
-TiltJacobian FloorLine::tiltJacobianOf(const ExtentEnd& end) const {
-  return along() * end.d_tilt + normal() * offsetTiltJacobian(end.t_m);
+FloorEnd FloorLine::floorEnd(bool at_b) const {
+  const ExtentEnd& e = end(at_b);
+  const Eigen::Vector2d u = along();
+  const Eigen::Vector2d n = normal();
+  return {pointAt(e.t_m), e.variance_m2 * u * u.transpose() + offsetVariance(e.t_m) * n * n.transpose(),
+          u * e.d_tilt + n * offsetTiltJacobian(e.t_m), e.censored};
 }
 
 void FloorLine::turnTo(double direction_rad) {
@@ -91,17 +92,11 @@ void FloorLine::turnTo(double direction_rad) {
 }
 
 Segment2 FloorLine::segment() const {
-  return {origin_ + a_.t_m * along(), origin_ + b_.t_m * along()};
+  return {pointAt(a_.t_m), pointAt(b_.t_m)};
 }
 
 double FloorLine::offsetVariance(double t) const {
   return P_(0, 0) + 2.0 * t * P_(0, 1) + t * t * P_(1, 1);
-}
-
-Eigen::Matrix2d FloorLine::covarianceAt(const ExtentEnd& end) const {
-  const Eigen::Vector2d u = along();
-  const Eigen::Vector2d n = normal();
-  return end.variance_m2 * u * u.transpose() + offsetVariance(end.t_m) * n * n.transpose();
 }
 
 void FloorLine::transform(const PlanarIncrement& motion) {
@@ -127,18 +122,17 @@ void FloorLine::drift(double offset_sigma_m, double angle_sigma_rad) {
 double FloorLine::disagreement(const FloorSegment& observed, double slack_m,
                                const CameraTiltCovariance& P_tilt) const {
   const Eigen::Vector2d n = normal();
-  const auto one = [&](const Eigen::Vector2d& p, const Eigen::Matrix2d& P, const TiltJacobian& D) {
+  const auto squaredDistance = [&](const FloorEnd& seen) {
     // Beyond the observed extent the error of the direction dominates: compared at the nearest observed
     // place.
-    const double t = std::clamp(tOf(p), a_.t_m, b_.t_m);
-    const TiltJacobianRow d = n.transpose() * D - offsetTiltJacobian(t);
+    const double t = std::clamp(tOf(seen.p), a_.t_m, b_.t_m);
+    const TiltJacobianRow d = n.transpose() * seen.D - offsetTiltJacobian(t);
     const double variance =
-        offsetVariance(t) + varianceAlong(P, n) + slack_m * slack_m + d * P_tilt * d.transpose();
-    const double offset = offsetOf(p);
+        offsetVariance(t) + seen.varianceAlong(n) + slack_m * slack_m + d * P_tilt * d.transpose();
+    const double offset = offsetOf(seen.p);
     return offset * offset / variance;
   };
-  return std::max(one(observed.odom.a, observed.P_a, observed.D_a),
-                  one(observed.odom.b, observed.P_b, observed.D_b));
+  return std::max(squaredDistance(observed.a), squaredDistance(observed.b));
 }
 
 void FloorLine::updateOffset(double t, double offset, double variance, const TiltJacobianRow& d_tilt) {
@@ -187,20 +181,16 @@ void FloorLine::fuseLine(const FloorSegment& observed, const Params& params) {
   P_(1, 1) += params.angle_noise_rad * params.angle_noise_rad;
   const Eigen::Vector2d n = normal();
   const double floor_variance = params.measure_floor_m * params.measure_floor_m;
-  const double ya = offsetOf(observed.odom.a);
-  const double yb = offsetOf(observed.odom.b);
-  const double ta = tOf(observed.odom.a);
-  const double tb = tOf(observed.odom.b);
-  updateOffset(ta, ya, varianceAlong(observed.P_a, n) + floor_variance, n.transpose() * observed.D_a);
-  updateOffset(tb, yb, varianceAlong(observed.P_b, n) + floor_variance, n.transpose() * observed.D_b);
+  for (const FloorEnd* seen : {&observed.a, &observed.b}) {
+    updateOffset(tOf(seen->p), offsetOf(seen->p), seen->varianceAlong(n) + floor_variance,
+                 n.transpose() * seen->D);
+  }
   applyCorrection();
 }
 
 void FloorLine::fuseExtent(const FloorSegment& observed, const Params& params) {
-  const double ta = tOf(observed.odom.a);
-  const double tb = tOf(observed.odom.b);
-  a_ = fuseEnds(a_, endAt(ta, observed.P_a, observed.D_a, observed.censored_a), -1.0, params);
-  b_ = fuseEnds(b_, endAt(tb, observed.P_b, observed.D_b, observed.censored_b), +1.0, params);
+  a_ = fuseEnds(a_, project(observed.a), -1.0, params);
+  b_ = fuseEnds(b_, project(observed.b), +1.0, params);
   recentre();
   applyFloor(params);
 }
@@ -257,13 +247,8 @@ void FloorLine::shorten(bool at_b, const ExtentEnd& end) {
 
 FloorSegment FloorLine::asObservation() const {
   FloorSegment segment;
-  segment.odom = this->segment();
-  segment.P_a = covarianceA();
-  segment.P_b = covarianceB();
-  segment.D_a = tiltJacobianA();
-  segment.D_b = tiltJacobianB();
-  segment.censored_a = a_.censored;
-  segment.censored_b = b_.censored;
+  segment.a = floorEnd(false);
+  segment.b = floorEnd(true);
   return segment;
 }
 

@@ -54,11 +54,10 @@ class FloorLine {
   double direction() const { return direction_rad_; }
   const Eigen::Vector2d& along() const { return along_; }
   Eigen::Vector2d normal() const { return turned90(along_); }  ///< left of the direction
-  Eigen::Matrix2d covarianceA() const { return covarianceAt(a_); }
-  Eigen::Matrix2d covarianceB() const { return covarianceAt(b_); }
-  /// Derivatives of both ends by the camera tilt [m/rad].
-  TiltJacobian tiltJacobianA() const { return tiltJacobianOf(a_); }
-  TiltJacobian tiltJacobianB() const { return tiltJacobianOf(b_); }
+  /// Place of an end in odom, with its covariance and derivative by the camera tilt.
+  FloorEnd floorEnd(bool at_b) const;
+  /// An observed end as one view of an end of this extent.
+  ExtentEnd project(const FloorEnd& seen) const;
   /// Derivative of the offset at t by the camera tilt [m/rad].
   TiltJacobianRow offsetTiltJacobian(double t_m) const { return J_.row(0) + t_m * J_.row(1); }
   const ExtentEnd& endA() const { return a_; }
@@ -117,9 +116,6 @@ class FloorLine {
   FloorSegment asObservation() const;
 
  private:
-  ExtentEnd endAt(double t_m, const Eigen::Matrix2d& P, const TiltJacobian& D, bool censored) const;
-  TiltJacobian tiltJacobianOf(const ExtentEnd& end) const;
-  Eigen::Matrix2d covarianceAt(const ExtentEnd& end) const;
   void updateOffset(double t_m, double offset_m, double variance_m2, const TiltJacobianRow& d_tilt);
   void turnTo(double direction_rad);
   void applyCorrection();
@@ -139,6 +135,10 @@ class FloorLine {
 
 /// Whether a split separates both lines; false if one covers more than half of the other.
 bool areSplit(const FloorLine& one, const FloorLine& other);
+
+/// Distance up to which two observations of an end are of one end [m]. @param one, other  their variances
+/// [m^2].
+double endGate(double one, double other, const FloorLine::Params& params);
 
 /// Fusion of one end. True ends within the gate have a Kalman update. A true or censored observation beyond
 /// the gate replaces a true end, unless that is split, or well known and this view is worse: blurred views

@@ -9,22 +9,31 @@
 
 namespace vismem {
 
+/// One end of a floor segment.
+struct FloorEnd {
+  Eigen::Vector2d p = Eigen::Vector2d::Zero();  ///< on the floor of the frame of the camera pose [m]
+  Eigen::Matrix2d P = Eigen::Matrix2d::Zero();  ///< covariance of p [m^2]
+  TiltJacobian D = TiltJacobian::Zero();  ///< derivative of p by the camera tilt [m/rad]; not contained in P
+  /// The segment was cut here (image border, range, horizon, occluder): the true end lies further out.
+  bool censored = false;
+
+  /// Variance of p along a unit vector [m^2].
+  double varianceAlong(const Eigen::Vector2d& direction) const { return direction.dot(P * direction); }
+};
+
 /// An observed segment under the ground hypothesis. The direction a -> b is that of the image segment: the
 /// brighter side lies on the left.
 struct FloorSegment {
-  Segment2 odom;  ///< on the floor of the frame that the camera pose was given in [m]
-  Eigen::Matrix2d P_a = Eigen::Matrix2d::Zero();  ///< covariance of end a [m^2]
-  Eigen::Matrix2d P_b = Eigen::Matrix2d::Zero();
-  TiltJacobian D_a = TiltJacobian::Zero();  ///< of end a by the camera tilt [m/rad]; not contained in P_a
-  TiltJacobian D_b = TiltJacobian::Zero();
-  double pitch_sigma_rad = 0.0;  ///< sigma of camera pitch and roll that P_a and P_b contain
-  /// Censored: the segment was cut here (image border, range, horizon, occluder); the true end lies further
-  /// out.
-  bool censored_a = false;
-  bool censored_b = false;
+  FloorEnd a;
+  FloorEnd b;
+  double pitch_sigma_rad = 0.0;  ///< sigma of camera pitch and roll that the covariances contain
   Label label = kUnknownLabel;
   double strength = 0.0;  ///< as ImageSegment
   int observed = -1;      ///< index of the image segment
+
+  Segment2 odom() const { return {a.p, b.p}; }
+  void place(const Segment2& odom) { a.p = odom.a, b.p = odom.b; }
+  const FloorEnd& end(bool at_b) const { return at_b ? b : a; }
 };
 
 /// Conditions the covariances on the estimated tilt of this frame: its prior variance, at most that of
@@ -39,5 +48,8 @@ bool cutToRange(FloorSegment& segment, const Eigen::Vector2d& below_camera, doub
 
 /// The same segment with its ends exchanged.
 FloorSegment reversed(const FloorSegment& segment);
+
+/// The segment, reversed if it runs against a direction.
+FloorSegment runningAlong(const Eigen::Vector2d& direction, const FloorSegment& segment);
 
 }  // namespace vismem

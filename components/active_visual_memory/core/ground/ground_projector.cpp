@@ -55,11 +55,11 @@ std::optional<FloorSegment> GroundProjector::place(const CameraIntrinsics& k, co
                                                    double turn_rate_radps) const {
   Segment2 px = segment.px;
   FloorSegment floor;
-  floor.censored_a = nearBorder(k, px.a);
-  floor.censored_b = nearBorder(k, px.b);
+  floor.a.censored = nearBorder(k, px.a);
+  floor.b.censored = nearBorder(k, px.b);
   const Eigen::Vector2d short_px = params_.end_short_px * (px.b - px.a).normalized();
-  if (!floor.censored_a) px.a -= short_px;
-  if (!floor.censored_b) px.b += short_px;
+  if (!floor.a.censored) px.a -= short_px;
+  if (!floor.b.censored) px.b += short_px;
 
   // Keep the part that lies clearly below the horizon.
   const HorizonLine horizon = horizonLine(k, T_odom_camera);
@@ -69,31 +69,27 @@ std::optional<FloorSegment> GroundProjector::place(const CameraIntrinsics& k, co
   if (!looks_down) {
     if (below_a <= 0.0 && below_b <= 0.0) return std::nullopt;
     const Eigen::Vector2d cut = px.a + below_a / (below_a - below_b) * (px.b - px.a);
-    if (below_a < 0.0) px.a = cut, floor.censored_a = true;
-    if (below_b < 0.0) px.b = cut, floor.censored_b = true;
+    if (below_a < 0.0) px.a = cut, floor.a.censored = true;
+    if (below_b < 0.0) px.b = cut, floor.b.censored = true;
   }
 
   const double anywhere = std::numeric_limits<double>::max();
   const auto a = backProjectToGround(k, T_odom_camera, px.a, anywhere);
   const auto b = backProjectToGround(k, T_odom_camera, px.b, anywhere);
   if (!a || !b) return std::nullopt;
-  floor.odom = {a->head<2>(), b->head<2>()};
+  floor.place({a->head<2>(), b->head<2>()});
   if (!cutToRange(floor, T_odom_camera.translation().head<2>(), params_.max_range_m)) return std::nullopt;
-  if (floor.odom.length() < params_.min_length_m) return std::nullopt;
+  if (floor.odom().length() < params_.min_length_m) return std::nullopt;
 
   // Covariances are taken at the floor ends, which a cut may have moved in the image.
   const Pose3 T_camera_odom = T_odom_camera.inverse(Eigen::Isometry);
   const Eigen::Vector2d direction_px = (px.b - px.a).normalized();
-  const auto covarianceAt = [&](const Eigen::Vector2d& p) -> std::optional<Eigen::Matrix2d> {
-    const auto at = projectToIdeal(k, T_camera_odom * Eigen::Vector3d(p.x(), p.y(), 0.0));
-    if (!at) return std::nullopt;
-    return floorCovariance(k, T_odom_camera, *at, direction_px, turn_rate_radps);
-  };
-  const auto P_a = covarianceAt(floor.odom.a);
-  const auto P_b = covarianceAt(floor.odom.b);
-  if (!P_a || !P_b) return std::nullopt;
-  floor.P_a = *P_a;
-  floor.P_b = *P_b;
+  for (FloorEnd* end : {&floor.a, &floor.b}) {
+    const auto at = projectToIdeal(k, T_camera_odom * Eigen::Vector3d(end->p.x(), end->p.y(), 0.0));
+    const auto P = at ? floorCovariance(k, T_odom_camera, *at, direction_px, turn_rate_radps) : std::nullopt;
+    if (!P) return std::nullopt;
+    end->P = *P;
+  }
   floor.pitch_sigma_rad = params_.pitch_sigma_rad;
   floor.label = segment.label;
   floor.strength = segment.strength;
@@ -113,8 +109,7 @@ std::pmr::vector<FloorSegment> GroundProjector::project(const CameraIntrinsics& 
     if (std::find(off_floor.begin(), off_floor.end(), observed[i].label) != off_floor.end()) continue;
     if (auto placed = place(intrinsics, T_odom_camera, observed[i], turn_rate_radps)) {
       placed->observed = static_cast<int>(i);
-      placed->D_a = view.derivativeAt(placed->odom.a);
-      placed->D_b = view.derivativeAt(placed->odom.b);
+      for (FloorEnd* end : {&placed->a, &placed->b}) end->D = view.derivativeAt(end->p);
       floor.push_back(std::move(*placed));
     }
   }

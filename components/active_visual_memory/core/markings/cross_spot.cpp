@@ -111,7 +111,7 @@ void addArmEnds(const Cross& cross, std::span<const Piece> fitted, const Eigen::
     oldest = std::min(oldest, value.id);
     end.life = std::min(end.life, value.life);
     end.last_seen_us = std::max(end.last_seen_us, value.last_seen_us);
-    end.confirmed = end.confirmed || piece.edge->element->on_floor;
+    end.confirmed = end.confirmed || piece.edge->element->plane.on_floor;
     const double both = (value.P_a + value.P_b).topLeftCorner<2, 2>().trace();
     variance += 0.25 * both / static_cast<double>(fitted.size());
   }
@@ -152,7 +152,7 @@ void replaceCrossSpots(std::vector<MemorySegment>& segments, std::span<const Pub
     const double width = std::abs(signed_width);
     std::pmr::vector<Piece> pieces(scratch);
     for (const PublishedEdge& edge : edges) {
-      if (edge.published->label != label || !edge.element || edge.element->stands) continue;
+      if (edge.published->label != label || !edge.element || edge.element->plane.stands) continue;
       if (edge.element->line.length() > params.most_edge_m) continue;
       pieces.push_back(pieceOf(edge, to_direction, signed_width > 0.0, params));
     }

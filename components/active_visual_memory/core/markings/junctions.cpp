@@ -160,7 +160,7 @@ void splitAtJunctions(std::vector<MemorySegment>& segments, std::span<const Publ
   if (!params.enabled) return;
   std::pmr::vector<Edge> edges(scratch);
   for (const PublishedEdge& edge : published) {
-    const bool may_join = params.by_one_side && edge.element && !edge.element->stands;
+    const bool may_join = params.by_one_side && edge.element && !edge.element->plane.stands;
     if (edge.published->label != kUnknownLabel && (edge.confirmed() || may_join))
       edges.emplace_back(edge, scratch);
   }

@@ -25,7 +25,7 @@ struct Pair {
 };
 
 bool mayBePaint(const PublishedEdge& edge) {
-  return edge.element && !edge.element->stands && edge.published->label != kUnknownLabel;
+  return edge.element && !edge.element->plane.stands && edge.published->label != kUnknownLabel;
 }
 
 bool isNear(const PublishedEdge& edge, const LineWidthParams& params) {

@@ -11,6 +11,7 @@ namespace vismem {
 
 namespace {
 
+/// Association cost, lower is better. @return empty if a gate fails.
 /// @param angle  between both.
 std::optional<double> costAt(double angle, const ImageSegment& observed, const Expectation& expected,
                              const AssociationParams& params) {
@@ -51,13 +52,6 @@ bool inLine(const Segment2& fragment, const Segment2& match, const AssociationPa
 }
 
 }  // namespace
-
-std::optional<double> associationCost(const ImageSegment& observed, const Expectation& expected,
-                                      const AssociationParams& params) {
-  const double angle = lineAngleDifference(observed.px.direction(), expected.predicted.px.direction());
-  if (angle > params.max_angle_rad) return std::nullopt;
-  return costAt(angle, observed, expected, params);
-}
 
 AssociationResult associate(std::span<const ImageSegment> observed, std::span<const Expectation> expected,
                             const AssociationParams& params, std::pmr::memory_resource* scratch) {

@@ -47,10 +47,6 @@ struct AssociationResult {
   std::pmr::vector<int> unpredicted;  ///< observed but neither matched nor supporting, ascending
 };
 
-/// Association cost, lower is better. @return empty if a gate fails. Ideal pixels.
-std::optional<double> associationCost(const ImageSegment& observed, const Expectation& expected,
-                                      const AssociationParams& params);
-
 /// Greedy one-to-one assignment by rising cost.
 AssociationResult associate(std::span<const ImageSegment> observed, std::span<const Expectation> expected,
                             const AssociationParams& params,

@@ -56,24 +56,23 @@ std::pmr::vector<FloorSegment> cleanDuplicates(std::span<const FloorSegment> seg
     bool joined = false;
     for (FloorSegment& kept : clean) {
       if (!labelsCompatible(kept.label, segment.label)) continue;
-      if (!samePolarity(kept.odom, kept.strength, segment.odom, segment.strength)) continue;
-      const Neighbourhood n = neighbourhood(kept.odom, segment.odom);
+      if (!samePolarity(kept.odom(), kept.strength, segment.odom(), segment.strength)) continue;
+      const Neighbourhood n = neighbourhood(kept.odom(), segment.odom());
       if (n.angle_rad > max_angle_rad || n.distance_m > max_distance_m || n.gap_m > max_gap_m) continue;
       // The line of the longer one, the extent of both.
-      const bool longer = segment.odom.length() > kept.odom.length();
+      const bool longer = segment.odom().length() > kept.odom().length();
       FloorSegment line = longer ? segment : kept;
       const FloorSegment& other = longer ? kept : segment;
-      const Eigen::Vector2d along = (line.odom.b - line.odom.a).normalized();
-      const Eigen::Vector2d origin = line.odom.a;
-      const double length = line.odom.length();
-      const bool against = (other.odom.b - other.odom.a).dot(along) < 0.0;
-      const FloorSegment o = against ? reversed(other) : other;
-      const double ta = along.dot(o.odom.a - origin);
-      const double tb = along.dot(o.odom.b - origin);
-      if (ta < 0.0)
-        line.odom.a = origin + ta * along, line.P_a = o.P_a, line.D_a = o.D_a, line.censored_a = o.censored_a;
-      if (tb > length)
-        line.odom.b = origin + tb * along, line.P_b = o.P_b, line.D_b = o.D_b, line.censored_b = o.censored_b;
+      const Eigen::Vector2d origin = line.a.p;
+      const double length = line.odom().length();
+      const Eigen::Vector2d along = (line.b.p - origin).normalized();
+      FloorSegment o = runningAlong(along, other);
+      const double ta = along.dot(o.a.p - origin);
+      const double tb = along.dot(o.b.p - origin);
+      o.a.p = origin + ta * along;
+      o.b.p = origin + tb * along;
+      if (ta < 0.0) line.a = o.a;
+      if (tb > length) line.b = o.b;
       if (line.label == kUnknownLabel) line.label = other.label;
       kept = line;
       joined = true;

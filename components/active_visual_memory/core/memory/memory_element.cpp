@@ -35,25 +35,21 @@ std::vector<MemorySegment> valuesOf(std::span<const MemoryElement> elements) {
   values.reserve(elements.size());
   for (const MemoryElement& element : elements) {
     values.push_back(element.value);
-    const Segment2 floor = element.line.segment();
-    values.back().odom = {{floor.a.x(), floor.a.y(), 0.0}, {floor.b.x(), floor.b.y(), 0.0}};
+    values.back().odom = onFloor(element.line.segment());
   }
   return values;
 }
 
 void absorb(MemoryElement& element, const MemoryElement& other, const FloorLine::Params& params) {
-  if (element.line.along().dot(other.line.along()) < 0.0) {
-    element.line.absorb(FloorLine(reversed(other.line.asObservation()), params), params);
-  } else {
-    element.line.absorb(other.line, params);
-  }
+  const bool against = element.line.along().dot(other.line.along()) < 0.0;
+  element.line.absorb(against ? FloorLine(reversed(other.line.asObservation()), params) : other.line, params);
   if (element.value.label == kUnknownLabel) element.value.label = other.value.label;
   element.votes.add(other.votes);
   if (!element.colours) element.colours = other.colours;
   element.strength = std::max(element.strength, other.strength);
   element.pixel_m = std::min(element.pixel_m, other.pixel_m);
   element.value.life = std::max(element.value.life, other.value.life);
-  element.on_floor = element.on_floor || other.on_floor;
+  element.plane.on_floor = element.plane.on_floor || other.plane.on_floor;
   element.value.first_seen_us = std::min(element.value.first_seen_us, other.value.first_seen_us);
   element.value.last_seen_us = std::max(element.value.last_seen_us, other.value.last_seen_us);
   element.sighting = std::max(element.sighting, other.sighting);
@@ -66,14 +62,14 @@ bool isLocated(const MemorySegment& published) {
 }
 
 void publish(MemoryElement& element, bool confirmed, const CameraTiltCovariance& P_tilt) {
-  const Segment2 floor = element.line.segment();
-  element.value.odom = {{floor.a.x(), floor.a.y(), 0.0}, {floor.b.x(), floor.b.y(), 0.0}};
-  element.value.P_a.setZero();
-  element.value.P_b.setZero();
-  const TiltJacobian D_a = element.line.tiltJacobianA();
-  const TiltJacobian D_b = element.line.tiltJacobianB();
-  element.value.P_a.topLeftCorner<2, 2>() = element.line.covarianceA() + D_a * P_tilt * D_a.transpose();
-  element.value.P_b.topLeftCorner<2, 2>() = element.line.covarianceB() + D_b * P_tilt * D_b.transpose();
+  const auto place = [&](bool at_b, Eigen::Vector3d& p, Eigen::Matrix3d& P) {
+    const FloorEnd end = element.line.floorEnd(at_b);
+    p = {end.p.x(), end.p.y(), 0.0};
+    P.setZero();
+    P.topLeftCorner<2, 2>() = end.P + end.D * P_tilt * end.D.transpose();
+  };
+  place(false, element.value.odom.a, element.value.P_a);
+  place(true, element.value.odom.b, element.value.P_b);
   element.value.uncertainty = uncertaintyOf(element.value.life);
   element.value.confirmed = confirmed;
 }

@@ -12,7 +12,7 @@
 #include "active_visual_memory/core/ground/floor_evidence.h"
 #include "active_visual_memory/core/ground/floor_line.h"
 #include "active_visual_memory/core/memory/life.h"
-#include "active_visual_memory/core/memory/parallax.h"
+#include "active_visual_memory/core/memory/plane_verification.h"
 #include "common/visual_memory/memory_snapshot.h"
 
 namespace vismem {
@@ -41,15 +41,7 @@ struct MemoryElement {
   int sightings = 0;      ///< images that showed it
   std::optional<SideColours> colours;
   LabelVotes votes;  ///< nearer views count more
-  ParallaxEstimate parallax;
-  bool on_floor = false;  ///< its floor place rests while the camera moves (M1)
-  bool stands = false;    ///< its floor place moves with the camera: it is off the floor or moves by itself
-  bool not_vertical = false;  ///< a view across the viewing ray excluded a vertical edge
-  /// Whether it rests for good: parallax and anchor line are not used any more.
-  bool isVerified() const { return on_floor && not_vertical; }
-  FloorLine anchor_line;  ///< the line at the first sample of `parallax`
-  Eigen::Vector2d anchor_camera = Eigen::Vector2d::Zero();
-  double anchor_turn_rad = 0.0;
+  PlaneVerification plane;
   double seen_travel_m = 0.0;  ///< odometer when last fused
   double seen_turn_rad = 0.0;
   Sighting sighting = Sighting::kObserved;  ///< highest since life was last counted

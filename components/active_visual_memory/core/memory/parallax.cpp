@@ -5,60 +5,60 @@
 
 namespace vismem {
 
+double ParallaxEstimate::Params::slopeLimit(double camera_height_m) const {
+  return camera_height_m > least_height_m ? least_height_m / (camera_height_m - least_height_m) : 0.0;
+}
+
 void ParallaxEstimate::add(Channel channel, double baseline_m, double shift_m, const TiltJacobianRow& d_tilt,
                            double variance_m2, const Params& params) {
   Sums& sums = sums_[channel];
+  Sample sample;
+  sample << shift_m, d_tilt;
   const double w = 1.0 / (variance_m2 + params.sample_sigma_m * params.sample_sigma_m);
-  if (sums.count > 0 && std::abs(baseline_m - sums.last_b) < params.min_step_m) {
-    sums.countIn(-sums.last_w);
-    const double known = sums.last_single_w * sums.last_views;
-    sums.last_s = (known * sums.last_s + w * shift_m) / (known + w);
-    sums.last_ds = (known * sums.last_ds + w * d_tilt) / (known + w);
-    sums.last_single_w = (known + w) / (sums.last_views + 1);
-    ++sums.last_views;
-    sums.last_w = sums.last_single_w * std::min(sums.last_views, params.views_per_place);
+  if (sums.count > 0 && std::abs(baseline_m - sums.baseline_m) < params.min_step_m) {
+    sums.addNewest(-sums.weight);
+    const double known = sums.view_weight * sums.views;
+    sums.newest = (known * sums.newest + w * sample) / (known + w);
+    sums.view_weight = (known + w) / (sums.views + 1);
+    ++sums.views;
+    sums.weight = sums.view_weight * std::min(sums.views, params.views_per_place);
   } else {
     sums.low = sums.count == 0 ? baseline_m : std::min(sums.low, baseline_m);
     sums.high = sums.count == 0 ? baseline_m : std::max(sums.high, baseline_m);
     ++sums.count;
-    sums.last_w = sums.last_single_w = w;
-    sums.last_b = baseline_m;
-    sums.last_s = shift_m;
-    sums.last_ds = d_tilt;
-    sums.last_views = 1;
+    sums.weight = sums.view_weight = w;
+    sums.baseline_m = baseline_m;
+    sums.newest = sample;
+    sums.views = 1;
   }
-  sums.countIn(sums.last_w);
+  sums.addNewest(sums.weight);
 }
 
-void ParallaxEstimate::Sums::countIn(double weight) {
-  const double b = last_b;
-  w += weight;
-  wb += weight * b;
-  wbb += weight * b * b;
-  ws += weight * last_s;
-  wbs += weight * b * last_s;
-  ds += weight * last_ds;
-  dbs += weight * b * last_ds;
+void ParallaxEstimate::Sums::addNewest(double with_weight) {
+  const Eigen::Vector2d h{1.0, baseline_m};
+  normal += with_weight * h * h.transpose();
+  right += with_weight * h * newest;
 }
 
 void ParallaxEstimate::applyTiltChange(const CameraTilt& change) {
   for (Sums& sums : sums_) {
-    sums.ws += sums.ds * change;
-    sums.wbs += sums.dbs * change;
-    sums.last_s += sums.last_ds * change;
+    sums.right.col(0) += sums.right.rightCols<4>() * change;
+    sums.newest[0] += sums.newest.tail<4>() * change;
   }
 }
 
-ParallaxEstimate::Slope ParallaxEstimate::Fit::slope(const CameraTiltCovariance& P_tilt) const {
-  return {value, 1.0 / information + d_tilt * P_tilt * d_tilt.transpose()};
+ParallaxEstimate::Slope ParallaxEstimate::Fit::given(const CameraTiltCovariance& P_tilt) const {
+  const TiltJacobianRow d_tilt = slope.tail<4>();
+  return {slope[0], 1.0 / information + d_tilt * P_tilt * d_tilt.transpose()};
 }
 
 std::optional<ParallaxEstimate::Fit> ParallaxEstimate::fit(Channel channel, const Params& params) const {
   const Sums& s = sums_[channel];
   if (s.count < 2 || s.high - s.low < params.min_baseline_m) return std::nullopt;
-  const double spread = s.wbb - s.wb * s.wb / s.w;
+  const double mean = s.normal(0, 1) / s.normal(0, 0);
+  const double spread = s.normal(1, 1) - mean * s.normal(0, 1);
   if (!(spread > 0.0)) return std::nullopt;
-  return Fit{-(s.wbs - s.wb * s.ws / s.w) / spread, spread, (s.dbs - s.wb / s.w * s.ds) / spread};
+  return Fit{(mean * s.right.row(0) - s.right.row(1)) / spread, spread};
 }
 
 std::optional<ParallaxEstimate::Slope> ParallaxEstimate::slope(Channel channel,
@@ -66,7 +66,7 @@ std::optional<ParallaxEstimate::Slope> ParallaxEstimate::slope(Channel channel,
                                                                const Params& params) const {
   const auto found = fit(channel, params);
   if (!found) return std::nullopt;
-  return found->slope(P_tilt);
+  return found->given(P_tilt);
 }
 
 std::optional<ParallaxEstimate::Slope> ParallaxEstimate::common(const CameraTiltCovariance& P_tilt,
@@ -75,27 +75,25 @@ std::optional<ParallaxEstimate::Slope> ParallaxEstimate::common(const CameraTilt
   for (const Channel channel : {kOffset, kEndA, kEndB}) {
     const auto one = fit(channel, params);
     if (!one) continue;
-    all.value += one->information * one->value;
-    all.d_tilt += one->information * one->d_tilt;
+    all.slope += one->information * one->slope;
     all.information += one->information;
   }
   if (!(all.information > 0.0)) return std::nullopt;
-  all.value /= all.information;
-  all.d_tilt /= all.information;
+  all.slope /= all.information;
   for (const Channel channel : {kOffset, kEndA, kEndB}) {
     const auto one = slope(channel, P_tilt, params);
-    if (one && std::abs(one->value - all.value) > params.sigmas * std::sqrt(one->variance)) {
+    if (one && std::abs(one->value - all.slope[0]) > params.sigmas * std::sqrt(one->variance)) {
       return std::nullopt;
     }
   }
-  return all.slope(P_tilt);
+  return all.given(P_tilt);
 }
 
 ParallaxEstimate::Verdict ParallaxEstimate::verdict(double camera_height_m, bool not_vertical,
                                                     const CameraTiltCovariance& P_tilt,
                                                     const Params& params) const {
-  if (camera_height_m <= params.least_height_m) return Verdict::kUnknown;
-  const double limit = params.least_height_m / (camera_height_m - params.least_height_m);
+  const double limit = params.slopeLimit(camera_height_m);
+  if (limit <= 0.0) return Verdict::kUnknown;
   const auto judgeSlope = [&](const std::optional<Slope>& k) {
     if (!k) return Verdict::kUnknown;
     const double margin = params.sigmas * std::sqrt(k->variance);

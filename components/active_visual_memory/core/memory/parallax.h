@@ -23,6 +23,9 @@ class ParallaxEstimate {
     double sigmas = 2.0;            ///< of a verdict
     double sample_sigma_m = 0.006;  ///< least sigma of a sample: errors of near views are correlated
     int views_per_place = 4;        ///< views from one place that count as independent, at most
+
+    /// Slope of an edge at the least height; 0 if the camera is not higher.
+    double slopeLimit(double camera_height_m) const;
   };
 
   enum class Verdict { kUnknown, kOnFloor, kOffFloor };
@@ -59,27 +62,31 @@ class ParallaxEstimate {
   std::optional<Slope> slope(Channel channel, const CameraTiltCovariance& P_tilt, const Params& params) const;
 
  private:
+  /// A shift [m] and its derivative by the camera tilt [m/rad], or slopes of both.
+  using Sample = Eigen::Matrix<double, 1, 5>;
   /// Slope of a channel for a known camera tilt.
   struct Fit {
-    double value = 0.0;
+    Sample slope = Sample::Zero();
     double information = 0.0;
-    TiltJacobianRow d_tilt = TiltJacobianRow::Zero();
 
-    Slope slope(const CameraTiltCovariance& P_tilt) const;
+    Slope given(const CameraTiltCovariance& P_tilt) const;
   };
   std::optional<Fit> fit(Channel channel, const Params& params) const;
 
+  /// Normal equations of shift = (1, baseline) * unknowns.
   struct Sums {
-    double w = 0, wb = 0, wbb = 0, ws = 0, wbs = 0;
-    double low = 0, high = 0;
-    int count = 0;
+    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+    Eigen::Matrix<double, 2, 5> right = Eigen::Matrix<double, 2, 5>::Zero();
+    double low = 0.0, high = 0.0;  ///< baselines [m]
+    int count = 0;                 ///< samples
     // The newest sample, which further views from its place improve.
-    double last_w = 0, last_b = 0, last_s = 0;
-    double last_single_w = 0;
-    int last_views = 0;
-    TiltJacobianRow ds = TiltJacobianRow::Zero(), dbs = TiltJacobianRow::Zero(),
-                    last_ds = TiltJacobianRow::Zero();  ///< of ws, wbs, last_s
-    void countIn(double weight);
+    Sample newest = Sample::Zero();
+    double baseline_m = 0.0;
+    double weight = 0.0;
+    double view_weight = 0.0;  ///< mean of its views
+    int views = 0;
+
+    void addNewest(double with_weight);
   };
   std::array<Sums, 3> sums_;
 };

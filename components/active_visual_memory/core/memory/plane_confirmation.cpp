@@ -10,13 +10,14 @@
 namespace vismem {
 namespace {
 
-/// Whether it is located and has a label, two true ends, and no parallax off the floor. A censored edge may
-/// continue anywhere.
-bool mayBeConfirmed(const MemoryElement& element, double least_length_m, const CornerParams& params) {
+/// Whether it is located and has a label, two true ends, a view across the viewing ray, and no parallax off
+/// the floor. A censored edge may continue anywhere.
+bool mayBeConfirmed(const MemoryElement& element, const CornerParams& params) {
   const FloorLine& line = element.line;
-  return !element.stands && isLocated(element.value) && element.value.label != kUnknownLabel &&
-         !line.endA().censored && !line.endB().censored && line.endA().views >= params.min_views &&
-         line.endB().views >= params.min_views && line.length() >= least_length_m;
+  return !element.plane.stands && element.plane.not_vertical && isLocated(element.value) &&
+         element.value.label != kUnknownLabel && !line.endA().censored && !line.endB().censored &&
+         line.endA().views >= params.min_views && line.endB().views >= params.min_views &&
+         line.length() >= params.least_length_m;
 }
 
 double sigmaOf(const MemoryElement& element, double t_m) {
@@ -24,7 +25,7 @@ double sigmaOf(const MemoryElement& element, double t_m) {
 }
 
 /// Whether `next` continues `edge` in its line, from its end b (or a).
-/// @param limit  least height as a share of the distance from the camera.
+/// @param limit  of confirmContinuations: a share of the distance from the camera.
 bool goesOn(const PublishedEdge& edge, const PublishedEdge& next, bool at_b, double limit,
             const CornerParams& params) {
   const ExtentEnd& end = edge.element->line.end(at_b);
@@ -34,7 +35,7 @@ bool goesOn(const PublishedEdge& edge, const PublishedEdge& next, bool at_b, dou
   if (std::abs(edge.along.dot(gap)) > params.reach.of(end) + params.reach.of(begin)) return false;
   // Higher edges are projected behind the line by more than the uncertainty of both.
   const Eigen::Vector2d n = turned90(edge.along);
-  const double camera = std::abs(n.dot(next.element->anchor_camera - edge.line.a));
+  const double camera = std::abs(n.dot(next.element->plane.anchor_camera - edge.line.a));
   double off = 0.0;
   for (const Eigen::Vector2d& p : {next.line.a, next.line.b})
     off = std::max(off, std::abs(n.dot(p - edge.line.a)));
@@ -48,7 +49,7 @@ bool turnsAway(const PublishedEdge& edge, const PublishedEdge& next, bool at_b, 
   if (edge.published->label != next.published->label) return false;
   const auto corner = at_b ? findCorner(edge, next, params) : findCorner(next, edge, params);
   if (!corner) return false;
-  const double distance = (corner->place - next.element->anchor_camera).norm();
+  const double distance = (corner->place - next.element->plane.anchor_camera).norm();
   const double sigma =
       std::sqrt(edge.element->line.end(at_b).best_m2 + next.element->line.end(!at_b).best_m2);
   return corner->distance_m + params.sigmas * sigma + params.slack_m <= limit * distance;
@@ -56,36 +57,14 @@ bool turnsAway(const PublishedEdge& edge, const PublishedEdge& next, bool at_b, 
 
 }  // namespace
 
-void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams& params,
-                           std::pmr::memory_resource* scratch) {
-  std::pmr::vector<PublishedEdge> confirmed(scratch);
-  for (MemoryElement& element : elements) {
-    if (element.value.confirmed) confirmed.emplace_back(element.value, &element);
-  }
-  for (MemoryElement& element : elements) {
-    if (element.value.confirmed || !mayBeConfirmed(element, params.min_length_m, params)) continue;
-    const PublishedEdge edge(element.value, &element);
-    const PublishedEdge* before = nullptr;
-    const PublishedEdge* behind = nullptr;
-    for (const PublishedEdge& other : confirmed) {
-      if (other.published->label != element.value.label) continue;
-      if (!before && findCorner(other, edge, params)) before = &other;
-      if (!behind && findCorner(edge, other, params)) behind = &other;
-    }
-    element.value.confirmed = before && behind && before != behind;
-  }
-}
-
-void confirmContinuations(std::span<MemoryElement> elements, double camera_height_m,
-                          const CornerParams& params, std::pmr::memory_resource* scratch) {
-  if (camera_height_m <= params.least_height_m) return;
-  const double limit = params.least_height_m / (camera_height_m - params.least_height_m);
+void confirmContinuations(std::span<MemoryElement> elements, double limit, const CornerParams& params,
+                          std::pmr::memory_resource* scratch) {
   std::pmr::vector<PublishedEdge> confirmed(scratch);
   std::pmr::vector<PublishedEdge> others(scratch);
   for (MemoryElement& element : elements) {
     if (element.value.confirmed) {
       confirmed.emplace_back(element.value, &element);
-    } else if (mayBeConfirmed(element, params.least_length_m, params) && element.not_vertical) {
+    } else if (mayBeConfirmed(element, params)) {
       others.emplace_back(element.value, &element);
     }
   }

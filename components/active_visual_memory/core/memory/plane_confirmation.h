@@ -13,15 +13,9 @@ namespace vismem {
 /// distance, so it would be in line with the other one, or end where that one ends, only by chance. Confirmed
 /// edges confirm further ones. Needed: a label, both true ends, a view across the viewing ray, and no
 /// parallax that contradicts the floor.
-/// @param camera_height_m  H.
-void confirmContinuations(std::span<MemoryElement> elements, double camera_height_m,
-                          const CornerParams& params,
+/// @param limit  largest h / (H - h) of what counts as lying on the floor
+/// (ParallaxEstimate::Params::slopeLimit).
+void confirmContinuations(std::span<MemoryElement> elements, double limit, const CornerParams& params,
                           std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
-
-/// Publishes as confirmed an edge that runs from the end of one confirmed edge of its label to the beginning
-/// of another one: both of its ends lie on the floor. One image is enough. Needed: a label, both true ends,
-/// and no parallax that contradicts the floor.
-void confirmBetweenCorners(std::span<MemoryElement> elements, const CornerParams& params,
-                           std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 }  // namespace vismem

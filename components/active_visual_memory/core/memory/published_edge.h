@@ -57,11 +57,8 @@ struct EndReach {
 struct CornerParams {
   double min_angle_rad = 0.4;       ///< between both edges, and to a fold
   EndReach reach{0.03, 1.0, 0.12};  ///< of an end to its corner
-  // Confirmation between two corners:
-  int min_views = 3;           ///< of either end
-  double min_length_m = 0.12;  ///< shorter edges have no reliable direction
   // Confirmation as a continuation of a confirmed edge:
-  double least_height_m = 0.06;  ///< lower edges count as lying on the floor
+  int min_views = 3;             ///< of either end
   double sigmas = 2.0;           ///< of both lines together
   double slack_m = 0.01;         ///< added to that
   double max_line_rad = 0.06;    ///< between an edge and its continuation

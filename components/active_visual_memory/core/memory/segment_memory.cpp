@@ -18,8 +18,8 @@ namespace {
 /// Floor distance of one pixel across a segment [m].
 double pixelAcross(const FloorSegment& segment, const Eigen::Vector2d& camera, double height_m,
                    double focal_px) {
-  const Eigen::Vector2d ray = segment.odom.middle() - camera;
-  const Eigen::Vector2d along = (segment.odom.b - segment.odom.a).normalized();
+  const Eigen::Vector2d ray = segment.odom().middle() - camera;
+  const Eigen::Vector2d along = (segment.b.p - segment.a.p).normalized();
   const double squared = ray.squaredNorm() + height_m * height_m;
   const double across_ray = std::sqrt(squared) / focal_px;
   const double along_ray = squared / (height_m * focal_px);
@@ -32,8 +32,8 @@ void censorHiddenEnds(std::vector<FloorSegment>& floor, const std::vector<ImageS
                       const FloorEvidence& evidence) {
   for (FloorSegment& segment : floor) {
     const Segment2& px = observed[static_cast<std::size_t>(segment.observed)].px;
-    segment.censored_a = segment.censored_a || evidence.isHiddenBeyond(px, false);
-    segment.censored_b = segment.censored_b || evidence.isHiddenBeyond(px, true);
+    segment.a.censored = segment.a.censored || evidence.isHiddenBeyond(px, false);
+    segment.b.censored = segment.b.censored || evidence.isHiddenBeyond(px, true);
   }
 }
 
@@ -61,6 +61,7 @@ SegmentMemory::SegmentMemory(const Params& params)
     : params_(params),
       clock_(params.retention.life.tick_us),
       map_filter_(params.estimation.enabled ? params.estimation.tilt_prior : TiltPrior{0.0, 0.0, 0.0}) {
+  params_.estimation.map_filter.together_rad = params.estimation.dominant_direction.together_rad;
   residuals_.reserve(MapFilter::kMaxResiduals + kResidualsPerPiece);
 }
 
@@ -78,7 +79,7 @@ void SegmentMemory::predict(const Pose2& T_odom_robot) {
     travel_m_ += (T_odom_robot.position() - last_pose_->position()).norm();
     turn_rad_ += std::abs(angleDifference(T_odom_robot.theta, last_pose_->theta));
     if (params_.estimation.enabled)
-      transformAll(map_filter_.predict(*last_pose_, T_odom_robot, mapFilterParams()));
+      transformAll(map_filter_.predict(*last_pose_, T_odom_robot, params_.estimation.map_filter));
   }
   last_pose_ = T_odom_robot;
 }
@@ -119,7 +120,7 @@ bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment
       return map_filter_.placeVariance(element.value.id, element.line.normal(), p) -
              element.line.offsetVariance(element.line.tOf(p));
     };
-    const double drift = std::max({0.0, more(observed.odom.a), more(observed.odom.b)});
+    const double drift = std::max({0.0, more(observed.a.p), more(observed.b.p)});
     const double least = params_.gates.slack_m + kSlackShare * distance_m;
     return element.line.disagreement(observed, std::hypot(least, std::sqrt(drift)), cameraTiltCovariance()) <=
            gate * gate;
@@ -127,98 +128,17 @@ bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment
   return element.line.disagreement(observed, slack, cameraTiltCovariance()) <= gate * gate;
 }
 
-void SegmentMemory::renewAnchor(MemoryElement& element, const FloorSegment& observed, const View& view) {
-  const bool stale = turn_rad_ - element.anchor_turn_rad > kMaxAnchorTurn_rad ||
-                     (view.camera - element.anchor_camera).norm() > kMaxAnchorTravel_m;
-  if (stale) {
-    // Odometry has drifted too far for a comparison with the anchor.
-    element.parallax = ParallaxEstimate{};
-    element.anchor_line = FloorLine(observed, params_.line);
-    element.anchor_camera = view.camera;
-    element.anchor_turn_rad = turn_rad_;
-  }
-  if ((view.camera - element.anchor_camera).norm() < params_.confirmation.parallax.min_step_m) {
-    // Views from the place of the anchor improve it and have no parallax.
-    element.anchor_line = element.line;
-    element.parallax = ParallaxEstimate{};
-  }
-}
-
-double SegmentMemory::driftSinceAnchor(const MemoryElement& element, double distance_m) const {
-  // An aligned memory has the error of the alignment, which does not grow with the way.
-  if (params_.estimation.enabled) return kAlignmentSigma_m + kAlignmentSigma_rad * distance_m;
-  return params_.gates.drift_per_rad * (turn_rad_ - element.anchor_turn_rad) * distance_m;
-}
-
-void SegmentMemory::addOffsetParallax(MemoryElement& element, const FloorSegment& observed, const View& view,
-                                      double drift_m) const {
-  const FloorLine& anchor = element.anchor_line;
-  const double across = anchor.normal().dot(view.camera - element.anchor_camera);
-  // A constant offset of the anchor cancels, an error of its direction does not.
-  const Eigen::Vector2d n = anchor.normal();
-  // A vertical edge turns about its foot: its far end shows most parallax.
-  const bool b_is_far = (observed.odom.b - view.camera).norm() > (observed.odom.a - view.camera).norm();
-  const Eigen::Vector2d at =
-      element.not_vertical ? observed.odom.middle() : (b_is_far ? observed.odom.b : observed.odom.a);
-  const double t = anchor.tOf(at);
-  const double f = (at - observed.odom.a).norm() / std::max(1e-6, observed.odom.length());
-  const TiltJacobianRow d_at = n.transpose() * ((1.0 - f) * observed.D_a + f * observed.D_b);
-  const double variance =
-      0.25 * kParallaxNoiseShare * n.dot((observed.P_a + observed.P_b) * n) + anchor.turnVariance(t);
-  element.parallax.add(ParallaxEstimate::kOffset, across, anchor.offsetOf(at),
-                       d_at - anchor.offsetTiltJacobian(t), variance + drift_m * drift_m,
-                       params_.confirmation.parallax);
-}
-
-void SegmentMemory::addEndParallax(MemoryElement& element, const FloorSegment& observed, bool at_b,
-                                   const View& view, double drift_m) const {
-  const ExtentEnd& known = at_b ? element.line.endB() : element.line.endA();
-  if ((at_b ? observed.censored_b : observed.censored_a) || known.censored) return;
-  const FloorLine& anchor = element.anchor_line;
-  const Eigen::Vector2d u = anchor.along();
-  const Eigen::Vector2d& p = at_b ? observed.odom.b : observed.odom.a;
-  const double variance = u.dot((at_b ? observed.P_b : observed.P_a) * u);
-  const auto channel = at_b ? ParallaxEstimate::kEndB : ParallaxEstimate::kEndA;
-  // Only while it is the end of the anchor.
-  const double gate = std::max(params_.line.end_gate_m,
-                               params_.line.end_gate_sigmas * std::sqrt(variance + known.variance_m2));
-  const double off = element.line.tOf(p) - known.t_m;
-  if (std::abs(off) > gate) {
-    const bool outside = at_b ? off > 0.0 : off < 0.0;
-    if (outside) element.parallax.forget(channel);  // the old end was not a true end
-    return;
-  }
-  element.parallax.add(channel, u.dot(view.camera - element.anchor_camera), anchor.tOf(p),
-                       u.transpose() * (at_b ? observed.D_b : observed.D_a),
-                       kParallaxNoiseShare * variance + drift_m * drift_m, params_.confirmation.parallax);
-}
-
-void SegmentMemory::verifyOnFloor(MemoryElement& element, const FloorSegment& observed, const View& view) {
-  // An edge seen only along the viewing ray may still be vertical.
-  if (!params_.confirmation.by_parallax || element.isVerified()) return;
-  renewAnchor(element, observed, view);
-  const double drift = driftSinceAnchor(element, (observed.odom.middle() - view.camera).norm());
-  addOffsetParallax(element, observed, view, drift);
-  for (const bool at_b : {false, true}) addEndParallax(element, observed, at_b, view, drift);
-  // A vertical edge is projected onto a ray from the point below the camera.
-  const Eigen::Vector2d ray = (observed.odom.middle() - view.camera).normalized();
-  const Eigen::Vector2d seen_along = (observed.odom.b - observed.odom.a).normalized();
-  if (std::abs(cross2(ray, seen_along)) > kNotRadial) element.not_vertical = true;
-  const auto verdict = element.parallax.verdict(view.height, element.not_vertical, cameraTiltCovariance(),
-                                                params_.confirmation.parallax);
-  element.stands = verdict == ParallaxEstimate::Verdict::kOffFloor;
-  if (verdict == ParallaxEstimate::Verdict::kOnFloor) element.on_floor = true;
-  if (verdict == ParallaxEstimate::Verdict::kOffFloor) element.on_floor = false;
+PlaneView SegmentMemory::planeView(const View& view) const {
+  return {view.camera, view.height, turn_rad_, cameraTiltCovariance()};
 }
 
 void SegmentMemory::fuse(MemoryElement& element, const FloorSegment& seen, const View& view) {
-  const bool against = element.line.along().dot(seen.odom.b - seen.odom.a) < 0.0;
-  const FloorSegment observed = against ? reversed(seen) : seen;
+  const FloorSegment observed = runningAlong(element.line.along(), seen);
   const double travelled = travel_m_ - element.seen_travel_m;
   const double turned = turn_rad_ - element.seen_turn_rad;
   const bool in_filter = inFilter(element);
   if (!in_filter && (travelled > 0.0 || turned > 0.0)) {
-    const double range = (observed.odom.middle() - view.camera).norm();
+    const double range = view.distanceTo(observed);
     const double heading = params_.gates.drift_per_rad * turned;
     element.line.drift(std::hypot(params_.gates.drift_per_m * travelled, heading * range), heading);
   }
@@ -226,7 +146,9 @@ void SegmentMemory::fuse(MemoryElement& element, const FloorSegment& seen, const
   element.seen_turn_rad = turn_rad_;
   element.pixel_m = std::min(
       element.pixel_m, pixelAcross(observed, view.camera, view.height, view.observation.frame.intrinsics.fx));
-  verifyOnFloor(element, observed, view);
+  if (params_.confirmation.by_parallax)
+    element.plane.observe(element.line, observed, planeView(view), params_.confirmation.parallax,
+                          params_.line);
   if (params_.fusion == Fusion::kChapter) {
     element.line.replaceKeepingExtent(observed, params_.line);
   } else {
@@ -237,9 +159,9 @@ void SegmentMemory::fuse(MemoryElement& element, const FloorSegment& seen, const
     if (same_edge) element.line.fuseExtent(observed, params_.line);
   }
   // A short piece is weak evidence for the whole: it may be another edge in its line.
-  const double part = std::min(1.0, observed.odom.length() / std::max(1e-6, element.line.length()));
+  const double part = std::min(1.0, observed.odom().length() / std::max(1e-6, element.line.length()));
   element.strength += 0.2 * part * (observed.strength - element.strength);
-  vote(element, observed.label, (observed.odom.middle() - view.camera).norm());
+  vote(element, observed.label, view.distanceTo(observed));
   // Several pieces in one image are one sighting.
   if (element.value.last_seen_us != view.observation.frame.stamp_us) ++element.sightings;
   element.value.last_seen_us = view.observation.frame.stamp_us;
@@ -262,22 +184,22 @@ void SegmentMemory::addElement(const FloorSegment& observed, const View& view) {
   element.value.label = observed.label;
   element.value.life = params_.retention.life.initial;
   element.value.first_seen_us = element.value.last_seen_us = view.observation.frame.stamp_us;
-  element.on_floor = !params_.confirmation.by_parallax;
-  vote(element, observed.label, (observed.odom.middle() - view.camera).norm());
+  element.plane.on_floor = !params_.confirmation.by_parallax;
+  vote(element, observed.label, view.distanceTo(observed));
   element.line = FloorLine(observed, params_.line);
   element.strength = observed.strength;
   element.pixel_m = pixelAcross(observed, view.camera, view.height, view.observation.frame.intrinsics.fx);
   element.sightings = 1;
-  element.anchor_line = element.line;
-  element.anchor_camera = view.camera;
-  element.anchor_turn_rad = turn_rad_;
+  element.plane.begin(element.line, planeView(view));
   element.seen_travel_m = travel_m_;
   element.seen_turn_rad = turn_rad_;
-  verifyOnFloor(element, observed, view);
+  if (params_.confirmation.by_parallax)
+    element.plane.observe(element.line, observed, planeView(view), params_.confirmation.parallax,
+                          params_.line);
   publish(element);
   updateColours(element, view);
   if (params_.estimation.enabled) {
-    const double distance = (observed.odom.middle() - view.camera).norm();
+    const double distance = view.distanceTo(observed);
     map_filter_.addLine(element.value.id, observed, {view.T_odom_camera, view.observation.T_odom_robot.theta},
                         kCorrelationInflation * kCorrelationInflation,
                         params_.gates.slack_m + kSlackShare * distance);
@@ -367,13 +289,6 @@ SegmentMemory::View SegmentMemory::viewOf(const RobotObservation& observation, d
           {observation.frame.image, observation.frame.intrinsics, params_.evidence}};
 }
 
-void SegmentMemory::cutBeyondRange(std::vector<FloorSegment>& floor, const Eigen::Vector2d& camera) const {
-  for (FloorSegment& segment : floor) {
-    const double far = std::max((segment.odom.a - camera).norm(), (segment.odom.b - camera).norm());
-    if (far > kRangeSlack * params_.gates.max_range_m) cutToRange(segment, camera, params_.gates.max_range_m);
-  }
-}
-
 void SegmentMemory::updateExpected(const Associations& associations, const std::vector<FloorSegment>& floor,
                                    const View& view) {
   const StampUs stamp_us = view.observation.frame.stamp_us;
@@ -406,17 +321,17 @@ void SegmentMemory::updateExpected(const Associations& associations, const std::
 
 MemoryElement* SegmentMemory::nearest(const FloorSegment& segment, std::span<const int> cached,
                                       const View& view) {
-  const double distance = (segment.odom.middle() - view.camera).norm();
+  const double distance = view.distanceTo(segment);
   MemoryElement* best = nullptr;
   double best_distance = params_.gates.near_distance_m + kFarDistanceShare * distance;
-  const Eigen::AlignedBox2d around = boxAround(segment.odom, kMaxGap_m + best_distance);
+  const Eigen::AlignedBox2d around = boxAround(segment.odom(), kMaxGap_m + best_distance);
   for (const int i : cached) {
     MemoryElement& element = elements_[i];
     const Segment2 stored = element.line.segment();
     if (!around.intersects(boxAround(stored)) || !labelsCompatible(element.value.label, segment.label))
       continue;
-    if (!samePolarity(stored, element.strength, segment.odom, segment.strength)) continue;
-    const Neighbourhood near = neighbourhood(stored, segment.odom);
+    if (!samePolarity(stored, element.strength, segment.odom(), segment.strength)) continue;
+    const Neighbourhood near = neighbourhood(stored, segment.odom());
     if (near.angle_rad > kNearAngle_rad || near.gap_m > kMaxGap_m) continue;
     if (near.distance_m > best_distance || !fitsOnFloor(element, segment, distance)) continue;
     if (areSplit(element.line, FloorLine(segment, params_.line))) continue;

@@ -67,6 +67,13 @@ class SegmentMemory {
  private:
   struct View;
   struct Associations;
+  /// A stretch of a remembered edge without it.
+  struct Interruption {
+    Segment2 odom;  ///< on the floor, in the direction of the edge [m]
+    const FloorSegment* before;
+    const FloorSegment* behind;  ///< may be `before`
+    bool may_be_hidden;          ///< by an occluder: seen from one place it is no gap
+  };
   bool isCached(const MemoryElement& element, const Pose2& T_odom_robot) const;
   std::pmr::vector<int> cache(const Pose2& T_odom_robot) const;
   // The steps of update(), in their order.
@@ -94,6 +101,10 @@ class SegmentMemory {
   void publishAll();
 
   void transformAll(const PlanarIncrement& motion);
+  /// Whether an element may have the dominant direction.
+  bool hasDirection(const MemoryElement& element) const {
+    return !isTentative(element) && !element.plane.stands && element.plane.not_vertical;
+  }
   std::optional<double> dominantDirection() const;
   bool isLegged() const {
     return params_.estimation.enabled &&
@@ -104,7 +115,6 @@ class SegmentMemory {
   bool inFilter(const MemoryElement& element) const {
     return params_.estimation.enabled && map_filter_.contains(element.value.id);
   }
-  MapFilter::Params mapFilterParams() const;
   /// Whether an image shows enough elements known to rest to do without new ones.
   bool restingSuffice(const Associations& associations) const;
   /// @param filter  that is updated; null: preview only.
@@ -121,22 +131,12 @@ class SegmentMemory {
   void applyCorrection(const Correction& correction, std::vector<FloorSegment>& floor, View& view);
   /// Sets the expected elements of an image.
   void expect(const View& view, Associations& associations) const;
-  void cutBeyondRange(std::vector<FloorSegment>& floor, const Eigen::Vector2d& camera) const;
   /// @return the element of the cache that a segment belongs to on the floor; null if there is none.
   /// @param cached  indices of the elements near the robot.
   MemoryElement* nearest(const FloorSegment& segment, std::span<const int> cached, const View& view);
   bool fitsOnFloor(const MemoryElement& element, const FloorSegment& observed, double distance_m) const;
   void fuse(MemoryElement& element, const FloorSegment& observed, const View& view);
-  /// Begins parallax anew when the anchor is too old, and improves it while the camera is at its place.
-  void renewAnchor(MemoryElement& element, const FloorSegment& observed, const View& view);
-  /// Compares an observation with the anchor (M1).
-  void verifyOnFloor(MemoryElement& element, const FloorSegment& observed, const View& view);
-  /// @return sigma of the drift of odometry since the anchor [m].
-  double driftSinceAnchor(const MemoryElement& element, double distance_m) const;
-  void addOffsetParallax(MemoryElement& element, const FloorSegment& observed, const View& view,
-                         double drift_m) const;
-  void addEndParallax(MemoryElement& element, const FloorSegment& observed, bool at_b, const View& view,
-                      double drift_m) const;
+  PlaneView planeView(const View& view) const;
   void vote(MemoryElement& element, const Label& label, double distance_m) const;
   void addElement(const FloorSegment& observed, const View& view);
   void updateColours(MemoryElement& element, const View& view) const;
@@ -145,18 +145,20 @@ class SegmentMemory {
   /// @param seen  all pieces of the element in this image.
   void updateEndpoints(MemoryElement& element, std::span<const FloorSegment* const> seen,
                        const std::vector<FloorSegment>& floor, const View& view);
+  /// The one place that decides where an image shows that an edge does not go on between its ends: between
+  /// its pieces, which are in order and direction of the edge, and inside them.
+  std::pmr::vector<Interruption> interruptionsOf(const MemoryElement& element,
+                                                 std::span<const FloorSegment> pieces,
+                                                 const std::vector<ImageSegment>& observed,
+                                                 const View& view) const;
   /// Collects votes for gaps between pieces, or inside one, and splits the element at a gap with enough.
   void updateGaps(MemoryElement& element, std::span<const FloorSegment* const> seen,
                   const std::vector<ImageSegment>& observed, const View& view);
   /// Marks the facing ends of two edges in one line as split if each was seen often enough: a blurred view
   /// across both does not merge them.
   void preventMerge(std::span<const int> cached);
-  /// @param place   of the gap on the floor, along the element.
-  /// @param before  piece before the gap. @param behind the piece behind it.
-  /// @param hidden  the gap may be an occlusion.
   /// @return whether the element was split.
-  bool voteForGap(MemoryElement& element, const Segment2& place, const FloorSegment& before,
-                  const FloorSegment& behind, bool hidden, const View& view);
+  bool voteForGap(MemoryElement& element, const Interruption& seen, const View& view);
   static bool isNew(const MemoryElement& element, StampUs stamp_us);
   bool isNewHere(const MemoryElement& element, StampUs stamp_us) const {
     return isNew(element, stamp_us) ||

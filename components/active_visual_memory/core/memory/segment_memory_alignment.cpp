@@ -22,7 +22,7 @@ SegmentMemory::Associations SegmentMemory::associatePlaced(const View& view,
   const auto assign = [&](const ImageAnalysis::Match& match) {
     const int i = floor_of[match.observed];
     if (i < 0) return false;
-    const double distance = (placed[i].odom.middle() - view.camera).norm();
+    const double distance = view.distanceTo(placed[i]);
     if (!fitsOnFloor(elements_[associations.index_of[match.predicted]], placed[i], distance)) return false;
     associations.seen[match.predicted].push_back(&floor[i]);
     associations.used[match.observed] = true;
@@ -57,8 +57,8 @@ void SegmentMemory::reproject(const Correction& correction, std::span<FloorSegme
       toPose3(view.observation.T_odom_robot) * tilted(view.observation.T_robot_camera, change);
   const Eigen::Matrix3d R = T_odom_camera.linear() * view.T_odom_camera.linear().transpose();
   for (FloorSegment& segment : floor) {
-    segment.odom.a = reprojectOnFloor(segment.odom.a, T_odom_camera.translation(), R);
-    segment.odom.b = reprojectOnFloor(segment.odom.b, T_odom_camera.translation(), R);
+    for (FloorEnd* end : {&segment.a, &segment.b})
+      end->p = reprojectOnFloor(end->p, T_odom_camera.translation(), R);
   }
   view.T_odom_camera = T_odom_camera;
 }
@@ -67,7 +67,12 @@ void SegmentMemory::correct(const Associations& associations, std::vector<FloorS
   if (!params_.estimation.enabled) return;
   if (const auto correction = updateMapFilter(associations, view, &map_filter_))
     applyCorrection(*correction, floor, view);
-  cutBeyondRange(floor, view.camera);
+  for (FloorSegment& segment : floor) {
+    const double far = std::max((segment.a.p - view.camera).norm(), (segment.b.p - view.camera).norm());
+    if (far > kRangeSlack * params_.gates.max_range_m) {
+      cutToRange(segment, view.camera, params_.gates.max_range_m);
+    }
+  }
 }
 
 void SegmentMemory::applyCorrection(const Correction& correction, std::vector<FloorSegment>& floor,
@@ -87,9 +92,7 @@ void SegmentMemory::applyCorrection(const Correction& correction, std::vector<Fl
     } else {
       element.line.applyTiltChange(correction.camera_tilt);
     }
-    if (element.isVerified()) continue;
-    element.anchor_line.applyTiltChange(correction.camera_tilt);
-    element.parallax.applyTiltChange(correction.camera_tilt);
+    element.plane.applyTiltChange(correction.camera_tilt);
   }
   // The segments of this image move, too.
   for (FloorSegment& segment : floor) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "active_visual_memory/core/ground/line_gaps.h"
@@ -49,8 +50,7 @@ double bearingDifference(const Eigen::Vector2d& at, const Eigen::Vector2d& one,
 }  // namespace
 
 bool SegmentMemory::isFree(const Segment2& place, const MemoryElement& element, const View& view) const {
-  const Segment3 odom{{place.a.x(), place.a.y(), 0.0}, {place.b.x(), place.b.y(), 0.0}};
-  const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, odom);
+  const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, onFloor(place));
   return px && px->length() >= kMinVisible_px && element.colours &&
          view.evidence.classify(*px, *element.colours) == PlaceShows::kFree;
 }
@@ -60,7 +60,7 @@ bool SegmentMemory::isOfAnotherKind(const Segment2& place, const MemoryElement& 
   const double length = place.length();
   return std::any_of(floor.begin(), floor.end(), [&](const FloorSegment& other) {
     if (labelsCompatible(other.label, element.value.label)) return false;
-    const Neighbourhood near = neighbourhood(place, other.odom);
+    const Neighbourhood near = neighbourhood(place, other.odom());
     // Most of the place, or up to the border of the image.
     return near.angle_rad <= kNearAngle_rad && near.distance_m <= params_.gates.near_distance_m &&
            -near.gap_m >= std::min(0.5 * length, 0.3);
@@ -77,22 +77,16 @@ void SegmentMemory::updateEndpoints(MemoryElement& element, std::span<const Floo
   low.censored = high.censored = true;
   const Eigen::Vector2d u = element.line.along();
   for (const FloorSegment* piece : seen) {
-    const bool against = u.dot(piece->odom.b - piece->odom.a) < 0.0;
-    const FloorSegment s = against ? reversed(*piece) : *piece;
-    const double variance_a = u.dot(s.P_a * u);
-    const double variance_b = u.dot(s.P_b * u);
-    const ExtentEnd a{element.line.tOf(s.odom.a), variance_a, s.censored_a, variance_a, 1,
-                      u.transpose() * s.D_a};
-    const ExtentEnd b{element.line.tOf(s.odom.b), variance_b, s.censored_b, variance_b, 1,
-                      u.transpose() * s.D_b};
+    const FloorSegment s = runningAlong(u, *piece);
+    const ExtentEnd a = element.line.project(s.a);
+    const ExtentEnd b = element.line.project(s.b);
     if (a.t_m < low.t_m) low = a;
     if (b.t_m > high.t_m) high = b;
   }
   const auto review = [&](MemoryElement::ShortVotes& votes, const ExtentEnd& end, const ExtentEnd& at,
                           bool at_b) {
     const double inward = at_b ? end.t_m - at.t_m : at.t_m - end.t_m;
-    const double gate = std::max(params_.line.end_gate_m,
-                                 params_.line.end_gate_sigmas * std::sqrt(end.variance_m2 + at.variance_m2));
+    const double gate = endGate(end.variance_m2, at.variance_m2, params_.line);
     if (at.censored || inward <= gate) {
       votes = {};
       return;
@@ -126,33 +120,25 @@ void SegmentMemory::split(const Associations& associations, const std::vector<Im
   split_off_.clear();
 }
 
-void SegmentMemory::updateGaps(MemoryElement& element, std::span<const FloorSegment* const> seen,
-                               const std::vector<ImageSegment>& observed, const View& view) {
-  if (element.line.length() < kMinSplitLength_m) return;
-  const Eigen::Vector2d u = element.line.along();
-  std::pmr::vector<FloorSegment> pieces(scratch_.resource());
-  for (const FloorSegment* piece : seen) {
-    pieces.push_back(u.dot(piece->odom.b - piece->odom.a) < 0.0 ? reversed(*piece) : *piece);
-  }
-  std::sort(pieces.begin(), pieces.end(),
-            [&](const FloorSegment& a, const FloorSegment& b) { return u.dot(a.odom.a) < u.dot(b.odom.a); });
+std::pmr::vector<SegmentMemory::Interruption> SegmentMemory::interruptionsOf(
+    const MemoryElement& element, std::span<const FloorSegment> pieces,
+    const std::vector<ImageSegment>& observed, const View& view) const {
+  std::pmr::vector<Interruption> found(scratch_.resource());
+  const auto& k = view.observation.frame.intrinsics;
   for (std::size_t i = 0; i + 1 < pieces.size(); ++i) {
     const FloorSegment& before = pieces[i];
     const FloorSegment& behind = pieces[i + 1];
-    if (lineAngleDifference(before.odom.direction(), behind.odom.direction()) > kStraight_rad) continue;
-    const Eigen::Vector2d from = before.odom.b;
-    const Eigen::Vector2d to = behind.odom.a;
+    if (lineAngleDifference(before.odom().direction(), behind.odom().direction()) > kStraight_rad) continue;
+    const Segment2 between{before.b.p, behind.a.p};
     // The detector breaks lines, too: the image must show no edge there, or an occluder.
-    const Segment3 between{{from.x(), from.y(), 0.0}, {to.x(), to.y(), 0.0}};
-    const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, between);
+    const auto px = projectSegment(k, view.T_odom_camera, onFloor(between));
     if (!px) continue;
-    const bool hidden = before.censored_b || behind.censored_a;
+    const bool hidden = before.b.censored || behind.a.censored;
     if (!hidden && !view.evidence.isEdgeless(*px, kGapContrastShare * element.strength)) continue;
     const bool stands = hidden && view.evidence.gap(*px, 0.0, px->length()) == GapShows::kStandsThere;
-    if (voteForGap(element, {from, to}, before, behind, hidden && !stands, view)) return;
+    found.push_back({between, &before, &behind, hidden && !stands});
   }
   // The detector also closes gaps.
-  const auto& k = view.observation.frame.intrinsics;
   for (const FloorSegment& piece : pieces) {
     const Segment2& px = observed[static_cast<std::size_t>(piece.observed)].px;
     const Eigen::Vector2d along = (px.b - px.a).normalized();
@@ -163,22 +149,35 @@ void SegmentMemory::updateGaps(MemoryElement& element, std::span<const FloorSegm
       const bool outward_left = cross2(along, other->px.middle() - px.a) > 0.0;
       bumps = findLineBumps(view.observation.frame.image, k, px, outward_left, {}, scratch_.resource());
     }
-    const std::size_t of_gaps = gaps.size();
-    gaps.insert(gaps.end(), bumps.begin(), bumps.end());
-    for (std::size_t i = 0; i < gaps.size(); ++i) {
-      const LineGap& gap = gaps[i];
-      const GapShows shows = view.evidence.gap(px, gap.from_px, gap.to_px);
-      if (shows == GapShows::kOccluded) continue;
-      const auto a =
-          backProjectToGround(k, view.T_odom_camera, px.a + gap.from_px * along, params_.gates.max_range_m);
-      const auto b =
-          backProjectToGround(k, view.T_odom_camera, px.a + gap.to_px * along, params_.gates.max_range_m);
-      if (!a || !b) continue;
+    const auto add = [&](const LineGap& gap, double most_m) {
+      if (view.evidence.gap(px, gap.from_px, gap.to_px) == GapShows::kOccluded) return;
+      const auto placeOf = [&](double at_px) {
+        return backProjectToGround(k, view.T_odom_camera, px.a + at_px * along, params_.gates.max_range_m);
+      };
+      const auto a = placeOf(gap.from_px);
+      const auto b = placeOf(gap.to_px);
+      if (!a || !b) return;
       Segment2 place{a->head<2>(), b->head<2>()};
-      if (i >= of_gaps && place.length() > kMaxSpot_m) continue;
-      if (u.dot(place.b - place.a) < 0.0) std::swap(place.a, place.b);
-      if (voteForGap(element, place, piece, piece, false, view)) return;
-    }
+      if (place.length() > most_m) return;
+      if (element.line.along().dot(place.b - place.a) < 0.0) std::swap(place.a, place.b);
+      found.push_back({place, &piece, &piece, false});
+    };
+    for (const LineGap& gap : gaps) add(gap, std::numeric_limits<double>::max());
+    for (const LineGap& bump : bumps) add(bump, kMaxSpot_m);
+  }
+  return found;
+}
+
+void SegmentMemory::updateGaps(MemoryElement& element, std::span<const FloorSegment* const> seen,
+                               const std::vector<ImageSegment>& observed, const View& view) {
+  if (element.line.length() < kMinSplitLength_m) return;
+  const Eigen::Vector2d u = element.line.along();
+  std::pmr::vector<FloorSegment> pieces(scratch_.resource());
+  for (const FloorSegment* piece : seen) pieces.push_back(runningAlong(u, *piece));
+  std::sort(pieces.begin(), pieces.end(),
+            [&](const FloorSegment& a, const FloorSegment& b) { return u.dot(a.a.p) < u.dot(b.a.p); });
+  for (const Interruption& gap : interruptionsOf(element, pieces, observed, view)) {
+    if (voteForGap(element, gap, view)) return;
   }
 }
 
@@ -206,11 +205,10 @@ void SegmentMemory::preventMerge(std::span<const int> cached) {
   }
 }
 
-bool SegmentMemory::voteForGap(MemoryElement& element, const Segment2& place, const FloorSegment& before,
-                               const FloorSegment& behind, bool hidden, const View& view) {
+bool SegmentMemory::voteForGap(MemoryElement& element, const Interruption& seen, const View& view) {
   const Eigen::Vector2d u = element.line.along();
-  const Eigen::Vector2d& from = place.a;
-  const Eigen::Vector2d& to = place.b;
+  const Eigen::Vector2d& from = seen.odom.a;
+  const Eigen::Vector2d& to = seen.odom.b;
   if (u.dot(to - from) < params_.line.end_gate_m) return false;
   const double t_from = element.line.tOf(from);
   const double t_to = element.line.tOf(to);
@@ -230,29 +228,30 @@ bool SegmentMemory::voteForGap(MemoryElement& element, const Segment2& place, co
   gap->from = (gap->from * gap->count + from) / (gap->count + 1);
   gap->to = (gap->to * gap->count + to) / (gap->count + 1);
   if (++gap->count < params_.gap_votes) return false;
-  if (hidden && gap->bearing_spread_rad < kStandsThere_rad) return false;
-  const auto endAt = [&](const Eigen::Vector2d& p, const Eigen::Matrix2d& P, const TiltJacobian& D) {
-    const double variance = u.dot(P * u);
-    return ExtentEnd{element.line.tOf(p), variance,          false, variance,
-                     params_.gap_votes,   u.transpose() * D, true};
+  if (seen.may_be_hidden && gap->bearing_spread_rad < kStandsThere_rad) return false;
+  const auto splitAt = [&](const Eigen::Vector2d& p, const FloorEnd& end_of_piece) {
+    ExtentEnd end = element.line.project({p, end_of_piece.P, end_of_piece.D, false});
+    end.views = params_.gap_votes;
+    end.split = true;
+    return end;
   };
-  const ExtentEnd ends = endAt(gap->from, before.P_b, before.D_b);
-  const ExtentEnd begins = endAt(gap->to, behind.P_a, behind.D_a);
+  const ExtentEnd ends = splitAt(gap->from, seen.before->b);
+  const ExtentEnd begins = splitAt(gap->to, seen.behind->a);
   const double left_behind = element.line.endB().t_m - begins.t_m;
   gaps.erase(gap);
   element.short_a = element.short_b = {};
   MemoryElement other = element;
   other.value.id = next_id_++;
   other.line.shorten(false, begins);
-  other.parallax.forget(ParallaxEstimate::kEndA);
+  other.plane.parallax.forget(ParallaxEstimate::kEndA);
   element.line.shorten(true, ends);
-  element.parallax.forget(ParallaxEstimate::kEndB);
+  element.plane.parallax.forget(ParallaxEstimate::kEndB);
   // The smaller part may have been in line by chance (a shadow behind the end): its votes begin anew.
   const bool other_is_less = left_behind < element.line.length();
   MemoryElement& less = other_is_less ? other : element;
-  const FloorSegment& piece = other_is_less ? behind : before;
+  const FloorSegment& piece = other_is_less ? *seen.behind : *seen.before;
   less.votes = {};
-  vote(less, piece.label, (piece.odom.middle() - view.camera).norm());
+  vote(less, piece.label, view.distanceTo(piece));
   publish(other);
   if (params_.estimation.enabled) map_filter_.copyLine(other.value.id, element.value.id);
   split_off_.push_back(std::move(other));

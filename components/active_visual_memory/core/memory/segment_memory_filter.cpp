@@ -5,14 +5,8 @@
 #include "active_visual_memory/core/memory/segment_memory_view.h"
 
 namespace vismem {
-MapFilter::Params SegmentMemory::mapFilterParams() const {
-  MapFilter::Params params = params_.estimation.map_filter;
-  params.together_rad = params_.estimation.dominant_direction.together_rad;
-  return params;
-}
-
 bool SegmentMemory::restingSuffice(const Associations& associations) const {
-  const auto rests = [](const MemoryElement& element) { return element.on_floor; };
+  const auto rests = [](const MemoryElement& element) { return element.plane.on_floor; };
   // A walking body tilts in each image, and new elements cost it more than they bring (experiment E4, field).
   if (isLegged()) return std::any_of(elements_.begin(), elements_.end(), rests);
   int resting = 0;
@@ -29,18 +23,19 @@ std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& ass
   for (std::size_t p = 0; p < associations.seen.size(); ++p) {
     const MemoryElement& element = elements_[associations.index_of[p]];
     if (!map_filter_.contains(element.value.id)) continue;
-    const double moved = (view.camera - element.anchor_camera).norm();
+    const double moved = element.plane.baseline(view.camera);
     // A new element may be another robot that drives ahead and would drag the memory along.
-    if (suffices && !element.on_floor && moved > params_.confirmation.parallax.min_step_m &&
+    if (suffices && !element.plane.on_floor && moved > params_.confirmation.parallax.min_step_m &&
         isNew(element, view.observation.frame.stamp_us)) {
       continue;
     }
-    const double inflation =
-        element.on_floor || moved < params_.confirmation.parallax.min_step_m ? 1.0 : kUnconfirmedInflation;
+    const double inflation = element.plane.on_floor || moved < params_.confirmation.parallax.min_step_m
+                                 ? 1.0
+                                 : kUnconfirmedInflation;
     const double noise = std::pow(kCorrelationInflation * inflation, 2);
     for (const FloorSegment* piece : associations.seen[p]) {
       if (residuals_.size() >= MapFilter::kMaxResiduals) break;
-      const double distance = (piece->odom.middle() - view.camera).norm();
+      const double distance = view.distanceTo(*piece);
       addLineResiduals(element.value.id, element.line, *piece, view_tilt,
                        params_.gates.slack_m + kSlackShare * distance, noise, kEndInflation, kMaxEndShift_m,
                        residuals_);
@@ -49,13 +44,14 @@ std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& ass
   const auto direction = params_.estimation.use_dominant_direction ? dominantDirection() : std::nullopt;
   directions_.clear();
   for (const MemoryElement& element : elements_) {
-    if (!direction || isTentative(element) || element.stands || !element.not_vertical) continue;
-    if (element.line.length() < params_.estimation.dominant_direction.least_m) continue;
-    directions_.push_back({element.value.id, element.line.direction()});
+    if (direction && hasDirection(element) &&
+        element.line.length() >= params_.estimation.dominant_direction.least_m) {
+      directions_.push_back({element.value.id, element.line.direction()});
+    }
   }
-  const Eigen::Vector2d robot = view.observation.T_odom_robot.position();
-  return filter ? filter->update(robot, residuals_, direction, directions_, mapFilterParams())
-                : map_filter_.preview(robot, residuals_, direction, directions_, mapFilterParams());
+  const ImageMeasurements image{view.observation.T_odom_robot.position(), residuals_, direction, directions_};
+  const MapFilter::Params& params = params_.estimation.map_filter;
+  return filter ? filter->update(image, params) : map_filter_.preview(image, params);
 }
 
 void SegmentMemory::correctSlip(const View& view, const std::vector<FloorSegment>& floor) {
@@ -81,7 +77,7 @@ void SegmentMemory::removeStaleLines() {
   // Elements off the floor do not measure the drift.
   map_filter_.retainIf([&](std::uint64_t id) {
     const MemoryElement* element = findElement(elements_, id);
-    return element && !element->stands;
+    return element && !element->plane.stands;
   });
 }
 

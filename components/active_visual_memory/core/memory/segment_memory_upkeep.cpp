@@ -22,8 +22,7 @@ void SegmentMemory::transformAll(const PlanarIncrement& motion) {
   if (motion.turn_rad() == 0.0 && motion.shift().isZero()) return;
   for (MemoryElement& element : elements_) {
     element.line.transform(motion);
-    if (!element.isVerified()) element.anchor_line.transform(motion);
-    element.anchor_camera = motion.apply(element.anchor_camera);
+    element.plane.transform(motion);
     for (MemoryElement::GapVotes& gap : element.gaps) {
       gap.from = motion.apply(gap.from);
       gap.to = motion.apply(gap.to);
@@ -35,9 +34,7 @@ void SegmentMemory::transformAll(const PlanarIncrement& motion) {
 std::optional<double> SegmentMemory::dominantDirection() const {
   DominantDirection place(params_.estimation.dominant_direction);
   for (const MemoryElement& element : elements_) {
-    if (!isTentative(element) && !element.stands && element.not_vertical) {
-      place.add(element.line.direction(), element.line.length());
-    }
+    if (hasDirection(element)) place.add(element.line.direction(), element.line.length());
   }
   return place.direction();
 }
@@ -144,7 +141,7 @@ void SegmentMemory::age(StampUs stamp_us) {
     for (MemoryElement& element : elements_) {
       // Elements new since the last tick keep their initial life. An edge seen only along the viewing ray
       // may be vertical, and its floor place moves: out of view it decays faster.
-      const bool suspect = !element.on_floor && !element.not_vertical;
+      const bool suspect = element.plane.mayBeVertical();
       const bool unseen = element.sighting == Sighting::kOutOfView;
       element.value.life =
           agedLife(element.value.life, element.sighting,
@@ -176,7 +173,7 @@ void SegmentMemory::publish(MemoryElement& element) const {
   const double least = snaps ? kMinSnapped_m : kMinFree_m;
   const bool large = !params_.confirmation.by_parallax || !params_.confirmation.snap_to_dominant_direction ||
                      length >= least;
-  vismem::publish(element, element.on_floor && named && large, cameraTiltCovariance());
+  vismem::publish(element, element.plane.on_floor && named && large, cameraTiltCovariance());
   if (params_.confirmation.by_parallax && !isLocated(element.value)) element.value.confirmed = false;
   if (!snaps) return;
   const Eigen::Vector2d middle = 0.5 * (element.value.odom.a + element.value.odom.b).head<2>();
@@ -189,8 +186,8 @@ void SegmentMemory::publishAll() {
   if (params_.confirmation.snap_to_dominant_direction) dominant_direction_rad_ = dominantDirection();
   for (MemoryElement& element : elements_) publish(element);
   if (!params_.confirmation.by_parallax) return;
-  confirmBetweenCorners(elements_, params_.confirmation.corners, scratch_.resource());
-  confirmContinuations(elements_, camera_height_m_, params_.confirmation.corners, scratch_.resource());
+  confirmContinuations(elements_, params_.confirmation.parallax.slopeLimit(camera_height_m_),
+                       params_.confirmation.corners, scratch_.resource());
 }
 
 void SegmentMemory::advanceLife(StampUs stamp_us) {

@@ -21,14 +21,6 @@ inline constexpr double kFarDistanceShare = 0.02;  // added to the near distance
 inline constexpr double kSlackShare = 0.003;       // added to the slack of a match per metre from the camera
 inline constexpr double kGateSigmas = 3.0;
 inline constexpr double kLabelShare = 0.4;  // of the votes that a label needs
-// Parallax.
-inline constexpr double kNotRadial = 0.2;  // least sine to the viewing ray that excludes a vertical edge
-inline constexpr double kParallaxNoiseShare =
-    0.1;  // share of the variance of an end that is independent between views
-inline constexpr double kAlignmentSigma_m = 0.003;    // error of the alignment: of places ..
-inline constexpr double kAlignmentSigma_rad = 0.004;  // .. and of the heading
-inline constexpr double kMaxAnchorTurn_rad = 20.0;    // turn of the robot after which parallax begins anew
-inline constexpr double kMaxAnchorTravel_m = 4.0;
 // Residuals of the filter.
 inline constexpr double kCorrelationInflation =
     2.0;  // factor of sigmas: errors of successive images are correlated
@@ -58,6 +50,9 @@ struct SegmentMemory::View {
   double height;
   double turn_rate;
   FloorEvidence evidence;
+
+  /// From the floor point below the camera [m].
+  double distanceTo(const FloorSegment& segment) const { return (segment.odom().middle() - camera).norm(); }
 };
 
 /// Which observed segments belong to which remembered ones.

@@ -51,7 +51,7 @@ TEST(MapFilter, AllocatesNothingAfterItsConstruction) {
   const TiltView view(cameraPose(mount, 0.0, -0.3), 0.0);
   const MapFilter::Params params;
   FloorSegment seen;
-  seen.P_a = seen.P_b = 1e-4 * Eigen::Matrix2d::Identity();
+  seen.a.P = seen.b.P = 1e-4 * Eigen::Matrix2d::Identity();
   MapFilter filter{TiltPrior{}};
   std::uint64_t next = 1;
   std::size_t most = 0;
@@ -65,10 +65,10 @@ TEST(MapFilter, AllocatesNothingAfterItsConstruction) {
     const Pose2 now = pose * Pose2{0.02, 0.0, 0.1};
     filter.predict(pose, now, params);
     pose = now;
-    const auto previewed = filter.preview(pose.position(), image.residuals, 0.01, image.directions, params);
-    const auto solved = filter.update(pose.position(), image.residuals, 0.01, image.directions, params);
+    const auto previewed = filter.preview({pose.position(), image.residuals, 0.01, image.directions}, params);
+    const auto solved = filter.update({pose.position(), image.residuals, 0.01, image.directions}, params);
     for (int k = 0; k < 6; ++k) {
-      seen.odom = {{1.0 + 0.1 * k, -0.5}, {1.0, 0.5 + 0.01 * i}};
+      seen.place({{1.0 + 0.1 * k, -0.5}, {1.0, 0.5 + 0.01 * i}});
       filter.addLine(next++, seen, view, 1.0, 0.0);
     }
     filter.copyLine(next, next - 1);
@@ -85,7 +85,7 @@ TEST(MapFilter, AllocatesNothingAfterItsConstruction) {
   EXPECT_GE(most, MapFilter::kMaxLines - 2U);
   filter.reset();
   const long before = test::allocations();
-  EXPECT_FALSE(filter.preview({0.0, 0.0}, {}, std::nullopt, {}, params));
+  EXPECT_FALSE(filter.preview({{0.0, 0.0}, {}, std::nullopt, {}}, params));
   EXPECT_EQ(test::allocations() - before, 0);
 }
 

@@ -29,13 +29,13 @@ TEST(MapFilter, HeadingNoiseGrowsByTurnNoise) {
     params.odometry.turn_per_rad = params.odometry.turn_per_m = params.odometry.shift_per_m = 0.0;
     params.odometry.travel_scale = 0.0;
     FloorSegment seen;
-    seen.odom = {{2.0, 0.0}, {3.0, 0.0}};
-    seen.P_a = seen.P_b = 1e-6 * Eigen::Matrix2d::Identity();
-    filter.update({0.0, 0.0}, {}, std::nullopt, {}, params);
+    seen.place({{2.0, 0.0}, {3.0, 0.0}});
+    seen.a.P = seen.b.P = 1e-6 * Eigen::Matrix2d::Identity();
+    filter.update({{0.0, 0.0}, {}, std::nullopt, {}}, params);
     filter.addLine(1, seen, {cameraPose(mount(), 0.0, -0.3), 0.0}, 1.0, 0.0);
     const double before = filter.placeVariance(1, Eigen::Vector2d::UnitY(), {2.0, 0.0});
     filter.predict({}, {1.0, 0.0, 0.0}, params);
-    filter.update({1.0, 0.0}, {}, std::nullopt, {}, params);
+    filter.update({{1.0, 0.0}, {}, std::nullopt, {}}, params);
     return filter.placeVariance(1, Eigen::Vector2d::UnitY(), {2.0, 0.0}) - before;
   };
   EXPECT_NEAR(after(0.05) - after(0.0), 0.05 * 0.05, 1e-9);
@@ -62,7 +62,7 @@ std::vector<LineResidual> wallsSeen(const PlanarIncrement& drift, double sigma_m
 
 std::optional<Correction> updated(MapFilter& filter, const Eigen::Vector2d& robot,
                                   const std::vector<LineResidual>& residuals) {
-  return filter.update(robot, residuals, std::nullopt, {}, {});
+  return filter.update({robot, residuals, std::nullopt, {}}, {});
 }
 
 TEST(MapFilter, ARobotThatStandsDoesNotDrift) {
@@ -179,9 +179,9 @@ TEST(MapFilter, AddsCopiesReplacesAndRemovesLines) {
   MapFilter filter{TiltPrior{}};
   const TiltView view(cameraPose(mount(), 0.0, -0.3), 0.0);
   FloorSegment seen;
-  seen.odom = {{1.0, -0.5}, {1.0, 0.5}};
-  seen.P_a = seen.P_b = 1e-4 * Eigen::Matrix2d::Identity();
-  filter.update({0.0, 0.0}, {}, std::nullopt, {}, {});
+  seen.place({{1.0, -0.5}, {1.0, 0.5}});
+  seen.a.P = seen.b.P = 1e-4 * Eigen::Matrix2d::Identity();
+  filter.update({{0.0, 0.0}, {}, std::nullopt, {}}, {});
   filter.addLine(7, seen, view, 1.0, 0.0);
   filter.copyLine(8, 7);
   EXPECT_TRUE(filter.contains(7) && filter.contains(8) && !filter.contains(9));
@@ -202,15 +202,15 @@ TEST(MapFilter, AddsCopiesReplacesAndRemovesLines) {
 /// A line that lies across the view.
 FloorSegment across(double x, double slope) {
   FloorSegment seen;
-  seen.odom = {{x, -0.5}, {x + slope, 0.5}};
-  seen.P_a = seen.P_b = 1e-4 * x * Eigen::Matrix2d::Identity();
+  seen.place({{x, -0.5}, {x + slope, 0.5}});
+  seen.a.P = seen.b.P = 1e-4 * x * Eigen::Matrix2d::Identity();
   return seen;
 }
 
 TEST(MapFilter, RemovingALineKeepsTheOthersBits) {
   MapFilter filter{TiltPrior{}};
   const TiltView view(cameraPose(mount(), 0.0, -0.3), 0.0);
-  filter.update({0.0, 0.0}, {}, std::nullopt, {}, {});
+  filter.update({{0.0, 0.0}, {}, std::nullopt, {}}, {});
   for (int id = 1; id <= 5; ++id) {
     filter.addLine(static_cast<std::uint64_t>(id), across(0.5 + 0.3 * id, 0.1 * id), view, 1.0, 0.0);
   }
@@ -235,7 +235,7 @@ TEST(MapFilter, PreviewReturnsWhatUpdateWillAndChangesNothing) {
   MapFilter filter{TiltPrior{}};
   const TiltView view(cameraPose(mount(), 0.0, -0.3), 0.0);
   const MapFilter::Params params;
-  filter.update({0.0, 0.0}, {}, std::nullopt, {}, params);
+  filter.update({{0.0, 0.0}, {}, std::nullopt, {}}, params);
   filter.addLine(1, across(1.0, 0.0), view, 1.0, 0.0);
   filter.addLine(2, across(2.0, 0.1), view, 1.0, 0.0);
   filter.predict({}, {0.1, 0.0, 0.2}, params);
@@ -252,13 +252,13 @@ TEST(MapFilter, PreviewReturnsWhatUpdateWillAndChangesNothing) {
   }
   const std::vector<LineDirection> directions{{1, 1.55}};
   const double before = filter.placeVariance(1, Eigen::Vector2d::UnitX(), {1.0, 0.3});
-  const auto previewed = filter.preview(robot, residuals, 0.01, directions, params);
+  const auto previewed = filter.preview({robot, residuals, 0.01, directions}, params);
   ASSERT_TRUE(previewed);
   EXPECT_GT(previewed->motion.shift().norm(), 1e-4);
   EXPECT_EQ(filter.placeVariance(1, Eigen::Vector2d::UnitX(), {1.0, 0.3}), before);
   EXPECT_FALSE(filter.dominantDirection());
   EXPECT_EQ(filter.cameraTilt(), CameraTilt::Zero());
-  const auto updated = filter.update(robot, residuals, 0.01, directions, params);
+  const auto updated = filter.update({robot, residuals, 0.01, directions}, params);
   ASSERT_TRUE(updated);
   EXPECT_EQ(previewed->motion.shift(), updated->motion.shift());
   EXPECT_EQ(previewed->motion.turn_rad(), updated->motion.turn_rad());

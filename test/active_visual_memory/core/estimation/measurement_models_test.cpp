@@ -25,8 +25,8 @@ std::pmr::vector<FloorSegment> seenTurned(const std::vector<Segment3>& lines, do
   auto floor = seenTilted(lines, T_robot_camera, tilt, random);
   const Eigen::Rotation2Dd R(turned_rad);
   for (FloorSegment& s : floor) {
-    s.odom.a = R * s.odom.a;
-    s.odom.b = R * s.odom.b;
+    s.a.p = R * s.a.p;
+    s.b.p = R * s.b.p;
   }
   return floor;
 }

@@ -102,20 +102,20 @@ TEST(CameraTilt, ALineSeenFromManyPlacesFollowsALaterTiltEstimate) {
 
 TEST(CameraTilt, ItsCovarianceWidensTheGate) {
   FloorSegment seen;
-  seen.odom = {{2.0, -0.5}, {2.0, 0.5}};
-  seen.P_a = seen.P_b = 1e-4 * Eigen::Matrix2d::Identity();
+  seen.place({{2.0, -0.5}, {2.0, 0.5}});
+  seen.a.P = seen.b.P = 1e-4 * Eigen::Matrix2d::Identity();
   const FloorLine line(seen, {});
   FloorSegment again = seen;
-  again.odom.a.x() = again.odom.b.x() = 2.1;
-  again.D_a(0, 2) = again.D_b(0, 2) = 10.0;  // seen from where the camera tilt matters
+  again.a.p.x() = again.b.p.x() = 2.1;
+  again.a.D(0, 2) = again.b.D(0, 2) = 10.0;  // seen from where the camera tilt matters
   CameraTiltCovariance P = CameraTiltCovariance::Zero();
   EXPECT_GT(line.disagreement(again, 0.0, P), 9.0);
   P(2, 2) = std::pow(degToRad(0.5), 2);  // 8.7 cm
   EXPECT_LT(line.disagreement(again, 0.0, P), 2.0);
   // Both seen alike: a camera tilt would have moved both.
   FloorSegment first = seen;
-  first.D_a = again.D_a;
-  first.D_b = again.D_b;
+  first.a.D = again.a.D;
+  first.b.D = again.b.D;
   EXPECT_GT(FloorLine(first, {}).disagreement(again, 0.0, P), 9.0);
 }
 

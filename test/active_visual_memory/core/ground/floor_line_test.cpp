@@ -11,10 +11,10 @@ namespace {
 FloorSegment piece(double x1, double y1, double x2, double y2, bool censored_a = false,
                    bool censored_b = false, double sigma = 0.01) {
   FloorSegment s;
-  s.odom = {{x1, y1}, {x2, y2}};
-  s.P_a = s.P_b = sigma * sigma * Eigen::Matrix2d::Identity();
-  s.censored_a = censored_a;
-  s.censored_b = censored_b;
+  s.place({{x1, y1}, {x2, y2}});
+  s.a.P = s.b.P = sigma * sigma * Eigen::Matrix2d::Identity();
+  s.a.censored = censored_a;
+  s.b.censored = censored_b;
   s.label = "edge";
   s.strength = 40.0;
   return s;
@@ -25,8 +25,8 @@ TEST(FloorLine, FusingASegmentWithItselfKeepsIt) {
   const FloorSegment s = piece(0.3, -0.2, 1.1, 0.7);
   FloorLine line(s, params);
   for (int i = 0; i < 50; ++i) line.fuse(s, params);
-  EXPECT_NEAR((line.segment().a - s.odom.a).norm(), 0.0, 1e-9);
-  EXPECT_NEAR((line.segment().b - s.odom.b).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((line.segment().a - s.a.p).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((line.segment().b - s.b.p).norm(), 0.0, 1e-9);
 }
 
 TEST(FloorLine, WeighsByCovariance) {

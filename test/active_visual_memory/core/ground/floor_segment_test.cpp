@@ -24,23 +24,23 @@ TEST(FloorSegment, AnEstimatedFrameTiltShrinksTheCovarianceOfItsEnds) {
   FloorSegment known = before;
   conditionOnFrameTilt(known, Eigen::Matrix2d::Zero(), 1.0);
   EXPECT_EQ(known.pitch_sigma_rad, 0.0);
-  EXPECT_LT(known.P_a.trace(), 0.5 * before.P_a.trace());
-  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(known.P_a).eigenvalues().minCoeff(), 0.0);
+  EXPECT_LT(known.a.P.trace(), 0.5 * before.a.P.trace());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(known.a.P).eigenvalues().minCoeff(), 0.0);
   // An unmeasured frame tilt leaves about the prior covariance.
   FloorSegment unknown = before;
   const double frame_tilt = 0.5 * before.pitch_sigma_rad;
   conditionOnFrameTilt(unknown, frame_tilt * frame_tilt * Eigen::Matrix2d::Identity(), frame_tilt);
-  EXPECT_NEAR(unknown.P_a.trace(), before.P_a.trace(), 0.1 * before.P_a.trace());
+  EXPECT_NEAR(unknown.a.P.trace(), before.a.P.trace(), 0.1 * before.a.P.trace());
   EXPECT_GT(unknown.pitch_sigma_rad, 0.0);
 }
 
 TEST(FloorSegment, ReversedExchangesTheJacobiansOfItsEnds) {
   FloorSegment s;
-  s.odom = {{1.0, 0.0}, {2.0, 0.0}};
-  s.D_a.setConstant(1.0);
-  s.D_b.setConstant(2.0);
-  EXPECT_EQ(reversed(s).D_a, s.D_b);
-  EXPECT_EQ(reversed(s).D_b, s.D_a);
+  s.place({{1.0, 0.0}, {2.0, 0.0}});
+  s.a.D.setConstant(1.0);
+  s.b.D.setConstant(2.0);
+  EXPECT_EQ(reversed(s).a.D, s.b.D);
+  EXPECT_EQ(reversed(s).b.D, s.a.D);
 }
 
 }  // namespace

@@ -28,10 +28,10 @@ TEST(GroundProjector, PlacesASegmentWhereItLies) {
   const Segment3 truth{{1.0, 0.3, 0.0}, {1.4, -0.2, 0.0}};
   const auto floor = GroundProjector({}).project(camera(), pose(), {imageOf(truth, pose())});
   ASSERT_EQ(floor.size(), 1u);
-  EXPECT_NEAR((floor[0].odom.a - truth.a.head<2>()).norm(), 0.0, 1e-9);
-  EXPECT_NEAR((floor[0].odom.b - truth.b.head<2>()).norm(), 0.0, 1e-9);
-  EXPECT_FALSE(floor[0].censored_a);
-  EXPECT_FALSE(floor[0].censored_b);
+  EXPECT_NEAR((floor[0].a.p - truth.a.head<2>()).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((floor[0].b.p - truth.b.head<2>()).norm(), 0.0, 1e-9);
+  EXPECT_FALSE(floor[0].a.censored);
+  EXPECT_FALSE(floor[0].b.censored);
   EXPECT_EQ(floor[0].observed, 0);
 }
 
@@ -39,8 +39,8 @@ TEST(GroundProjector, EndsAtTheImageBorderAreCensored) {
   const Segment3 wide{{1.0, 5.0, 0.0}, {1.0, -0.2, 0.0}};
   const auto floor = GroundProjector({}).project(camera(), pose(), {imageOf(wide, pose())});
   ASSERT_EQ(floor.size(), 1u);
-  EXPECT_TRUE(floor[0].censored_a);
-  EXPECT_FALSE(floor[0].censored_b);
+  EXPECT_TRUE(floor[0].a.censored);
+  EXPECT_FALSE(floor[0].b.censored);
 }
 
 TEST(GroundProjector, MovesEndsToWhereTheyAreButForThoseAtTheBorder) {
@@ -52,14 +52,14 @@ TEST(GroundProjector, MovesEndsToWhereTheyAreButForThoseAtTheBorder) {
   params.end_short_px = 0.8;
   const auto floor = GroundProjector(params).project(camera(), pose(), {found});
   ASSERT_EQ(floor.size(), 1u);
-  EXPECT_NEAR((floor[0].odom.a - truth.a.head<2>()).norm(), 0.0, 1e-9);
-  EXPECT_NEAR((floor[0].odom.b - truth.b.head<2>()).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((floor[0].a.p - truth.a.head<2>()).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((floor[0].b.p - truth.b.head<2>()).norm(), 0.0, 1e-9);
   // What the border cut ends nowhere near.
   const ImageSegment cut = imageOf({{1.0, 5.0, 0.0}, {1.0, -0.2, 0.0}}, pose());
   const auto plain = GroundProjector({}).project(camera(), pose(), {cut});
   const auto moved = GroundProjector(params).project(camera(), pose(), {cut});
   ASSERT_EQ(moved.size(), 1u);
-  EXPECT_NEAR((moved[0].odom.a - plain[0].odom.a).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((moved[0].a.p - plain[0].a.p).norm(), 0.0, 1e-9);
 }
 
 TEST(GroundProjector, CutsAtTheMaximumRange) {
@@ -68,25 +68,25 @@ TEST(GroundProjector, CutsAtTheMaximumRange) {
   params.max_range_m = 3.0;
   const auto floor = GroundProjector(params).project(camera(), pose(), {imageOf(away, pose())});
   ASSERT_EQ(floor.size(), 1u);
-  EXPECT_NEAR(floor[0].odom.b.x(), 3.0, 1e-6);
-  EXPECT_TRUE(floor[0].censored_b);
-  EXPECT_FALSE(floor[0].censored_a);
+  EXPECT_NEAR(floor[0].b.p.x(), 3.0, 1e-6);
+  EXPECT_TRUE(floor[0].b.censored);
+  EXPECT_FALSE(floor[0].a.censored);
 }
 
 TEST(GroundProjector, CutsWhatIsFoundToLieBeyondTheRange) {
   // From (1, 0): 3 m ahead is x = 4; the derivatives of an end go with its place.
   FloorSegment segment;
-  segment.odom = {{2.0, 0.0}, {6.0, 0.0}};
-  segment.D_b = TiltJacobian::Constant(8.0);
+  segment.place({{2.0, 0.0}, {6.0, 0.0}});
+  segment.b.D = TiltJacobian::Constant(8.0);
   ASSERT_TRUE(cutToRange(segment, {1.0, 0.0}, 3.0));
-  EXPECT_NEAR((segment.odom.b - Eigen::Vector2d(4.0, 0.0)).norm(), 0.0, 1e-12);
-  EXPECT_NEAR(segment.D_b(0, 0), 4.0, 1e-12);
-  EXPECT_TRUE(segment.censored_b);
-  EXPECT_FALSE(segment.censored_a);
-  EXPECT_EQ(segment.odom.a.x(), 2.0);
-  segment.odom = {{5.0, 0.0}, {6.0, 0.0}};
+  EXPECT_NEAR((segment.b.p - Eigen::Vector2d(4.0, 0.0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(segment.b.D(0, 0), 4.0, 1e-12);
+  EXPECT_TRUE(segment.b.censored);
+  EXPECT_FALSE(segment.a.censored);
+  EXPECT_EQ(segment.a.p.x(), 2.0);
+  segment.place({{5.0, 0.0}, {6.0, 0.0}});
   EXPECT_FALSE(cutToRange(segment, {1.0, 0.0}, 3.0));
-  EXPECT_EQ(segment.odom.b.x(), 6.0) << "left as it is";
+  EXPECT_EQ(segment.b.p.x(), 6.0) << "left as it is";
 }
 
 TEST(GroundProjector, DropsWhatIsAboveTheHorizonAndClipsWhatCrossesIt) {
@@ -96,8 +96,8 @@ TEST(GroundProjector, DropsWhatIsAboveTheHorizonAndClipsWhatCrossesIt) {
   const auto floor = GroundProjector({}).project(camera(), pose(0.0), {above, crossing});
   ASSERT_EQ(floor.size(), 1u);
   EXPECT_EQ(floor[0].observed, 1);
-  EXPECT_TRUE(floor[0].censored_a);
-  EXPECT_LE(floor[0].odom.a.norm(), 4.0 + 1e-9);
+  EXPECT_TRUE(floor[0].a.censored);
+  EXPECT_LE(floor[0].a.p.norm(), 4.0 + 1e-9);
 }
 
 TEST(GroundProjector, CovarianceIsThatOfNoisyPixels) {

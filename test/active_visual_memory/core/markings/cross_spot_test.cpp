@@ -14,15 +14,15 @@ constexpr double kArm = 0.05;
 
 MemoryElement seen(std::uint64_t id, const Segment2& line, bool on_floor = true) {
   FloorSegment segment;
-  segment.odom = line;
-  segment.P_a = segment.P_b = 1e-4 * Eigen::Matrix2d::Identity();
+  segment.place(line);
+  segment.a.P = segment.b.P = 1e-4 * Eigen::Matrix2d::Identity();
   segment.label = "line";
   MemoryElement element;
   element.value.id = id;
   element.value.label = "line";
   element.line = FloorLine(segment, {});
   element.sightings = 10;
-  element.on_floor = on_floor;
+  element.plane.on_floor = on_floor;
   publish(element, on_floor, CameraTiltCovariance::Zero());
   return element;
 }

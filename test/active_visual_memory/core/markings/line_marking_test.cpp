@@ -11,8 +11,8 @@ namespace {
 /// An element as three images saw it, its ends known with a standard deviation.
 MemoryElement seen(std::uint64_t id, const Segment2& line, double sigma_m, bool confirmed = true) {
   FloorSegment segment;
-  segment.odom = line;
-  segment.P_a = segment.P_b = sigma_m * sigma_m * Eigen::Matrix2d::Identity();
+  segment.place(line);
+  segment.a.P = segment.b.P = sigma_m * sigma_m * Eigen::Matrix2d::Identity();
   segment.label = "line";
   MemoryElement element;
   element.value.id = id;

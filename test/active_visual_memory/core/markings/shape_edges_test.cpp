@@ -111,8 +111,8 @@ TEST(ShapeEdges, WidthsOfFifteenCentimetresAreMeasuredAndGivenToFarLines) {
   for (std::size_t i = 2; i < 4; ++i) {
     // Seen from afar: their ends are known to 10 cm only.
     FloorSegment far;
-    far.odom = elements[i].line.segment();
-    far.P_a = far.P_b = 0.01 * Eigen::Matrix2d::Identity();
+    far.place(elements[i].line.segment());
+    far.a.P = far.b.P = 0.01 * Eigen::Matrix2d::Identity();
     elements[i].line = FloorLine(far, {});
   }
   const auto width = [&](const LineWidthRange& range) {

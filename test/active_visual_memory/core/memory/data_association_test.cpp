@@ -72,19 +72,20 @@ TEST(Association, AFragmentLiesInLineWithItsMatch) {
 }
 
 TEST(Association, GatesOnDistanceAngleOverlapLabelAndPolarity) {
-  const AssociationParams params;
-  const Expectation e = expected(1, 10, 100, 110, 100);
-  EXPECT_TRUE(associationCost(seen(10, 107, 110, 107), e, params));
-  EXPECT_FALSE(associationCost(seen(10, 109, 110, 109), e, params)) << "9 px beside, gate 8 px";
+  const auto matches = [](const ImageSegment& segment) {
+    return !associate({&segment, 1}, std::vector{expected(1, 10, 100, 110, 100)}, {}).matches.empty();
+  };
+  EXPECT_TRUE(matches(seen(10, 107, 110, 107)));
+  EXPECT_FALSE(matches(seen(10, 109, 110, 109))) << "9 px beside, gate 8 px";
   // Both ends 8.7 px off the middle over 100 px: atan(17.4 / 100) = 9.9 degrees, gate 8.
-  EXPECT_FALSE(associationCost(seen(10, 91.3, 110, 108.7), e, params));
-  EXPECT_FALSE(associationCost(seen(90, 100, 190, 100), e, params)) << "20 of 100 px overlap, at least 30";
-  EXPECT_FALSE(associationCost(seen(10, 100, 110, 100, "stripe"), e, params));
-  EXPECT_TRUE(associationCost(seen(10, 100, 110, 100, kUnknownLabel), e, params));
-  EXPECT_FALSE(associationCost(seen(110, 100, 10, 100), e, params)) << "opposite polarity";
+  EXPECT_FALSE(matches(seen(10, 91.3, 110, 108.7)));
+  EXPECT_FALSE(matches(seen(90, 100, 190, 100))) << "20 of 100 px overlap, at least 30";
+  EXPECT_FALSE(matches(seen(10, 100, 110, 100, "stripe")));
+  EXPECT_TRUE(matches(seen(10, 100, 110, 100, kUnknownLabel)));
+  EXPECT_FALSE(matches(seen(110, 100, 10, 100))) << "opposite polarity";
   ImageSegment faint = seen(110, 100, 10, 100);
   faint.strength = 1.0;
-  EXPECT_TRUE(associationCost(faint, e, params)) << "an edge this faint does not know its polarity";
+  EXPECT_TRUE(matches(faint)) << "an edge this faint does not know its polarity";
 }
 
 }  // namespace

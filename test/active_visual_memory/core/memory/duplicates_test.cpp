@@ -8,19 +8,19 @@ namespace {
 
 TEST(Duplicates, OfOneImageAreJoinedOncePerPolarity) {
   FloorSegment a;
-  a.odom = {{0, 0}, {1, 0}};
+  a.place({{0, 0}, {1, 0}});
   a.label = "edge";
   a.strength = 40.0;
   FloorSegment copy = a;
-  copy.odom = {{0.5, 0.01}, {1.2, 0.01}};
+  copy.place({{0.5, 0.01}, {1.2, 0.01}});
   FloorSegment other = a;
-  other.odom = {{0, 0.3}, {1, 0.3}};
+  other.place({{0, 0.3}, {1, 0.3}});
   FloorSegment opposite = a;
-  opposite.odom = {{1, 0.01}, {0, 0.01}};
+  opposite.place({{1, 0.01}, {0, 0.01}});
   const auto clean = cleanDuplicates(std::vector<FloorSegment>{a, copy, other, opposite}, 0.06, 0.03, 0.03);
   ASSERT_EQ(clean.size(), 3u) << "the other polarity is another edge";
-  EXPECT_NEAR(clean[0].odom.b.x(), 1.2, 1e-9);
-  EXPECT_NEAR(clean[0].odom.b.y(), 0.0, 1e-9);
+  EXPECT_NEAR(clean[0].b.p.x(), 1.2, 1e-9);
+  EXPECT_NEAR(clean[0].b.p.y(), 0.0, 1e-9);
 }
 
 TEST(Antiparallel, SegmentsHaveASignedDistance) {

@@ -10,8 +10,8 @@ namespace {
 
 FloorSegment observed(const Segment2& line) {
   FloorSegment segment;
-  segment.odom = line;
-  segment.P_a = segment.P_b = 1e-4 * Eigen::Matrix2d::Identity();
+  segment.place(line);
+  segment.a.P = segment.b.P = 1e-4 * Eigen::Matrix2d::Identity();
   return segment;
 }
 
@@ -53,7 +53,7 @@ TEST(MemoryElement, AbsorbingAPieceKeepsTheIdTheLongestExtentAndTheBetterValues)
   piece.value.first_seen_us = 100;
   piece.value.last_seen_us = 900;
   piece.sightings = 7;
-  piece.on_floor = true;
+  piece.plane.on_floor = true;
   // The opposite direction: its ends are exchanged first.
   piece.line = FloorLine(observed({{1.8, 0.0}, {0.8, 0.0}}), {});
   absorb(element, piece, {});
@@ -63,7 +63,7 @@ TEST(MemoryElement, AbsorbingAPieceKeepsTheIdTheLongestExtentAndTheBetterValues)
   EXPECT_EQ(element.value.first_seen_us, 100);
   EXPECT_EQ(element.value.last_seen_us, 900);
   EXPECT_EQ(element.sightings, 7);
-  EXPECT_TRUE(element.on_floor);
+  EXPECT_TRUE(element.plane.on_floor);
   EXPECT_NEAR(element.line.segment().a.x(), 0.0, 0.01);
   EXPECT_NEAR(element.line.segment().b.x(), 1.8, 0.01);
 }
@@ -83,7 +83,7 @@ TEST(MemoryElement, IsLocatedIfBothEndsAreKnown) {
 
 TEST(MemoryElement, PublishedCovariancesContainTheUnknownCameraTilt) {
   FloorSegment segment = observed({{2.0, -0.5}, {2.0, 0.5}});
-  segment.D_a(0, 2) = segment.D_b(0, 2) = 10.0;  // 10 m of x per radian of camera pitch
+  segment.a.D(0, 2) = segment.b.D(0, 2) = 10.0;  // 10 m of x per radian of camera pitch
   MemoryElement element;
   element.value.life = 50.0;
   element.line = FloorLine(segment, {});

@@ -8,62 +8,26 @@
 namespace vismem {
 namespace {
 
-TEST(PlaneConfirmation, ConfirmsAnEdgeBetweenTwoConfirmedCorners) {
-  // Three sides of a bright square, walked with the inside on the left; nothing has confirmed the middle one.
-  const Segment2 first{{1.0, 0.0}, {1.0, 0.99}}, middle{{0.98, 1.0}, {0.02, 1.0}},
-      last{{0.0, 0.98}, {0.0, 0.0}};
-  const auto confirms = [&](MemoryElement between, const Label& label = "line") {
-    std::vector<MemoryElement> elements{seen(1, first), std::move(between), seen(3, last)};
-    elements[2].value.label = label;
-    publish(elements[1], false, CameraTiltCovariance::Zero());
-    confirmBetweenCorners(elements, {});
-    EXPECT_TRUE(elements[0].value.confirmed && elements[2].value.confirmed);
-    return elements[1].value.confirmed;
-  };
-  EXPECT_TRUE(confirms(seen(2, middle)));
-  EXPECT_FALSE(confirms(seen(2, middle, true))) << "an end is hidden";
-  EXPECT_FALSE(confirms(seen(2, middle), "another")) << "the other edge is of another thing";
-  EXPECT_FALSE(confirms(seen(2, {middle.b, middle.a}))) << "the edge of another surface";
-  EXPECT_FALSE(confirms(seen(2, {{0.98, 1.0}, {0.3, 1.0}}))) << "one end meets nothing";
-  EXPECT_FALSE(confirms(seen(2, {{0.98, 1.0}, {0.02, 1.3}}))) << "one end meets nothing";
-  MemoryElement standing = seen(2, middle);
-  standing.stands = true;
-  EXPECT_FALSE(confirms(standing));
-  MemoryElement unknown = seen(2, middle);
-  unknown.value.label = kUnknownLabel;
-  EXPECT_FALSE(confirms(unknown));
-  std::vector<MemoryElement> vague{seen(1, first), seen(2, middle), seen(3, last)};
-  publish(vague[1], false, CameraTiltCovariance::Zero());
-  vague[1].value.P_a.topLeftCorner<2, 2>() += 0.04 * Eigen::Matrix2d::Identity();
-  confirmBetweenCorners(vague, {});
-  EXPECT_FALSE(vague[1].value.confirmed) << "an end is known to 20 cm";
-  // The ends of a narrow line meet its edges; what is as short has no direction.
-  std::vector<MemoryElement> thin{seen(1, kLower), seen(2, {{1.0, 0.0}, {1.0, 0.05}}), seen(3, kUpper)};
-  publish(thin[1], false, CameraTiltCovariance::Zero());
-  confirmBetweenCorners(thin, {});
-  EXPECT_FALSE(thin[1].value.confirmed);
-}
-
 TEST(PlaneConfirmation, ConfirmsContinuationsOfAConfirmedEdge) {
   // The camera stands 0.45 m above (0, 0): what is 6 cm high is seen 0.154 of its distance too far. The
   // foot of a wall 2 m ahead, of which the first piece is confirmed, the second and third go on in its line,
   // and the fourth turns away at a corner.
-  constexpr double kCamera_m = 0.45;
+  constexpr double kLimit = 0.06 / (0.45 - 0.06);
   const auto next = [](std::uint64_t id, const Segment2& line, bool censored_b = false) {
     MemoryElement element = seen(id, line, censored_b);
-    element.not_vertical = true;
+    element.plane.not_vertical = true;
     publish(element, false, CameraTiltCovariance::Zero());
     return element;
   };
   const Segment2 second{{1.02, 2.01}, {2.0, 2.0}};
   const auto confirms = [&](const MemoryElement& element) {
     std::vector<MemoryElement> elements{seen(1, {{0.0, 2.0}, {1.0, 2.0}}), element};
-    confirmContinuations(elements, kCamera_m, {});
+    confirmContinuations(elements, kLimit, {});
     return elements[1].value.confirmed;
   };
   std::vector<MemoryElement> wall{next(4, {{3.0, 2.02}, {3.0, 2.9}}), next(3, {{2.02, 2.0}, {2.98, 2.0}}),
                                   next(2, second), seen(1, {{0.0, 2.0}, {1.0, 2.0}})};
-  confirmContinuations(wall, kCamera_m, {});
+  confirmContinuations(wall, kLimit, {});
   for (const MemoryElement& element : wall) EXPECT_TRUE(element.value.confirmed) << element.value.id;
 
   EXPECT_TRUE(confirms(next(2, second)));
@@ -73,13 +37,13 @@ TEST(PlaneConfirmation, ConfirmsContinuationsOfAConfirmedEdge) {
   EXPECT_FALSE(confirms(next(2, {{1.4, 2.0}, {2.0, 2.0}}))) << "it begins elsewhere";
   EXPECT_FALSE(confirms(next(2, second, true))) << "nobody knows where it ends";
   MemoryElement along = next(2, second);
-  along.anchor_camera = {0.0, 1.9};
+  along.plane.anchor_camera = {0.0, 1.9};
   EXPECT_FALSE(confirms(along)) << "from there a higher edge is in line, too";
   MemoryElement maybe_vertical = next(2, second);
-  maybe_vertical.not_vertical = false;
+  maybe_vertical.plane.not_vertical = false;
   EXPECT_FALSE(confirms(maybe_vertical));
   MemoryElement standing = next(2, second);
-  standing.stands = true;
+  standing.plane.stands = true;
   EXPECT_FALSE(confirms(standing));
   MemoryElement other = next(2, {{1.0, 2.02}, {1.0, 2.9}});
   EXPECT_TRUE(confirms(other)) << "round the corner";

@@ -1,0 +1,58 @@
+/// @file Whether a remembered edge lies on the floor, from how its floor place moves with the camera. Pure.
+/// See M1.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "active_visual_memory/core/ground/floor_line.h"
+#include "active_visual_memory/core/memory/parallax.h"
+
+namespace vismem {
+
+/// From where an image was taken.
+struct PlaneView {
+  Eigen::Vector2d camera = Eigen::Vector2d::Zero();            ///< the floor point below it, in odom [m]
+  double height_m = 0.0;                                       ///< of the camera
+  double turned_rad = 0.0;                                     ///< all that the robot has turned so far, >= 0
+  CameraTiltCovariance P_tilt = CameraTiltCovariance::Zero();  ///< of the estimated camera tilt [rad^2]
+};
+
+/// The one place that decides of a remembered edge whether it lies on the floor. Every view is compared with
+/// the line at its anchor, the place of the camera in the first view. Edges that verified ones continue are
+/// published as confirmed, too: see plane_confirmation.h. *Value.*
+struct PlaneVerification {
+  bool on_floor = false;  ///< its floor place rests while the camera moves
+  bool stands = false;    ///< its floor place moves with the camera: it is off the floor or moves by itself
+  bool not_vertical = false;  ///< a view across the viewing ray excluded a vertical edge
+  ParallaxEstimate parallax;
+  FloorLine anchor_line;
+  Eigen::Vector2d anchor_camera = Eigen::Vector2d::Zero();
+  double anchor_turned_rad = 0.0;
+
+  /// Whether it rests for good: parallax and anchor line are not used any more.
+  bool isVerified() const { return on_floor && not_vertical; }
+  /// Whether it may be a vertical edge, whose floor place turns about its foot.
+  bool mayBeVertical() const { return !on_floor && !not_vertical; }
+  /// Distance of the camera from the anchor [m].
+  double baseline(const Eigen::Vector2d& camera) const { return (camera - anchor_camera).norm(); }
+
+  /// Begins with a view of the line.
+  void begin(const FloorLine& line, const PlaneView& view);
+  /// Compares a view with the anchor.
+  /// @param line      before it is fused with `observed`.
+  /// @param observed  in the direction of the line.
+  void observe(const FloorLine& line, const FloorSegment& observed, const PlaneView& view,
+               const ParallaxEstimate::Params& params, const FloorLine::Params& line_params);
+  /// Applies a motion of the plane.
+  void transform(const PlanarIncrement& motion);
+  /// Follows a change of the tilt estimate.
+  void applyTiltChange(const CameraTilt& change);
+
+ private:
+  void addOffset(const FloorSegment& observed, const PlaneView& view, double drift_m,
+                 const ParallaxEstimate::Params& params);
+  void addEnd(const FloorLine& line, const FloorSegment& observed, bool at_b, const PlaneView& view,
+              double drift_m, const ParallaxEstimate::Params& params, const FloorLine::Params& line_params);
+};
+
+}  // namespace vismem

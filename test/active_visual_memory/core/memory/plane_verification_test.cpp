@@ -1,0 +1,73 @@
+#include "active_visual_memory/core/memory/plane_verification.h"
+
+#include <gtest/gtest.h>
+
+namespace vismem {
+namespace {
+
+constexpr double kHeight_m = 0.45;  // of the camera
+
+FloorSegment segmentOn(const Segment2& line) {
+  FloorSegment segment;
+  segment.place(line);
+  segment.a.P = segment.b.P = 1e-5 * Eigen::Matrix2d::Identity();
+  return segment;
+}
+
+/// An edge at a height is projected further from the camera by h / (H - h) of its distance.
+FloorSegment seenFrom(const Eigen::Vector2d& camera, const Segment2& edge, double height_m) {
+  const double further = kHeight_m / (kHeight_m - height_m);
+  return segmentOn({camera + further * (edge.a - camera), camera + further * (edge.b - camera)});
+}
+
+/// Drives to the left past an edge.
+PlaneVerification verified(const Segment2& edge, double height_m, double way_m) {
+  PlaneVerification plane;
+  for (int i = 0; i <= 10; ++i) {
+    const PlaneView view{{0.0, 0.1 * i * way_m}, kHeight_m, 0.0, CameraTiltCovariance::Zero()};
+    const FloorSegment seen = seenFrom(view.camera, edge, height_m);
+    if (i == 0) plane.begin(FloorLine(seen, {}), view);
+    plane.observe(plane.anchor_line, seen, view, {}, {});
+  }
+  return plane;
+}
+
+const Segment2 kOblique{{1.5, -0.4}, {2.0, 0.4}};
+
+}  // namespace
+
+TEST(PlaneVerification, VerifiesWhatRestsWhileTheCameraMoves) {
+  const PlaneVerification rests = verified(kOblique, 0.0, 0.6);
+  EXPECT_TRUE(rests.isVerified());
+  EXPECT_FALSE(rests.stands);
+  EXPECT_FALSE(verified(kOblique, 0.0, 0.05).on_floor) << "a step of 5 cm shows nothing";
+}
+
+TEST(PlaneVerification, RefutesWhatMovesWithTheCamera) {
+  const PlaneVerification high = verified(kOblique, 0.15, 0.6);
+  EXPECT_TRUE(high.stands);
+  EXPECT_FALSE(high.on_floor);
+}
+
+TEST(PlaneVerification, AnEdgeAlongTheViewingRayMayBeVertical) {
+  PlaneVerification plane;
+  const PlaneView view{{0.0, 0.0}, kHeight_m, 0.0, CameraTiltCovariance::Zero()};
+  const FloorSegment radial = segmentOn({{1.0, 0.0}, {2.0, 0.0}});
+  plane.begin(FloorLine(radial, {}), view);
+  plane.observe(plane.anchor_line, radial, view, {}, {});
+  EXPECT_TRUE(plane.mayBeVertical());
+  const FloorSegment across = segmentOn({{1.0, 0.0}, {1.0, 1.0}});
+  plane.observe(FloorLine(across, {}), across, view, {}, {});
+  EXPECT_FALSE(plane.mayBeVertical());
+}
+
+TEST(PlaneVerification, BeginsAnewFarFromItsAnchor) {
+  PlaneVerification plane;
+  const FloorSegment seen = segmentOn(kOblique);
+  plane.begin(FloorLine(seen, {}), {{0.0, 0.0}, kHeight_m, 0.0, CameraTiltCovariance::Zero()});
+  const PlaneView far{{5.0, 0.0}, kHeight_m, 0.0, CameraTiltCovariance::Zero()};
+  plane.observe(plane.anchor_line, seen, far, {}, {});
+  EXPECT_EQ(plane.baseline(far.camera), 0.0);
+}
+
+}  // namespace vismem
