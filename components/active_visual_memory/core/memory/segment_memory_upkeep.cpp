@@ -89,50 +89,46 @@ void SegmentMemory::mergeDuplicates(std::span<const int> cached) {
   const double reach = (params_.estimation.enabled ? kMapFilterReach : 1.0) * params_.gates.near_distance_m;
   struct Candidate {
     Eigen::AlignedBox2d box;
+    int element;
     bool observed;
     bool gone;
   };
+  // Only observed elements have changed: others are compared with observed ones, in their reach.
+  Eigen::AlignedBox2d observed;
+  for (const int i : cached) {
+    if (elements_[i].sighting == Sighting::kObserved) observed.extend(boxAround(elements_[i].line.segment()));
+  }
   std::pmr::vector<Candidate> candidates(scratch_.resource());
   candidates.reserve(cached.size());
   for (const int i : cached) {
-    const MemoryElement& element = elements_[i];
-    candidates.push_back({boxAround(element.line.segment()), element.sighting == Sighting::kObserved, false});
+    const Segment2 segment = elements_[i].line.segment();
+    if (!boxAround(segment, kMaxGap_m + reach).intersects(observed)) continue;
+    candidates.push_back({boxAround(segment), i, elements_[i].sighting == Sighting::kObserved, false});
   }
-  // Only observed elements have changed: the others are compared with the next observed ones.
-  Eigen::AlignedBox2d observed;
-  for (const Candidate& candidate : candidates) {
-    if (candidate.observed) observed.extend(candidate.box);
-  }
-  std::pmr::vector<std::size_t> next_observed(cached.size() + 1, cached.size(), scratch_.resource());
-  for (std::size_t n = cached.size(); n-- > 0;) {
+  const std::size_t count = candidates.size();
+  std::pmr::vector<std::size_t> next_observed(count + 1, count, scratch_.resource());
+  for (std::size_t n = count; n-- > 0;) {
     next_observed[n] = candidates[n].observed ? n : next_observed[n + 1];
   }
   std::pmr::vector<bool> gone(elements_.size(), false, scratch_.resource());
-  for (std::size_t m = 0; m < cached.size(); ++m) {
+  for (std::size_t m = 0; m < count; ++m) {
     Candidate& a = candidates[m];
     if (a.gone) continue;
-    Eigen::AlignedBox2d near = boxAround(elements_[cached[m]].line.segment(), kMaxGap_m + reach);
-    if (!a.observed && !near.intersects(observed)) continue;
-    for (std::size_t n = m + 1; n < cached.size(); ++n) {
+    MemoryElement& whole = elements_[a.element];
+    Eigen::AlignedBox2d near = boxAround(whole.line.segment(), kMaxGap_m + reach);
+    for (std::size_t n = m + 1; n < count; ++n) {
       if (!a.observed) n = next_observed[n];
-      if (n == cached.size()) break;
+      if (n == count) break;
       Candidate& b = candidates[n];
       if (b.gone || !near.intersects(b.box)) continue;
-      MemoryElement& whole = elements_[cached[m]];
-      if (!areDuplicates(whole, elements_[cached[n]], reach)) continue;
-      join(whole, elements_[cached[n]]);
-      gone[cached[n]] = b.gone = true;
+      if (!areDuplicates(whole, elements_[b.element], reach)) continue;
+      join(whole, elements_[b.element]);
+      gone[b.element] = b.gone = true;
       a.observed = true;
       near = boxAround(whole.line.segment(), kMaxGap_m + reach);
     }
   }
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < elements_.size(); ++i) {
-    if (gone[i]) continue;
-    if (kept != i) elements_[kept] = std::move(elements_[i]);
-    ++kept;
-  }
-  elements_.resize(kept);
+  std::erase_if(elements_, [&](const MemoryElement& element) { return gone[&element - elements_.data()]; });
 }
 
 void SegmentMemory::age(StampUs stamp_us) {

@@ -171,22 +171,22 @@ struct RobustLikelihood::Match {
   double variance = 0.0;      ///< [m^2]
   double influence = 1.0;     ///< derivative of the bounded loss (iteratively reweighted least squares)
 
-  /// Derivative of the distance by (x, y, theta, tilt). @param R  the robot's heading.
-  Vector5d jacobian(const FloorPoint& point, const Eigen::Rotation2Dd& R) const {
+  /// Derivative of the distance by (x, y, theta, tilt). @param R  the rotation of the robot's heading.
+  Vector5d jacobian(const FloorPoint& point, const Eigen::Matrix2d& R) const {
     const Eigen::Vector2d& gradient = field.gradient;
     Vector5d J;
     J.head<2>() = gradient;
     J[2] = gradient.y() * arm.x() - gradient.x() * arm.y();
-    J.tail<2>() = share_of_way * point.d_tilt.transpose() * (R.inverse() * gradient);
+    J.tail<2>() = share_of_way * point.d_tilt.transpose() * (R.transpose() * gradient);
     return J;
   }
 };
 
 std::optional<RobustLikelihood::Match> RobustLikelihood::match(const FloorPoint& point,
                                                                const Placement& placement,
+                                                               const Eigen::Matrix2d& R,
                                                                double blur_m) const {
   const Pose2& pose = placement.T_world_robot;
-  const Eigen::Rotation2Dd R(pose.theta);
   const Eigen::Vector2d on_floor = point.p_robot + point.d_tilt * placement.tilt();
   std::optional<Match> match;
   atEachLevel(map_, point, on_floor, [&](const MapIndex::Level& level, const Eigen::Vector2d& p_robot) {
@@ -208,9 +208,9 @@ RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const FloorPoi
                                                         const Placement& placement, double share,
                                                         double blur_m, Rating* rating) const {
   Curvature result;
-  const Eigen::Rotation2Dd R(placement.T_world_robot.theta);
+  const Eigen::Matrix2d R = Eigen::Rotation2Dd(placement.T_world_robot.theta).toRotationMatrix();
   for (const FloorPoint& point : points) {
-    const auto found = match(point, placement, blur_m);
+    const auto found = match(point, placement, R, blur_m);
     if (rating) add(*rating, point, found ? found->field.distance_m : kTruncation_m, blur_m);
     if (!found) continue;
     const double distance_m = found->field.distance_m;
@@ -232,15 +232,15 @@ CameraEvidence RobustLikelihood::cameraEvidence(const FloorObservation& observat
   constexpr int kAll = 5 + kCameraErrors;
   Eigen::Matrix<double, kAll, kAll> H = Eigen::Matrix<double, kAll, kAll>::Zero();
   Eigen::Matrix<double, kAll, 1> g = Eigen::Matrix<double, kAll, 1>::Zero();
-  const Eigen::Rotation2Dd R(placement.T_world_robot.theta);
+  const Eigen::Matrix2d R = Eigen::Rotation2Dd(placement.T_world_robot.theta).toRotationMatrix();
   for (std::size_t i = 0; i < derivatives.size(); ++i) {
     const FloorPoint& point = observation.points[observation.remembered + i];
-    const auto found = match(point, placement, blur_m);
+    const auto found = match(point, placement, R, blur_m);
     if (!found) continue;
     Eigen::Matrix<double, kAll, 1> J;
     J.head<5>() = found->jacobian(point, R);
     J.tail<kCameraErrors>() =
-        found->share_of_way * derivatives[i].transpose() * (R.inverse() * found->field.gradient);
+        found->share_of_way * derivatives[i].transpose() * (R.transpose() * found->field.gradient);
     const double weight = point.weight / found->variance * found->influence;
     // The tilt of this image counts from 0.
     const double distance_m = found->field.distance_m - J.segment<2>(3).dot(placement.tilt());

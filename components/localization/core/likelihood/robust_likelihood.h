@@ -108,7 +108,9 @@ class RobustLikelihood {
  private:
   struct Curvature;
   struct Match;
-  std::optional<Match> match(const FloorPoint& point, const Placement& placement, double blur_m) const;
+  /// @param R  rotation by the placement's heading.
+  std::optional<Match> match(const FloorPoint& point, const Placement& placement, const Eigen::Matrix2d& R,
+                             double blur_m) const;
   Curvature curvature(std::span<const FloorPoint> points, const Placement& placement, double share,
                       double blur_m, Rating* rating) const;
   void marginalizeMemoryShift(Curvature& memory) const;
