@@ -132,7 +132,7 @@ TEST(Ablation, EvidenceSurvivesOneOddImage) {
                             p.robust.history.forgetting = p.robust.evidence.lead =
                                 p.robust.history.jump_log_prior = 0.0;
                         }),
-                        map, 3);
+                        map, 1);
     localizer.update(test::viewFrom(map, truth, 200'000, 0.0, degToRad(-15), 3.0));
     localizer.setPose(truth);
     int i = 2;

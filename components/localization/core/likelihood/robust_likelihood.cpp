@@ -52,6 +52,10 @@ constexpr double kLongestTurn_rad = 0.4;
 constexpr double kSmallStep_m = 5e-4;
 constexpr double kSmallStep_rad = 5e-4;
 
+/// Steps with widened sigmas, and the factor on the predicted variance from one to the next.
+constexpr int kWideSteps = 3;
+constexpr double kNarrowing = 0.1;
+
 }  // namespace
 
 MapIndex::Params robustIndex(const LikelihoodParams& params, const MapParams& map) {
@@ -163,29 +167,35 @@ struct RobustLikelihood::Curvature {
   double inlier_square = 0.0;  ///< the same, times (d / sigma)^2
 };
 
+/// What widens the sigma of each point.
+struct RobustLikelihood::Blur {
+  double every_m = 0.0;           ///< of every point alike
+  Matrix5d P = Matrix5d::Zero();  ///< predicted covariance of (x, y, theta, tilt)
+  double predicted_share = 0.0;   ///< of the variance that P predicts for the distance of a point
+
+  double variance(const Vector5d& J) const {
+    double variance = every_m * every_m;
+    if (predicted_share > 0.0) {
+      variance += predicted_share * std::min(J.dot(P * J), kMaximumSigma_m * kMaximumSigma_m);
+    }
+    return variance;
+  }
+};
+
 /// A point beside the nearest line of the map.
 struct RobustLikelihood::Match {
   FieldSample field;
-  Eigen::Vector2d arm;        ///< from the robot to the point, in the world's axes [m]
-  double share_of_way = 1.0;  ///< of the camera's ray, at which the point lies
-  double variance = 0.0;      ///< [m^2]
-  double influence = 1.0;     ///< derivative of the bounded loss (iteratively reweighted least squares)
-
-  /// Derivative of the distance by (x, y, theta, tilt). @param R  the rotation of the robot's heading.
-  Vector5d jacobian(const FloorPoint& point, const Eigen::Matrix2d& R) const {
-    const Eigen::Vector2d& gradient = field.gradient;
-    Vector5d J;
-    J.head<2>() = gradient;
-    J[2] = gradient.y() * arm.x() - gradient.x() * arm.y();
-    J.tail<2>() = share_of_way * point.d_tilt.transpose() * (R.transpose() * gradient);
-    return J;
-  }
+  Eigen::Vector2d arm;                   ///< from the robot to the point, in the world's axes [m]
+  double share_of_way = 1.0;             ///< of the camera's ray, at which the point lies
+  Vector5d jacobian = Vector5d::Zero();  ///< of the distance by (x, y, theta, tilt)
+  double variance = 0.0;                 ///< [m^2]
+  double influence = 1.0;  ///< derivative of the bounded loss (iteratively reweighted least squares)
 };
 
 std::optional<RobustLikelihood::Match> RobustLikelihood::match(const FloorPoint& point,
                                                                const Placement& placement,
                                                                const Eigen::Matrix2d& R,
-                                                               double blur_m) const {
+                                                               const Blur& blur) const {
   const Pose2& pose = placement.T_world_robot;
   const Eigen::Vector2d on_floor = point.p_robot + point.d_tilt * placement.tilt();
   std::optional<Match> match;
@@ -196,8 +206,11 @@ std::optional<RobustLikelihood::Match> RobustLikelihood::match(const FloorPoint&
     match = Match{*found, there, point.shareAt(level.height_m)};
   });
   if (!match) return match;
+  const Eigen::Vector2d& gradient = match->field.gradient;
+  match->jacobian << gradient, gradient.y() * match->arm.x() - gradient.x() * match->arm.y(),
+      match->share_of_way * point.d_tilt.transpose() * (R.transpose() * gradient);
   const double eps = params_.outlier_share;
-  match->variance = point.sigma_m * point.sigma_m + blur_m * blur_m;
+  match->variance = point.sigma_m * point.sigma_m + blur.variance(match->jacobian);
   const double distance_m = match->field.distance_m;
   const double inlier = (1.0 - eps) * std::exp(-0.5 * distance_m * distance_m / match->variance);
   if (params_.bounded) match->influence = inlier / (inlier + eps);
@@ -206,18 +219,18 @@ std::optional<RobustLikelihood::Match> RobustLikelihood::match(const FloorPoint&
 
 RobustLikelihood::Curvature RobustLikelihood::curvature(std::span<const FloorPoint> points,
                                                         const Placement& placement, double share,
-                                                        double blur_m, Rating* rating) const {
+                                                        const Blur& blur, Rating* rating) const {
   Curvature result;
   const Eigen::Matrix2d R = Eigen::Rotation2Dd(placement.T_world_robot.theta).toRotationMatrix();
   for (const FloorPoint& point : points) {
-    const auto found = match(point, placement, R, blur_m);
-    if (rating) add(*rating, point, found ? found->field.distance_m : kTruncation_m, blur_m);
+    const auto found = match(point, placement, R, blur);
+    if (rating) add(*rating, point, found ? found->field.distance_m : kTruncation_m, blur.every_m);
     if (!found) continue;
     const double distance_m = found->field.distance_m;
     const double weight = share * point.weight / found->variance * found->influence;
     result.inlier_weight += point.weight * found->influence;
     result.inlier_square += point.weight * found->influence * distance_m * distance_m / found->variance;
-    const Vector5d J = found->jacobian(point, R);
+    const Vector5d& J = found->jacobian;
     result.H += weight * J * J.transpose();
     result.g += weight * distance_m * J;
   }
@@ -235,10 +248,10 @@ CameraEvidence RobustLikelihood::cameraEvidence(const FloorObservation& observat
   const Eigen::Matrix2d R = Eigen::Rotation2Dd(placement.T_world_robot.theta).toRotationMatrix();
   for (std::size_t i = 0; i < derivatives.size(); ++i) {
     const FloorPoint& point = observation.points[observation.remembered + i];
-    const auto found = match(point, placement, R, blur_m);
+    const auto found = match(point, placement, R, {blur_m});
     if (!found) continue;
     Eigen::Matrix<double, kAll, 1> J;
-    J.head<5>() = found->jacobian(point, R);
+    J.head<5>() = found->jacobian;
     J.tail<kCameraErrors>() =
         found->share_of_way * derivatives[i].transpose() * (R.transpose() * found->field.gradient);
     const double weight = point.weight / found->variance * found->influence;
@@ -281,17 +294,25 @@ RobustLikelihood::Refined RobustLikelihood::refine(const FloorObservation& obser
   const auto frameTiltCovariance = [&](const Matrix5d& H) -> Eigen::Matrix2d {
     return (H.bottomRightCorner<2, 2>() + frame_tilt_information).inverse();
   };
+  Blur blur{blur_m};
+  const int wide_steps = steps > 0 && blur_m == 0.0 ? kWideSteps : 0;
+  if (wide_steps > 0) {
+    blur.P = (prior_information + kDamping).inverse();
+    blur.P.diagonal().tail<2>().array() += frame_tilt * frame_tilt;
+  }
+  steps += wide_steps;
   const std::span points(observation.points);
   const std::span remembered = points.first(observation.remembered);
   // One pass more than steps: the last one computes the curvature at the result.
   for (int step = 0; step <= steps; ++step) {
+    blur.predicted_share = step < wide_steps ? std::pow(kNarrowing, step) : 0.0;
     Rating* const rating = step == steps ? &result.rating : nullptr;
     Curvature curve;
     if (observation.memory_influence > 0.0 || rating) {
-      curve = curvature(remembered, at, observation.memory_influence * share, blur_m, rating);
+      curve = curvature(remembered, at, observation.memory_influence * share, blur, rating);
       marginalizeMemoryShift(curve);
     }
-    const Curvature seen = curvature(points.subspan(observation.remembered), at, share, blur_m, rating);
+    const Curvature seen = curvature(points.subspan(observation.remembered), at, share, blur, rating);
     curve.H += seen.H;
     curve.g += seen.g;
     if (rating) {
@@ -322,7 +343,8 @@ RobustLikelihood::Refined RobustLikelihood::refine(const FloorObservation& obser
     at.T_world_robot = {pose.x + move[0], pose.y + move[1], wrapAngle(pose.theta + move[2])};
     at.tilt_bias += move.tail<2>();
     at.frame_tilt -= frame_tilt_covariance * (shrink * frame_tilt_gradient + cross.transpose() * move);
-    if (move.head<2>().norm() < kSmallStep_m && std::abs(move[2]) < kSmallStep_rad) steps = step + 1;
+    const bool is_small = move.head<2>().norm() < kSmallStep_m && std::abs(move[2]) < kSmallStep_rad;
+    if (is_small && step >= wide_steps) steps = step + 1;
   }
   if (!points.empty()) result.rating.explained /= weightOf(observation);
   return result;

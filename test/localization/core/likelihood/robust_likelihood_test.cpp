@@ -273,6 +273,25 @@ TEST_F(TiltedCamera, MovesFloorPointsByTheDerivative) {
   }
 }
 
+TEST_F(TiltedCamera, OfOneImageIsFoundFromPointsFarBeyondTheirSigmas) {
+  // The trunk of a walking robot: the pose is known to 2 cm and 0.2 degrees, the tilt of an image to 1.
+  const MapIndex map = corridor();
+  LikelihoodParams params;
+  params.frame_tilt_rad = degToRad(1.0);
+  const RobustLikelihood likelihood(map, params);
+  Vector5d std;
+  std << 0.02, 0.02, degToRad(0.2), 1e-3, 1e-3;
+  const Matrix5d prior = std.cwiseProduct(std).cwiseInverse().asDiagonal();
+  for (const double tilt : {-1.5, -1.0, 1.0, 1.5}) {
+    const FloorObservation observation = look(map, 0.4, degToRad(tilt));
+    ASSERT_LT(likelihood.rate(observation, {}).explained, 0.6) << tilt;
+    const auto refined = likelihood.refine(observation, {}, prior, 1.0, 3, 0.0);
+    EXPECT_GT(refined.rating.explained, 0.9) << tilt;
+    EXPECT_LT(std::abs(refined.placement.T_world_robot.theta), degToRad(0.5)) << tilt;
+    EXPECT_NEAR(refined.placement.frame_tilt.x(), degToRad(tilt), degToRad(0.4)) << tilt;
+  }
+}
+
 TEST_F(TiltedCamera, IsSeparatedFromTheHeadingByLookingToBothSides) {
   const MapIndex map = corridor();
   LikelihoodParams params;
