@@ -18,6 +18,7 @@ std::string statusText(const LiveState& live, const std::optional<GazeStatus>& g
 class StatusLine {
  public:
   StatusLine(std::ostream& out, bool terminal) : out_(out), terminal_(terminal) {}
+  ~StatusLine() { end(); }
   /// @return whether it is time for the next text.
   bool due(std::chrono::steady_clock::time_point now);
   void show(const std::string& text);

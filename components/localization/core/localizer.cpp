@@ -96,7 +96,7 @@ const PoseEstimate& Localizer::update(const MemoryUpdate& update) {
   epoch_ = snapshot.epoch;
   last_stamp_us_ = snapshot.stamp_us;
   last_T_odom_robot_ = snapshot.T_odom_robot;
-  if (update.analysis) strategy_->follow(*update.analysis);
+  if (update.analysis) strategy_->beginImage(*update.analysis);
   const double tick_s =
       isSuspect(tracking_, last_stamp_us_) ? std::min(kSuspectTick_s, params_.tick_s) : params_.tick_s;
   const auto tick_us = static_cast<StampUs>(tick_s * kSecondUs);

@@ -115,8 +115,8 @@ TEST(Ablation, TheReportedCovarianceGrowsWithOdometryWhereTheImageIsEmpty) {
   constexpr int kBlind = 30;
   for (int i = kOld + 1; i <= kOld + kBlind; ++i) step(i);
   const Eigen::Matrix3d blind = localizer.latest().P;
-  const double turn = params.robust.filter.odometry_turn_per_m * kStep_m;
-  const double along = params.robust.filter.odometry_share * kStep_m;
+  const double turn = params.robust.filter.odometry.turn_per_m * kStep_m;
+  const double along = params.robust.filter.odometry.share * kStep_m;
   EXPECT_GT(blind(2, 2), seen(2, 2) + 0.99 * kBlind * turn * turn);
   EXPECT_GT(blind(0, 0), seen(0, 0) + 0.99 * kBlind * along * along);
 }

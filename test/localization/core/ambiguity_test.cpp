@@ -50,7 +50,7 @@ TEST(Ambiguity, UncertaintyAlongTheOnlyLineGrowsWithTheDistance) {
   SegmentMap map;
   map.segments = {edge(-60, 0, 60, 0, "skirting")};
   LocalizerParams params = localizerPreset(LocalizationMode::kDefault);
-  params.robust.filter.odometry_share = 0.1;
+  params.robust.filter.odometry.share = 0.1;
   params.robust.filter.walk_m = 0.01;
   Localizer localizer(params, map, 1);
   PerfectMemory memory;

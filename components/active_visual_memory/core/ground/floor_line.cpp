@@ -69,7 +69,8 @@ FloorLine::FloorLine(const FloorSegment& segment, const Params& params) {
   J_.row(1) = n.transpose() * (segment.b.D - segment.a.D) / length;
   a_ = project(segment.a);
   b_ = project(segment.b);
-  a_.t_m = -0.5 * length, b_.t_m = 0.5 * length;
+  a_.t_m = -0.5 * length;
+  b_.t_m = 0.5 * length;
   applyFloor(params);
 }
 

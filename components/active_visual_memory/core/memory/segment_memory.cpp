@@ -132,6 +132,12 @@ PlaneView SegmentMemory::planeView(const View& view) const {
   return {view.camera, view.height, turn_rad_, cameraTiltCovariance()};
 }
 
+void SegmentMemory::observePlane(MemoryElement& element, const FloorSegment& observed,
+                                 const View& view) const {
+  if (!params_.confirmation.by_parallax) return;
+  element.plane.observe(element.line, observed, planeView(view), params_.confirmation.parallax, params_.line);
+}
+
 void SegmentMemory::fuse(MemoryElement& element, const FloorSegment& seen, const View& view) {
   const FloorSegment observed = runningAlong(element.line.along(), seen);
   const double travelled = travel_m_ - element.seen_travel_m;
@@ -146,9 +152,7 @@ void SegmentMemory::fuse(MemoryElement& element, const FloorSegment& seen, const
   element.seen_turn_rad = turn_rad_;
   element.pixel_m = std::min(
       element.pixel_m, pixelAcross(observed, view.camera, view.height, view.observation.frame.intrinsics.fx));
-  if (params_.confirmation.by_parallax)
-    element.plane.observe(element.line, observed, planeView(view), params_.confirmation.parallax,
-                          params_.line);
+  observePlane(element, observed, view);
   if (params_.fusion == Fusion::kChapter) {
     element.line.replaceKeepingExtent(observed, params_.line);
   } else {
@@ -193,9 +197,7 @@ void SegmentMemory::addElement(const FloorSegment& observed, const View& view) {
   element.plane.begin(element.line, planeView(view));
   element.seen_travel_m = travel_m_;
   element.seen_turn_rad = turn_rad_;
-  if (params_.confirmation.by_parallax)
-    element.plane.observe(element.line, observed, planeView(view), params_.confirmation.parallax,
-                          params_.line);
+  observePlane(element, observed, view);
   publish(element);
   updateColours(element, view);
   if (params_.estimation.enabled) {

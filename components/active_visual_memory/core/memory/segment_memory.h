@@ -137,6 +137,8 @@ class SegmentMemory {
   bool fitsOnFloor(const MemoryElement& element, const FloorSegment& observed, double distance_m) const;
   void fuse(MemoryElement& element, const FloorSegment& observed, const View& view);
   PlaneView planeView(const View& view) const;
+  /// Compares an observation with the anchor (M1). @param observed in the direction of the element.
+  void observePlane(MemoryElement& element, const FloorSegment& observed, const View& view) const;
   void vote(MemoryElement& element, const Label& label, double distance_m) const;
   void addElement(const FloorSegment& observed, const View& view);
   void updateColours(MemoryElement& element, const View& view) const;

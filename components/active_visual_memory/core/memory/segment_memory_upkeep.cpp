@@ -128,6 +128,7 @@ void SegmentMemory::mergeDuplicates(std::span<const int> cached) {
       near = boxAround(whole.line.segment(), kMaxGap_m + reach);
     }
   }
+  // Elements are asked in their old places.
   std::erase_if(elements_, [&](const MemoryElement& element) { return gone[&element - elements_.data()]; });
 }
 

@@ -19,7 +19,7 @@ class RaceStrategy {
   virtual ~RaceStrategy() = default;
 
   /// Takes the camera of each image, also between iterations.
-  virtual void follow(const ImageAnalysis& /*analysis*/) {}
+  virtual void beginImage(const ImageAnalysis& /*analysis*/) {}
   /// Takes the observation of an update.
   /// @return false without evidence; the races stay unchanged then.
   virtual bool observe(const MemoryUpdate& update) = 0;

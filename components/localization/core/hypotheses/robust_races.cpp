@@ -73,7 +73,7 @@ class RobustRaces : public RaceStrategy {
     odometry_.P = params.filter.odometry_bias.cwiseAbs2().asDiagonal();
   }
 
-  void follow(const ImageAnalysis& analysis) override { camera_.begin(analysis); }
+  void beginImage(const ImageAnalysis& analysis) override { camera_.begin(analysis); }
 
   bool observe(const MemoryUpdate& update) override {
     analysis_ = update.analysis;
@@ -113,9 +113,6 @@ class RobustRaces : public RaceStrategy {
     G.topRows<2>() = 0.5 * across * G.row(2);
     G.block<2, 1>(0, 2) = shift;
     const double travelled = shift.norm();
-    const double std_m = filter.odometry_share * travelled;
-    const double std_rad =
-        filter.odometry_turn_share * std::abs(T_before_now.theta) + filter.odometry_turn_per_m * travelled;
     const Eigen::Matrix<double, 5, 3> C = F * race.P_odometry;
     const Matrix5d biased = G * P_errors * G.transpose() + C * G.transpose() + G * C.transpose();
     race.P_odometry = C + G * P_errors;
@@ -123,7 +120,7 @@ class RobustRaces : public RaceStrategy {
     race.odometry.P.diagonal() += travelled * walk.cwiseProduct(walk);
     for (Matrix5d* P : {&race.P, &race.P_reported}) {
       *P = F * *P * F.transpose() + biased;
-      P->diagonal().head<3>() += Eigen::Vector3d(std_m * std_m, std_m * std_m, std_rad * std_rad);
+      P->diagonal().head<3>() += filter.odometry.variances(travelled, std::abs(T_before_now.theta));
     }
     const Eigen::Vector2d position = race.T_world_robot.position() + shift;
     race.T_world_robot = {position.x(), position.y(),
@@ -395,7 +392,7 @@ class RobustRaces : public RaceStrategy {
   OdometryBias odometry_;  ///< of the winner, the prior of new races: the same wheels
   /// The last update's image has no points, and its memory was updated just now.
   bool is_memory_current_ = false;
-  CameraCalibration camera_{likelihood_, map_, params_.observation};
+  CameraCalibration camera_{likelihood_, map_, params_.observation, params_.filter.odometry};
   std::shared_ptr<const ImageAnalysis> analysis_;  ///< of the last update; null: without an image
   Pose2 T_odom_robot_;
   StampUs stamp_us_ = 0;
@@ -408,11 +405,7 @@ class RobustRaces : public RaceStrategy {
 }  // namespace
 
 void RaceFilterParams::visit(ParameterVisitor& v) {
-  v.real(expert("OdometryShare", "error of odometry per metre (sigma)"), odometry_share, 0.0, 10.0);
-  v.real(expert("OdometryTurnShare", "error of the heading per radian turned (sigma)"), odometry_turn_share,
-         0.0, 10.0);
-  v.angle(expert("OdometryTurn_degpm", "error of the heading per metre (sigma)"), odometry_turn_per_m, 0.0,
-          180.0);
+  odometry.visit(v);
   v.real(expert("Walk_m", "random walk of the position per root of an iteration (sigma)"), walk_m, 0.0, 1.0);
   v.angle(expert("Walk_deg", "the same of the heading"), walk_rad, 0.0, 90.0);
   v.real(expert("InformationShare", "share of an observation that is new since the last iteration"),

@@ -11,6 +11,7 @@
 #include "localization/core/hypotheses/explorers.h"
 #include "localization/core/hypotheses/race_strategy.h"
 #include "localization/core/hypotheses/score_history.h"
+#include "localization/core/likelihood/odometry_noise.h"
 #include "localization/core/likelihood/robust_likelihood.h"
 #include "localization/core/map/map_index.h"
 #include "localization/core/observation/floor_observation.h"
@@ -19,9 +20,7 @@ namespace vismem {
 
 /// The filter of each race: motion noise and measurement update.
 struct RaceFilterParams {
-  double odometry_share = 0.04;       ///< position standard deviation per metre travelled
-  double odometry_turn_share = 0.10;  ///< heading standard deviation per radian turned
-  double odometry_turn_per_m = 0.10;  ///< heading standard deviation per metre travelled [rad/m]
+  OdometryNoise odometry;
   /// Prior standard deviations of the lasting errors of odometry, states of each race: yaw bias [rad/m], yaw
   /// scale error, distance scale error; 0: none.
   Eigen::Vector3d odometry_bias{0.05, 0.03, 0.1};

@@ -21,9 +21,6 @@ constexpr double kIndependent = 0.5;
 constexpr double kFarthest_m = 50.0;
 constexpr double kCameraBlur_m = 0.05;  // a wrong camera moves points by more than their sigmas
 constexpr int kSteps = 3;
-/// Standard deviations of odometry from image to image: share of the way, and heading per radian and metre.
-constexpr double kOdometryShare = 0.04;
-constexpr double kOdometryTurnShare = 0.1;
 /// Information about the lasting tilt of a race, which is one of the errors here.
 constexpr double kFixedTilt = 1e8;
 /// An error is found from this number of standard deviations, and given up below the other one.
@@ -137,10 +134,8 @@ void CameraCalibration::compareMotion(const FittedPose& before, const FittedPose
   const Eigen::Vector3d residual{now.T_world_robot.x - predicted.x, now.T_world_robot.y - predicted.y,
                                  angleDifference(now.T_world_robot.theta, predicted.theta)};
   const PoseJacobian J = now.d_errors - F * before.d_errors;
-  const double moved_m = kOdometryShare * motion.position().norm();
-  const double turned = kOdometryTurnShare * (std::abs(motion.theta) + motion.position().norm());
   Eigen::Matrix3d P = now.P + F * before.P * F.transpose();
-  P.diagonal() += Eigen::Vector3d(moved_m * moved_m, moved_m * moved_m, turned * turned);
+  P.diagonal() += odometry_.variances(shift.norm(), std::abs(motion.theta));
   const Eigen::Matrix3d information = P.inverse();
   const Eigen::Vector3d without = residual - now.d_errors * now.errors + F * before.d_errors * before.errors;
   const Eigen::Vector3d left = without + J * now.errors;

@@ -10,6 +10,7 @@
 #include "common/geometry/angles.h"
 #include "common/geometry/pose.h"
 #include "common/visual_memory/memory_snapshot.h"
+#include "localization/core/likelihood/odometry_noise.h"
 #include "localization/core/likelihood/robust_likelihood.h"
 #include "localization/core/map/map_index.h"
 #include "localization/core/observation/floor_observation.h"
@@ -25,8 +26,9 @@ namespace vismem {
 /// focal length. *Single-threaded* (owner: RobustRaces); keeps references to its arguments.
 class CameraCalibration {
  public:
-  CameraCalibration(const RobustLikelihood& likelihood, const MapIndex& map, const ObservationParams& params)
-      : likelihood_(likelihood), map_(map), params_(params) {}
+  CameraCalibration(const RobustLikelihood& likelihood, const MapIndex& map, const ObservationParams& params,
+                    const OdometryNoise& odometry)
+      : likelihood_(likelihood), map_(map), params_(params), odometry_(odometry) {}
 
   /// Begins an image, also one that is not learnt from: its camera as configured, and the camera's motion
   /// since the last image, which a delay needs.
@@ -58,6 +60,7 @@ class CameraCalibration {
   const RobustLikelihood& likelihood_;
   const MapIndex& map_;
   const ObservationParams& params_;
+  const OdometryNoise& odometry_;
   CameraModel configured_;
   Pose3 T_odom_robot_ = Pose3::Identity();
   Pose3 T_odom_camera_before_ = Pose3::Identity();

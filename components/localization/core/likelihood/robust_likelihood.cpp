@@ -263,11 +263,11 @@ CameraEvidence RobustLikelihood::cameraEvidence(const FloorObservation& observat
   Matrix5d free = H.topLeftCorner<5, 5>() + kDamping;
   const double tilt = std::max(params_.frame_tilt_rad, kFixedTilt_rad);
   free.diagonal().tail<2>().array() += 1.0 / (tilt * tilt);
-  const Eigen::Matrix<double, kCameraErrors, 5> gain =
-      free.ldlt().solve(H.topRightCorner<5, kCameraErrors>()).transpose();
+  const Matrix5d P = free.inverse();
+  const Eigen::Matrix<double, kCameraErrors, 5> gain = H.topRightCorner<5, kCameraErrors>().transpose() * P;
   return {H.bottomRightCorner<kCameraErrors, kCameraErrors>() - gain * H.topRightCorner<5, kCameraErrors>(),
           g.tail<kCameraErrors>() - gain * g.head<5>(), -gain.leftCols<3>().transpose(),
-          free.inverse().topLeftCorner<3, 3>()};
+          P.topLeftCorner<3, 3>()};
 }
 
 /// Marginalizes a common shift and turn of the memory, which bounds its information about the pose.
