@@ -103,7 +103,7 @@ TEST(GroundProjector, DropsWhatIsAboveTheHorizonAndClipsWhatCrossesIt) {
 TEST(GroundProjector, CovarianceIsThatOfNoisyPixels) {
   // With pixel noise only, the spread of back-projected points must be what the covariance says.
   GroundProjector::Params params;
-  params.height_sigma_m = params.pitch_sigma_rad = 0.0;
+  params.pitch_sigma_rad = 0.0;
   params.along_sigma_px = 1.0;
   params.across_sigma_px = 0.4;
   const Eigen::Vector2d px{200, 150};

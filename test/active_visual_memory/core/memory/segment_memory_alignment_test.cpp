@@ -43,7 +43,7 @@ const std::vector<Segment3> kLadder{{{2.20, -0.8, 0}, {2.20, 0.8, 0}}, {{2.50, -
                                     {{1.35, -0.5, 0}, {1.35, 0.5, 0}}, {{1.0, 0.35, 0}, {1.8, 0.35, 0}},
                                     {{1.0, -0.35, 0}, {1.8, -0.35, 0}}};
 
-/// @return matched segments per image of a body that nods by 0.8 degrees.
+/// @return matched segments per image of a body that nods by 0.9 degrees.
 double matchedWhileNodding(AttentiveVisualMemory& memory) {
   int matches = 0;
   constexpr int kImages = 40;
@@ -51,7 +51,7 @@ double matchedWhileNodding(AttentiveVisualMemory& memory) {
     const auto o = at(i * 33'333);
     RobotObservation really = o;
     if (i >= 20) {
-      const double nod = degToRad(i % 2 == 0 ? 0.8 : -0.8);
+      const double nod = degToRad(i % 2 == 0 ? 0.9 : -0.9);
       really.T_robot_camera = tilted(o.T_robot_camera, CameraTilt(0.0, nod, 0.0, 0.0));
     }
     const auto result = memory.update(o, images(really, kLadder));
