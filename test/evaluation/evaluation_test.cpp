@@ -85,6 +85,22 @@ TEST_F(EvaluateTest, TheDriveInASecondWorldDiffersByThatWorldAlone) {
   EXPECT_TRUE(first == contents(out_ / "second/second_0000.bag")) << "the same world";
 }
 
+TEST_F(EvaluateTest, SeparatesEdgesOfThingsThatWalkFromThoseThatRest) {
+  fs::create_directories(out_);
+  EvaluationOptions options = corridor("walk", 1);
+  options.start = Pose2{0.0, 2.25, 0.0};
+  options.scenario = out_ / "walk.scenario";
+  // A red box goes ahead of the robot, which stands, over plain floor.
+  std::ofstream(options.scenario) << "scenario 1\nobject box shape=box size_m=0.4,0.4,0.3 color=0.9,0.1,0.1\n"
+                                  << "at 0 walk box way=open speed_mps=0.1 points_m=1.2,2.0;1.2,2.5\n"
+                                  << "at 0 drive points_m=0,2.25;0.1,2.25 speed_mps=0.05\n";
+  const auto with = evaluate(options);
+  ASSERT_TRUE(with.contains("moving")) << with;
+  EXPECT_GT(with.at("moving").at("seen_of_moving").get<int>(), 0);
+  std::ofstream(options.scenario) << "scenario 1\n";
+  EXPECT_FALSE(evaluate(options).contains("moving")) << "nothing walks";
+}
+
 TEST_F(EvaluateTest, KeepsAKnownStart) {
   EvaluationOptions options = corridor("known", 1);
   options.start = Pose2{0.0, 2.25, 0.0};

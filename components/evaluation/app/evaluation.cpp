@@ -1,5 +1,6 @@
 #include "evaluation/app/evaluation.h"
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -16,7 +17,10 @@
 #include "evaluation/app/perturbed_robot.h"
 #include "evaluation/app/recorded_robot.h"
 #include "evaluation/app/recorded_survey.h"
+#include "evaluation/app/still_scene.h"
 #include "evaluation/core/lockstep.h"
+#include "evaluation/core/memory_score.h"
+#include "evaluation/core/moving_edges.h"
 #include "evaluation/core/truth_file.h"
 #include "replay_server/core/stepped_log.h"
 
@@ -159,6 +163,37 @@ class RecordedSimulation {
   std::unique_ptr<RecordedRobot> recorded_;
 };
 
+/// Confirmed elements of the memory that show things that walk, in world.
+nlohmann::json movingOf(const MovingEdges& edges, const MemorySnapshot& memory, const Pose2& T_world_robot) {
+  nlohmann::json json{
+      {"confirmed", std::count_if(memory.segments.begin(), memory.segments.end(),
+                                  [](const MemorySegment& segment) { return segment.confirmed; })},
+      {"longest_after_s", edges.longestAfter_s()},
+      {"of_moving", nlohmann::json::array()}};
+  int seen = 0;
+  int ever = 0;
+  for (const auto& [id, history] : edges.histories()) {
+    seen += history.isOfMoving();
+    ever += history.isOfMoving() && history.confirmed_us > 0;
+  }
+  json["seen_of_moving"] = seen;
+  json["ever_of_moving"] = ever;
+  MemorySnapshot theirs = memory;
+  theirs.segments = edges.confirmedOf(memory);
+  for (const RememberedEdge& edge : rememberedIn(theirs, T_world_robot)) {
+    const ElementHistory& history = edges.histories().at(edge.id);
+    json["of_moving"].push_back(
+        {{"id", edge.id},
+         {"label", edge.label},
+         {"world_m", {edge.world.a.x(), edge.world.a.y(), edge.world.b.x(), edge.world.b.y()}},
+         {"first_s", toSeconds(history.first_us)},
+         {"last_s", toSeconds(history.last_us)},
+         {"images_still", history.still},
+         {"images_moving", history.moving}});
+  }
+  return json;
+}
+
 EvaluationOptions inSecondWorld(EvaluationOptions options) {
   options.world = options.second_world;
   options.record = options.second_record;
@@ -189,6 +224,9 @@ nlohmann::json evaluateWorld(const EvaluationOptions& options) {
   Localizer localizer(params.localizer, params.map_edges, options.seed);
   KnownStart start(localizer, options.start);
   Lockstep run(stepped, params.assembler, memory, localizer);
+  std::optional<StillScene> still;
+  if (!options.scenario.empty()) still.emplace(world.simulation());
+  std::shared_ptr<const MemorySnapshot> last_memory;
   CpuStages stages;
   if (options.profile) run.setProbe(&stages);
   const auto began = std::chrono::steady_clock::now();
@@ -200,6 +238,8 @@ nlohmann::json evaluateWorld(const EvaluationOptions& options) {
         world.recordTruth();
         if (second) second->recordTruth();
         record.add(frame, false);
+        if (still) still->add(frame);
+        if (frame.memory.update.snapshot) last_memory = frame.memory.update.snapshot;
       },
       duration(options));
   world.finish();
@@ -208,6 +248,8 @@ nlohmann::json evaluateWorld(const EvaluationOptions& options) {
   nlohmann::json json = record.finish(run, memory, options.world.string());
   for (const auto& problem : world.simulation().takeScenarioProblems())
     json["scenario_problems"].push_back(problem);
+  if (still && !still->edges().histories().empty())
+    json["moving"] = movingOf(still->edges(), *last_memory, world.simulation().truth().T_world_robot);
   if (options.profile) addProfile(json, stages, spent.count(), toSeconds(world.simulation().now()));
   return json;
 }
