@@ -237,8 +237,8 @@ Sighting SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& 
   const double m = kViewMargin_px;
   const auto inside = clipToBox(px, {m, m}, {k.width - 1 - m, k.height - 1 - m});
   const bool clear = inside && inside->length() >= kMinVisible_px;
-  if (clear && isTentative(element)) {
-    // A tentative element needs no evidence of absence.
+  if (clear && !element.plane.on_floor) {
+    // What is not known to rest needs no evidence of absence: it may have moved away.
     sighting = Sighting::kAbsent;
   } else if (clear && element.colours && view.turn_rate <= params_.gates.max_absence_turn_radps) {
     switch (view.evidence.classify(*inside, *element.colours)) {

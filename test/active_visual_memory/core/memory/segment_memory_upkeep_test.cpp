@@ -51,8 +51,11 @@ struct Life {
   double seconds_alive;
   std::size_t left;
 };
-Life afterwards(const cv::Mat& later, double seconds) {
-  AttentiveVisualMemory memory(standard());
+/// @param rests  whether the edge is known to lie on the floor.
+Life afterwards(const cv::Mat& later, double seconds, bool rests = true) {
+  AttentiveVisualMemoryParams params = standard();
+  params.memory.confirmation.by_parallax = !rests;
+  AttentiveVisualMemory memory(params);
   // The edge between row 109 and 110, brighter below: walking to the left of the picture, left is down.
   const std::vector<ImageSegment> edge{{{{250, 109.5}, {70, 109.5}}, "edge", 120.0}};
   StampUs t = 0;
@@ -84,6 +87,13 @@ TEST(SegmentMemoryUpkeep, AnOcclusionFreezesLife) {
 
 TEST(SegmentMemoryUpkeep, AnEdgeTheDetectorMissesStays) {
   EXPECT_EQ(afterwards(picture(true), 30.0).left, 1u);
+}
+
+TEST(SegmentMemoryUpkeep, AnEdgeNotKnownToRestIsForgottenWhereItIsNotSeen) {
+  // A robot that drove on may still fill the place.
+  const Life life = afterwards(picture(false, 200), 10.0, false);
+  EXPECT_EQ(life.left, 0u);
+  EXPECT_LE(life.seconds_alive, 2.0);
 }
 
 }  // namespace
