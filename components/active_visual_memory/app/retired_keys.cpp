@@ -15,8 +15,6 @@ void acceptRetiredMemoryKeys(ConfigReader& reader) {
   reader.group("Ground").retired("LineBlur_px ThinLineBlur_px", "edges are taken as detected");
   reader.group("Ground").retired("Noise.Pitch_deg",
                                  "it is what Memory.CameraTilt.PerFrame_deg says, at least 0.34");
-  reader.group("Ground").retired("Noise.Height_m",
-                                 "an error of the camera's height scales the memory as odometry does");
   reader.group("Memory").retired(
       "Association.Overlap Association.Polarity Life.Maximum Life.Initial Life.Threshold "
       "Life.Gain_per_s Life.OutOfView_per_s Life.Absent_per_s Life.Occluded_per_s Life.Tick_s "

@@ -36,6 +36,7 @@ std::optional<Eigen::Matrix2d> GroundProjector::floorCovariance(const CameraIntr
   const Eigen::Vector2d across = turned90(along);
   const Eigen::Vector2d j_along = J_pixel * along * params_.along_sigma_px;
   const Eigen::Vector2d j_across = J_pixel * across * params_.across_sigma_px;
+  const Eigen::Vector2d j_height = -d.head<2>() / d.z() * params_.height_sigma_m;
   // Small rotations of the camera about its own axes: dd = w x d.
   const Eigen::Vector2d j_pitch = dp_dd * Eigen::Vector3d(R.col(0)).cross(d) * params_.pitch_sigma_rad;
   const Eigen::Vector2d j_roll = dp_dd * Eigen::Vector3d(R.col(2)).cross(d) * params_.pitch_sigma_rad;
@@ -43,7 +44,7 @@ std::optional<Eigen::Matrix2d> GroundProjector::floorCovariance(const CameraIntr
   const Eigen::Vector2d j_time =
       dp_dd * Eigen::Vector3d(Eigen::Vector3d::UnitZ()).cross(d) * (turn_rate_radps * params_.timing_sigma_s);
   Eigen::Matrix2d P = Eigen::Matrix2d::Zero();
-  for (const Eigen::Vector2d& j : {j_along, j_across, j_pitch, j_roll, j_time}) {
+  for (const Eigen::Vector2d& j : {j_along, j_across, j_height, j_pitch, j_roll, j_time}) {
     P += j * j.transpose();
   }
   return P;
@@ -121,6 +122,8 @@ void GroundProjector::Params::visit(ParameterVisitor& v) {
   v.real(expert("MinimumLength_m", "shorter segments on the floor are dropped"), min_length_m, 0.001, 5.0);
   v.words(basic("OffFloorLabels", "labels of edges that do not lie on the floor, such as door jambs"),
           off_floor_labels);
+  v.real(expert("Noise.Height_m", "change of the camera's height from image to image (sigma), as on legs"),
+         height_sigma_m, 0.0, 1.0);
 }
 
 }  // namespace vismem

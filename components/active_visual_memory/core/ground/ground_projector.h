@@ -32,6 +32,7 @@ class GroundProjector {
     std::vector<Label> off_floor_labels;  ///< labels of edges off the floor, such as door jambs
     double across_sigma_px = 0.5;         ///< of a detected line across its direction
     double along_sigma_px = 1.5;          ///< of a detected end along the line
+    double height_sigma_m = 0.0;          ///< of the height of the camera in single images
     double pitch_sigma_rad = 0.006;       ///< of the pitch and roll of the camera
     double timing_sigma_s = 0.004;  ///< of joint stamps against image stamps; multiplied by the turn rate
 
@@ -49,9 +50,9 @@ class GroundProjector {
       const std::vector<ImageSegment>& observed, double turn_rate_radps = 0.0, double robot_heading_rad = 0.0,
       std::pmr::memory_resource* scratch = std::pmr::get_default_resource()) const;
 
-  /// Covariance of the floor point under an ideal pixel [m^2], by first-order propagation of pixel, rotation
-  /// and timing errors. An error of the camera's height is none of single images: it scales all places alike,
-  /// as an error of the travelled way does, which MapFilter estimates.
+  /// Covariance of the floor point under an ideal pixel [m^2], by first-order propagation of pixel, height,
+  /// rotation and timing errors of single images. A lasting error of the height is none of them: it scales all
+  /// places alike, as an error of the travelled way does, which MapFilter estimates.
   /// @param along  unit direction of the segment [px].
   /// @return empty if the pixel's ray does not meet the floor.
   std::optional<Eigen::Matrix2d> floorCovariance(const CameraIntrinsics& intrinsics,

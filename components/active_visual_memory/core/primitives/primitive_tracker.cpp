@@ -100,6 +100,17 @@ void PrimitiveTracker::follow(Primitive& shape) const {
   shape.heading_rad = wrapAngle(shape.heading_rad + motion.z());
 }
 
+PrimitiveTracker::PrimitiveTracker(const Params& params) : params_(params) {
+  // A room's memory has fewer: the lists do not grow while the robot drives.
+  constexpr std::size_t kShapes = 128;
+  constexpr std::size_t kSegments = 1024;
+  entries_.reserve(kShapes);
+  published_.reserve(kShapes);
+  hypotheses_.reserve(kShapes);
+  places_.reserve(kSegments);
+  before_.reserve(kSegments);
+}
+
 bool PrimitiveTracker::update(StampUs stamp_us, std::span<const MemorySegment> segments) {
   if (has_last_ && stamp_us >= last_us_ && stamp_us - last_us_ < params_.interval_us) return false;
   const double dt_s = has_last_ && stamp_us > last_us_ ? std::min(1.0, toSeconds(stamp_us - last_us_))

@@ -34,7 +34,7 @@ class PrimitiveTracker {
     }
   };
 
-  explicit PrimitiveTracker(const Params& params) : params_(params) {}
+  explicit PrimitiveTracker(const Params& params);
 
   /// @param segments the published memory at `stamp_us`.
   /// @return true if shapes were searched for.
