@@ -51,8 +51,8 @@ class GroundProjector {
       std::pmr::memory_resource* scratch = std::pmr::get_default_resource()) const;
 
   /// Covariance of the floor point under an ideal pixel [m^2], by first-order propagation of pixel, height,
-  /// rotation and timing errors of single images. A lasting error of the height is none of them: it scales all
-  /// places alike, as an error of the travelled way does, which MapFilter estimates.
+  /// rotation and timing errors of single images. A lasting error of the height is none of them: it scales
+  /// all places alike, as an error of the travelled way does, which MapFilter estimates.
   /// @param along  unit direction of the segment [px].
   /// @return empty if the pixel's ray does not meet the floor.
   std::optional<Eigen::Matrix2d> floorCovariance(const CameraIntrinsics& intrinsics,
