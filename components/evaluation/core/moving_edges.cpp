@@ -47,9 +47,9 @@ void MovingEdges::add(const MemorySnapshot& memory, const ImageAnalysis& analysi
     history.last_us = memory.stamp_us;
     const auto px = projectSegment(analysis.intrinsics, T_odom_camera, element.odom);
     const ImageSegment* const segment = px ? shownBy(*px, analysis.observed) : nullptr;
-    history.last = segment ? owner(segment->px) : EdgeOwner::kNone;
-    history.still += history.last == EdgeOwner::kStill;
-    history.moving += history.last == EdgeOwner::kMoving;
+    const EdgeOwner shown = segment ? owner(segment->px) : EdgeOwner::kNone;
+    history.still += shown == EdgeOwner::kStill;
+    history.moving += shown == EdgeOwner::kMoving;
   }
 }
 

@@ -20,7 +20,6 @@ struct ElementHistory {
   StampUs confirmed_us = 0;           ///< confirmed at last; 0: never
   int still = 0;                      ///< images that showed an edge that rests
   int moving = 0;                     ///< images that showed an edge of a thing that moves
-  EdgeOwner last = EdgeOwner::kNone;
 
   bool isOfMoving() const { return moving > still; }
 };
