@@ -102,11 +102,13 @@ ParallaxEstimate::Verdict ParallaxEstimate::verdict(double camera_height_m, bool
     return Verdict::kUnknown;
   };
   const auto judge = [&](Channel channel) { return judgeSlope(slope(channel, P_tilt, params)); };
-  const Verdict offset = judge(kOffset);
-  if (offset != Verdict::kUnknown) return offset;
+  const auto offset = slope(kOffset, P_tilt, params);
+  if (const Verdict sure = judgeSlope(offset); sure != Verdict::kUnknown) return sure;
   const Verdict a = judge(kEndA);
   const Verdict b = judge(kEndB);
   if (a == Verdict::kOffFloor || b == Verdict::kOffFloor) return Verdict::kOffFloor;
+  // An end that rests may be another's: the line moves.
+  if (offset && std::abs(offset->value) - std::sqrt(offset->variance) > limit) return Verdict::kUnknown;
   const int resting = (a == Verdict::kOnFloor) + (b == Verdict::kOnFloor);
   if (resting == 2 || (resting == 1 && not_vertical)) return Verdict::kOnFloor;
   return not_vertical ? judgeSlope(common(P_tilt, params)) : Verdict::kUnknown;

@@ -40,8 +40,8 @@ class ParallaxEstimate {
 
   /// The offset decides. Without a verdict of the offset (the camera moved along the line) the ends decide:
   /// one that moves is off the floor, or hidden by what moves. Off the floor both would move, so one resting
-  /// end is enough beside an undecided one. A possibly vertical edge needs both, since its foot rests.
-  /// Channels too weak alone decide together.
+  /// end is enough beside an undecided one, unless the offset lies a sigma off the floor. A possibly vertical
+  /// edge needs both, since its foot rests. Channels too weak alone decide together.
   Verdict verdict(double camera_height_m, bool not_vertical, const CameraTiltCovariance& P_tilt,
                   const Params& params) const;
 

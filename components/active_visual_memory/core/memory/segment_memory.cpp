@@ -231,14 +231,16 @@ bool SegmentMemory::isWellKnown(const MemoryElement& element, StampUs stamp_us) 
          travel_m_ - element.seen_travel_m <= kWellKnownTravel_m;
 }
 
-Sighting SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view) {
+Sighting SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& px,
+                                        const std::vector<FloorSegment>& floor, const View& view) {
   Sighting sighting = Sighting::kOutOfView;
   const auto& k = view.observation.frame.intrinsics;
   const double m = kViewMargin_px;
   const auto inside = clipToBox(px, {m, m}, {k.width - 1 - m, k.height - 1 - m});
   const bool clear = inside && inside->length() >= kMinVisible_px;
-  if (clear && !element.plane.on_floor) {
-    // What is not known to rest needs no evidence of absence: it may have moved away.
+  if (clear && (!element.plane.on_floor || isOfAnotherKind(element.line.segment(), element, floor))) {
+    // What is not known to rest needs no evidence of absence: it may have moved away. An edge of another
+    // label in its place is evidence enough.
     sighting = Sighting::kAbsent;
   } else if (clear && element.colours && view.turn_rate <= params_.gates.max_absence_turn_radps) {
     switch (view.evidence.classify(*inside, *element.colours)) {
@@ -302,7 +304,7 @@ void SegmentMemory::updateExpected(const Associations& associations, const std::
     const bool informative =
         view.turn_rate <= params_.gates.max_absence_turn_radps && isWellKnown(element, stamp_us);
     if (pieces.empty()) {
-      const Sighting sighting = judgeUnobserved(element, associations.expected[p].predicted.px, view);
+      const Sighting sighting = judgeUnobserved(element, associations.expected[p].predicted.px, floor, view);
       if (informative && sighting == Sighting::kAbsent) ++agreement_.absent;
       if (informative && sighting == Sighting::kOccluded) ++agreement_.occluded;
       continue;

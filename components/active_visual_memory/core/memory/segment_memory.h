@@ -142,7 +142,8 @@ class SegmentMemory {
   void vote(MemoryElement& element, const Label& label, double distance_m) const;
   void addElement(const FloorSegment& observed, const View& view);
   void updateColours(MemoryElement& element, const View& view) const;
-  Sighting judgeUnobserved(MemoryElement& element, const Segment2& px, const View& view);
+  Sighting judgeUnobserved(MemoryElement& element, const Segment2& px, const std::vector<FloorSegment>& floor,
+                           const View& view);
   /// Moves ends inwards that enough images saw further in.
   /// @param seen  all pieces of the element in this image.
   void updateEndpoints(MemoryElement& element, std::span<const FloorSegment* const> seen,

@@ -60,6 +60,7 @@ bool SegmentMemory::isOfAnotherKind(const Segment2& place, const MemoryElement& 
   const double length = place.length();
   return std::any_of(floor.begin(), floor.end(), [&](const FloorSegment& other) {
     if (labelsCompatible(other.label, element.value.label)) return false;
+    if (!samePolarity(place, element.strength, other.odom(), other.strength)) return false;
     const Neighbourhood near = neighbourhood(place, other.odom());
     // Most of the place, or up to the border of the image.
     return near.angle_rad <= kNearAngle_rad && near.distance_m <= params_.gates.near_distance_m &&

@@ -58,6 +58,22 @@ TEST(Parallax, AnEndThatMovesOutweighsOneThatRests) {
   EXPECT_EQ(top.verdict(kCamera_m, true, kUpright, {}), Verdict::kOffFloor);
 }
 
+TEST(Parallax, AnEndThatRestsIsNotEnoughWhereTheLineMoves) {
+  // The top of a skirting, slope 0.08 / 0.37 = 0.216: a sigma of 0.042 is no verdict above 0.154.
+  const auto seen = [](double height_m) {
+    ParallaxEstimate estimate;
+    for (int i = 0; i <= 10; ++i) {
+      const double b = 0.05 * i;
+      const double shift = -b * height_m / (kCamera_m - height_m);
+      estimate.add(ParallaxEstimate::kOffset, b, shift, TiltJacobianRow::Zero(), 4.4e-4, {});
+      estimate.add(ParallaxEstimate::kEndA, b, 0.0, TiltJacobianRow::Zero(), 1e-5, {});
+    }
+    return estimate.verdict(kCamera_m, true, kUpright, {});
+  };
+  EXPECT_EQ(seen(0.08), Verdict::kUnknown);
+  EXPECT_EQ(seen(0.05), Verdict::kOnFloor);
+}
+
 TEST(Parallax, ChannelsTooWeakAloneDecideTogether) {
   // 11 samples over 0.5 m: the squares about their mean are 0.275 m^2, so a slope's sigma is 0.09 for a
   // sample's variance of 0.0022; the limit is 0.06 / 0.39 = 0.154. Three together have 0.052.

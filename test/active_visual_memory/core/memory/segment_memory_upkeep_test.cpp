@@ -96,5 +96,25 @@ TEST(SegmentMemoryUpkeep, AnEdgeNotKnownToRestIsForgottenWhereItIsNotSeen) {
   EXPECT_LE(life.seconds_alive, 2.0);
 }
 
+TEST(SegmentMemoryUpkeep, AnEdgeIsForgottenWhereAnEdgeOfAnotherLabelIsSeen) {
+  // Noise named the foot of a wall as a line for a while.
+  AttentiveVisualMemoryParams params = standard();
+  params.memory.confirmation.by_parallax = false;
+  AttentiveVisualMemory memory(params);
+  const Segment2 place{{250, 109.5}, {70, 109.5}};
+  StampUs t = 0;
+  const auto see = [&](const Label& label) {
+    for (int i = 0; i < 60; ++i, t += 33'333) {
+      auto o = at(t);
+      o.frame.image = picture(true);
+      memory.update(o, std::vector<ImageSegment>{{place, label, 120.0}});
+    }
+  };
+  see("line");
+  see("foot");
+  ASSERT_EQ(memory.elements().size(), 1u);
+  EXPECT_EQ(memory.elements()[0].value.label, "foot");
+}
+
 }  // namespace
 }  // namespace vismem
