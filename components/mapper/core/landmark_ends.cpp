@@ -16,13 +16,6 @@ namespace {
 
 constexpr double kFarthest_m = 8.0;
 
-/// An observed end on the landmark's line.
-struct SeenEnd {
-  double t_m = 0.0;
-  double sigma_m = 0.0;
-  bool censored = false;
-};
-
 /// The camera of a keyframe in the frame of a landmark's anchor.
 Pose3 cameraIn(const MapState& state, const DriveRecord& record, int anchor, int keyframe) {
   const Pose2 T_anchor_world = inverse(state.poses[static_cast<std::size_t>(anchor)]);
@@ -151,6 +144,13 @@ SeenEnds seenEnds(const DriveRecord& record, const LandmarkEndParams& params, co
 }
 
 }  // namespace
+
+std::optional<SeenEnd> seenEnd(const DriveRecord& record, const MapState& state, const LineLandmark& landmark,
+                               const LineLandmark::Seen& seen, bool at_b, double sigma_px) {
+  const Keyframe& keyframe = record.keyframes[static_cast<std::size_t>(seen.keyframe)];
+  return placed(landmark, keyframe, cameraIn(state, record, landmark.anchor, seen.keyframe),
+                keyframe.sightings[static_cast<std::size_t>(seen.sighting)], at_b, sigma_px);
+}
 
 void updateEnds(const DriveRecord& record, const LandmarkEndParams& params, MapState& state) {
   for (LineLandmark& landmark : state.landmarks) {

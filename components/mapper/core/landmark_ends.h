@@ -35,6 +35,19 @@ int dropUprights(const DriveRecord& record, const LandmarkEndParams& params, int
 /// along the way of the robot shows its height by its ends alone. @return how many.
 int dropRaised(const DriveRecord& record, const LandmarkEndParams& params, MapState& state);
 
+/// An observed end on the line of its landmark.
+struct SeenEnd {
+  double t_m = 0.0;  ///< from the landmark's reference
+  double sigma_m = 0.0;
+  bool censored = false;
+};
+
+/// Where a sighting ends on its landmark's line.
+/// @param sigma_px  of the end along the segment.
+/// @return empty if the floor is not seen there.
+std::optional<SeenEnd> seenEnd(const DriveRecord& record, const MapState& state, const LineLandmark& landmark,
+                               const LineLandmark::Seen& seen, bool at_b, double sigma_px);
+
 struct OverlapParams {
   double across_m = 0.05;
   double angle_rad = 0.08;

@@ -10,6 +10,7 @@
 #include "common/geometry/angles.h"
 #include "common/geometry/plane.h"
 #include "mapper/core/graph_residuals.h"
+#include "mapper/core/landmark_ends.h"
 
 namespace vismem {
 namespace {
@@ -178,22 +179,17 @@ void Problem::addEnd(LineLandmark& landmark, const LineLandmark::Seen& seen, con
   LandmarkEnd& end = at_b ? landmark.b : landmark.a;
   const LineSighting& sighting = sightingOf(record_, seen);
   if (!end.closed || (at_b ? sighting.censored_b : sighting.censored_a)) return;
-  EndResidual residual{rays, at_b, landmark.reference, landmark.direction_rad, sigma_px};
+  const EndResidual residual{rays, at_b, landmark.reference, landmark.direction_rad, sigma_px};
   double* at = keyframes_[static_cast<std::size_t>(seen.keyframe)].data();
   double* anchor = keyframes_[static_cast<std::size_t>(landmark.anchor)].data();
   double* tilt = state_.camera_tilt.data();
-  const auto offAt = [&](double t_m, double& off_px) {
-    double off = 0.0;
-    if (!residual.evaluate<double>(anchor, at, landmark.line.data(), &t_m, tilt, &off)) return false;
-    off_px = off * sigma_px;
-    return true;
-  };
-  double off_px = 0.0;
-  double further_px = 0.0;
-  constexpr double kStep_m = 0.01;
-  if (!offAt(end.t_m, off_px) || !offAt(end.t_m + kStep_m, further_px)) return;
-  const double px_per_m = std::abs(further_px - off_px) / kStep_m;
-  if (std::abs(off_px) > std::max(params_.end_gate_px, params_.end_gate_m * px_per_m)) return;
+  double off = 0.0;
+  if (!residual.evaluate<double>(anchor, at, landmark.line.data(), &end.t_m, tilt, &off)) return;
+  if (std::abs(off) * sigma_px > params_.end_gate_px) {
+    // On the floor: under the camera a centimetre is hundreds of pixels.
+    const auto placed = seenEnd(record_, state_, landmark, seen, at_b, sigma_px);
+    if (!placed || std::abs(placed->t_m - end.t_m) > params_.end_gate_m) return;
+  }
   addSighting<EndResidual, 1, graph::kLine, graph::kEnd, graph::kTilt>(new EndResidual(residual), anchor, at,
                                                                        landmark.line.data(), &end.t_m, tilt);
 }
