@@ -56,5 +56,21 @@ TEST(LargeFloor, KeepsItsShapeAndSolvesInSeconds) {
   EXPECT_LT(score.worst_piece_rms_m, 0.10);
 }
 
+// Where the visits of a place lie decimetres apart, a merge brings others near enough.
+TEST(LargeFloor, MergesTheVisitsOfAPlaceWithoutClosings) {
+  for (const std::uint64_t seed : {1, 3}) {
+    SyntheticDriveParams noisy;
+    noisy.seed = seed;
+    noisy.pixel_sigma = 2.0;
+    const SyntheticDrive floor = drive(threeBlocks(), threeLoops(), noisy);
+    DriveMapperParams params;
+    params.graph.odometry.turn_noise = 0.008;
+    const DriveMap map = mapDrive(floor.record, {}, params);
+    const MapScore score = scoreOf(map.state, threeBlocks(), floor);
+    EXPECT_LT(score.edges.duplicates(), 1.05) << "seed " << seed;
+    EXPECT_LT(score.worst_piece_rms_m, 0.10) << "seed " << seed;
+  }
+}
+
 }  // namespace
 }  // namespace vismem

@@ -58,14 +58,12 @@ class Mapping {
     map_.dropped += dropContradicted(record_, params_, map_.state);
     map_.dropped += dropUprights(record_, params_.ends, params_.landmarks.min_sightings, map_.state);
     map_.dropped += dropRaised(record_, params_.ends, map_.state);
-    tidy();
-    if (!solve({.kernel = params_.kernel})) return std::move(map_);
+    if (!settle()) return std::move(map_);
     if (params_.close && !updates.empty()) close(updates, progress);
     if (!accepted.empty()) {
       map_.closings = accepted;
       if (!closeGraph()) return std::move(map_);
     }
-    tidy();
     dropRefuted();
     takeCircles(record_, params_.circles, map_.state);
     if (!solve({.kernel = params_.kernel})) return std::move(map_);
@@ -83,11 +81,19 @@ class Mapping {
     return report.usable;
   }
 
-  /// Ends and extents by what single images showed.
-  void tidy() {
-    updateEnds(record_, params_.ends, map_.state);
-    map_.cut += cutOverlaps(record_, params_.overlap, map_.state);
-    merge(params_.merge);
+  /// Ends and extents by what single images showed, and what is one edge; then again, until nothing is
+  /// merged: each merge brings the visits of a place nearer to each other. @return false when the solver
+  /// failed.
+  bool settle() {
+    constexpr int kMostRounds = 10;
+    for (int round = 0; round < kMostRounds; ++round) {
+      updateEnds(record_, params_.ends, map_.state);
+      map_.cut += cutOverlaps(record_, params_.overlap, map_.state);
+      const int merged = merge(params_.merge);
+      if (!solve({.kernel = params_.kernel})) return false;
+      if (merged == 0) break;
+    }
+    return true;
   }
 
   /// What the memory refuted, and no other landmark took over.
@@ -177,9 +183,7 @@ class Mapping {
     wide.across_m = params_.merge_closed_m;
     merge(wide);
     // Without a kernel first: the landmarks of both visits still pull.
-    if (!solve({.ends = true})) return false;
-    merge(params_.merge);
-    return solve({.kernel = params_.kernel});
+    return solve({.ends = true}) && settle();
   }
 
   const DriveRecord& record_;
