@@ -108,5 +108,32 @@ TEST(MergeLandmarks, AClosedEndWinsOverABoundNearIt) {
   EXPECT_NEAR(state.worldSegment(state.landmarks[0]).length(), 2.0, 0.01);
 }
 
+/// Pieces of a wall that a first visit shows at y = 0 and a second one, some way later, elsewhere.
+std::optional<EdgesTwice> twoVisits(double later_m, double across_m) {
+  DriveRecord visits = record();
+  visits.keyframes[1].way_m = later_m;
+  std::vector<LineLandmark> landmarks;
+  for (const double x : {0.0, 2.0, 4.0}) {
+    landmarks.push_back(landmark({{x, 0.0}, {x + 1.0, 0.0}}, "skirting", 0));
+    landmarks.push_back(landmark({{x + 0.3, across_m}, {x + 1.3, across_m + 0.01 * x}}, "skirting", 1));
+  }
+  return edgesTwice(visits, {}, stateOf(landmarks));
+}
+
+TEST(EdgesTwice, NamesThePlaceWhereTwoVisitsWereNotJoined) {
+  const auto twice = twoVisits(30.0, 0.2);
+  ASSERT_TRUE(twice);
+  EXPECT_EQ(twice->edges, 3);
+  EXPECT_NEAR(twice->length_m, 3 * 0.7, 0.02);
+  EXPECT_NEAR(twice->across_m, 0.2 + 0.5 * 0.04 * 0.7, 0.02);
+  EXPECT_NEAR(twice->world.x(), 4.5, 0.01);
+}
+
+TEST(EdgesTwice, EdgesOfOneVisitAndThoseThatAgreeStandOnce) {
+  EXPECT_FALSE(twoVisits(3.0, 0.2)) << "two edges beside each other";
+  EXPECT_FALSE(twoVisits(30.0, 0.0)) << "near enough";
+  EXPECT_FALSE(twoVisits(30.0, 0.7)) << "another wall";
+}
+
 }  // namespace
 }  // namespace vismem

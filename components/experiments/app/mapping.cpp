@@ -114,6 +114,7 @@ nlohmann::json toJson(const MapScore& score, const DriveMap& map, const Drive& d
   json["dropped"] = map.dropped;
   json["cut"] = map.cut;
   json["circles"] = map.circles;
+  json["edges_twice"] = map.twice ? map.twice->edges : 0;
   json.update(closingsJson(map, drive.truth));
   for (const ClosingEvidence& search : map.searches) {
     json["searches"].push_back({{"way_m", search.way_m},

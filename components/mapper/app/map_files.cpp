@@ -1,6 +1,7 @@
 #include "mapper/app/map_files.h"
 
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -125,6 +126,18 @@ nlohmann::json againstTruth(const RecordedDrive& drive, const Output& output) {
           {"T_world_map", {T.x, T.y, T.theta}}};
 }
 
+/// What the user must know of places that stand twice in the map.
+std::string twiceNote(const EdgesTwice& twice, const Pose2& T_map_world) {
+  const Eigen::Vector2d at = transform(T_map_world, twice.world);
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "%d edges stand twice, up to %.2f m apart, the worst at x %.1f, y %.1f m: two visits of this place "
+      "were not joined; drive round it once more",
+      twice.edges, twice.across_m, at.x(), at.y());
+  return text;
+}
+
 nlohmann::json summaryOf(const RecordedDrive& drive, const DriveMap& map, const Output& output) {
   nlohmann::json json{{"keyframes", drive.record.keyframes.size()},
                       {"way_m", drive.record.keyframes.empty() ? 0.0 : drive.record.keyframes.back().way_m},
@@ -141,6 +154,7 @@ nlohmann::json summaryOf(const RecordedDrive& drive, const DriveMap& map, const 
   json["labels"] = labels;
   if (!drive.truth.empty()) json["truth"] = againstTruth(drive, output);
   json["notes"] = map.notes;
+  if (map.twice) json["notes"].push_back(twiceNote(*map.twice, output.T_map_world));
   if (map.closings.empty()) {
     json["notes"].push_back(
         "no place was found again: drive on until the robot has seen its start from the same side for 3 m, "

@@ -125,6 +125,7 @@ class Mapping {
     const std::string problem = addCovariances(record_, params_.graph, last, map_.state, map_.closings);
     if (!problem.empty()) map_.notes.push_back(problem);
     joinCorners(corners, map_.state);
+    map_.twice = edgesTwice(record_, params_.twice, map_.state);
   }
 
   /// Each search sees the map as the closings before it left it.

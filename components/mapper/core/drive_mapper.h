@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct DriveMapperParams {
   LandmarkMergeParams merge;
   LandmarkEndParams ends;
   OverlapParams overlap;
+  EdgesTwiceParams twice;
   CornerJoinParams corners;
   CircleJoinParams circles;
   ClosingParams closing;
@@ -48,8 +50,9 @@ struct DriveMap {
   std::vector<Closing> closings;  ///< accepted
   std::vector<Closing> refused;   ///< found, but neither consistent nor confirmed
   std::vector<ClosingEvidence> searches;
-  std::string problem;   ///< empty: the solve is usable
-  double seconds = 0.0;  ///< of the solver
+  std::optional<EdgesTwice> twice;  ///< places that must not be trusted
+  std::string problem;              ///< empty: the solve is usable
+  double seconds = 0.0;             ///< of the solver
   std::vector<std::string> notes;
 };
 

@@ -11,6 +11,7 @@
 #include "localization/core/map/visibility.h"
 
 namespace vismem {
+
 namespace {
 
 /// How one landmark lies beside another, in world.
@@ -122,6 +123,18 @@ void absorb(LineLandmark& into, const LineLandmark& other, const MapState& state
   into.recentre();
 }
 
+/// Whether all views of one lie further than a way from all views of the other.
+bool areOtherVisits(const DriveRecord& record, const LineLandmark& one, const LineLandmark& other,
+                    double apart_m) {
+  const auto way = [&](const LineLandmark::Seen& seen) {
+    return record.keyframes[static_cast<std::size_t>(seen.keyframe)].way_m;
+  };
+  return std::none_of(one.seen.begin(), one.seen.end(), [&](const auto& seen) {
+    return std::any_of(other.seen.begin(), other.seen.end(),
+                       [&](const auto& each) { return std::abs(way(seen) - way(each)) <= apart_m; });
+  });
+}
+
 bool areOne(const DriveRecord& record, const LineLandmark& one, const LineLandmark& other,
             const MapState& state, const LandmarkMergeParams& params) {
   if (one.label != other.label) return false;
@@ -153,6 +166,30 @@ int mergeLandmarks(const DriveRecord& record, const LandmarkMergeParams& params,
     }
   }
   return merges;
+}
+
+std::optional<EdgesTwice> edgesTwice(const DriveRecord& record, const EdgesTwiceParams& params,
+                                     const MapState& state) {
+  EdgesTwice found;
+  for (std::size_t i = 0; i < state.landmarks.size(); ++i) {
+    const LineLandmark& one = state.landmarks[i];
+    for (std::size_t j = i + 1; j < state.landmarks.size(); ++j) {
+      const LineLandmark& other = state.landmarks[j];
+      if (one.label != other.label || one.isChord() || other.isChord()) continue;
+      const Segment2 world = state.worldSegment(one);
+      const auto near = beside(world, state.worldSegment(other), params.angle_rad);
+      if (!near || -near->gap_m < params.least_m) continue;
+      if (near->across_m < params.least_across_m || near->across_m > params.most_across_m) continue;
+      if (!areOtherVisits(record, one, other, params.apart_m)) continue;
+      ++found.edges;
+      found.length_m -= near->gap_m;
+      if (near->across_m <= found.across_m) continue;
+      found.across_m = near->across_m;
+      found.world = world.middle();
+    }
+  }
+  if (found.edges < params.least_edges) return std::nullopt;
+  return found;
 }
 
 }  // namespace vismem

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "mapper/core/landmarks.h"
 
@@ -23,5 +24,27 @@ struct LandmarkMergeParams {
 /// together: two edges beside each other stay two however near they are.
 /// @return number of merges.
 int mergeLandmarks(const DriveRecord& record, const LandmarkMergeParams& params, MapState& state);
+
+struct EdgesTwiceParams {
+  double angle_rad = 0.15;
+  double least_across_m = 0.05;  ///< nearer ones mislead nobody
+  double most_across_m = 0.50;   ///< further ones may be two edges
+  double least_m = 0.30;         ///< of the part beside the other
+  double apart_m = 6.0;          ///< way between all views of one and of the other
+  int least_edges = 3;
+};
+
+/// Edges that stand twice in a solved map: two visits of a place that were not joined.
+struct EdgesTwice {
+  int edges = 0;
+  double length_m = 0.0;                            ///< of their parts beside each other
+  double across_m = 0.0;                            ///< largest distance ..
+  Eigen::Vector2d world = Eigen::Vector2d::Zero();  ///< .. and where that is [m]
+};
+
+/// Edges of one label and polarity beside each other that no two images of one visit showed.
+/// @return empty if there are too few to be sure.
+std::optional<EdgesTwice> edgesTwice(const DriveRecord& record, const EdgesTwiceParams& params,
+                                     const MapState& state);
 
 }  // namespace vismem
