@@ -68,6 +68,7 @@ TEST(LargeFloor, MergesTheVisitsOfAPlaceWithoutClosings) {
     const DriveMap map = mapDrive(floor.record, {}, params);
     const MapScore score = scoreOf(map.state, threeBlocks(), floor);
     EXPECT_LT(score.edges.duplicates(), 1.05) << "seed " << seed;
+    EXPECT_GT(map.seen_again, 100) << "seed " << seed;
     EXPECT_LT(score.worst_piece_rms_m, 0.10) << "seed " << seed;
   }
 }

@@ -317,6 +317,13 @@ TEST(MapGraph, TheSameRecordGivesTheSameMap) {
   for (std::size_t k = 0; k < one.state.poses.size(); ++k) EXPECT_EQ(one.state.poses[k], two.state.poses[k]);
 }
 
+TEST(MapGraph, CountsTheEdgesThatALaterVisitSawAgain) {
+  const SyntheticDrive part = drive(ringOfCorridors(), ringWay(12.0), {});
+  EXPECT_EQ(mapDrive(part.record, {}, mapperParams()).seen_again, 0);
+  const SyntheticDrive more = drive(ringOfCorridors(), ringWay(kRing_m + 6.0), {});
+  EXPECT_GE(mapDrive(more.record, {}, mapperParams()).seen_again, 5);
+}
+
 TEST(MapGraph, StatesAnHonestSigmaOfEnds) {
   double chi2 = 0.0;
   int ends = 0;

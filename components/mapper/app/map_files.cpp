@@ -146,6 +146,7 @@ nlohmann::json summaryOf(const RecordedDrive& drive, const DriveMap& map, const 
                       {"circles", map.circles},
                       {"segments", output.rows.size()},
                       {"closings", map.closings.size()},
+                      {"seen_again", map.seen_again},
                       {"refused_closings", map.refused.size()},
                       {"solver_s", map.seconds}};
   json.update(estimatesJson(map));
@@ -155,7 +156,8 @@ nlohmann::json summaryOf(const RecordedDrive& drive, const DriveMap& map, const 
   if (!drive.truth.empty()) json["truth"] = againstTruth(drive, output);
   json["notes"] = map.notes;
   if (map.twice) json["notes"].push_back(twiceNote(*map.twice, output.T_map_world));
-  if (map.closings.empty()) {
+  constexpr int kLeastSeenAgain = 3;
+  if (map.closings.empty() && map.seen_again < kLeastSeenAgain) {
     json["notes"].push_back(
         "no place was found again: drive on until the robot has seen its start from the same side for 3 m, "
         "or the map keeps the drift of one way");

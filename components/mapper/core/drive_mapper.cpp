@@ -32,6 +32,20 @@ int dropContradicted(const DriveRecord& record, const DriveMapperParams& params,
   return static_cast<int>(before - state.landmarks.size());
 }
 
+/// Landmarks that were out of sight for more than a way.
+int seenAgain(const DriveRecord& record, const MapState& state, double apart_m) {
+  const auto way = [&](const LineLandmark::Seen& seen) {
+    return record.keyframes[static_cast<std::size_t>(seen.keyframe)].way_m;
+  };
+  return static_cast<int>(
+      std::count_if(state.landmarks.begin(), state.landmarks.end(), [&](const LineLandmark& landmark) {
+        const auto& seen = landmark.seen;
+        return std::adjacent_find(seen.begin(), seen.end(), [&](const auto& one, const auto& next) {
+                 return way(next) - way(one) > apart_m;
+               }) != seen.end();
+      }));
+}
+
 void recentreAll(MapState& state) {
   for (LineLandmark& landmark : state.landmarks) landmark.recentre();
 }
@@ -125,6 +139,7 @@ class Mapping {
     const std::string problem = addCovariances(record_, params_.graph, last, map_.state, map_.closings);
     if (!problem.empty()) map_.notes.push_back(problem);
     joinCorners(corners, map_.state);
+    map_.seen_again = seenAgain(record_, map_.state, params_.closing.apart_m);
     map_.twice = edgesTwice(record_, params_.twice, map_.state);
   }
 

@@ -47,6 +47,7 @@ struct DriveMap {
   int dropped = 0;
   int cut = 0;
   int circles = 0;
+  int seen_again = 0;             ///< landmarks that a later visit saw again, with a closing or without
   std::vector<Closing> closings;  ///< accepted
   std::vector<Closing> refused;   ///< found, but neither consistent nor confirmed
   std::vector<ClosingEvidence> searches;
