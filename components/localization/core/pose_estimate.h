@@ -42,9 +42,9 @@ struct CameraErrors {
   /// axis, and about the robot's y axis (positive looks down) and x axis [rad]; age of images beyond their
   /// stamps [s].
   enum Error { kHeight, kFocal, kPitch, kRoll, kMountPitch, kMountRoll, kDelay };
-  CameraVector errors = CameraVector::Zero();  ///< each estimated with those found, the others being 0
+  CameraVector errors = CameraVector::Zero();  ///< posterior means, which the pose is corrected for
   CameraVector sigmas = CameraVector::Zero();  ///< standard deviations; 0: nothing was learnt yet
-  std::bitset<kCameraErrors> found;            ///< significant ones, which the pose is corrected for
+  std::bitset<kCameraErrors> found;            ///< probably not 0
 
   bool isFound(int error) const { return found[static_cast<std::size_t>(error)]; }
 };

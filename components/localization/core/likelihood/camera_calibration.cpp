@@ -1,7 +1,7 @@
 #include "localization/core/likelihood/camera_calibration.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -23,18 +23,14 @@ constexpr double kCameraBlur_m = 0.05;  // a wrong camera moves points by more t
 constexpr int kSteps = 3;
 /// Information about the lasting tilt of a race, which is one of the errors here.
 constexpr double kFixedTilt = 1e8;
-/// An error is found from this number of standard deviations, and given up below the other one.
-constexpr double kFound = 3.2;
-constexpr double kGivenUp = 2.0;
-constexpr double kNever = 1e12;  // information about an error that is taken to be 0
-
+/// Prior log odds of an error against none: 1 to 20.
+const double kLogOdds = std::log(0.05);
+/// An error is found from this probability on, and given up below the other one.
+constexpr double kFound = 0.95;
+constexpr double kGivenUp = 0.5;
 /// Prior standard deviations, in the order of CameraErrors::Error.
 const CameraVector kPrior{{0.03, 0.03, degToRad(1.0), degToRad(1.0), degToRad(1.0), degToRad(1.0), 0.05}};
 constexpr double kStep = 1e-4;  // of the derivatives
-
-CameraVector priorInformation() {
-  return kPrior.cwiseProduct(kPrior).cwiseInverse();
-}
 
 }  // namespace
 
@@ -48,12 +44,8 @@ void CameraCalibration::begin(const ImageAnalysis& analysis) {
 }
 
 std::optional<CameraModel> CameraCalibration::corrected() const {
-  if (errors_.found.none()) return std::nullopt;
-  CameraVector found = errors_.errors;
-  for (int i = 0; i < kCameraErrors; ++i) {
-    if (!errors_.isFound(i)) found[i] = 0.0;
-  }
-  return view(found);
+  if (errors_.sigmas.isZero()) return std::nullopt;
+  return view(errors_.errors);
 }
 
 CameraModel CameraCalibration::view(const CameraVector& errors) const {
@@ -81,7 +73,7 @@ CameraModel CameraCalibration::view(const CameraVector& errors) const {
 void CameraCalibration::differentiate(const CameraModel& here) {
   std::array<CameraModel, kCameraErrors> moved;
   for (int i = 0; i < kCameraErrors; ++i) {
-    moved[static_cast<std::size_t>(i)] = view(linearized_at_ + kStep * CameraVector::Unit(i));
+    moved[static_cast<std::size_t>(i)] = view(errors_.errors + kStep * CameraVector::Unit(i));
   }
   const Pose3 T_camera_robot = here.T_robot_camera.inverse();
   derivatives_.clear();
@@ -99,7 +91,7 @@ void CameraCalibration::differentiate(const CameraModel& here) {
 }
 
 void CameraCalibration::learn(const ImageAnalysis& analysis, const Pose2& T_world_robot) {
-  const CameraModel here = view(linearized_at_);
+  const CameraModel here = view(errors_.errors);
   seen_ = observeImage(analysis, map_, params_, &here, std::move(seen_));
   observation_ = thinned(seen_, kMaximumPoints, std::move(observation_));
   if (observation_.points.empty()) return;
@@ -112,14 +104,12 @@ void CameraCalibration::learn(const ImageAnalysis& analysis, const Pose2& T_worl
   const double kept = 1.0 - 1.0 / kRemembered;
   information_ = kept * information_ + kIndependent * evidence.information;
   information_vector_ =
-      kept * information_vector_ + kIndependent * (evidence.information * linearized_at_ - evidence.gradient);
+      kept * information_vector_ + kIndependent * (evidence.information * errors_.errors - evidence.gradient);
   const FittedPose fitted{analysis.stamp_us, analysis.T_odom_robot, refined.placement.T_world_robot,
-                          evidence.d_pose,   evidence.P_pose,       linearized_at_};
+                          evidence.d_pose,   evidence.P_pose,       errors_.errors};
   if (fitted_ && since_before_s_ > 0.0) compareMotion(*fitted_, fitted);
   fitted_ = fitted;
-  linearized_at_ =
-      (information_ + CameraMatrix(priorInformation().asDiagonal())).ldlt().solve(information_vector_);
-  selectErrors();
+  estimate();
 }
 
 /// Odometry says by how much two fitted poses must differ.
@@ -145,41 +135,37 @@ void CameraCalibration::compareMotion(const FittedPose& before, const FittedPose
   information_vector_ -= weight * J.transpose() * information * without;
 }
 
-/// Stepwise regression: each error with those that were found, and without the others.
-void CameraCalibration::selectErrors() {
-  const auto estimateWith = [&](int error) {
-    CameraMatrix information = information_;
-    CameraVector prior = priorInformation();
-    for (int i = 0; i < kCameraErrors; ++i) {
-      if (i != error && !errors_.isFound(i)) prior[i] = kNever;
-    }
-    information.diagonal() += prior;
-    const CameraMatrix P = information.inverse();
-    errors_.errors[error] = P.row(error).dot(information_vector_);
-    errors_.sigmas[error] = std::sqrt(P(error, error));
-  };
-  const auto estimate = [&] {
-    for (int i = 0; i < kCameraErrors; ++i) estimateWith(i);
-    return CameraVector(errors_.errors.cwiseAbs().cwiseQuotient(errors_.sigmas));
-  };
-  for (int step = 0; step < kCameraErrors; ++step) {
-    CameraVector sigmas = estimate();
-    int worst = -1;
-    for (int i = 0; i < kCameraErrors; ++i) {
-      if (errors_.isFound(i) && sigmas[i] < kGivenUp) worst = i;
-    }
-    if (worst >= 0) {
-      errors_.found.reset(static_cast<std::size_t>(worst));
-      continue;
-    }
-    for (int i = 0; i < kCameraErrors; ++i) {
-      if (errors_.isFound(i)) sigmas[i] = 0.0;
-    }
-    int most = 0;
-    if (sigmas.maxCoeff(&most) < kFound) return;
-    errors_.found.set(static_cast<std::size_t>(most));
+/// Posterior mean and standard deviations, mixed over all subsets of the errors by their evidence.
+void CameraCalibration::estimate() {
+  const CameraVector prior = kPrior.cwiseAbs2();
+  CameraVector mean = CameraVector::Zero();
+  CameraVector square = CameraVector::Zero();
+  CameraVector inclusion = CameraVector::Zero();
+  double sum = 0.0;
+  double fullest = 0.0;  // log evidence of the first subset, which has all errors and fits best
+  for (unsigned subset = 1U << kCameraErrors; subset-- > 0;) {
+    CameraVector is_included;
+    for (int i = 0; i < kCameraErrors; ++i) is_included[i] = subset >> i & 1U;
+    const CameraVector variance = prior.cwiseProduct(is_included);
+    const auto lu =
+        CameraMatrix(CameraMatrix::Identity() + variance.asDiagonal() * information_).partialPivLu();
+    const CameraMatrix P = lu.solve(CameraMatrix(variance.asDiagonal()));
+    const CameraVector errors = P * information_vector_;
+    const double log_evidence =
+        0.5 * (information_vector_.dot(errors) - std::log(lu.determinant())) + kLogOdds * is_included.sum();
+    if (sum == 0.0) fullest = log_evidence;
+    const double probability = std::exp(log_evidence - fullest);
+    sum += probability;
+    mean += probability * errors;
+    square += probability * (P.diagonal() + errors.cwiseAbs2());
+    inclusion += probability * is_included;
   }
-  estimate();
+  errors_.errors = mean / sum;
+  errors_.sigmas = (square / sum - errors_.errors.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
+  for (int i = 0; i < kCameraErrors; ++i) {
+    errors_.found[static_cast<std::size_t>(i)] =
+        inclusion[i] > (errors_.isFound(i) ? kGivenUp : kFound) * sum;
+  }
 }
 
 std::string CameraAlarm::update(const CameraErrors& camera) {

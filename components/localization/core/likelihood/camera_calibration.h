@@ -22,8 +22,9 @@ namespace vismem {
 /// map fixes the scale of what is seen, which a moving camera alone does not: on the floor a camera that
 /// looks too high is a robot that travels too far. Pose and tilt of each image are free (Schur complement),
 /// but odometry ties successive poses: images that are late turn the robot with its head.
-/// Errors are found one by one (stepwise regression): a wrong height alone also looks a little like a wrong
-/// focal length. *Single-threaded* (owner: RobustRaces); keeps references to its arguments.
+/// Most errors are 0 (spike-and-slab prior): the posterior is mixed over all subsets of errors by their
+/// evidence (Bayesian model averaging: Hoeting et al. 1999). Views in one direction leave several causes,
+/// whose mean fits what was seen. *Single-threaded* (owner: RobustRaces); keeps references to its arguments.
 class CameraCalibration {
  public:
   CameraCalibration(const RobustLikelihood& likelihood, const MapIndex& map, const ObservationParams& params,
@@ -33,7 +34,7 @@ class CameraCalibration {
   /// Begins an image, also one that is not learnt from: its camera as configured, and the camera's motion
   /// since the last image, which a delay needs.
   void begin(const ImageAnalysis& analysis);
-  /// The camera of this image, corrected by the errors that were found; empty where none was.
+  /// The camera of this image, corrected by the mean errors; empty before anything was learnt.
   std::optional<CameraModel> corrected() const;
   /// Learns from the image that was begun last.
   /// @param T_world_robot trusted pose at its stamp.
@@ -55,7 +56,7 @@ class CameraCalibration {
   CameraModel view(const CameraVector& errors) const;
   void differentiate(const CameraModel& here);
   void compareMotion(const FittedPose& before, const FittedPose& now);
-  void selectErrors();
+  void estimate();
 
   const RobustLikelihood& likelihood_;
   const MapIndex& map_;
@@ -68,7 +69,6 @@ class CameraCalibration {
   double since_before_s_ = 0.0;  ///< 0: no motion is known
   CameraMatrix information_ = CameraMatrix::Zero();
   CameraVector information_vector_ = CameraVector::Zero();  ///< information times errors
-  CameraVector linearized_at_ = CameraVector::Zero();       ///< estimate with all errors free
   CameraErrors errors_;
   std::optional<FittedPose> fitted_;         ///< of the last image that was learnt from
   FloorObservation seen_, observation_;      ///< of the last image that was learnt from; all points, and some

@@ -95,6 +95,17 @@ TEST(CameraCalibration, FindsATiltedCameraAndNothingElse) {
   EXPECT_EQ(found.found.count(), 1);
 }
 
+TEST(CameraCalibration, NamesNeitherCameraNorMountAfterViewsInOneDirection) {
+  // A head at rest that looks ahead: camera and mount turn it about the same axis.
+  Head ahead;
+  ahead.pan = [](double) { return 0.0; };
+  const CameraErrors found = errorsAfterDrive({.pitch_rad = degToRad(1.0)}, ahead);
+  EXPECT_FALSE(found.isFound(CameraErrors::kPitch));
+  EXPECT_FALSE(found.isFound(CameraErrors::kMountPitch));
+  EXPECT_NEAR(found.errors[CameraErrors::kPitch] - found.errors[CameraErrors::kMountPitch], degToRad(1.0),
+              degToRad(0.15));
+}
+
 TEST(CameraCalibration, FindsLateImages) {
   const CameraErrors found = errorsAfterDrive({.delay_s = 0.05});
   EXPECT_NEAR(found.errors[CameraErrors::kDelay], 0.05, 0.01);
