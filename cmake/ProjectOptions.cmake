@@ -24,7 +24,7 @@ macro(vismem_light_optimization)
   add_compile_options($<$<CONFIG:Release>:-O1>)
 endmacro()
 
-# For the libraries of a folder that handle each image: inlines more, and functions of other files too. The results have the same bytes.
+# For the libraries of a folder that handle each image: inlines more, also functions with external names. The results have the same bytes.
 macro(vismem_full_optimization)
   add_compile_options($<$<CONFIG:Release>:-O3> -fno-math-errno -fno-semantic-interposition)
 endmacro()
