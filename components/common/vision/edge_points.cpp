@@ -82,6 +82,7 @@ void EdgePointFinder::prepare(const cv::Mat& image) {
   const int block_bits = kWordBits * kernel_.word_block;
   words_ = (width_ + block_bits - 1) / block_bits * kernel_.word_block;
   count_ = 0;
+  std::fill_n(found_, kRows, 0);
   stride_ = kWordBits * words_ + 2 * kEdgeReadMargin;
   const std::size_t pixels = image.total() + 2 * kEdgePointBlock;
   points_.reserve(pixels);
@@ -167,11 +168,18 @@ void EdgePointFinder::pointsOfRow(int y) {
   std::memset(next_.data() + count_, 0, found * sizeof(std::int16_t));
   std::memset(previous_.data() + count_, 0, found);
   count_ += found;
-  kernel_.link(here, bits(y - 1), words_, work_, links_);
-  join(y, y - 1, 1);
+  found_[y & (kRows - 1)] = found;
+  if (found > 0) {
+    kernel_.link(here, bits(y - 1), words_, work_, links_);
+    join(y, y - 1, 1);
+  }
   if (!bridge_) return;
   // Flat edges a row later: a neighbour in the row below comes before one beyond a gap.
-  if (kernel_.bridge_flat(bits(y - 1), bits(y - 2), words_, work_, links_)) join(y - 1, y - 2, 2);
+  if (found_[(y - 1) & (kRows - 1)] > 0 &&
+      kernel_.bridge_flat(bits(y - 1), bits(y - 2), words_, work_, links_)) {
+    join(y - 1, y - 2, 2);
+  }
+  if (found == 0) return;
   if (kernel_.bridge_steep(here, bits(y - 2), words_, work_, links_)) join(y, y - 2, 1);
   if (kernel_.bridge_diagonal(here, bits(y - 2), words_, work_, links_)) join(y, y - 2, 2);
 }

@@ -78,12 +78,20 @@ void SideSamples::take(const cv::Mat& image, const Segment2& px, double first_px
 
 void SideSamples::sample(const cv::Mat& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step,
                          int count, std::size_t at) {
+  const auto place = [&](int i) {
+    return Eigen::Vector2d(first.x() + i * step.x(), first.y() + i * step.y());
+  };
+  const auto isInside = [&](const Eigen::Vector2d& p) {
+    return nearestPixel(p.x(), image.cols) >= 0 && nearestPixel(p.y(), image.rows) >= 0;
+  };
+  const bool all_inside = isInside(place(0)) && isInside(place(count - 1));
   for (int i = 0; i < count; ++i, ++at) {
-    const int x = nearestPixel(first.x() + i * step.x(), image.cols);
-    const int y = nearestPixel(first.y() + i * step.y(), image.rows);
+    const Eigen::Vector2d p = place(i);
     classes_[at] = kOutside;
-    if (x < 0 || y < 0) continue;
-    const std::uint8_t* rgb = image.ptr<std::uint8_t>(y) + 3 * static_cast<std::ptrdiff_t>(x);
+    if (!all_inside && !isInside(p)) continue;
+    const int x = std::min(static_cast<int>(p.x() + 0.5), image.cols - 1);
+    const int y = std::min(static_cast<int>(p.y() + 0.5), image.rows - 1);
+    const std::uint8_t* rgb = image.data + y * image.step[0] + 3 * static_cast<std::size_t>(x);
     colours_[at] = {rgb[0], rgb[1], rgb[2]};
     classes_[at] = palette_->classOf(rgb[0], rgb[1], rgb[2]);
   }

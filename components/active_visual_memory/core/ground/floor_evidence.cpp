@@ -29,14 +29,14 @@ double FloorEvidence::fractionOf(int sample) const {
   return 0.1 + 0.8 * (sample + 0.5) / params_.samples;
 }
 
-bool FloorEvidence::addColour(const Eigen::Vector2d& px_ideal, Eigen::Vector3d& sum) const {
+bool FloorEvidence::addColour(const Eigen::Vector2d& px_ideal, Eigen::Vector3i& sum) const {
   const Eigen::Vector2d raw = distorts_ ? distortPixel(intrinsics_, px_ideal) : px_ideal;
   const int u = nearestPixel(raw.x(), image_.cols);
   const int v = nearestPixel(raw.y(), image_.rows);
   if (u < 0 || v < 0 || channels_ == 0) return false;
   const std::uint8_t* colour = image_.ptr<std::uint8_t>(v) + channels_ * u;
   if (channels_ == 3) {
-    sum += Eigen::Vector3d(colour[0], colour[1], colour[2]);
+    sum += Eigen::Vector3i(colour[0], colour[1], colour[2]);
   } else {
     sum.array() += *colour;
   }
@@ -44,14 +44,14 @@ bool FloorEvidence::addColour(const Eigen::Vector2d& px_ideal, Eigen::Vector3d& 
 }
 
 std::optional<Eigen::Vector3d> FloorEvidence::colourAt(const Eigen::Vector2d& px_ideal) const {
-  Eigen::Vector3d colour = Eigen::Vector3d::Zero();
-  return addColour(px_ideal, colour) ? std::optional(colour) : std::nullopt;
+  Eigen::Vector3i colour = Eigen::Vector3i::Zero();
+  return addColour(px_ideal, colour) ? std::optional<Eigen::Vector3d>(colour.cast<double>()) : std::nullopt;
 }
 
 std::optional<Eigen::Vector3d> FloorEvidence::patchAt(const Eigen::Vector2d& px, const Eigen::Vector2d& along,
                                                       double half_length) const {
   const Eigen::Vector2d normal = turned90(along);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Vector3i sum = Eigen::Vector3i::Zero();
   int count = 0;
   for (double forward = -half_length; forward <= half_length; forward += 2.0) {
     for (const double sideways : {-1.0, 0.0, 1.0}) {
@@ -59,7 +59,7 @@ std::optional<Eigen::Vector3d> FloorEvidence::patchAt(const Eigen::Vector2d& px,
       ++count;
     }
   }
-  return Eigen::Vector3d(sum / count);
+  return Eigen::Vector3d(sum.cast<double>() / count);
 }
 
 std::optional<SideColours> FloorEvidence::sides(const Segment2& px) const {

@@ -70,7 +70,7 @@ class FloorEvidence {
   /// Of a sample along a segment, from 0 at its end a.
   double fractionOf(int sample) const;
   /// @return false outside the image.
-  bool addColour(const Eigen::Vector2d& px_ideal, Eigen::Vector3d& sum) const;
+  bool addColour(const Eigen::Vector2d& px_ideal, Eigen::Vector3i& sum) const;
   std::optional<Eigen::Vector3d> colourAt(const Eigen::Vector2d& px_ideal) const;
   /// Mean colour of 3 px across and of `half_length` to both sides along, every 2 px.
   std::optional<Eigen::Vector3d> patchAt(const Eigen::Vector2d& px_ideal, const Eigen::Vector2d& along,
