@@ -34,14 +34,11 @@ int dropContradicted(const DriveRecord& record, const DriveMapperParams& params,
 
 /// Landmarks that were out of sight for more than a way.
 int seenAgain(const DriveRecord& record, const MapState& state, double apart_m) {
-  const auto way = [&](const LineLandmark::Seen& seen) {
-    return record.keyframes[static_cast<std::size_t>(seen.keyframe)].way_m;
-  };
   return static_cast<int>(
       std::count_if(state.landmarks.begin(), state.landmarks.end(), [&](const LineLandmark& landmark) {
         const auto& seen = landmark.seen;
         return std::adjacent_find(seen.begin(), seen.end(), [&](const auto& one, const auto& next) {
-                 return way(next) - way(one) > apart_m;
+                 return wayAt(record, next) - wayAt(record, one) > apart_m;
                }) != seen.end();
       }));
 }

@@ -11,7 +11,6 @@
 #include "localization/core/map/visibility.h"
 
 namespace vismem {
-
 namespace {
 
 /// How one landmark lies beside another, in world.
@@ -126,12 +125,10 @@ void absorb(LineLandmark& into, const LineLandmark& other, const MapState& state
 /// Whether all views of one lie further than a way from all views of the other.
 bool areOtherVisits(const DriveRecord& record, const LineLandmark& one, const LineLandmark& other,
                     double apart_m) {
-  const auto way = [&](const LineLandmark::Seen& seen) {
-    return record.keyframes[static_cast<std::size_t>(seen.keyframe)].way_m;
-  };
   return std::none_of(one.seen.begin(), one.seen.end(), [&](const auto& seen) {
-    return std::any_of(other.seen.begin(), other.seen.end(),
-                       [&](const auto& each) { return std::abs(way(seen) - way(each)) <= apart_m; });
+    return std::any_of(other.seen.begin(), other.seen.end(), [&](const auto& each) {
+      return std::abs(wayAt(record, seen) - wayAt(record, each)) <= apart_m;
+    });
   });
 }
 

@@ -101,6 +101,11 @@ struct LandmarkParams {
 /// The camera of a keyframe in world, with the estimated tilts.
 Pose3 cameraOf(const DriveRecord& record, const MapState& state, int keyframe);
 
+/// Way driven until a sighting [m].
+inline double wayAt(const DriveRecord& record, const LineLandmark::Seen& seen) {
+  return record.keyframes[static_cast<std::size_t>(seen.keyframe)].way_m;
+}
+
 /// Dead reckoning of the keyframes from the origin, and a landmark for each element that was seen often
 /// enough.
 MapState initialState(const DriveRecord& record, const LandmarkParams& params);
