@@ -95,7 +95,7 @@ class EdgePointFinder {
   Room<std::int32_t> packed_;
   Room<std::uint64_t> planes_;
   EdgeBits bits_[kRows];
-  int found_[kRows] = {};  // points
+  int found_[kRows] = {};  // points of the last rows
   EdgeLinks links_;
   EdgeWork work_;
 };

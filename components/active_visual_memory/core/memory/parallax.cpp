@@ -107,7 +107,7 @@ ParallaxEstimate::Verdict ParallaxEstimate::verdict(double camera_height_m, bool
   const Verdict a = judge(kEndA);
   const Verdict b = judge(kEndB);
   if (a == Verdict::kOffFloor || b == Verdict::kOffFloor) return Verdict::kOffFloor;
-  // An end that rests may be another's: the line moves.
+  // The line moves: an end that rests is probably that of another edge.
   if (offset && std::abs(offset->value) - std::sqrt(offset->variance) > limit) return Verdict::kUnknown;
   const int resting = (a == Verdict::kOnFloor) + (b == Verdict::kOnFloor);
   if (resting == 2 || (resting == 1 && not_vertical)) return Verdict::kOnFloor;
