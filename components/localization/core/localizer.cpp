@@ -143,7 +143,7 @@ void Localizer::iterate(const MemoryUpdate& update, double elapsed_s) {
   const bool is_inconsistent = agreement && *agreement < kInconsistent * support_;
   if (is_inconsistent) strategy_->resetNovelty();
   propose(agreement, is_inconsistent);
-  table_.prune(strategy_->leastEvidence(table_));
+  table_.prune(strategy_->sparedEvidence(table_));
   table_.mergeSamePlaces();
   for (Race& race : table_.races()) strategy_->refine(race, engine_);
   select(before, is_inconsistent, elapsed_s);

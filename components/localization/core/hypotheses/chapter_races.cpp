@@ -67,7 +67,7 @@ class ChapterRaces : public RaceStrategy {
     return race;
   }
 
-  double leastEvidence(const RaceTable&) const override { return -std::numeric_limits<double>::infinity(); }
+  double sparedEvidence(const RaceTable&) const override { return std::numeric_limits<double>::infinity(); }
 
   void refine(Race& race, RandomEngine& engine) const override {
     evolveRace(race, params_.evolution, engine);

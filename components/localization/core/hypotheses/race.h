@@ -8,9 +8,9 @@
 #include "common/config/parameter_visitor.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/pose.h"
+#include "localization/core/hypotheses/score_history.h"
 #include "localization/core/likelihood/individual.h"
 #include "localization/core/likelihood/placement.h"
-#include "localization/core/hypotheses/score_history.h"
 #include "localization/core/pose_estimate.h"
 
 namespace vismem {
@@ -63,6 +63,9 @@ struct Race {
   double log_likelihood = 0.0;  ///< default mode: of the last observation [nats]
   /// Default mode: scores of the observations in ScoreHistory.
   Scores scores;
+  /// Default mode: number of the newest scores since the robot jumped to this race; kMostScores or more: it
+  /// was here all the time.
+  int scores_since_jump = kMostScores;
 };
 
 /// True if two poses count as one place: x, y and heading (on the circle) each within their limit.

@@ -32,8 +32,8 @@ class RaceStrategy {
   virtual std::span<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) = 0;
   /// A rated race at a given place.
   virtual Race createAt(const Pose2& T_world_robot, RandomEngine& engine) const = 0;
-  /// Evidence under which a race is too far behind the best, beside L7's rule.
-  virtual double leastEvidence(const RaceTable& table) const = 0;
+  /// Evidence from which a race is not pruned, however little of one image it explains.
+  virtual double sparedEvidence(const RaceTable& table) const = 0;
   /// L9, or maximization of the likelihood; the race is rated afterwards.
   virtual void refine(Race& race, RandomEngine& engine) const = 0;
   /// L8: victories and the winner.

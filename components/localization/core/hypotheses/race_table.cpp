@@ -56,10 +56,10 @@ void RaceTable::replaceAll(Race race) {
   races_.push_back(std::move(race));
 }
 
-void RaceTable::prune(double least_evidence) {
+void RaceTable::prune(double spared_evidence) {
   std::erase_if(races_, [&](const Race& race) {
-    return !isProtected(race) && race.victories == 0 &&
-           (race.health < params_.delete_health || race.evidence < least_evidence);
+    return !isProtected(race) && race.victories == 0 && race.health < params_.delete_health &&
+           race.evidence < spared_evidence;
   });
   forgetMissingWinner();
 }

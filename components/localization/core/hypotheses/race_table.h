@@ -30,8 +30,8 @@ class RaceTable {
   bool mayAdmit(const Race& candidate, double most_health) const;
   /// Replaces all races by this one, as the winner: the pose is known from outside.
   void replaceAll(Race race);
-  /// L7: deletes races with no victories and health or evidence under the limit, unless protected.
-  void prune(double least_evidence = -std::numeric_limits<double>::infinity());
+  /// L7: deletes races with no victories, low health and evidence under a limit, unless protected.
+  void prune(double spared_evidence = std::numeric_limits<double>::infinity());
   /// L7: of two at one place the one with fewer victories goes; on a tie the one with lower health.
   void mergeSamePlaces();
   /// The race gains a victory, all others lose one, within 0..maximum_victories.

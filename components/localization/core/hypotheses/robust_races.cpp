@@ -153,10 +153,11 @@ class RobustRaces : public RaceStrategy {
       // Most candidates lie at the place of a race and are not completed.
       if (!table.mayAdmit(race, most_health)) continue;
       complete(race);
-      auto [evidence, scores] =
+      const InitialEvidence initial =
           history_.initialEvidence(race.T_world_robot, race.log_likelihood, table.races());
-      race.evidence = evidence;
-      race.scores = scores;
+      race.evidence = initial.evidence;
+      race.scores = initial.scores;
+      race.scores_since_jump = initial.scores_since_jump;
     }
     return candidates_;
   }
@@ -167,8 +168,8 @@ class RobustRaces : public RaceStrategy {
     return race;
   }
 
-  double leastEvidence(const RaceTable& table) const override {
-    return bestEvidence(table) - params_.evidence.delete_behind;
+  double sparedEvidence(const RaceTable& table) const override {
+    return bestEvidence(table) - params_.evidence.lead;
   }
 
   void refine(Race& race, RandomEngine&) const override {
@@ -187,7 +188,7 @@ class RobustRaces : public RaceStrategy {
     race.health = refined.rating.explained;
     race.log_likelihood = refined.rating.log_likelihood;
     race.evidence += history_.newestWeight() * (race.log_likelihood - race.evidence);
-    history_.record({race.T_world_robot, race.camera_tilt}, race.scores);
+    history_.record(race);
   }
 
   void select(RaceTable& table, double) override {
@@ -268,7 +269,10 @@ class RobustRaces : public RaceStrategy {
 
   void discountEvidence(RaceTable& table) override {
     resetHistory(table);
-    for (Race& race : table.races()) race.scores.resize(0);
+    for (Race& race : table.races()) {
+      race.scores.resize(0);
+      race.scores_since_jump = 0;
+    }
     const double best = table.races().empty() ? 0.0 : bestEvidence(table);
     for (Race& race : table.races()) {
       race.evidence = best - std::min(1.0, best - race.evidence);

@@ -36,8 +36,9 @@ struct EvidenceParams {
   /// Evidence is a mean over about 1 / (1 - forgetting) observations, of which this share is independent.
   /// Shares of belief multiply it by independent_share / (1 - forgetting), at least 1.
   double independent_share = 0.15;
-  double lead = 1.5;            ///< lead in evidence [nats] of a new race to win; an old race needs a third
-  double delete_behind = 12.0;  ///< evidence [nats] behind the best at which a race is pruned
+  /// Lead in evidence [nats] of a new race to win; an old race needs a third. A race that is less behind the
+  /// best is not pruned.
+  double lead = 1.5;
 };
 
 /// L6 in the default mode.

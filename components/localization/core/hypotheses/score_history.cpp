@@ -40,11 +40,14 @@ void ScoreHistory::begin(const FloorObservation& observation, const Pose2& T_odo
   current_ = {0.0, T_odom_robot, thinned(observation, kPoints, std::move(current_.observation))};
 }
 
-void ScoreHistory::record(const Placement& placement, Scores& scores) const {
+void ScoreHistory::record(Race& race) const {
   if (!has_current_ || is_repeat_) return;
+  Scores& scores = race.scores;
   if (scores.size() < kMostScores) scores.conservativeResize(scores.size() + 1);
   std::rotate(scores.begin(), std::prev(scores.end()), scores.end());
+  const Placement placement{race.T_world_robot, race.camera_tilt};
   scores[0] = likelihood_.rate(current_.observation, placement, kBlur_m).log_likelihood;
+  ++race.scores_since_jump;
 }
 
 void ScoreHistory::clear(bool is_place_known) {
@@ -87,34 +90,39 @@ InitialEvidence ScoreHistory::initialEvidence(const Pose2& T_world_robot, double
   }
   InitialEvidence result{all_weights > 0.0 ? mean / all_weights : log_likelihood, own};
   const Race* heir_of = nullptr;
-  Eigen::Index since = 0;  // number of newest observations with the new race's own scores
   for (const Race& race : races) {
     const Eigen::Index known = std::min(race.scores.size(), own.size());
+    const bool is_here_always = race.scores_since_jump >= own.size();
     double gain = 0.0;
     double most = 0.0;
-    Eigen::Index jumped = 0;
-    for (Eigen::Index k = 0; k < known; ++k) {
+    double since_its_jump = 0.0;
+    int jumped = 0;
+    for (int k = 0; k < known; ++k) {
       gain += weights[k] * (own[k] - race.scores[k]);
+      if (k < race.scores_since_jump) since_its_jump = gain;
       if (gain <= most) continue;
       most = gain;
       jumped = k + 1;
     }
     double evidence = race.evidence + most - params_.jump_log_prior;
-    if (known == own.size() && all_weights > 0.0) {
-      const double always = race.evidence + std::min(0.0, gain / all_weights);
-      if (always > evidence) {
-        evidence = always;
-        jumped = known;
+    const bool is_compared =
+        is_here_always ? known == own.size() && all_weights > 0.0 : race.scores_since_jump > 0;
+    if (is_compared) {
+      const double loss = since_its_jump / (is_here_always ? all_weights : 1.0);
+      const double together = race.evidence + std::min(0.0, loss);
+      if (together > evidence) {
+        evidence = together;
+        jumped = race.scores_since_jump;
       }
     }
     if (heir_of && evidence <= result.evidence) continue;
     result.evidence = evidence;
+    result.scores_since_jump = jumped;
     heir_of = &race;
-    since = jumped;
   }
   if (!heir_of) return result;
   const Eigen::Index known = std::min(result.scores.size(), heir_of->scores.size());
-  for (Eigen::Index k = since; k < known; ++k) result.scores[k] = heir_of->scores[k];
+  for (Eigen::Index k = result.scores_since_jump; k < known; ++k) result.scores[k] = heir_of->scores[k];
   return result;
 }
 

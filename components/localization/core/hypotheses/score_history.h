@@ -34,6 +34,7 @@ struct Race;
 struct InitialEvidence {
   double evidence = 0.0;  ///< [nats]
   Scores scores;
+  int scores_since_jump = kMostScores;  ///< as in Race
 };
 
 /// The last observations, newest first, each with the odometry pose at its stamp. Each race carries its
@@ -53,7 +54,7 @@ class ScoreHistory {
     is_repeat_ = false;
   }
   /// Adds a race's score of this iteration's observation in front. To be called for every race.
-  void record(const Placement& placement, Scores& scores) const;
+  void record(Race& race) const;
   /// Drops all observations, after a jump of odometry or a pose given from outside.
   /// @param is_place_known the races' evidence stands for a long past; else the next observations start it.
   void clear(bool is_place_known);
@@ -67,8 +68,9 @@ class ScoreHistory {
   /// The largest evidence over two explanations and all races:
   /// - The robot was at the race's pose until some moment and jumped here: the race's evidence minus
   ///   `jump_log_prior` plus the gain in score since then.
-  /// - It was here all the time: the race's evidence minus the loss in score over all kept observations. A
-  ///   gain is not credited: a new race fits the present image by selection.
+  /// - It was here as long as it would have been at the race's pose, since a jump that both share or all the
+  ///   time: the race's evidence minus the loss in score since then. A gain is not credited: a new race fits
+  ///   the present image by selection.
   /// Without any race: the mean score over the kept observations.
   /// @param log_likelihood of the newest observation, for an empty history.
   InitialEvidence initialEvidence(const Pose2& T_world_robot, double log_likelihood,

@@ -175,14 +175,16 @@ TEST_F(RobustRacesTest, ANewRaceNeedsTheFullLeadAnOldOneAThird) {
   EXPECT_EQ(winnerWith(0.55, 1000), 2u);
 }
 
-TEST_F(RobustRacesTest, ARaceFarBehindTheBestIsPrunable) {
-  RaceTable table = tableWith(-11.9, 10);
-  table.prune(races_->leastEvidence(table));
-  EXPECT_TRUE(table.find(2));
-  table = tableWith(-12.1, 10);
-  table.prune(races_->leastEvidence(table));
-  EXPECT_FALSE(table.find(2));
-  EXPECT_TRUE(table.find(1));
+TEST_F(RobustRacesTest, OneBadImagePrunesOnlyARaceThatIsFarBehind) {
+  const auto isKept = [&](double evidence, double health) {
+    RaceTable table = tableWith(evidence, 10);
+    table.races()[1].health = health;
+    table.prune(races_->sparedEvidence(table));
+    return table.find(1) && table.find(2);
+  };
+  EXPECT_TRUE(isKept(-1.4, 0.1));
+  EXPECT_FALSE(isKept(-1.6, 0.1));
+  EXPECT_TRUE(isKept(-1.6, 0.9));
 }
 
 TEST_F(RobustRacesTest, ProposalsIncludeTheTruePose) {

@@ -15,7 +15,7 @@ MapSegment edge(double x1, double y1, double x2, double y2, const Label& label =
   return {{{x1, y1, 0.0}, {x2, y2, 0.0}}, label, 0.0};
 }
 
-/// Two equal corners 20 m apart, the second with a door, and a nook unlike both.
+/// Two equal corners 20 m apart, the second with a door, and two equal nooks unlike both.
 SegmentMap twinCorners() {
   SegmentMap map;
   map.segments = {edge(0, 0, 3, 0),
@@ -24,7 +24,9 @@ SegmentMap twinCorners() {
                   edge(20, 0, 20, 3),
                   edge(21, 2, 22, 2, "door_foot"),
                   edge(40, 0, 41, 1),
-                  edge(41, 1, 42, 0)};
+                  edge(41, 1, 42, 0),
+                  edge(60, 0, 61, 1),
+                  edge(61, 1, 62, 0)};
   return map;
 }
 
@@ -55,7 +57,7 @@ class ScoreHistoryTest : public testing::Test {
   /// One iteration of a standing robot: an observation of map segments from a pose.
   void see(const Pose2& from, const std::vector<std::size_t>& segments) {
     history_.begin(seenFrom(from, segments), {}, novelty_);
-    history_.record({kFirst}, winner_.scores);
+    history_.record(winner_);
   }
   void seeCorner(int iterations) {
     for (int i = 0; i < iterations; ++i) see(kFirst, {0, 1});
@@ -69,6 +71,7 @@ class ScoreHistoryTest : public testing::Test {
   static constexpr Pose2 kFirst{1.0, 1.0, 0.3};
   static constexpr Pose2 kTwin{21.0, 1.0, 0.3};
   static constexpr Pose2 kNook{41.0, -0.5, 0.3};
+  static constexpr Pose2 kOtherNook{61.0, -0.5, 0.3};
   const SegmentMap edges_ = twinCorners();
   const LikelihoodParams likelihood_params_;
   const ScoreHistoryParams params_;
@@ -77,6 +80,7 @@ class ScoreHistoryTest : public testing::Test {
   ScoreHistory history_;
   Race winner_ = [] {  // stays at kFirst
     Race race;
+    race.T_world_robot = kFirst;
     race.evidence = -5.0;
     return race;
   }();
@@ -129,6 +133,23 @@ TEST_F(ScoreHistoryTest, TheGainSinceTheJumpIsCredited) {
   ASSERT_GT(found.scores.size(), 8);
   EXPECT_NEAR(found.scores[6], 0.0, 0.1) << "its own scores since the jump";
   EXPECT_NEAR(found.scores[8], winner_.scores[8], 1e-9) << "the winner's scores before";
+}
+
+TEST_F(ScoreHistoryTest, APlaceThatExplainsAllSinceARacesJumpHasItsEvidence) {
+  seeCorner(40);
+  for (int i = 0; i < 8; ++i) see(kNook, {5, 6});
+  const InitialEvidence found = initialAt(kNook);
+  winner_.T_world_robot = kNook;
+  winner_.evidence = found.evidence;
+  winner_.scores = found.scores;
+  winner_.scores_since_jump = found.scores_since_jump;
+  for (int i = 0; i < 3; ++i) see(kNook, {5, 6});
+  EXPECT_EQ(winner_.scores_since_jump, 10);
+  const InitialEvidence other = initialAt(kOtherNook);
+  EXPECT_NEAR(other.evidence, winner_.evidence, 1e-6);
+  EXPECT_EQ(other.scores_since_jump, winner_.scores_since_jump);
+  // What explains only the time before the jump is a jump of its own.
+  EXPECT_NEAR(initialAt(kFirst).evidence, winner_.evidence - params_.jump_log_prior, 1e-6);
 }
 
 TEST_F(ScoreHistoryTest, WithoutRacesEvidenceIsTheMeanScore) {
