@@ -239,7 +239,7 @@ void Localizer::report() {
   estimate_.odometry.reset();
   if (winner && params_.mode == LocalizationMode::kDefault) estimate_.odometry = winner->odometry;
   estimate_.camera = strategy_->cameraErrors();
-  if (winner) estimate_.P = winner->P_reported.topLeftCorner<3, 3>();
+  if (winner) estimate_.P = strategy_->covariance(*winner);
 }
 
 }  // namespace vismem

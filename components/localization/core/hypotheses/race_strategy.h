@@ -54,6 +54,8 @@ class RaceStrategy {
   virtual double reliability(const RaceTable& table, double support) const = 0;
   /// Learns the camera's errors from the last observation at a pose that is trusted.
   virtual void learnCamera(const Race& /*trusted*/) {}
+  /// Covariance of a race's pose (x, y, theta).
+  virtual Eigen::Matrix3d covariance(const Race& race) const { return race.P_reported.topLeftCorner<3, 3>(); }
   virtual std::optional<CameraErrors> cameraErrors() const { return std::nullopt; }
   /// The robot may have been moved: what it sees now is new, wherever odometry has it.
   virtual void resetNovelty() {}

@@ -251,6 +251,10 @@ class RobustRaces : public RaceStrategy {
     if (analysis_ && !is_legged) camera_.learn(*analysis_, trusted.T_world_robot);
   }
 
+  Eigen::Matrix3d covariance(const Race& race) const override {
+    return RaceStrategy::covariance(race) + camera_.poseCovariance();
+  }
+
   std::optional<CameraErrors> cameraErrors() const override {
     const CameraErrors& errors = camera_.errors();
     return errors.sigmas.isZero() ? std::nullopt : std::optional(errors);

@@ -112,6 +112,11 @@ void CameraCalibration::learn(const ImageAnalysis& analysis, const Pose2& T_worl
   estimate();
 }
 
+Eigen::Matrix3d CameraCalibration::poseCovariance() const {
+  if (!fitted_) return Eigen::Matrix3d::Zero();
+  return fitted_->d_errors * P_ * fitted_->d_errors.transpose();
+}
+
 /// Odometry says by how much two fitted poses must differ.
 void CameraCalibration::compareMotion(const FittedPose& before, const FittedPose& now) {
   const StampUs between_us = now.stamp_us - before.stamp_us;
@@ -139,7 +144,7 @@ void CameraCalibration::compareMotion(const FittedPose& before, const FittedPose
 void CameraCalibration::estimate() {
   const CameraVector prior = kPrior.cwiseAbs2();
   CameraVector mean = CameraVector::Zero();
-  CameraVector square = CameraVector::Zero();
+  CameraMatrix square = CameraMatrix::Zero();
   CameraVector inclusion = CameraVector::Zero();
   double sum = 0.0;
   double fullest = 0.0;  // log evidence of the first subset, which has all errors and fits best
@@ -157,11 +162,12 @@ void CameraCalibration::estimate() {
     const double probability = std::exp(log_evidence - fullest);
     sum += probability;
     mean += probability * errors;
-    square += probability * (P.diagonal() + errors.cwiseAbs2());
+    square += probability * (P + errors * errors.transpose());
     inclusion += probability * is_included;
   }
   errors_.errors = mean / sum;
-  errors_.sigmas = (square / sum - errors_.errors.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
+  P_ = square / sum - errors_.errors * errors_.errors.transpose();
+  errors_.sigmas = P_.diagonal().cwiseMax(0.0).cwiseSqrt();
   for (int i = 0; i < kCameraErrors; ++i) {
     errors_.found[static_cast<std::size_t>(i)] =
         inclusion[i] > (errors_.isFound(i) ? kGivenUp : kFound) * sum;

@@ -41,6 +41,8 @@ class CameraCalibration {
   void learn(const ImageAnalysis& analysis, const Pose2& T_world_robot);
 
   const CameraErrors& errors() const { return errors_; }
+  /// The share of the covariance of a pose (x, y, theta) in the world that these errors cause.
+  Eigen::Matrix3d poseCovariance() const;
 
  private:
   /// The pose that fits an image best, linear in the errors.
@@ -70,6 +72,7 @@ class CameraCalibration {
   CameraMatrix information_ = CameraMatrix::Zero();
   CameraVector information_vector_ = CameraVector::Zero();  ///< information times errors
   CameraErrors errors_;
+  CameraMatrix P_ = CameraMatrix::Zero();    ///< posterior covariance of the errors
   std::optional<FittedPose> fitted_;         ///< of the last image that was learnt from
   FloorObservation seen_, observation_;      ///< of the last image that was learnt from; all points, and some
   std::vector<CameraJacobian> derivatives_;  ///< of its points
