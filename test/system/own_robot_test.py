@@ -105,7 +105,8 @@ class WrongInput(Wizard):
         self.assertIn("cfg: a folder without a bag", self.step("drive", "--bag", "cfg", code=2))
         self.assertIn("--seconds: found -3 (expected a number above 0)", self.step("drive", "--seconds", "-3", code=2))
         self.assertIn("--palette none: no such file", self.step("colours", "--palette", "none", code=2))
-        self.assertIn("ruler", self.step("jump", code=2))  # the list of steps
+        self.assertIn("unknown step 'jump' (must be one of start, devices, target, ruler", self.step("jump", code=2))
+        self.assertIn("start comes first", self.step("drive", "--no-gui", code=1))  # a misspelt name makes no setup
         self.assertFalse(os.path.exists(self.path("cfg/mine")))
 
     def test_files_that_cannot_be_used_change_nothing(self):
@@ -215,6 +216,8 @@ class SimulatedRobot(Wizard):
         self.assertIn("next: scripts/own_robot mine map", self.step())
 
         made = self.step("map")
+        again = re.search(r"A later visit saw (\d+) of them again\.", made)
+        self.assertGreater(int(again.group(1)), 3, "the drive goes round and further, whatever joined its visits")
         self.assertIn("+Localization.Map = cfg/mine/map.csv", made)
         self.assertIn("Localization.Map = cfg/maps/corridor.csv", self.read("cfg/mine/localization.cfg.old"))
         for file, key in (("localization", "Localization.Palette"), ("active_visual_memory", "ActiveVisualMemory.Palette")):

@@ -76,7 +76,7 @@ class MapperComponent final : public Component, public MapperControl {
       status.latency("map", map.seconds);
     }
     status.gauge({"edges of the last map", static_cast<double>(map.edges), 0.0, ""});
-    status.gauge({"places found again", static_cast<double>(map.closings), 0.0, ""});
+    status.gauge({"edges seen again", static_cast<double>(map.seen_again), 0.0, ""});
   }
 
   /// In the loop's thread.

@@ -49,9 +49,9 @@ nlohmann::json makeLiveMap(const std::string& proxy, const std::string& name) {
   } catch (const Ice::Exception&) {
     throw std::runtime_error(describeFailure(*mapper, std::current_exception()));
   }
-  nlohmann::json summary{{"file", status.last.file},         {"segments", status.last.edges},
-                         {"closings", status.last.closings}, {"way_m", status.last.wayM},
-                         {"seconds", status.last.seconds},   {"notes", status.last.notes}};
+  nlohmann::json summary{
+      {"file", status.last.file},  {"segments", status.last.edges},  {"seen_again", status.last.seenAgain},
+      {"way_m", status.last.wayM}, {"seconds", status.last.seconds}, {"notes", status.last.notes}};
   if (!status.last.problems.empty()) summary["problems"] = status.last.problems;
   return summary;
 }

@@ -59,7 +59,7 @@ BuiltMap MapBuilder::make(const std::stop_token& stop, const Job& job) {
     const nlohmann::json summary = writeMapFiles(job.drive, map, job.files);
     made.file = summary.value("file", "");
     made.edges = summary.value("segments", 0);
-    made.closings = summary.value("closings", 0);
+    made.seen_again = summary.value("seen_again", 0);
     made.notes = linesOf(summary, "notes");
     made.problems = linesOf(summary, "problems");
   } catch (const std::exception& failure) {

@@ -94,8 +94,8 @@ void drawPicture(const Output& output, const RecordedDrive& drive, const std::st
   board.title = "A map from a drive";
   board.subtitle = (drive.truth.empty() ? "" : "the path of the robot is the estimated one; ") + source;
   BoardPanel panel;
-  panel.title = std::to_string(output.rows.size()) + " edges, " + std::to_string(map.closings.size()) +
-                " places found again";
+  panel.title = std::to_string(output.rows.size()) + " edges, " + std::to_string(map.seen_again) +
+                " seen again by a later visit";
   panel.plan = std::move(plan);
   board.rows = {{std::move(panel)}};
   for (const auto& [label, index] : index_of) board.legend.push_back({label, categoryColor(index)});

@@ -23,7 +23,7 @@ struct DriveProgress {
 struct BuiltMap {
   std::filesystem::path file;  ///< empty: there is no usable map
   int edges = 0;
-  int closings = 0;      ///< places found again
+  int seen_again = 0;    ///< edges that a later visit saw again
   double way_m = 0.0;    ///< of the drive when it was begun
   double seconds = 0.0;  ///< from the command to the files
   std::vector<std::string> notes;

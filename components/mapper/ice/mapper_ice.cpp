@@ -9,7 +9,7 @@ avm::MapReport toIce(const BuiltMap& map) {
   avm::MapReport report;
   report.file = map.file.string();
   report.edges = map.edges;
-  report.closings = map.closings;
+  report.seenAgain = map.seen_again;
   report.wayM = map.way_m;
   report.seconds = map.seconds;
   report.notes = map.notes;
