@@ -21,6 +21,19 @@ RunOptions simulation() {
   return options;
 }
 
+TEST(LastWords, LeaveOutTheConfigurationAndNameTheWayOutOfATakenPort) {
+  const std::string log =
+      "2026-11-28 00:12:27.810 gui_server INFO configuration:\n"
+      "    Ice.MessageSizeMax = 16384\n"
+      "2026-11-28 00:12:27.817 gui_server ERROR GuiServer.Http.Endpoints = http -p 8770 (the address is in "
+      "use)\n";
+  EXPECT_EQ(
+      lastWords(log),
+      "\n  2026-11-28 00:12:27.817 gui_server ERROR GuiServer.Http.Endpoints = http -p 8770 (the address is "
+      "in use)\n  Another run may have this port: --port-offset 100 adds 100 to every port.");
+  EXPECT_EQ(lastWords("cfg/sim/simulator.cfg:3: wrong\n"), "\n  cfg/sim/simulator.cfg:3: wrong");
+}
+
 TEST(Commands, NameTheConfigurationAndWhatTheRunSets) {
   RunOptions options = simulation();
   options.seed = 7;

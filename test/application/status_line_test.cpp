@@ -30,6 +30,14 @@ TEST(StatusText, SaysWhatTheRobotKnows) {
               testing::HasSubstr("| pose 1.25 -0.50 m 90 deg, reliability 0.75 | error 0.10 m 0.0 deg |"));
 }
 
+TEST(StatusText, AHeadingOfZeroHasNoSign) {
+  LiveState live;
+  PoseEstimate estimate;
+  estimate.T_world_robot = Pose2{1.0, 2.0, -0.001};
+  live.estimate = estimate;
+  EXPECT_THAT(statusText(live, std::nullopt), testing::HasSubstr("m 0 deg"));
+}
+
 TEST(StatusText, SaysThatThePoseIsATwinsOfTheTrueOne) {
   // A map that looks the same after half a turn about the origin.
   const std::vector<Pose2> half_turn{{0.0, 0.0, std::numbers::pi}};

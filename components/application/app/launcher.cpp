@@ -149,16 +149,26 @@ Launcher::Launcher(const RunOptions& options, const std::vector<ComponentCommand
   }
 }
 
-void Launcher::fail(const Child& child, const std::string& what) {
-  std::istringstream text(child.process->error());
+std::string lastWords(const std::string& log) {
+  std::istringstream text(log);
   std::deque<std::string> last;
+  bool is_info = false;  // an entry of the log goes on with indented lines
   for (std::string line; std::getline(text, line);) {
+    if (!line.starts_with(' ')) is_info = line.find(" INFO ") != std::string::npos;
+    if (is_info) continue;
     last.push_back(line);
     if (last.size() > kShownLines) last.pop_front();
   }
-  std::string message = child.name + " " + what;
-  for (const std::string& line : last) message += "\n  " + line;
-  throw ComponentFailure(message);
+  std::string words;
+  for (const std::string& line : last) words += "\n  " + line;
+  if (words.find("in use") != std::string::npos) {
+    words += "\n  Another run may have this port: --port-offset 100 adds 100 to every port.";
+  }
+  return words;
+}
+
+void Launcher::fail(const Child& child, const std::string& what) {
+  throw ComponentFailure(child.name + " " + what + lastWords(child.process->error()));
 }
 
 void Launcher::checkAlive() const {

@@ -27,6 +27,9 @@ std::vector<ComponentCommand> commandsOf(const RunOptions& options);
 /// @throws ConfigError when the configuration of its server cannot be read.
 std::string pageAddressOf(const RunOptions& options);
 
+/// What the log of a component that failed ends with, without entries of level INFO; each line begins anew.
+std::string lastWords(const std::string& log);
+
 /// The palette of this run: beside the map, else of the memory's configuration; empty for none.
 std::filesystem::path paletteOf(const RunOptions& options);
 

@@ -1,5 +1,6 @@
 #include "application/app/status_line.h"
 
+#include <cmath>
 #include <cstdio>
 #include <ostream>
 
@@ -59,7 +60,8 @@ std::string statusText(const LiveState& live, const std::optional<GazeStatus>& g
   if (!live.drive_failure.empty()) text += " | cannot drive: " + live.drive_failure;
   if (live.estimate && live.estimate->T_world_robot) {
     const Pose2& pose = *live.estimate->T_world_robot;
-    text += formatted(" | pose %.2f %.2f m %.0f deg, reliability %.2f", pose.x, pose.y, radToDeg(pose.theta),
+    const double heading_deg = std::round(radToDeg(pose.theta)) + 0.0;  // no "-0"
+    text += formatted(" | pose %.2f %.2f m %.0f deg, reliability %.2f", pose.x, pose.y, heading_deg,
                       live.estimate->reliability);
   } else {
     text += " | no pose";
