@@ -70,6 +70,10 @@ async function start(): Promise<void> {
   showNotices(store, app);
   top.load(presetOf(store.config));
   document.addEventListener("visibilitychange", () => store.send({kind: "visible", page: !document.hidden, camera: true}));
+  // A menu is open until somebody clicks elsewhere.
+  document.addEventListener("pointerdown", event => {
+    for (const menu of document.querySelectorAll<HTMLDetailsElement>("details.menu[open]")) if (!menu.contains(event.target as Node)) menu.open = false;
+  });
   window.addEventListener("pagehide", () => store.send({kind: "stop"}));
   // A page that comes back from the browser's cache has a closed worker: begin anew.
   window.addEventListener("pageshow", event => { if (event.persisted) location.reload(); });

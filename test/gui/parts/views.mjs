@@ -4,7 +4,7 @@ import {readFileSync} from "node:fs";
 import {createRequire} from "node:module";
 import {join} from "node:path";
 import {avm, eventually, gui, hashOf, Ice, sleep} from "../support/robot.mjs";
-import {driven, loadText, longRun, median, openPage, pictures, showPane, text, waitForVideo} from "../support/page.mjs";
+import {driven, loadText, longRun, median, openPage, pictures, setTool, showPane, text, waitForVideo} from "../support/page.mjs";
 
 const axe = readFileSync(createRequire(join(gui, "package.json")).resolve("axe-core/axe.min.js"), "utf8");
 
@@ -141,6 +141,7 @@ export async function panes(robot) {
   await page.locator(".pane-world").screenshot({path: join(pictures, "health_map.png")});
   await page.locator(".pane-why button:has-text('clear')").click();
   await page.locator("select[aria-label='colour of segments']").selectOption("label");
+  await checkMeasuring(page);
   await page.locator(".pane-world summary:has-text('layers')").click();
   await eventually("the legend names the labels", async () => /skirting/.test(await text(page, ".legend")));
   await page.locator(".pane-world").screenshot({path: join(pictures, "legend.png")});
@@ -187,6 +188,25 @@ export async function numbers(robot) {
 async function saved(page, button) {
   const [download] = await Promise.all([page.waitForEvent("download"), button.click()]);
   return readFileSync(await download.path(), "utf8");
+}
+
+/** A drag across the top view measures what its scale bar says; Escape drops it, another tool as well. */
+async function checkMeasuring(page) {
+  await setTool(page, "measure");
+  const box = await page.locator(".viewport").nth(1).boundingBox(), bar = page.locator(".scale-bar"), measured = page.locator(".measure");
+  const metresPerPixel = parseFloat(await bar.textContent()) / await bar.evaluate(e => parseFloat(e.style.width));
+  await page.mouse.move(box.x + box.width * 0.3, box.y + box.height * 0.5);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width * 0.7, box.y + box.height * 0.5, {steps: 4});
+  await page.mouse.up();
+  const [length, angle] = (await measured.textContent()).match(/-?[\d.]+/g).map(Number), expected = 0.4 * box.width * metresPerPixel;
+  // Each end may be caught by a line's within 8 pixels.
+  assert.ok(Math.abs(length - expected) <= 16 * metresPerPixel, `${length} m instead of ${expected} m`);
+  assert.ok(Math.abs(angle) <= 16 / (0.4 * box.width) * 57.3 + 0.1, `${angle} deg`);
+  await page.screenshot({path: join(pictures, "measure.png")});
+  await page.keyboard.press("Escape");
+  assert.equal(await measured.isVisible(), false, "Escape drops it");
+  await setTool(page, "select");
 }
 
 /** Clicking a segment of the top view shows all that is known of it. */
@@ -291,6 +311,11 @@ export async function timeTravel(robot) {
   await page.screenshot({path: join(pictures, "past.png")});
   await page.locator(".time-bar button:has-text('live')").click();
   await eventually("live again", async () => /LIVE/.test(await text(page, ".mode")));
+  // Numbers went on while the past was shown.
+  await showPane(page, "plots");
+  const [head, ...rows] = (await saved(page, page.getByRole("button", {name: "save CSV"}))).trimEnd().split("\n").map(line => line.split(",")), at = head.indexOf("robot: x (m)");
+  const times = rows.filter(r => r[at] !== "").map(r => Date.parse(r[0])), gap = Math.max(...times.slice(1).map((t, i) => t - times[i]));
+  assert.ok(gap < 2500, `the numbers have a gap of ${gap} ms`);
   page.checkErrors();
   await page.context().close();
 }

@@ -1,7 +1,7 @@
 // The sentences of the lost panel: each cause alone, and their order.
 import assert from "node:assert/strict";
 import {test} from "node:test";
-import {causesOf, CauseWatch, fitShare, meanResultant} from "@gui/why/rules";
+import {causesOf, CauseWatch, fitShare, meanResultant, verdictOf} from "@gui/why/rules";
 import type {Signals} from "@gui/why/rules";
 import {emptyMoment, rowSize} from "@gui/shared/state";
 import type {AnalysisState, ComponentInfo, EstimateState, MapState, MemoryState} from "@gui/shared/state";
@@ -30,7 +30,7 @@ const square = [[0, 0, 1, 0], [1, 0, 1, 1], [1, 1, 0, 1], [0, 1, 0, 0]];
 
 function signals(change: Partial<Signals> & {moment?: Signals["moment"]}): Signals {
   return {now, moment: {...emptyMoment, t: now}, video: {fps: 30, sourceFps: 30, ageMs: 5, roundTripMs: 1, stampUs: 1, width: 320, height: 240, brightness: 120, state: "Running", message: "", last: now - 30},
-    hasCamera: true, links: [], components: [], map: null, replay: null, bestFit: null, paused: false, ...change};
+    hasCamera: true, links: [], components: [], map: null, replay: null, setup: "sim", bestFit: null, paused: false, ...change};
 }
 
 const ids = (s: Signals) => causesOf(s).map(c => c.id);
@@ -44,7 +44,8 @@ test("a component that ended is the first cause, by its name", () => {
   const dead: ComponentInfo = {name: "base_server", alive: false, message: "connection refused", since: now - 4000, state: "", reason: "", version: "0.1.0", uptimeS: 0, peers: [], rates: [], latencies: [], gauges: [], errors: []};
   const causes = new CauseWatch().update(causesOf(signals({components: [dead], video: null})), now);
   assert.equal(causes[0]!.cause.id, "dead base_server");
-  assert.match(causes[0]!.cause.text, /base_server is gone since 4 s \(connection refused\)/);
+  assert.match(causes[0]!.cause.text, /base_server is gone \(connection refused\)/);
+  assert.match(causes[0]!.cause.advice, /scripts\/start sim base_server/);
 });
 
 test("no images for three seconds, with the camera's reason", () => {
@@ -119,4 +120,20 @@ test("short looks are no causes: a plain wall counts after 1.5 s", () => {
   assert.equal(watch.update(causes, now).length, 0);
   assert.equal(watch.update(causes, now + 800).length, 0);
   assert.equal(watch.update(causes, now + 1600).length, 1);
+});
+
+test("a pose that is no longer renewed is not called sure, unless time stands", () => {
+  const moment = {...emptyMoment, t: now, live: true, estimate};
+  assert.match(verdictOf(moment, now + 500, false).text, /knows where it is/);
+  assert.deepEqual(verdictOf(moment, now + 7000, false), {level: "bad", text: "no pose for 7 s"});
+  assert.match(verdictOf(moment, now + 7000, true).text, /knows where it is/);
+  assert.match(verdictOf({...moment, live: false}, now + 7000, false).text, /knows where it is/, "of a moment of the past");
+});
+
+test("a robot of which nothing answers is one cause", () => {
+  const dead = (name: string): ComponentInfo => ({name, alive: false, message: "connection refused", since: now - 4000, state: "", reason: "", version: "0.1.0", uptimeS: 0, peers: [], rates: [], latencies: [], gauges: [], errors: []});
+  const [first, ...rest] = causesOf(signals({components: [dead("simulator"), dead("localization")]}));
+  assert.equal(first!.id, "all dead");
+  assert.match(first!.text, /none of its 2 components answers \(connection refused\)/);
+  assert.deepEqual(rest, []);
 });

@@ -18,6 +18,8 @@ import {Video} from "./video";
 
 /** Least time between two messages with the scene [ms]: 15 a second. */
 const momentEveryMs = 62;
+/** While a moment of the past is shown: for plots and trajectories, which go on. */
+const unseenEveryMs = 200;
 /** An image waits so long for the analysis of its own pixels; lines would swim on a turning camera otherwise. */
 const analysisWaitMs = 60;
 
@@ -358,12 +360,11 @@ export class Streams {
 
   private announce(part: Partial<Moment>): void {
     Object.assign(this.pending, part);
-    if (this.past !== null || this.momentTimer !== null) return;
-    const wait = Math.max(0, this.lastMoment + momentEveryMs - performance.now());
+    if (this.momentTimer !== null) return;
+    const wait = Math.max(0, this.lastMoment + (this.past === null ? momentEveryMs : unseenEveryMs) - performance.now());
     this.momentTimer = setTimeout(() => {
       this.momentTimer = null;
       this.lastMoment = performance.now();
-      if (this.past !== null) return;
       this.publish({kind: "moment", moment: {...this.pending, t: nowMs(), live: true}, generation: this.generation});
       this.pending = {};
     }, wait);

@@ -25,7 +25,9 @@ export class TopBar {
     effect(() => this.drawMode(mode));
     effect(() => this.drawWho(who));
     effect(() => {
-      const v = verdictOf(store.moment.value);
+      // Components are asked once a second: the age of a pose is written anew.
+      void store.components.value;
+      const v = verdictOf(store.moment.value, nowMs(), store.stands);
       say(verdict, v.text);
       verdict.dataset.level = v.level;
     });
@@ -39,6 +41,7 @@ export class TopBar {
     });
     effect(() => {
       const bad = store.components.value.filter(c => !c.alive || c.state !== "Running");
+      if (store.components.value.length === 0) return say(problems, "connecting");
       say(problems, bad.length === 0 ? "all running" : `${bad.length} ${bad.length === 1 ? "problem" : "problems"}: ${bad.map(c => c.name).join(", ")}`);
       problems.dataset.level = bad.length === 0 ? "good" : bad.some(c => !c.alive) ? "bad" : "warning";
     });
@@ -70,7 +73,7 @@ export class TopBar {
     const paused = this.store.simulation.value?.paused || this.store.replay.value?.state === "PAUSED";
     // Read the video's signal so that the age of the past is written anew.
     void this.store.video.value;
-    say(element, past !== null ? `PAST -${((nowMs() - past) / 1000).toFixed(0)} s` : paused ? "PAUSED" : replay ? "REPLAY" : "LIVE");
+    say(element, past !== null ? `PAST -${((nowMs() - past) / 1000).toFixed(0)} s` : paused ? "PAUSED" : this.store.replay.value?.state === "FINISHED" ? "AT THE END" : replay ? "REPLAY" : "LIVE");
     element.dataset.mode = past !== null ? "past" : paused ? "paused" : "live";
   }
 

@@ -18,6 +18,7 @@ const overlays: readonly (readonly [OverlayName, string, string])[] = [
 export class CameraPane extends Pane {
   private readonly canvas: HTMLCanvasElement;
   private readonly stamp: HTMLElement;
+  private readonly empty = h("div", {class: "empty"});
 
   constructor(store: Store) {
     super(store, "camera");
@@ -26,7 +27,7 @@ export class CameraPane extends Pane {
       bar.append(toggle(text, title, store.overlays.value[name], on => { store.overlays.value = {...store.overlays.value, [name]: on}; }));
     this.canvas = h("canvas", {class: "video", attrs: {role: "img", "aria-label": "camera picture; click to look there", tabindex: "0"}});
     this.stamp = h("div", {class: "stamp"});
-    const frame = h("div", {class: "canvas-frame"}, this.canvas, this.stamp);
+    const frame = h("div", {class: "canvas-frame"}, this.canvas, this.empty, this.stamp);
     this.element.append(bar, frame);
     const offscreen = this.canvas.transferControlToOffscreen();
     store.send({kind: "canvas", canvas: offscreen}, [offscreen]);
@@ -55,12 +56,13 @@ export class CameraPane extends Pane {
   }
 
   private drawStamp(): void {
-    const video = this.store.video.value, moment = this.store.moment.value;
-    if (!video) return say(this.stamp, "waiting for the camera");
+    const video = this.store.video.value, moment = this.store.moment.value, none = !this.store.config.proxies.Camera;
+    say(this.empty, none ? "This setup has no camera." : !video || video.last === 0 ? `No image yet${video?.message ? `: ${video.message}` : ""}.` : "");
+    this.stamp.classList.toggle("hidden", this.empty.textContent !== "");
+    if (!video) return;
     if (!moment.live) return say(this.stamp, `${stampText(moment.frame?.stampUs)}, ${fixed(((moment.frame?.t ?? moment.t) - moment.t) / 1000, 2)} s from this moment`);
     const a = moment.analysis;
-    say(this.stamp, video.last === 0 ? video.message || "waiting for the camera"
-      : `${stampText(video.stampUs)}  age ${fixed(video.ageMs, 0)} ms  ${fixed(video.fps, 0)} fps  ${video.width}x${video.height}` +
+    say(this.stamp, `${stampText(video.stampUs)}  age ${fixed(video.ageMs, 0)} ms  ${fixed(video.fps, 0)} fps  ${video.width}x${video.height}` +
         (a ? `  ${a.observedLabels.length} observed, ${a.predictedIds.length} predicted, ${a.matches.length / 2} matched` : ""));
   }
 }

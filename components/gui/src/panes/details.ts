@@ -84,7 +84,7 @@ function factsOf(s: Selection, m: Moment, store: Store): [string, string][] {
       const map = store.map.value, k = s.id * mapRowSize;
       if (!map) return [];
       const r = map.rows;
-      return [["label", map.labels[r[k + 7]!] ?? ""], ["from", `${fixed(r[k], 3)}, ${fixed(r[k + 1], 3)}, ${fixed(r[k + 2], 3)} m (world)`], ["to", `${fixed(r[k + 3], 3)}, ${fixed(r[k + 4], 3)}, ${fixed(r[k + 5], 3)} m`], ["width", r[k + 6]! > 0 ? `${fixed(r[k + 6], 3)} m` : "an edge"], ["map", map.name]];
+      return [["label", map.labels[r[k + 7]!] ?? ""], ["from", `${fixed(r[k], 3)}, ${fixed(r[k + 1], 3)}, ${fixed(r[k + 2], 3)} m (map)`], ["to", `${fixed(r[k + 3], 3)}, ${fixed(r[k + 4], 3)}, ${fixed(r[k + 5], 3)} m`], ["length", `${fixed(Math.hypot(r[k + 3]! - r[k]!, r[k + 4]! - r[k + 1]!, r[k + 5]! - r[k + 2]!), 3)} m`], ["width", r[k + 6]! > 0 ? `${fixed(r[k + 6], 3)} m` : "an edge"], ["map", map.name]];
     }
   }
 }

@@ -53,7 +53,8 @@ export function say(element: Element, text: string): void {
 }
 
 export function fixed(value: number | undefined, digits: number): string {
-  return value === undefined || !Number.isFinite(value) ? "-" : value.toFixed(digits);
+  // A rounded zero has no sign.
+  return value === undefined || !Number.isFinite(value) ? "-" : value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1");
 }
 
 /** Who has the lease: a name that was given, else where the program calls from. */
@@ -61,7 +62,8 @@ export function holderOf(lease: LeaseInfo): string { return lease.implicit ? `a 
 
 /** The time of the day here, as the components' own logs have it. */
 export function clockText(us: number): string {
-  return new Date(us / 1000).toLocaleTimeString("en-GB", {fractionalSecondDigits: 3});
+  // Digits of the second alone would be all that is written.
+  return new Date(us / 1000).toLocaleTimeString("en-GB", {hour: "2-digit", minute: "2-digit", second: "2-digit", fractionalSecondDigits: 3});
 }
 
 export const degrees = (radians: number) => radians * 180 / Math.PI;

@@ -11,6 +11,8 @@ export class LogPane extends Pane {
   private lowest = "Info";
   private text = "";
   private drawn: LogLine[] = [];
+  /** The newest message is shown, until somebody scrolls up. */
+  private follows = true;
 
   constructor(store: Store) {
     super(store, "log");
@@ -21,6 +23,10 @@ export class LogPane extends Pane {
       this.drawn = [];
       this.draw();
     }), filter, button("clear", "empty this list", () => { store.log.value = []; })), this.body);
+    this.body.addEventListener("scroll", () => { this.follows = this.body.scrollTop + this.body.clientHeight >= this.body.scrollHeight - 30; });
+    const observer = new ResizeObserver(() => this.showEnd());
+    observer.observe(this.body);
+    this.whenDone(() => observer.disconnect());
     this.follow(() => { void store.log.value; this.draw(); });
   }
 
@@ -36,12 +42,13 @@ export class LogPane extends Pane {
       (this.text === "" || `${l.component} ${l.text}`.toLowerCase().includes(this.text))).sort((a, b) => a.stampUs - b.stampUs).slice(-400);
     if (lines.length === this.drawn.length && lines.at(-1) === this.drawn.at(-1)) return;
     this.drawn = lines;
-    const atEnd = this.body.scrollTop + this.body.clientHeight >= this.body.scrollHeight - 30;
     this.body.replaceChildren(...lines.map(l => h("div", {class: `line ${l.level.toLowerCase()}`}, h("span", {class: "dim", text: clockText(l.stampUs)}),
       h("b", {text: l.component}), messageOf(l.level === "Info" || l.level === "Debug" ? l.text : `${l.level.toUpperCase()} ${l.text}`))));
     if (lines.length === 0) this.body.append(h("p", {class: "dim", text: "No messages of this level yet."}));
-    if (atEnd) this.body.scrollTop = this.body.scrollHeight;
+    this.showEnd();
   }
+
+  private showEnd(): void { if (this.follows) this.body.scrollTop = this.body.scrollHeight; }
 }
 
 /** A long message shows its first line; the rest opens. */

@@ -16,7 +16,7 @@ const specs: PlotSpec[] = [
   {id: "heading", title: "heading error", unit: "deg", group: "pose", pick: n => n.includes("heading")},
   {id: "reliability", title: "reliability", unit: "", group: "health", pick: () => true},
   {id: "memory", title: "elements", unit: "", group: "memory", pick: n => n !== "mean life"},
-  {id: "rates", title: "rates", unit: "Hz", group: "rates", pick: n => !n.includes("request")},
+  {id: "rates", title: "rates", unit: "Hz", group: "rates", pick: n => !n.includes("request") && !n.startsWith("recorder")},
   {id: "latency", title: "latency", unit: "ms", group: "latency", pick: () => true},
   {id: "cpu", title: "CPU", unit: "% of a core", group: "cpu", pick: () => true},
 ];
@@ -87,7 +87,7 @@ class Chart {
     const newest = () => nowMs() / 1000;
     this.plot = new uPlot({
       width, height, padding: [6, 8, 0, 0], legend: {show: false}, scales: {x: {time: false}, y: this.spec.fit ? {} : {range: (_u, min, max) => min === null || max === null ? [0, 1] : [Math.min(0, min), Math.max(max * 1.08, 0.01)]}},
-      axes: [{...axis, size: 20, gap: 2, splits: (_u, _i, min, max) => ticksBefore(newest(), min, max), values: (_u, values) => values.map(v => `${Math.round(v - newest())} s`)}, {...axis, size: 46, gap: 3, space: 20}],
+      axes: [{...axis, size: 20, gap: 2, splits: (_u, _i, min, max) => ticksBefore(newest(), min, max), values: (_u, values) => values.map(v => `${Math.round(v - newest())} s`)}, {...axis, size: 46, gap: 3, space: 20, values: (_u, values) => values.map(v => String(Number(v.toPrecision(6))))}],
       cursor: {drag: {x: true, y: false, setScale: false}, points: {show: false}},
       series: [{}, ...names.map((name, i) => ({label: name, stroke: labelColour(i, theme), width: 1.5, points: {show: false}, ...(i >= 8 ? {dash: [5, 3]} : {})}))],
       hooks: {

@@ -77,13 +77,13 @@ export class WhyPane extends Pane {
   }
 
   private draw(): void {
-    const {store} = this, now = nowMs();
+    const {store} = this, now = nowMs(), stands = store.stands;
     const causes = this.watch.update(causesOf({
       now, moment: {...store.moment.value, t: store.moment.value.live ? now : store.moment.value.t}, video: store.video.value, hasCamera: store.config.proxies.Camera !== undefined, links: store.links.value,
-      components: store.components.value, map: store.map.value, replay: store.replay.value, bestFit: store.bestFit.value,
-      paused: store.simulation.value?.paused === true || store.replay.value?.state === "PAUSED",
+      components: store.components.value, map: store.map.value, setup: store.config.setup, replay: store.replay.value, bestFit: store.bestFit.value,
+      paused: stands,
     }), now);
-    const verdict = verdictOf(store.moment.value);
+    const verdict = verdictOf(store.moment.value, now, stands);
     say(this.verdict, verdict.text);
     this.verdict.dataset.level = verdict.level;
     const key = JSON.stringify(causes.map(c => [c.cause.text, Math.floor((now - c.since) / 1000)]));

@@ -3,14 +3,17 @@ import {ColorManagement, LinearSRGBColorSpace, MOUSE, OrthographicCamera, Perspe
 import type {Camera} from "three";
 import {OrbitControls} from "three/addons/controls/OrbitControls.js";
 import {compose} from "../shared/geometry";
-import type {Pose2} from "../shared/geometry";
+import type {Pose2, Vec2} from "../shared/geometry";
 import {mapRowSize} from "../shared/state";
+import type {MapState, Moment} from "../shared/state";
 import {defaultSceneOptions, SceneContent} from "../scene/content";
+import type {ToScreen} from "../scene/picking";
 import type {ColourBy, SceneInput, SceneOptions} from "../scene/content";
-import {pick} from "../scene/picking";
+import {endUnder, pick} from "../scene/picking";
 import type {Store, Tool} from "../state/store";
 import {button, degrees, fixed, h, numberField, saveFile, say, select} from "./dom";
 import {layers, Legend, signsOf} from "./legend";
+import {Measure} from "./measure";
 import {Pane} from "./pane";
 
 // Colours are given as they shall look on the screen: no conversion on the way.
@@ -26,6 +29,7 @@ export class WorldPane extends Pane {
   private readonly status = h("div", {class: "stamp", attrs: {role: "status"}});
   private readonly empty = h("div", {class: "empty"});
   private readonly legend = new Legend();
+  private readonly measure = new Measure();
   private readonly scaleBar = h("div", {class: "scale-bar"});
   private readonly form = h("form", {class: "pose-form hidden"});
   private readonly renderer: WebGLRenderer | null;
@@ -44,7 +48,7 @@ export class WorldPane extends Pane {
 
   constructor(store: Store) {
     super(store, "world");
-    this.layout = (localStorage.getItem("avm.world.layout") as Layout | null) ?? "both";
+    this.layout = (localStorage.getItem("avm.world.layout") as Layout | null) ?? (innerWidth < 700 ? "top" : "both");
     this.element.append(this.makeToolbar(), this.stage);
     this.stage.append(this.canvas);
     this.renderer = this.makeRenderer();
@@ -52,21 +56,25 @@ export class WorldPane extends Pane {
     this.renderer?.setPixelRatio(this.software ? 1 : Math.min(devicePixelRatio, 2));
     this.views.push(this.makeView(false), this.makeView(true));
     // The form lies over the views: one that takes room would move the floor under the pointer in the middle of a drag.
-    this.stage.append(this.status, this.empty, this.scaleBar, this.legend.element, this.form);
+    this.stage.append(this.status, this.empty, this.scaleBar, this.legend.element, this.measure.element, this.form);
     this.makeForm();
     const observer = new ResizeObserver(() => this.arrange());
     observer.observe(this.stage);
     this.whenDone(() => { observer.disconnect(); this.renderer?.dispose(); });
-    this.follow(() => { this.content.follow(store.moment.value); });
+    this.follow(() => { this.content.follow(store.live.value); });
     this.follow(() => {
       void [store.moment.value, store.map.value, store.theme.value, store.selection.value, store.healthGrid.value];
       this.ask();
     });
     this.follow(() => {
-      const drags = store.tool.value === "pose" || store.tool.value === "kidnap";
-      // A drag is an arrow then, and must not move the view as well.
-      for (const view of this.views) view.controls.enabled = !drags;
-      if (!drags) this.setGhost(null);
+      const tool = store.tool.value, setsPose = tool === "pose" || tool === "kidnap", drags = setsPose || tool === "measure";
+      // A drag is an arrow or a length then, and must not move the view as well. The wheel and the right button go on.
+      for (const {controls, top} of this.views) {
+        controls.mouseButtons.LEFT = drags ? null : top ? MOUSE.PAN : MOUSE.ROTATE;
+        controls.touches.ONE = drags ? null : top ? TOUCH.PAN : TOUCH.ROTATE;
+      }
+      if (!setsPose) this.setGhost(null);
+      if (tool !== "measure") this.measure.show(null, null, "map");
     });
   }
 
@@ -79,7 +87,7 @@ export class WorldPane extends Pane {
       localStorage.setItem("avm.world.layout", value);
       this.arrange();
     }));
-    if (!this.store.config.viewer) bar.append(this.makeTools());
+    bar.append(this.makeTools());
     bar.append(select("colour of segments", [["kind", "colour: state"], ["label", "colour: label"], ["life", "colour: life"], ["age", "colour: age"],
       ["uncertainty", "colour: sigma"]], this.options.colourBy, value => { this.options.colourBy = value as ColourBy; this.ask(); }));
     bar.append(this.makeLayers(), select("which view keeps the robot in its middle", [["3d", "follow: 3-D"], ["both", "follow: both"], ["none", "follow: none"]], this.followed,
@@ -103,8 +111,9 @@ export class WorldPane extends Pane {
   }
 
   private makeTools(): HTMLElement {
-    const tools: [string, string][] = [["select", "tool: select"], ["gaze", "tool: look at"], ["pose", "tool: set pose"]];
-    if (this.store.config.proxies.Simulation) tools.push(["kidnap", "tool: kidnap"], ["occluder", "tool: occluder"]);
+    const tools: [string, string][] = [["select", "tool: select"], ["measure", "tool: measure"], ["gaze", "tool: look at"], ["pose", "tool: set pose"]];
+    if (this.store.config.viewer) tools.length = 2;
+    else if (this.store.config.proxies.Simulation) tools.push(["kidnap", "tool: kidnap"], ["occluder", "tool: occluder"]);
     const box = select("what a click does", tools, "select", value => { this.store.tool.value = value as Tool; });
     this.follow(() => { box.value = this.store.tool.value; });
     return box;
@@ -170,7 +179,12 @@ export class WorldPane extends Pane {
       event.preventDefault();
       void this.applyGhost();
     });
-    this.element.addEventListener("keydown", event => { if (event.key === "Escape" && this.ghost) { event.stopPropagation(); this.setGhost(null); } });
+    this.element.addEventListener("keydown", event => {
+      if (event.key !== "Escape" || (!this.ghost && !this.measure.from)) return;
+      event.stopPropagation();
+      this.measure.show(null, null, "map");
+      this.setGhost(null);
+    });
     this.showGhost = () => {
       fields.x.input.value = fixed(this.ghost?.x, 3);
       fields.y.input.value = fixed(this.ghost?.y, 3);
@@ -219,6 +233,11 @@ export class WorldPane extends Pane {
   private pointerDown(view: View, event: PointerEvent): void {
     this.pressed = {x: event.clientX, y: event.clientY};
     const tool = this.store.tool.value;
+    if (event.button !== 0) return;
+    if (tool === "measure") {
+      this.measureTo(view, event, true);
+      return;
+    }
     if (tool !== "pose" && tool !== "kidnap") return;
     this.dragFrom = this.floorAt(view, event);
     if (!this.dragFrom) return;
@@ -227,6 +246,7 @@ export class WorldPane extends Pane {
   }
 
   private pointerMove(view: View, event: PointerEvent): void {
+    if (this.store.tool.value === "measure" && (event.buttons & 1) !== 0) this.measureTo(view, event, false);
     if (!this.dragFrom || !this.ghost) return;
     const to = this.floorAt(view, event);
     if (!to || Math.hypot(event.clientX - this.pressed.x, event.clientY - this.pressed.y) < 8) return;
@@ -245,14 +265,23 @@ export class WorldPane extends Pane {
     }
   }
 
-  private choose(view: View, event: PointerEvent): void {
+  private choose(view: View, event: PointerEvent): void { this.store.selection.value = this.under(pick, 10, view, event); }
+
+  /** What `search` finds within `reach` pixels of the pointer. */
+  private under<T>(search: (px: number, py: number, reach: number, moment: Moment, map: MapState | null, odomInWorld: Pose2, toScreen: ToScreen) => T, reach: number, view: View, event: PointerEvent): T {
     const box = view.element.getBoundingClientRect(), v = new Vector3();
-    const toScreen = (x: number, y: number, z: number) => {
+    return search(event.clientX - box.left, event.clientY - box.top, reach, this.store.moment.value, this.store.map.value, this.content.odomInWorld, (x, y, z) => {
       v.set(x, y, z).project(view.camera as Camera);
       return v.z > 1 || v.z < -1 ? null : {x: (v.x + 1) / 2 * box.width, y: (1 - v.y) / 2 * box.height};
-    };
-    this.store.selection.value = pick(event.clientX - box.left, event.clientY - box.top, 10, this.store.moment.value, this.store.map.value,
-      this.content.odomInWorld, toScreen);
+    });
+  }
+
+  /** To the end of a line next to the pointer, else to the floor under it. */
+  private measureTo(view: View, event: PointerEvent, begins: boolean): void {
+    const to: Vec2 | null = this.under(endUnder, 8, view, event) ?? this.floorAt(view, event);
+    if (!to) return;
+    this.measure.show(begins ? to : this.measure.from ?? to, to, this.store.moment.value.estimate?.hasPose ? "map" : "odom");
+    this.ask();
   }
 
   // ---- drawing ----
@@ -300,7 +329,7 @@ export class WorldPane extends Pane {
     if (!this.renderer || !this.visible || this.stage.clientWidth === 0) return;
     const {store} = this;
     const input: SceneInput = {moment: store.moment.value, map: store.map.value, options: this.options, theme: store.theme.value, selection: store.selection.value,
-      grid: store.healthGrid.value, ghost: this.ghost};
+      grid: store.healthGrid.value, ghost: this.ghost, measured: this.measure.from && this.measure.to && [this.measure.from, this.measure.to]};
     this.content.update(input);
     this.placeCameras(input);
     const height = this.stage.clientHeight;
@@ -384,8 +413,9 @@ export class WorldPane extends Pane {
   }
 
   private whyEmpty(): string {
+    if (!this.store.config.proxies.VisualMemory) return "Nothing to show: this setup has no visual memory.";
     const link = this.store.links.value.find(l => l.name === "VisualMemory");
-    return !link ? "Nothing to show: this setup has no visual memory." : link.connected ? "The visual memory has seen no image yet." :
+    return !link ? "Connecting ..." : link.connected ? "The visual memory has seen no image yet." :
       `Nothing to show: the visual memory does not answer (${link.message}).`;
   }
 

@@ -1,7 +1,7 @@
 // What the scene shows of a moment, as lines and symbols. The group `odom` holds what is known in the odometry's frame.
 import {DataTexture, DoubleSide, Group, Mesh, MeshBasicMaterial, NearestFilter, PlaneGeometry, RGBAFormat, Scene, Shape, ShapeGeometry, Color} from "three";
 import {CameraView, compose, ellipse, inverse} from "../shared/geometry";
-import type {Pose2} from "../shared/geometry";
+import type {Pose2, Vec2} from "../shared/geometry";
 import {colour, heat, labelColour, rgb} from "../shared/palette";
 import type {Theme} from "../shared/palette";
 import {column, mapRowSize, rowSize} from "../shared/state";
@@ -27,6 +27,8 @@ export interface SceneInput {
   selection: Selection | null;
   grid: HealthGrid | null;
   ghost: Pose2 | null;
+  /** Ends of what is measured. */
+  measured: readonly [Vec2, Vec2] | null;
 }
 
 type RGB = [number, number, number];
@@ -131,6 +133,11 @@ export class SceneContent {
       const c = rgb(colour("selection", theme)), g = input.ghost, tip = {x: g.x + 1.6 * size * Math.cos(g.theta), y: g.y + 1.6 * size * Math.sin(g.theta)};
       lines.chain(placed(triangle, g, size * 1.1), 0.05, c, true);
       lines.add(g.x, g.y, 0.05, tip.x, tip.y, 0.05, c);
+    }
+    if (input.measured) {
+      const c = rgb(colour("selection", theme)), [a, b] = input.measured;
+      lines.add(a.x, a.y, 0.05, b.x, b.y, 0.05, c);
+      for (const end of input.measured) this.drawCross(lines, {...end, theta: 0}, size * 0.25, c);
     }
     this.symbols.set(lines);
     this.raceLines.set(races);

@@ -1,5 +1,5 @@
 // Which element lies under the pointer: the nearest one on the screen within some pixels. No WebGL.
-import type {Pose2} from "../shared/geometry";
+import type {Pose2, Vec2} from "../shared/geometry";
 import {distanceToSegment, transform2} from "../shared/geometry";
 import {mapRowSize, rowSize} from "../shared/state";
 import type {MapState, Moment} from "../shared/state";
@@ -7,6 +7,24 @@ import type {Selection} from "../state/store";
 import {outlineOf, placeOf} from "./content";
 
 export type ToScreen = (x: number, y: number, z: number) => {x: number; y: number} | null;
+
+/** End of a line of map or memory that lies next to the pointer. */
+export function endUnder(px: number, py: number, reach: number, moment: Moment, map: MapState | null, odomInWorld: Pose2, toScreen: ToScreen): Vec2 | null {
+  let best = reach, found: Vec2 | null = null;
+  const offer = (p: Vec2, z: number) => {
+    const q = toScreen(p.x, p.y, z), distance = q ? Math.hypot(q.x - px, q.y - py) : Infinity;
+    if (distance >= best) return;
+    best = distance;
+    found = p;
+  };
+  const offerEnds = (rows: Float32Array, count: number, size: number, place: (x: number, y: number) => Vec2) => {
+    for (let i = 0; i < count; ++i)
+      for (const k of [i * size, i * size + 3]) offer(place(rows[k]!, rows[k + 1]!), rows[k + 2]!);
+  };
+  if (map) offerEnds(map.rows, map.rows.length / mapRowSize, mapRowSize, (x, y) => ({x, y}));
+  if (moment.memory) offerEnds(moment.memory.rows, moment.memory.ids.length, rowSize, (x, y) => transform2(odomInWorld, x, y));
+  return found;
+}
 
 export function pick(px: number, py: number, reach: number, moment: Moment, map: MapState | null, odomInWorld: Pose2, toScreen: ToScreen): Selection | null {
   let best = reach, found: Selection | null = null;

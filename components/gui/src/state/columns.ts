@@ -1,6 +1,7 @@
 // Numbers over time for the plots: bounded columns, 5 values a second, the last 5 minutes. No DOM.
 import {wrapAngle} from "../shared/geometry";
-import type {ComponentInfo, Moment, VideoInfo} from "../shared/state";
+import type {Pose2} from "../shared/geometry";
+import type {ComponentInfo, Moment, TruthState, VideoInfo} from "../shared/state";
 import {column, rowSize} from "../shared/state";
 
 const everyMs = 200;
@@ -26,6 +27,27 @@ export class Group {
   }
 }
 
+/** The true poses of the last seconds: an estimate is of an image, which is older than the newest of them. */
+class Truths {
+  private list: TruthState[] = [];
+
+  add(truth: TruthState | null): void {
+    const newest = this.list.at(-1);
+    if (!truth || truth.stampUs === newest?.stampUs) return;
+    if (newest && truth.stampUs < newest.stampUs) this.list = [];  // the simulation began anew
+    this.list.push(truth);
+    if (this.list.length > 64) this.list.shift();
+  }
+
+  /** Between its neighbours; null beyond them. */
+  at(stampUs: number): Pose2 | null {
+    const i = this.list.findIndex(truth => truth.stampUs >= stampUs), after = this.list[i], before = this.list[i - 1];
+    if (!after || !before) return after?.stampUs === stampUs ? after.pose : null;
+    const share = (stampUs - before.stampUs) / (after.stampUs - before.stampUs), {pose: a} = before, {pose: b} = after;
+    return {x: a.x + share * (b.x - a.x), y: a.y + share * (b.y - a.y), theta: a.theta + share * wrapAngle(b.theta - a.theta)};
+  }
+}
+
 export class Columns {
   readonly pose = new Group();
   readonly health = new Group();
@@ -35,19 +57,25 @@ export class Columns {
   readonly cpu = new Group();
   readonly motion = new Group();
   readonly gauges = new Group();
+  private readonly truths = new Truths();
+  private error: {metres: number; radians: number} | null = null;
   private last = 0;
   private lastComponents = 0;
 
   addMoment(m: Moment): void {
+    this.truths.add(m.truth);
     if (m.t - this.last < everyMs) return;
     this.last = m.t;
-    const e = m.estimate, truth = m.truth;
+    const e = m.estimate;
     const winner = e?.races.find(r => r.winner);
     const fresh = e && m.t - e.t < 1500 && e.hasPose;
-    const known = fresh && truth;
+    const truth = fresh ? this.truths.at(e.stampUs) : null;
+    // The truth of the newest estimate may still be on its way: the error before stays until then.
+    if (!fresh) this.error = null;
+    else if (truth) this.error = {metres: Math.hypot(e.world.x - truth.x, e.world.y - truth.y), radians: Math.abs(wrapAngle(e.world.theta - truth.theta))};
     this.pose.add(m.t, {
-      "error (m)": known ? Math.hypot(e.world.x - truth.pose.x, e.world.y - truth.pose.y) : undefined,
-      "heading error (deg)": known ? Math.abs(wrapAngle(e.world.theta - truth.pose.theta)) * 180 / Math.PI : undefined,
+      "error (m)": this.error?.metres,
+      "heading error (deg)": this.error ? this.error.radians * 180 / Math.PI : undefined,
       "sigma (m)": fresh ? Math.sqrt(Math.max(0, e.covariance[0]! + e.covariance[3]!)) : undefined,
       "heading sigma (deg)": fresh ? Math.sqrt(Math.max(0, e.covariance[5]!)) * 180 / Math.PI : undefined,
     });

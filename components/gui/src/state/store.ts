@@ -9,7 +9,7 @@ import type {
 } from "../shared/state";
 import {Columns} from "./columns";
 
-export type Tool = "select" | "gaze" | "pose" | "kidnap" | "occluder";
+export type Tool = "select" | "measure" | "gaze" | "pose" | "kidnap" | "occluder";
 
 export interface Selection { kind: "segment" | "primitive" | "race" | "attention" | "map"; id: number }
 
@@ -51,8 +51,10 @@ export function keepText(text: string): void {
 }
 
 export class Store {
+  /** What is shown. */
   readonly moment = signal<Moment>(emptyMoment);
-  /** Counts up with each moment that is shown, so that views draw once for it. */
+  /** The present, also while a moment of the past is shown. */
+  readonly live = signal<Moment>(emptyMoment);
   readonly video = signal<VideoInfo | null>(null);
   readonly links = signal<LinkInfo[]>([]);
   readonly components = signal<ComponentInfo[]>([]);
@@ -91,6 +93,12 @@ export class Store {
     this.worker.onerror = event => this.say("bad", `the page's worker has failed: ${event.message}`);
     this.send({kind: "start", config});
     effect(() => this.send({kind: "overlays", options: this.overlays.value, theme: this.theme.value}));
+  }
+
+  /** Whether the robot's time stands still on purpose. */
+  get stands(): boolean {
+    const answers = (name: string) => this.links.value.some(l => l.name === name && l.connected);
+    return (answers("Simulation") && this.simulation.value?.paused === true) || (answers("Replay") && ["PAUSED", "FINISHED"].includes(this.replay.value?.state ?? ""));
   }
 
   send(message: ToWorker, transfer: Transferable[] = []): void { this.worker.postMessage(message, transfer); }
@@ -159,8 +167,11 @@ export class Store {
   }
 
   private takeMoment(part: Partial<Moment>): void {
-    const moment = part.live ? {...this.moment.peek(), ...part} : {...emptyMoment, ...part};
-    if (moment.live) this.columns.addMoment(moment);
-    this.moment.value = moment;
+    if (part.live) {
+      this.live.value = {...this.live.peek(), ...part};
+      this.columns.addMoment(this.live.peek());
+    }
+    if (!part.live) this.moment.value = {...emptyMoment, ...part};
+    else if (this.past.peek() === null) this.moment.value = this.live.peek();
   }
 }

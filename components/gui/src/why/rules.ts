@@ -13,6 +13,8 @@ export interface Signals {
   components: readonly ComponentInfo[];
   map: MapState | null;
   replay: ReplayInfo | null;
+  /** Folder of cfg/ that the robot was started with; empty: not known. */
+  setup: string;
   /** Best "explained" share over all places of the map; null: not asked yet. */
   bestFit: {value: number; at: number} | null;
   /** Nothing moves on purpose: a paused simulation or replay. */
@@ -32,6 +34,7 @@ const nothingSeen = 3;
 const black = 25;
 const unknownShare = 0.6;
 const fitsNowhere = 0.35;
+const poseIsOldMs = 2000;
 
 function seconds(ms: number): string { return `${Math.max(0, ms / 1000).toFixed(0)} s`; }
 
@@ -41,12 +44,14 @@ export function causesOf(s: Signals): Cause[] {
 }
 
 function componentCauses(s: Signals): Cause[] {
-  const causes: Cause[] = [];
+  const causes: Cause[] = [], dead = s.components.filter(c => !c.alive && c.version !== "");
+  if (dead.length > 1 && dead.length === s.components.length)
+    return [{id: "all dead", weight: 1, text: `The robot is gone: none of its ${dead.length} components answers (${dead[0]!.message}).`, advice: `Start it again: scripts/start ${s.setup || "SETUP"}`}];
   for (const c of s.components) {
     if (!c.alive && c.version !== "")
-      causes.push({id: `dead ${c.name}`, weight: 1, text: `${c.name} is gone since ${seconds(s.now - c.since)} (${c.message}).`, advice: `Start it again: scripts/start SETUP ${c.name}`});
+      causes.push({id: `dead ${c.name}`, weight: 1, text: `${c.name} is gone (${c.message}).`, advice: `Start it again: scripts/start ${s.setup || "SETUP"} ${c.name}`});
     else if (!c.alive && s.now - c.since > 2000)
-      causes.push({id: `absent ${c.name}`, weight: 0.996, text: `${c.name} does not answer (${c.message}).`, advice: `Is it started? scripts/status shows what runs.`});
+      causes.push({id: `absent ${c.name}`, weight: 0.996, text: `${c.name} does not answer (${c.message}).`, advice: `Is it started? scripts/status ${s.setup || "SETUP"} shows what runs.`});
     for (const p of c.alive ? c.peers : []) {
       if (!p.connected) causes.push({id: `peer ${c.name} ${p.name}`, weight: 0.994, text: `${c.name} has lost ${p.name} (${p.message}).`, advice: "It is asked again by itself; see the pane components."});
     }
@@ -138,7 +143,7 @@ function poseCauses(s: Signals): Cause[] {
   const causes: Cause[] = [], {moment: m, map} = s, e = m.estimate;
   if (!e) return causes;
   const late = m.t - e.t;
-  if (late > 2000 && m.live) causes.push({id: "estimate late", weight: 0.65, text: `The last pose is ${seconds(late)} old.`, advice: "Is the visual memory running?"});
+  if (late > poseIsOldMs && m.live) causes.push({id: "estimate late", weight: 0.65, text: `The last pose is ${seconds(late)} old.`, advice: "Is the visual memory running?"});
   if (!e.hasPose && e.races.length === 0) causes.push({id: "no pose", weight: 0.5, text: "Searching everywhere: no place is good enough to follow yet.", advice: "Let the robot look round or drive a little."});
   const sorted = [...e.races].sort((a, b) => b.weight - a.weight), [first, second] = sorted;
   if (first && second && second.weight > 0.5 * first.weight && Math.hypot(first.pose.x - second.pose.x, first.pose.y - second.pose.y) > 1)
@@ -172,9 +177,11 @@ export function fitShare(m: Moment, map: MapState): number | null {
 
 export interface Verdict { level: "good" | "warning" | "bad"; text: string }
 
-export function verdictOf(m: Moment): Verdict {
+/** @param stands the robot's time is paused, or its recording is at the end: a pose does not grow old then. */
+export function verdictOf(m: Moment, now: number, stands: boolean): Verdict {
   const e = m.estimate;
-  if (!e) return {level: "bad", text: "no localization"};
+  if (!e) return {level: "bad", text: "no pose yet"};
+  if (m.live && !stands && now - e.t > poseIsOldMs) return {level: "bad", text: `no pose for ${seconds(now - e.t)}`};
   if (!e.hasPose) return {level: "bad", text: "searching everywhere"};
   const r = e.reliability.toFixed(2);
   if (e.reliability >= 0.7) return {level: "good", text: `knows where it is, ${r}`};
