@@ -273,12 +273,10 @@ class RobustRaces : public RaceStrategy {
 
   void discountEvidence(RaceTable& table) override {
     resetHistory(table);
+    const double best = bestEvidence(table);
     for (Race& race : table.races()) {
       race.scores.resize(0);
       race.scores_since_jump = 0;
-    }
-    const double best = table.races().empty() ? 0.0 : bestEvidence(table);
-    for (Race& race : table.races()) {
       race.evidence = best - std::min(1.0, best - race.evidence);
       race.victories = std::min(race.victories, 1);
     }

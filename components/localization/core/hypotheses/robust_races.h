@@ -36,8 +36,8 @@ struct EvidenceParams {
   /// Evidence is a mean over about 1 / (1 - forgetting) observations, of which this share is independent.
   /// Shares of belief multiply it by independent_share / (1 - forgetting), at least 1.
   double independent_share = 0.15;
-  /// Lead in evidence [nats] of a new race to win; an old race needs a third. A race that is less behind the
-  /// best is not pruned.
+  /// Lead in evidence [nats] that a new race needs to win; an old race needs a third. Races that are less
+  /// behind the best are not pruned.
   double lead = 1.5;
 };
 

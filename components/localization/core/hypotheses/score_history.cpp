@@ -92,32 +92,33 @@ InitialEvidence ScoreHistory::initialEvidence(const Pose2& T_world_robot, double
   const Race* heir_of = nullptr;
   for (const Race& race : races) {
     const Eigen::Index known = std::min(race.scores.size(), own.size());
-    const bool is_here_always = race.scores_since_jump >= own.size();
+    const bool never_jumped = race.scores_since_jump >= own.size();
     double gain = 0.0;
     double most = 0.0;
-    double since_its_jump = 0.0;
-    int jumped = 0;
+    double gain_since_its_jump = 0.0;
+    int since_jump = 0;
     for (int k = 0; k < known; ++k) {
       gain += weights[k] * (own[k] - race.scores[k]);
-      if (k < race.scores_since_jump) since_its_jump = gain;
+      if (k < race.scores_since_jump) gain_since_its_jump = gain;
       if (gain <= most) continue;
       most = gain;
-      jumped = k + 1;
+      since_jump = k + 1;
     }
     double evidence = race.evidence + most - params_.jump_log_prior;
     const bool is_compared =
-        is_here_always ? known == own.size() && all_weights > 0.0 : race.scores_since_jump > 0;
+        never_jumped ? known == own.size() && all_weights > 0.0 : race.scores_since_jump > 0;
     if (is_compared) {
-      const double loss = since_its_jump / (is_here_always ? all_weights : 1.0);
-      const double together = race.evidence + std::min(0.0, loss);
-      if (together > evidence) {
-        evidence = together;
-        jumped = race.scores_since_jump;
+      // Without a jump the kept observations stand for the whole past.
+      const double change = gain_since_its_jump / (never_jumped ? all_weights : 1.0);
+      const double shared = race.evidence + std::min(0.0, change);
+      if (shared > evidence) {
+        evidence = shared;
+        since_jump = race.scores_since_jump;
       }
     }
     if (heir_of && evidence <= result.evidence) continue;
     result.evidence = evidence;
-    result.scores_since_jump = jumped;
+    result.scores_since_jump = since_jump;
     heir_of = &race;
   }
   if (!heir_of) return result;

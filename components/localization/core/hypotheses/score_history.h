@@ -68,9 +68,9 @@ class ScoreHistory {
   /// The largest evidence over two explanations and all races:
   /// - The robot was at the race's pose until some moment and jumped here: the race's evidence minus
   ///   `jump_log_prior` plus the gain in score since then.
-  /// - It was here as long as it would have been at the race's pose, since a jump that both share or all the
-  ///   time: the race's evidence minus the loss in score since then. A gain is not credited: a new race fits
-  ///   the present image by selection.
+  /// - It came here when it would have come to the race's pose, or was here all the time: the race's evidence
+  ///   minus the loss in score since then. A gain is not credited: a new race fits the present image by
+  ///   selection.
   /// Without any race: the mean score over the kept observations.
   /// @param log_likelihood of the newest observation, for an empty history.
   InitialEvidence initialEvidence(const Pose2& T_world_robot, double log_likelihood,

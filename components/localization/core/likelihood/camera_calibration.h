@@ -41,7 +41,8 @@ class CameraCalibration {
   void learn(const ImageAnalysis& analysis, const Pose2& T_world_robot);
 
   const CameraErrors& errors() const { return errors_; }
-  /// The share of the covariance of a pose (x, y, theta) in the world that these errors cause.
+  /// Covariance of a pose (x, y, theta) in world that these errors cause, as it was for the last image that
+  /// was learnt from; 0 before.
   Eigen::Matrix3d poseCovariance() const;
 
  private:
