@@ -85,15 +85,25 @@ void SideSamples::sample(const cv::Mat& image, const Eigen::Vector2d& first, con
     return nearestPixel(p.x(), image.cols) >= 0 && nearestPixel(p.y(), image.rows) >= 0;
   };
   const bool all_inside = isInside(place(0)) && isInside(place(count - 1));
-  for (int i = 0; i < count; ++i, ++at) {
+  const std::uint8_t* const pixels = image.data;
+  const std::size_t row_bytes = image.step[0];
+  const int last_x = image.cols - 1;
+  const int last_y = image.rows - 1;
+  std::int16_t* const classes = classes_.data() + at;
+  auto* const colours = colours_.data() + at;
+  for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d p = place(i);
-    classes_[at] = kOutside;
-    if (!all_inside && !isInside(p)) continue;
-    const int x = std::min(static_cast<int>(p.x() + 0.5), image.cols - 1);
-    const int y = std::min(static_cast<int>(p.y() + 0.5), image.rows - 1);
-    const std::uint8_t* rgb = image.data + y * image.step[0] + 3 * static_cast<std::size_t>(x);
-    colours_[at] = {rgb[0], rgb[1], rgb[2]};
-    classes_[at] = palette_->classOf(rgb[0], rgb[1], rgb[2]);
+    classes[i] = all_inside || isInside(p) ? kNoColorClass : kOutside;
+    if (classes[i] == kOutside) continue;
+    const int x = std::min(static_cast<int>(p.x() + 0.5), last_x);
+    const int y = std::min(static_cast<int>(p.y() + 0.5), last_y);
+    const std::uint8_t* rgb = pixels + y * row_bytes + 3 * static_cast<std::size_t>(x);
+    colours[i] = {rgb[0], rgb[1], rgb[2]};
+  }
+  // Apart from the pixels, so that their waits for memory overlap.
+  for (int i = 0; i < count; ++i) {
+    if (classes[i] == kOutside) continue;
+    classes[i] = palette_->classOf(colours[i][0], colours[i][1], colours[i][2]);
   }
 }
 

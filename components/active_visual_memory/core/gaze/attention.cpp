@@ -97,13 +97,16 @@ void AttentionPool::follow(const AttentionObjects& objects, const Pose2& T_odom_
   by_key.reserve(alive.size());
   for (Object& object : alive) by_key.emplace_back(key(object.kind, object.id), &object);
   if (!std::is_sorted(by_key.begin(), by_key.end())) std::sort(by_key.begin(), by_key.end());
+  auto next = by_key.begin();  // most points come in the order of their objects
   std::erase_if(entries_, [&](Entry& entry) {
     if (entry.object_id == 0) return false;
     const std::uint64_t wanted = key(entry.point.kind, entry.object_id);
-    const auto found = std::lower_bound(by_key.begin(), by_key.end(), std::pair{wanted, alive.data()});
-    if (found == by_key.end() || found->first != wanted) return true;
-    entry.point.p_odom = found->second->place;
-    found->second->old = true;
+    if (next == by_key.end() || next->first != wanted)
+      next = std::lower_bound(by_key.begin(), by_key.end(), std::pair{wanted, alive.data()});
+    if (next == by_key.end() || next->first != wanted) return true;
+    entry.point.p_odom = next->second->place;
+    next->second->old = true;
+    ++next;
     return false;
   });
   const double known = highest();
@@ -213,6 +216,7 @@ std::optional<std::uint64_t> AttentionPool::segmentOf(std::uint64_t point_id) co
 
 void AttentionPool::publishSalience(std::span<MemorySegment> segments,
                                     std::span<Primitive> primitives) const {
+  auto next = segments.begin();
   for (const Entry& entry : entries_) {
     if (entry.point.kind == AttentionKind::kPrimitive) {
       const auto found = std::find_if(primitives.begin(), primitives.end(),
@@ -220,10 +224,9 @@ void AttentionPool::publishSalience(std::span<MemorySegment> segments,
       if (found != primitives.end()) found->salience = entry.point.salience;
     }
     if (entry.point.kind != AttentionKind::kSegment) continue;
-    const auto found =
-        std::lower_bound(segments.begin(), segments.end(), entry.object_id,
-                         [](const MemorySegment& segment, std::uint64_t id) { return segment.id < id; });
-    if (found != segments.end() && found->id == entry.object_id) found->salience = entry.point.salience;
+    if (next == segments.end() || next->id != entry.object_id)
+      next = std::ranges::lower_bound(segments, entry.object_id, {}, &MemorySegment::id);
+    if (next != segments.end() && next->id == entry.object_id) next++->salience = entry.point.salience;
   }
 }
 

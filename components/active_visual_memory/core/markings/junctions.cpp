@@ -157,7 +157,6 @@ void splitAtJunctions(std::vector<MemorySegment>& segments, std::span<const Publ
                       const JunctionParams& params,
                       const std::function<std::uint64_t(std::uint64_t, int)>& id_of,
                       std::pmr::memory_resource* scratch) {
-  if (!params.enabled) return;
   std::pmr::vector<Edge> edges(scratch);
   for (const PublishedEdge& edge : published) {
     const bool may_join = params.by_one_side && edge.element && !edge.element->plane.stands;

@@ -13,6 +13,7 @@
 namespace vismem {
 namespace {
 
+constexpr double kAgainst = -0.9;          // largest cosine of the edges of a line: a fast test
 constexpr double kMaxSkew_m = 0.04;        // distance along the line between the ends of both edges: this ..
 constexpr double kMaxSkewSigmas = 2.0;     // .. plus this many sigmas of both ends ..
 constexpr double kMostSkew_m = 0.10;       // .. at most this
@@ -142,6 +143,7 @@ void closeLineEnds(std::vector<MemorySegment>& segments, std::span<const Publish
   }
   for (Side& one : sides) {
     for (Side& other : sides) {
+      if (one.along.dot(other.along) > kAgainst) continue;
       for (const bool at_b : {true, false}) endTogether(one, at_b, other, segments, widths, scratch);
     }
   }

@@ -56,25 +56,25 @@ void ShapeEdges::complete(std::vector<MemorySegment>& segments, std::span<const 
     };
     regularizeCircle(segments, primitive, widths, params_.circles, id, scratch);
   }
-  replaceCrossSpots(
-      segments, edges(), widths, params_.dominant_direction, params_.crosses,
-      [this](std::uint64_t oldest, int n) {
-        return idOf({oldest, 1, -2 - n});
-      },
-      scratch);
+  if (params_.crosses.enabled) {
+    const auto id = [this](std::uint64_t oldest, int n) {
+      return idOf({oldest, 1, -2 - n});
+    };
+    replaceCrossSpots(segments, edges(), widths, params_.dominant_direction, params_.crosses, id, scratch);
+  }
   closeLineEnds(
       segments, edges(), params_.line_width,
       [this](std::uint64_t one, std::uint64_t other) {
         return idOf({one, other, -1});
       },
       scratch);
-  equalizeLineWidths(edges(), widths, params_.line_widths, scratch);
-  splitAtJunctions(
-      segments, edges(), primitives, widths, params_.junctions,
-      [this](std::uint64_t whole, int part) {
-        return idOf({whole, 0, -2 - part});
-      },
-      scratch);
+  if (!widths.empty()) equalizeLineWidths(edges(), widths, params_.line_widths, scratch);
+  if (params_.junctions.enabled) {
+    const auto id = [this](std::uint64_t whole, int part) {
+      return idOf({whole, 0, -2 - part});
+    };
+    splitAtJunctions(segments, edges(), primitives, widths, params_.junctions, id, scratch);
+  }
   joinAtCorners(edges(), params_.corners, scratch);
   // An edge that returns after an absence gets a new id.
   ids_.swap(used_);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "common/geometry/angles.h"
 #include "common/geometry/plane.h"
 #include "common/visual_memory/labels.h"
 
@@ -29,7 +28,6 @@ Neighbourhood neighbourhood(const Segment2& base, const Segment2& other) {
   near.gap_m = near.from_m - std::min(length, high);
   const Eigen::Vector2d along = (base.b - base.a) / length;
   const Eigen::Vector2d between = base.a + near.middle_m() * along;
-  near.angle_rad = lineAngleDifference(base.direction(), other.direction());
   near.distance_m = distanceToLine(between, other);
   near.left_m = std::copysign(near.distance_m, cross2(other.b - other.a, between - other.a));
   return near;
@@ -58,7 +56,10 @@ std::pmr::vector<FloorSegment> cleanDuplicates(std::span<const FloorSegment> seg
       if (!labelsCompatible(kept.label, segment.label)) continue;
       if (!samePolarity(kept.odom(), kept.strength, segment.odom(), segment.strength)) continue;
       const Neighbourhood n = neighbourhood(kept.odom(), segment.odom());
-      if (n.angle_rad > max_angle_rad || n.distance_m > max_distance_m || n.gap_m > max_gap_m) continue;
+      if (n.distance_m > max_distance_m || n.gap_m > max_gap_m ||
+          lineAngle(kept.odom(), segment.odom()) > max_angle_rad) {
+        continue;
+      }
       // The line of the longer one, the extent of both.
       const bool longer = segment.odom().length() > kept.odom().length();
       FloorSegment line = longer ? segment : kept;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "active_visual_memory/core/ground/floor_segment.h"
+#include "common/geometry/angles.h"
 #include "common/geometry/segment.h"
 
 namespace vismem {
@@ -19,7 +20,6 @@ bool samePolarity(const Segment2& a, double strength_a, const Segment2& b, doubl
 
 /// Relation of two segments.
 struct Neighbourhood {
-  double angle_rad = 0.0;   ///< between their lines
   double distance_m = 0.0;  ///< of the second line, in the middle of the overlap
   double gap_m = 0.0;       ///< between their extents along the first one; negative: they overlap
   double from_m = 0.0;      ///< beginning of the overlap, along the first one from its end a
@@ -28,6 +28,11 @@ struct Neighbourhood {
   double overlap_m() const { return -gap_m; }
   double middle_m() const { return from_m - 0.5 * gap_m; }
 };
+
+/// Angle between the lines of two segments [rad]. It costs more than their neighbourhood.
+inline double lineAngle(const Segment2& one, const Segment2& other) {
+  return lineAngleDifference(one.direction(), other.direction());
+}
 
 /// @param base  of length > 0.
 Neighbourhood neighbourhood(const Segment2& base, const Segment2& other);

@@ -34,17 +34,18 @@ class LabelVotes {
 
 /// *Value.*
 struct MemoryElement {
-  MemorySegment value;  ///< as published; its geometry is a copy of `line`
+  // What every image reads of all elements comes first: it shares lines of the cache.
+  int sightings = 0;                        ///< images that showed it
+  Sighting sighting = Sighting::kObserved;  ///< highest since life was last counted
+  MemorySegment value;                      ///< as published; its geometry is a copy of `line`
   FloorLine line;
-  double strength = 0.0;  ///< mean contrast [grey levels]
-  double pixel_m = 1e9;   ///< floor distance of one pixel across the line, in the best view [m]
-  int sightings = 0;      ///< images that showed it
-  std::optional<SideColours> colours;
-  LabelVotes votes;  ///< nearer views count more
   PlaneVerification plane;
+  double strength = 0.0;       ///< mean contrast [grey levels]
+  double pixel_m = 1e9;        ///< floor distance of one pixel across the line, in the best view [m]
   double seen_travel_m = 0.0;  ///< odometer when last fused
   double seen_turn_rad = 0.0;
-  Sighting sighting = Sighting::kObserved;  ///< highest since life was last counted
+  std::optional<SideColours> colours;
+  LabelVotes votes;  ///< nearer views count more
   /// Votes of images for an end further in.
   struct ShortVotes {
     int count = 0;

@@ -24,10 +24,10 @@ struct PlaneVerification {
   bool on_floor = false;  ///< its floor place rests while the camera moves
   bool stands = false;    ///< its floor place moves with the camera: it is off the floor or moves by itself
   bool not_vertical = false;  ///< a view across the viewing ray excluded a vertical edge
-  ParallaxEstimate parallax;
-  FloorLine anchor_line;
   Eigen::Vector2d anchor_camera = Eigen::Vector2d::Zero();
   double anchor_turned_rad = 0.0;
+  FloorLine anchor_line;
+  ParallaxEstimate parallax;
 
   /// Whether it rests for good: parallax and anchor line are not used any more.
   bool isVerified() const { return on_floor && not_vertical; }

@@ -42,12 +42,12 @@ void eraseSegments(std::vector<MemorySegment>& segments, std::span<const std::ui
 
 std::optional<EdgeCorner> findCorner(const PublishedEdge& one, const PublishedEdge& other,
                                      const CornerParams& params) {
-  if ((one.line.b - other.line.a).norm() > 2.0 * params.reach.most_m) return std::nullopt;
+  const Eigen::Vector2d between = other.line.a - one.line.b;
+  if (between.norm() > 2.0 * params.reach.most_m) return std::nullopt;
   const ExtentEnd& end = one.element->line.endB();
   const ExtentEnd& begin = other.element->line.endA();
   const double cross = cross2(one.along, other.along);
   if (end.censored || begin.censored || std::abs(cross) < std::sin(params.min_angle_rad)) return std::nullopt;
-  const Eigen::Vector2d between = other.line.a - one.line.b;
   const double outward_one = cross2(between, other.along) / cross;
   const double outward_other = cross2(between, one.along) / cross;
   if (std::abs(outward_one) > params.reach.of(end) || std::abs(outward_other) > params.reach.of(begin)) {
@@ -64,10 +64,13 @@ void joinAtCorners(std::span<const PublishedEdge> edges, const CornerParams& par
     EdgeCorner corner;
   };
   std::pmr::vector<Joint> joints(scratch);
-  const auto hasEnds = [](const PublishedEdge& edge) { return edge.element && edge.confirmed(); };
+  std::pmr::vector<std::size_t> with_ends(scratch);
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    for (std::size_t k = 0; hasEnds(edges[i]) && k < edges.size(); ++k) {
-      if (i == k || !hasEnds(edges[k])) continue;
+    if (edges[i].element && edges[i].confirmed()) with_ends.push_back(i);
+  }
+  for (const std::size_t i : with_ends) {
+    for (const std::size_t k : with_ends) {
+      if (i == k) continue;
       if (const auto corner = findCorner(edges[i], edges[k], params)) joints.push_back({i, k, *corner});
     }
   }

@@ -336,8 +336,9 @@ MemoryElement* SegmentMemory::nearest(const FloorSegment& segment, std::span<con
       continue;
     if (!samePolarity(stored, element.strength, segment.odom(), segment.strength)) continue;
     const Neighbourhood near = neighbourhood(stored, segment.odom());
-    if (near.angle_rad > kNearAngle_rad || near.gap_m > kMaxGap_m) continue;
-    if (near.distance_m > best_distance || !fitsOnFloor(element, segment, distance)) continue;
+    if (near.gap_m > kMaxGap_m || near.distance_m > best_distance) continue;
+    if (lineAngle(stored, segment.odom()) > kNearAngle_rad) continue;
+    if (!fitsOnFloor(element, segment, distance)) continue;
     if (areSplit(element.line, FloorLine(segment, params_.line))) continue;
     best_distance = near.distance_m;
     best = &element;

@@ -63,8 +63,8 @@ bool SegmentMemory::isOfAnotherKind(const Segment2& place, const MemoryElement& 
     if (!samePolarity(place, element.strength, other.odom(), other.strength)) return false;
     const Neighbourhood near = neighbourhood(place, other.odom());
     // Most of the place, or up to the border of the image.
-    return near.angle_rad <= kNearAngle_rad && near.distance_m <= params_.gates.near_distance_m &&
-           -near.gap_m >= std::min(0.5 * length, 0.3);
+    return near.distance_m <= params_.gates.near_distance_m && -near.gap_m >= std::min(0.5 * length, 0.3) &&
+           lineAngle(place, other.odom()) <= kNearAngle_rad;
   });
 }
 

@@ -76,12 +76,12 @@ bool SegmentMemory::areDuplicates(const MemoryElement& a, const MemoryElement& b
   if (!samePolarity(sa, a.strength, sb, b.strength)) return false;
   const bool a_longer = a.line.length() >= b.line.length();
   const Neighbourhood near = neighbourhood(a_longer ? sa : sb, a_longer ? sb : sa);
-  if (near.angle_rad > kNearAngle_rad || near.gap_m > kMaxGap_m) return false;
+  if (near.gap_m > kMaxGap_m) return false;
   const double sigma = std::sqrt(a.line.offsetVariance(0.0) + b.line.offsetVariance(0.0));
   if (near.distance_m > std::min(reach_m, 0.02 + 3.0 * sigma)) return false;
-  if (areSplit(a.line, b.line)) return false;
   // Pieces that only touch end to end must have nearly one direction.
-  return near.gap_m <= 0.0 || near.angle_rad <= kDuplicateGateShare * kNearAngle_rad;
+  const double most_rad = (near.gap_m <= 0.0 ? 1.0 : kDuplicateGateShare) * kNearAngle_rad;
+  return lineAngle(sa, sb) <= most_rad && !areSplit(a.line, b.line);
 }
 
 void SegmentMemory::mergeDuplicates(std::span<const int> cached) {

@@ -35,8 +35,8 @@ std::optional<FloorEdge> between(const FloorEdge& a, const FloorEdge& b, const S
 std::optional<FloorEdge> joined(const FloorEdge& a, const FloorEdge& b, const StripeParams& params,
                                 std::pmr::memory_resource* scratch) {
   const Neighbourhood near = neighbourhood(a.line, b.line);
-  if (near.angle_rad > params.max_angle_rad || near.distance_m > params.max_offset_m ||
-      near.gap_m > params.max_gap_m ||
+  if (near.distance_m > params.max_offset_m || near.gap_m > params.max_gap_m ||
+      lineAngle(a.line, b.line) > params.max_angle_rad ||
       std::abs(a.width_m - b.width_m) > 0.5 * std::max(a.width_m, b.width_m)) {
     return std::nullopt;
   }
