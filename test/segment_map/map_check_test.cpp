@@ -37,6 +37,12 @@ TEST(CheckMap, APairThatNoRowHasIsReported) {
                           "nothing"));
 }
 
+TEST(CheckMap, PairsThatNoRowHasShareAWarning) {
+  EXPECT_THAT(warningsOf("0,1,0,2,1,0,line,0.05\n"),
+              ElementsAre("m.palette: labels \"door_foot\" and \"skirting\" stand in no row of m.csv: their "
+                          "observations match nothing"));
+}
+
 TEST(CheckMap, AnyMatchesEveryLabel) {
   EXPECT_THAT(warningsOf("0,0,0,1,0,0,any\n"), IsEmpty());
 }

@@ -18,7 +18,9 @@ TEST(ReducedImage, BlocksLeaveAFocalLengthOf500Pixels) {
     const CameraIntrinsics small = reduced(lens, block);
     EXPECT_EQ(block == 1, lens.fx < 1000.0) << width;
     EXPECT_LT(small.fx, 1000.0) << width;
-    if (block > 1) EXPECT_GE(small.fx, 500.0) << width;
+    if (block > 1) {
+      EXPECT_GE(small.fx, 500.0) << width;
+    }
     EXPECT_NEAR(small.cx, 0.5 * (small.width - 1), 0.5) << "the middle, but for columns that fill no block";
   }
   EXPECT_EQ(blockSize(intrinsicsFromFieldOfView(1280, 960, kView_rad * 1.6)), 1) << "a wide view has few pixels a degree";

@@ -13,8 +13,8 @@ bool join(MapSegment& a, const MapSegment& b, double tolerance_m) {
     const Eigen::Vector3d r = p - a.world.a;
     return (r - r.dot(d) * d).norm();
   };
-  constexpr double kOnLine_m = 0.002;
-  if (offset(b.world.a) > kOnLine_m || offset(b.world.b) > kOnLine_m) return false;
+  constexpr double kSameLine_m = 0.002;
+  if (offset(b.world.a) > kSameLine_m || offset(b.world.b) > kSameLine_m) return false;
   const double length = a.world.length();
   const double t0 = (b.world.a - a.world.a).dot(d);
   const double t1 = (b.world.b - a.world.a).dot(d);

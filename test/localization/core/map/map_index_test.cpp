@@ -51,7 +51,7 @@ TEST(MapIndex, LevelEdgesOfOneThingCountForEachOther) {
                   raised(0, 0.3, 4, 0.3, 0.1, "shelf"), wall(0, 2, 4, 2, "door_foot"),
                   raised(0, 2, 4, 2, 2.0, "lintel")};
   const MapIndex index(map, {});
-  for (const Label& label : {"skirting", "skirting_top"}) {
+  for (const Label label : {"skirting", "skirting_top"}) {
     const auto& levels = index.levels(*index.labelId(label));
     ASSERT_EQ(levels.size(), 2u) << label;
     EXPECT_EQ(levels[0].height_m, 0.0);
