@@ -13,7 +13,7 @@
 namespace vismem {
 namespace {
 
-constexpr double kAgainst = -0.9;          // largest cosine of the edges of a line: a fast test
+constexpr double kAgainst = -0.9;          // largest cosine of both directions, asked first
 constexpr double kMaxSkew_m = 0.04;        // distance along the line between the ends of both edges: this ..
 constexpr double kMaxSkewSigmas = 2.0;     // .. plus this many sigmas of both ends ..
 constexpr double kMostSkew_m = 0.10;       // .. at most this

@@ -34,7 +34,7 @@ class LabelVotes {
 
 /// *Value.*
 struct MemoryElement {
-  // What every image reads of all elements comes first: it shares lines of the cache.
+  // What every image reads of all elements comes first: together it fills few cache lines.
   int sightings = 0;                        ///< images that showed it
   Sighting sighting = Sighting::kObserved;  ///< highest since life was last counted
   MemorySegment value;                      ///< as published; its geometry is a copy of `line`
