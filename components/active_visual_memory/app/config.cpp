@@ -26,7 +26,6 @@ void visit(ParameterVisitor& v, ExtractorParams& p) {
                         p.detector, {{"solis", "solis"}, {"chapter", "chapter"}, {"hough", "hough"}});
   v.flag(expert("ColourEdges", "detect edges between colours of equal brightness"), p.colour_edges);
   v.real(basic("MinimumLength_px", "V4: shorter segments are dropped"), p.minimum_length_px, 2.0, 1000.0);
-  v.flag(expert("CutAtGaps", "split merged segments where the image has no edge for 3 px"), p.gaps.enabled);
 }
 
 void visit(ParameterVisitor& v, Rig& rig) {

@@ -9,6 +9,7 @@ constexpr const char* kFixed = "its value is fixed by the mode";
 
 void acceptRetiredMemoryKeys(ConfigReader& reader) {
   reader.group("Vision").retired("Merge.Angle_deg Merge.Offset_px Merge.Gap_px", kFixed);
+  reader.group("Vision").retired("CutAtGaps", "the memory finds the gaps of a line: Memory.GapVotes");
   reader.group("FrameGate").retired("Distance_m Angle_deg MaximumInterval_s", kFixed);
   reader.group("Ground").retired(
       "HorizonMargin_px BorderMargin_px EndShort_px Noise.Across_px Noise.Along_px Noise.Timing_s", kFixed);
@@ -31,6 +32,7 @@ void acceptRetiredMemoryKeys(ConfigReader& reader) {
           "Circle.Tolerance_m",
           kFixed);
   reader.group("ShapeEdges").retired("Enabled Circle.Sagitta_m", kFixed);
+  reader.group("ShapeEdges").retired("EvenLineWidths", "distant lines stay where they are measured");
   reader.group("Attention")
       .retired(
           "VisitAngle_deg ForcedSearchMaximum_s ForcedSearchObjects LookAroundFirst CountGroups "

@@ -25,7 +25,6 @@ const std::vector<ImageSegment>& SegmentExtractor::extract(const cv::Mat& image,
   std::erase_if(segments_, [this](const ImageSegment& segment) {
     return segment.px.length() < params_.minimum_length_px;
   });
-  if (params_.gaps.enabled) gap_splitter_.split(image, intrinsics, segments_, params_.gaps);
   return segments_;
 }
 

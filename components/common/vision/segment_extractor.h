@@ -10,7 +10,6 @@
 #include "common/geometry/camera.h"
 #include "common/profiling/stage_probe.h"
 #include "common/vision/colour_edges.h"
-#include "common/vision/gap_split.h"
 #include "common/vision/image_segment.h"
 #include "common/vision/label_split.h"
 #include "common/vision/palette.h"
@@ -25,7 +24,6 @@ struct ExtractorParams {
   MergeParams merge;                ///< V4
   double minimum_length_px = 10.0;  ///< shorter segments are dropped after merging (V4)
   LabellerParams labeller;
-  GapSplitParams gaps;        ///< cuts bridged gaps without an edge
   bool colour_edges = false;  ///< also edges between colours of equal brightness
 };
 
@@ -39,8 +37,7 @@ class SegmentExtractor {
   SegmentExtractor(SegmentExtractor&&) noexcept;
   SegmentExtractor& operator=(SegmentExtractor&&) noexcept;
 
-  /// Detects, labels, undistorts the ends, merges, drops short ones and cuts the rest at gaps (those pieces
-  /// may be shorter).
+  /// Detects, labels, undistorts the ends, merges and drops short ones.
   /// @param image      CV_8UC3 (R, G, B) or CV_8UC1, raw pixels.
   /// @param intrinsics of that image; its distortion is removed from the ends.
   /// @throws std::invalid_argument when the image's size is not the intrinsics' or its type is another.
@@ -69,7 +66,6 @@ class SegmentExtractor {
   ColourEdgeJoiner joiner_;
   std::optional<LabelSplitter> splitter_;  // with a palette
   SegmentMerger merger_;
-  GapSplitter gap_splitter_;
   std::vector<ImageSegment> segments_;
 };
 

@@ -10,15 +10,10 @@
 namespace vismem {
 
 struct DominantDirectionParams {
-  /// Sigma of the angle between long lines that are parallel or square by design [rad]; 0: none are assumed.
-  double sigma_rad = 0.02;
-  double least_m = 0.5;  ///< length of a line; shorter ones may be chords of a curve
-  double not_radial =
-      0.12;  ///< least sine of the angle to the viewing ray, along which standing edges appear
-  double together_rad = 0.1;       ///< lines within this of a direction support it
-  double slip_together_rad = 0.2;  ///< the same after a slip of the odometry
-  int least_lines = 4;             ///< remembered lines that must support a direction
-  double least_share = 0.75;       ///< of the length of all lines that must support it
+  double least_m = 0.5;       ///< length of a line; shorter ones may be chords of a curve
+  double together_rad = 0.1;  ///< lines within this of a direction support it
+  int least_lines = 4;        ///< remembered lines that must support a direction
+  double least_share = 0.75;  ///< of the length of all lines that must support it
 };
 
 /// Histogram of directions modulo 90 degrees, weighted by length. *Single-threaded value.*

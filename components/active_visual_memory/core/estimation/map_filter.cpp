@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "active_visual_memory/core/estimation/covariance_kernels.h"
+#include "active_visual_memory/core/estimation/dominant_direction.h"
 #include "active_visual_memory/core/estimation/measurement_models.h"
 #include "active_visual_memory/core/estimation/state_limits.h"
 #include "common/geometry/plane.h"
@@ -152,14 +153,6 @@ double MapFilter::placeVariance(std::uint64_t line, const Eigen::Vector2d& n,
          2.0 * drift.dot(P.block<3, 2>(0, at) * own);
 }
 
-PlanarIncrement MapFilter::applySlip(const Eigen::Vector2d& robot, double turn_rad, double sigma_rad) {
-  const PlanarIncrement motion{robot, Eigen::Vector2d::Zero(), turn_rad};
-  state_.P(kTurn, kTurn) += sigma_rad * sigma_rad;
-  if (state_.dominant_direction_rad) *state_.dominant_direction_rad += turn_rad;
-  for (Line& line : state_.lines) line.reference = motion.apply(line.reference);
-  return motion;
-}
-
 void MapFilter::beginImage(State& state, const ImageMeasurements& image, const Params& params) const {
   state.pivot = image.robot;
   state.P_frame_tilt.setZero();
@@ -206,7 +199,7 @@ void MapFilter::linearize(State& state, const ImageMeasurements& image, const Pa
     for (int k = 0; k < 4; ++k) row.add(kTilt + k, -c.d_tilt[k]);
     for (int k = 0; k < 2; ++k) row.add(kFrameTilt + k, -c.d_frame_tilt[k]);
     for (int k = 0; k < 2; ++k) row.add(kFrameTilt + 2 + k, c.direction[k]);
-    const int slot = c.line ? state.slotOf(c.line) : -1;
+    const int slot = state.slotOf(c.line);
     if (slot < 0) continue;
     Line& line = state.lines[static_cast<std::size_t>(slot)];
     const int at = kLines + 2 * slot;

@@ -30,7 +30,7 @@ struct LineResidual {
   TiltJacobianRow d_tilt = TiltJacobianRow::Zero();
   /// Derivative of the observed coordinate by the tilt of this frame [m/rad].
   Eigen::RowVector2d d_frame_tilt = Eigen::RowVector2d::Zero();
-  std::uint64_t line = 0;  ///< the line compared with; 0: none of the filter's
+  std::uint64_t line = 0;  ///< the line compared with
 };
 
 /// Result of one image.
@@ -114,8 +114,6 @@ class MapFilter {
   /// The result that `update` would return; the state stays.
   std::optional<Correction> preview(const ImageMeasurements& image, const Params& params) const;
   const std::vector<LineCorrection>& lineCorrections() const { return corrections_; }
-  /// Applies a slip of the odometry: turns the memory about the robot. @return that motion.
-  PlanarIncrement applySlip(const Eigen::Vector2d& robot, double turn_rad, double sigma_rad);
 
   bool contains(std::uint64_t line) const { return state_.slotOf(line) >= 0; }
   /// Adds a line at its first observation, after the update of that image.

@@ -137,7 +137,7 @@ void replaceCrossSpots(std::vector<MemorySegment>& segments, std::span<const Pub
                        const CrossSpotParams& params,
                        const std::function<std::uint64_t(std::uint64_t, int)>& id_of,
                        std::pmr::memory_resource* scratch) {
-  if (widths.empty() || dominant_direction.sigma_rad <= 0.0) return;
+  if (widths.empty()) return;
   DominantDirection place(dominant_direction);
   for (const PublishedEdge& edge : edges) {
     if (edge.confirmed()) place.add(edge.line.direction(), edge.length());

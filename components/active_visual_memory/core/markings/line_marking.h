@@ -29,37 +29,22 @@ struct LineWidthRange {
   double minMeasured_m() const { return 2.0 * min_m / 3.0; }
 };
 
-/// Line markings of one label have one width. That of distant lines is below the resolution of the image,
-/// that of near lines is measured.
+/// Line markings of one label have one width. It is measured at near lines: that of distant ones is below the
+/// resolution of the image.
 struct LineWidthParams {
-  bool enabled = true;
   LineWidthRange range;
   double min_overlap = 0.5;          ///< of the shorter edge
   double near_sigma_m = 0.02;        ///< sigma of an end of both edges up to which a line is near
   double least_length_widths = 3.0;  ///< least length of a measured line, in widths: shorter ones are spots
   double agree_m = 0.015;            ///< distance from the median within which widths agree
   double agree_share = 0.7;          ///< of the widths of a label that must agree
-  double most_shift_m = 0.04;        ///< largest move of an end ..
-  /// .. or this many pixels of its best view, which are also added to the largest distance of two distant
-  /// edges.
-  double blur_px = 0.0;
-  // An unconfirmed edge that runs beside a confirmed one of its label at the width of a line lies on the
-  // floor: a standing edge would appear there from one place only.
-  double partner_overlap = 0.8;   ///< share of its length beside the confirmed edge
-  double partner_least_m = 0.15;  ///< least length
 };
 
 /// Signed widths by label: > 0 if the paint lies to the left of both edges (a bright line), < 0 to the right.
 using LineWidths = std::pmr::map<Label, double>;
 
-/// @return widths of near lines by label; none if disabled.
+/// @return widths of near lines by label.
 LineWidths measureLineWidths(std::span<const PublishedEdge> edges, const LineWidthParams& params,
                              std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
-
-/// Moves the edges of distant lines to the width of near lines of their label, and confirms the second edge
-/// of a line.
-void equalizeLineWidths(std::span<const PublishedEdge> edges, const LineWidths& widths,
-                        const LineWidthParams& params,
-                        std::pmr::memory_resource* scratch = std::pmr::get_default_resource());
 
 }  // namespace vismem

@@ -11,23 +11,20 @@ void ShapeEdges::Params::visit(ParameterVisitor& v) {
   v.require("Line.MinimumWidth_m", line_width.min_m < line_width.max_m, "must be less than",
             "Line.MaximumWidth_m");
   bool far_lines = false;
-  v.flag(
-      expert("FarLines",
-             "for distant narrow lines: ends within two sigmas of their corner, edges a pixel further apart, "
-             "junctions by one edge of a line, cross spots"),
-      far_lines);
+  v.flag(expert("FarLines",
+                "for distant narrow lines: ends within two sigmas of their corner, junctions by one edge of "
+                "a line, "
+                "cross spots"),
+         far_lines);
   if (far_lines) {
     // Distant ends are uncertain by two pixels instead of one.
     corners.reach.sigmas = junctions.reach.sigmas = 2.0;
     corners.reach.most_m = junctions.reach.most_m = 0.25;
-    line_widths.blur_px = 1.0;
     junctions.by_one_side = true;
     crosses.enabled = true;
   }
   v.alias("PartAtJunctions", "SplitAtJunctions");
   v.flag(expert("SplitAtJunctions", "split edges where lines join or cross"), junctions.enabled);
-  v.flag(expert("EvenLineWidths", "give distant lines the width of near ones of their label"),
-         line_widths.enabled);
 }
 
 ShapeEdges::ShapeEdges(const Params& params) : params_(params) {
@@ -57,9 +54,7 @@ void ShapeEdges::complete(std::vector<MemorySegment>& segments, std::span<const 
     regularizeCircle(segments, primitive, widths, params_.circles, id, scratch);
   }
   if (params_.crosses.enabled) {
-    const auto id = [this](std::uint64_t oldest, int n) {
-      return idOf({oldest, 1, -2 - n});
-    };
+    const auto id = [this](std::uint64_t oldest, int n) { return idOf({oldest, 1, -2 - n}); };
     replaceCrossSpots(segments, edges(), widths, params_.dominant_direction, params_.crosses, id, scratch);
   }
   closeLineEnds(
@@ -68,11 +63,8 @@ void ShapeEdges::complete(std::vector<MemorySegment>& segments, std::span<const 
         return idOf({one, other, -1});
       },
       scratch);
-  if (!widths.empty()) equalizeLineWidths(edges(), widths, params_.line_widths, scratch);
   if (params_.junctions.enabled) {
-    const auto id = [this](std::uint64_t whole, int part) {
-      return idOf({whole, 0, -2 - part});
-    };
+    const auto id = [this](std::uint64_t whole, int part) { return idOf({whole, 0, -2 - part}); };
     splitAtJunctions(segments, edges(), primitives, widths, params_.junctions, id, scratch);
   }
   joinAtCorners(edges(), params_.corners, scratch);

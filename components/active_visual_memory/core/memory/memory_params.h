@@ -5,7 +5,6 @@
 
 #include "active_visual_memory/core/estimation/dominant_direction.h"
 #include "active_visual_memory/core/estimation/map_filter.h"
-#include "active_visual_memory/core/estimation/slip.h"
 #include "active_visual_memory/core/ground/camera_tilt.h"
 #include "active_visual_memory/core/ground/floor_evidence.h"
 #include "active_visual_memory/core/ground/floor_line.h"
@@ -42,7 +41,6 @@ struct MemoryEstimationParams {
   /// tilt of 1 degree moves a line 3 m away half way to another one 0.6 m behind it.
   double min_legged_tilt_rad = 0.25 * std::numbers::pi / 180.0;
   MapFilter::Params map_filter;  ///< `together_rad` is taken from dominant_direction
-  SlipDetector::Params slip;
 
   void visit(ParameterVisitor& v);
 };

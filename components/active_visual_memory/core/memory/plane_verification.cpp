@@ -12,9 +12,6 @@ constexpr double kNotRadial = 0.2;   // least sine to the viewing ray that exclu
 constexpr double kNoiseShare = 0.1;  // share of the variance of an end that is independent between views
 constexpr double kAlignmentSigma_m = 0.003;    // error of the alignment, which does not grow with the way: ..
 constexpr double kAlignmentSigma_rad = 0.004;  // .. of places and of the heading
-// Odometry has drifted too far for a comparison with an older anchor.
-constexpr double kMaxTurn_rad = 20.0;
-constexpr double kMaxTravel_m = 4.0;
 
 }  // namespace
 
@@ -22,7 +19,6 @@ void PlaneVerification::begin(const FloorLine& line, const PlaneView& view) {
   parallax = ParallaxEstimate{};
   anchor_line = line;
   anchor_camera = view.camera;
-  anchor_turned_rad = view.turned_rad;
 }
 
 void PlaneVerification::addOffset(const FloorSegment& observed, const PlaneView& view, double drift_m,
@@ -66,9 +62,6 @@ void PlaneVerification::observe(const FloorLine& line, const FloorSegment& obser
                                 const FloorLine::Params& line_params) {
   // An edge seen only along the viewing ray may still be vertical.
   if (isVerified()) return;
-  if (view.turned_rad - anchor_turned_rad > kMaxTurn_rad || baseline(view.camera) > kMaxTravel_m) {
-    begin(FloorLine(observed, line_params), view);
-  }
   if (baseline(view.camera) < params.min_step_m) {
     // Views from the place of the anchor improve it and have no parallax.
     anchor_line = line;

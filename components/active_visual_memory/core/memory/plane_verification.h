@@ -13,7 +13,6 @@ namespace vismem {
 struct PlaneView {
   Eigen::Vector2d camera = Eigen::Vector2d::Zero();            ///< the floor point below it, in odom [m]
   double height_m = 0.0;                                       ///< of the camera
-  double turned_rad = 0.0;                                     ///< all that the robot has turned so far, >= 0
   CameraTiltCovariance P_tilt = CameraTiltCovariance::Zero();  ///< of the estimated camera tilt [rad^2]
 };
 
@@ -25,7 +24,6 @@ struct PlaneVerification {
   bool stands = false;    ///< its floor place moves with the camera: it is off the floor or moves by itself
   bool not_vertical = false;  ///< a view across the viewing ray excluded a vertical edge
   Eigen::Vector2d anchor_camera = Eigen::Vector2d::Zero();
-  double anchor_turned_rad = 0.0;
   FloorLine anchor_line;
   ParallaxEstimate parallax;
 

@@ -70,7 +70,6 @@ void SegmentMemory::clear() {
   clock_.reset();
   last_pose_.reset();
   map_filter_.reset();
-  slips_.reset();
   dominant_direction_rad_.reset();
 }
 
@@ -129,7 +128,7 @@ bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment
 }
 
 PlaneView SegmentMemory::planeView(const View& view) const {
-  return {view.camera, view.height, turn_rad_, cameraTiltCovariance()};
+  return {view.camera, view.height, cameraTiltCovariance()};
 }
 
 void SegmentMemory::observePlane(MemoryElement& element, const FloorSegment& observed,
@@ -269,7 +268,7 @@ const ImageAnalysis& SegmentMemory::update(const RobotObservation& observation,
   predict(observation.T_odom_robot);
   View view = viewOf(observation, turn_rate_radps);
   censorHiddenEnds(floor, observed, view.evidence);
-  correctSlip(view, floor);
+  if (params_.estimation.enabled) removeStaleLines();
   const Associations associations = associate(view, observed, floor);
   analyse(observation, observed, associations.expected, associations.matches, analysis_);
   correct(associations, floor, view);

@@ -120,7 +120,6 @@ class SegmentMemory {
   /// @param filter  that is updated; null: preview only.
   std::optional<Correction> updateMapFilter(const Associations& associations, const View& view,
                                             MapFilter* filter) const;
-  void correctSlip(const View& view, const std::vector<FloorSegment>& floor);
   void removeStaleLines();
   void join(MemoryElement& element, const MemoryElement& other);
   /// @param placed  the segments where a preliminary correction puts them.
@@ -192,7 +191,6 @@ class SegmentMemory {
   double travel_m_ = 0.0;
   double turn_rad_ = 0.0;
   MapFilter map_filter_;
-  SlipDetector slips_;
   SceneAgreement agreement_;
   std::optional<StampUs> suspect_since_us_;
 };

@@ -238,7 +238,6 @@ bool SegmentMemory::voteForGap(MemoryElement& element, const Interruption& seen,
   };
   const ExtentEnd ends = splitAt(gap->from, seen.before->b);
   const ExtentEnd begins = splitAt(gap->to, seen.behind->a);
-  const double left_behind = element.line.endB().t_m - begins.t_m;
   gaps.erase(gap);
   element.short_a = element.short_b = {};
   MemoryElement other = element;
@@ -247,12 +246,6 @@ bool SegmentMemory::voteForGap(MemoryElement& element, const Interruption& seen,
   other.plane.parallax.forget(ParallaxEstimate::kEndA);
   element.line.shorten(true, ends);
   element.plane.parallax.forget(ParallaxEstimate::kEndB);
-  // The smaller part may have been in line by chance (a shadow behind the end): its votes begin anew.
-  const bool other_is_less = left_behind < element.line.length();
-  MemoryElement& less = other_is_less ? other : element;
-  const FloorSegment& piece = other_is_less ? *seen.behind : *seen.before;
-  less.votes = {};
-  vote(less, piece.label, view.distanceTo(piece));
   publish(other);
   if (params_.estimation.enabled) map_filter_.copyLine(other.value.id, element.value.id);
   split_off_.push_back(std::move(other));

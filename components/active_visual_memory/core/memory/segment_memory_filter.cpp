@@ -1,4 +1,4 @@
-// SegmentMemory: EKF-SLAM update of odometry drift, camera tilt and line landmarks; slips.
+// SegmentMemory: EKF-SLAM update of odometry drift, camera tilt and line landmarks.
 #include <algorithm>
 #include <cmath>
 
@@ -37,8 +37,7 @@ std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& ass
       if (residuals_.size() >= MapFilter::kMaxResiduals) break;
       const double distance = view.distanceTo(*piece);
       addLineResiduals(element.value.id, element.line, *piece, view_tilt,
-                       params_.gates.slack_m + kSlackShare * distance, noise, kEndInflation, kMaxEndShift_m,
-                       residuals_);
+                       params_.gates.slack_m + kSlackShare * distance, noise, residuals_);
     }
   }
   const auto direction = params_.estimation.use_dominant_direction ? dominantDirection() : std::nullopt;
@@ -52,25 +51,6 @@ std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& ass
   const ImageMeasurements image{view.observation.T_odom_robot.position(), residuals_, direction, directions_};
   const MapFilter::Params& params = params_.estimation.map_filter;
   return filter ? filter->update(image, params) : map_filter_.preview(image, params);
-}
-
-void SegmentMemory::correctSlip(const View& view, const std::vector<FloorSegment>& floor) {
-  if (params_.estimation.enabled) removeStaleLines();
-  if (!map_filter_.dominantDirection()) return;
-  const TiltView view_tilt(view.T_odom_camera, view.observation.T_odom_robot.theta);
-  const auto deviation =
-      directionDeviation(floor, view_tilt, params_.estimation.dominant_direction,
-                         *map_filter_.dominantDirection(), params_.estimation.tilt_prior.per_frame_rad);
-  if (!deviation) return;
-  const StampUs stamp_us = view.observation.frame.stamp_us;
-  const auto slip = slips_.add(stamp_us, deviation->turn_rad, deviation->variance, params_.estimation.slip);
-  if (!slip) return;
-  // Elements first seen after the slip were placed with its heading.
-  std::erase_if(elements_, [&](const MemoryElement& e) { return e.value.first_seen_us >= slip->since_us; });
-  removeStaleLines();
-  transformAll(
-      map_filter_.applySlip(view.observation.T_odom_robot.position(), slip->turn_rad, slip->sigma_rad));
-  publishAll();
 }
 
 void SegmentMemory::removeStaleLines() {

@@ -74,7 +74,6 @@ TEST(MapFilter, AllocatesNothingAfterItsConstruction) {
     filter.copyLine(next, next - 1);
     filter.replaceLine(next, next + 1);
     filter.removeLine(next - 2);
-    filter.applySlip(pose.position(), 0.01, 0.02);
     filter.retainIf([&](std::uint64_t id) { return id + 1 != next; });
     const double variance = filter.placeVariance(next - 3, Eigen::Vector2d::UnitX(), {1.0, 0.0});
     EXPECT_EQ(test::allocations() - before, 0) << i;

@@ -3,67 +3,89 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <optional>
 #include <random>
 #include <vector>
 
 #include "active_visual_memory/core/tilted_camera.h"
 #include "common/geometry/angles.h"
-#include "common/geometry/projection.h"
+#include "common/geometry/plane.h"
 
 namespace vismem {
 namespace {
 
 const Pose3 T_robot_camera = cameraPose(mount(), 0.0, -0.35);
+const TiltView kView(T_robot_camera, 0.0);
 
-/// One image of lines, by a robot that turned by `turned_rad` while its odometry counted nothing, with a
-/// frame tilt.
-std::pmr::vector<FloorSegment> seenTurned(const std::vector<Segment3>& lines, double turned_rad,
-                                          const CameraTilt& tilt) {
-  std::mt19937_64 random(3);
-  auto floor = seenTilted(lines, T_robot_camera, tilt, random);
-  const Eigen::Rotation2Dd R(turned_rad);
-  for (FloorSegment& s : floor) {
-    s.a.p = R * s.a.p;
-    s.b.p = R * s.b.p;
+/// A line from (1, 0.5) to (2, 0.8), seen `aside_m` to its left.
+FloorSegment seen(double aside_m) {
+  const Segment2 line{{1.0, 0.5}, {2.0, 0.8}};
+  const Eigen::Vector2d aside = aside_m * turned90(Eigen::Vector2d((line.b - line.a).normalized()));
+  FloorSegment segment;
+  segment.place({line.a + aside, line.b + aside});
+  for (FloorEnd* end : {&segment.a, &segment.b}) {
+    end->P = 1e-4 * Eigen::Matrix2d::Identity();
+    end->D = kView.derivativeAt(end->p);
   }
-  return floor;
+  return segment;
 }
 
-std::optional<DirectionDeviation> deviationOf(const std::vector<Segment3>& lines, double turned_rad,
-                                              const CameraTilt& tilt, double per_frame_rad) {
-  const TiltView view(toPose3(Pose2{0.0, 0.0, turned_rad}) * T_robot_camera, turned_rad);
-  return directionDeviation(seenTurned(lines, turned_rad, tilt), view, {}, 0.0, per_frame_rad);
+std::vector<LineResidual> residualsOf(const FloorLine& line, const FloorSegment& observed, double slack_m,
+                                      double noise) {
+  std::vector<LineResidual> residuals;
+  addLineResiduals(7, line, observed, kView, slack_m, noise, residuals);
+  return residuals;
 }
 
-TEST(MeasurementModels, OneLineMeasuresTheHeadingAgainstAKnownDirection) {
-  const double turned = degToRad(2.0);
-  const auto found =
-      deviationOf({{{1.2, 0.6, 0.0}, {2.2, 0.6, 0.0}}}, turned, CameraTilt::Zero(), degToRad(0.05));
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->turn_rad, turned, degToRad(0.7));
-  EXPECT_LT(std::abs(found->turn_rad - turned), 3.0 * std::sqrt(found->variance));
+TEST(MeasurementModels, ALineSeenAsideGivesThatDistanceAtBothEnds) {
+  const FloorLine line(seen(0.0), {});
+  for (const FloorSegment& observed : {seen(0.02), reversed(seen(0.02))}) {
+    const auto residuals = residualsOf(line, observed, 0.0, 1.0);
+    ASSERT_EQ(residuals.size(), 2U);
+    for (const LineResidual& residual : residuals) {
+      EXPECT_EQ(residual.line, 7U);
+      EXPECT_NEAR(residual.residual_m, 0.02, 1e-9);
+      EXPECT_NEAR(residual.direction.dot(line.normal()), 1.0, 1e-12);
+      EXPECT_NEAR(residual.variance_m2, 1e-4, 1e-12);
+    }
+  }
 }
 
-TEST(MeasurementModels, LinesThatConvergeSeparateTheFrameTiltFromTheHeading) {
-  const std::vector<Segment3> corridor{{{1.5, 0.75, 0.0}, {3.5, 0.75, 0.0}},
-                                       {{3.0, -0.7, 0.0}, {1.5, -0.7, 0.0}}};
-  const CameraTilt tilt{0.0, degToRad(1.5), 0.0, 0.0};
-  const double turned = degToRad(2.0);
-  const auto both = deviationOf(corridor, turned, tilt, degToRad(1.0));
-  const auto one = deviationOf({corridor[0]}, turned, tilt, degToRad(1.0));
-  ASSERT_TRUE(both && one);
-  EXPECT_NEAR(both->turn_rad, turned, degToRad(0.7));
-  EXPECT_GT(std::abs(one->turn_rad - turned), std::abs(both->turn_rad - turned));
-  EXPECT_LT(both->variance, one->variance);
+TEST(MeasurementModels, SlackAddsToTheVarianceAndNoiseScalesIt) {
+  const auto residuals = residualsOf(FloorLine(seen(0.0), {}), seen(0.0), 0.01, 4.0);
+  EXPECT_NEAR(residuals.front().variance_m2, 4.0 * (1e-4 + 1e-4), 1e-12);
 }
 
-TEST(MeasurementModels, ShortLinesAndLinesOfOtherDirectionsDoNotMeasureTheHeading) {
-  const double per_frame = degToRad(0.05);
-  // A circle is made of short ones.
-  EXPECT_FALSE(deviationOf({{{1.0, 0.5, 0.0}, {1.3, 0.5, 0.0}}}, 0.0, CameraTilt::Zero(), per_frame));
-  EXPECT_FALSE(deviationOf({{{1.0, 0.3, 0.0}, {2.0, 1.3, 0.0}}}, 0.0, CameraTilt::Zero(), per_frame));
+TEST(MeasurementModels, TheCommonPitchOfAnImageIsNoErrorOfItsEnds) {
+  FloorSegment observed = seen(0.0);
+  observed.pitch_sigma_rad = degToRad(0.34);
+  for (FloorEnd* end : {&observed.a, &observed.b}) {
+    const Eigen::Matrix2d D = end->D.rightCols<2>();
+    end->P += observed.pitch_sigma_rad * observed.pitch_sigma_rad * D * D.transpose();
+  }
+  for (const LineResidual& residual : residualsOf(FloorLine(seen(0.0), {}), observed, 0.0, 1.0)) {
+    EXPECT_NEAR(residual.variance_m2, 1e-4, 1e-10);
+  }
+}
+
+TEST(MeasurementModels, DerivativesAreThoseOfATiltedCamera) {
+  const std::vector<Segment3> world{{{1.0, 0.5, 0.0}, {2.0, 0.8, 0.0}}};
+  const FloorLine line(seen(0.0), {});
+  constexpr double kTilt_rad = 0.002;
+  for (int axis = 0; axis < 4; ++axis) {
+    const auto offsets = [&](double tilt_rad) {
+      std::mt19937_64 random(3);
+      const auto floor = seenTilted(world, T_robot_camera, tilt_rad * CameraTilt::Unit(axis), random);
+      const FloorSegment observed = runningAlong(line.along(), floor.front());
+      return residualsOf(line, observed, 0.0, 1.0);
+    };
+    const auto one = offsets(kTilt_rad);
+    const auto other = offsets(-kTilt_rad);
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      // The camera looks lower than believed: what it sees lies nearer than where it is placed.
+      const double measured = (one[i].residual_m - other[i].residual_m) / (2.0 * kTilt_rad);
+      EXPECT_NEAR(measured, -one[i].d_tilt[axis], 0.05) << axis << ", end " << i;
+    }
+  }
 }
 
 }  // namespace

@@ -105,28 +105,5 @@ TEST(ShapeEdges, OneWidthRangeServesLinesOfFifteenCentimetres) {
   EXPECT_EQ(parts(wide), std::pair(8L, 4L)) << "each edge is split at the crossing, each line end closed";
 }
 
-TEST(ShapeEdges, WidthsOfFifteenCentimetresAreMeasuredAndGivenToFarLines) {
-  std::vector<MemoryElement> elements{seen(1, {{0.0, 0.0}, {2.0, 0.0}}), seen(2, {{2.0, 0.15}, {0.0, 0.15}}),
-                                      seen(3, {{0.0, 5.0}, {2.0, 5.0}}), seen(4, {{2.0, 5.12}, {0.0, 5.12}})};
-  for (std::size_t i = 2; i < 4; ++i) {
-    // Seen from afar: their ends are known to 10 cm only.
-    FloorSegment far;
-    far.place(elements[i].line.segment());
-    far.a.P = far.b.P = 0.01 * Eigen::Matrix2d::Identity();
-    elements[i].line = FloorLine(far, {});
-  }
-  const auto width = [&](const LineWidthRange& range) {
-    std::vector<MemorySegment> segments;
-    for (const MemoryElement& element : elements) segments.push_back(element.value);
-    LineWidthParams params;
-    params.range = range;
-    const auto edges = publishedEdges(segments, elements);
-    equalizeLineWidths(edges, measureLineWidths(edges, params), params);
-    return std::abs(segments[3].odom.a.y() - segments[2].odom.a.y());
-  };
-  EXPECT_NEAR(width({}), 0.12, 1e-6);
-  EXPECT_NEAR(width({0.10, 0.20}), 0.15, 1e-6);
-}
-
 }  // namespace
 }  // namespace vismem

@@ -24,7 +24,7 @@ FloorSegment seenFrom(const Eigen::Vector2d& camera, const Segment2& edge, doubl
 PlaneVerification verified(const Segment2& edge, double height_m, double way_m) {
   PlaneVerification plane;
   for (int i = 0; i <= 10; ++i) {
-    const PlaneView view{{0.0, 0.1 * i * way_m}, kHeight_m, 0.0, CameraTiltCovariance::Zero()};
+    const PlaneView view{{0.0, 0.1 * i * way_m}, kHeight_m, CameraTiltCovariance::Zero()};
     const FloorSegment seen = seenFrom(view.camera, edge, height_m);
     if (i == 0) plane.begin(FloorLine(seen, {}), view);
     plane.observe(plane.anchor_line, seen, view, {}, {});
@@ -51,7 +51,7 @@ TEST(PlaneVerification, RefutesWhatMovesWithTheCamera) {
 
 TEST(PlaneVerification, AnEdgeAlongTheViewingRayMayBeVertical) {
   PlaneVerification plane;
-  const PlaneView view{{0.0, 0.0}, kHeight_m, 0.0, CameraTiltCovariance::Zero()};
+  const PlaneView view{{0.0, 0.0}, kHeight_m, CameraTiltCovariance::Zero()};
   const FloorSegment radial = segmentOn({{1.0, 0.0}, {2.0, 0.0}});
   plane.begin(FloorLine(radial, {}), view);
   plane.observe(plane.anchor_line, radial, view, {}, {});
@@ -59,15 +59,6 @@ TEST(PlaneVerification, AnEdgeAlongTheViewingRayMayBeVertical) {
   const FloorSegment across = segmentOn({{1.0, 0.0}, {1.0, 1.0}});
   plane.observe(FloorLine(across, {}), across, view, {}, {});
   EXPECT_FALSE(plane.mayBeVertical());
-}
-
-TEST(PlaneVerification, BeginsAnewFarFromItsAnchor) {
-  PlaneVerification plane;
-  const FloorSegment seen = segmentOn(kOblique);
-  plane.begin(FloorLine(seen, {}), {{0.0, 0.0}, kHeight_m, 0.0, CameraTiltCovariance::Zero()});
-  const PlaneView far{{5.0, 0.0}, kHeight_m, 0.0, CameraTiltCovariance::Zero()};
-  plane.observe(plane.anchor_line, seen, far, {}, {});
-  EXPECT_EQ(plane.baseline(far.camera), 0.0);
 }
 
 }  // namespace vismem
