@@ -199,7 +199,7 @@ void MapFilter::linearize(State& state, const ImageMeasurements& image, const Pa
     for (int k = 0; k < 4; ++k) row.add(kTilt + k, -c.d_tilt[k]);
     for (int k = 0; k < 2; ++k) row.add(kFrameTilt + k, -c.d_frame_tilt[k]);
     for (int k = 0; k < 2; ++k) row.add(kFrameTilt + 2 + k, c.direction[k]);
-    const int slot = state.slotOf(c.line);
+    const int slot = c.line ? state.slotOf(c.line) : -1;
     if (slot < 0) continue;
     Line& line = state.lines[static_cast<std::size_t>(slot)];
     const int at = kLines + 2 * slot;

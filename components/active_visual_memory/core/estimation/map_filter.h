@@ -30,7 +30,7 @@ struct LineResidual {
   TiltJacobianRow d_tilt = TiltJacobianRow::Zero();
   /// Derivative of the observed coordinate by the tilt of this frame [m/rad].
   Eigen::RowVector2d d_frame_tilt = Eigen::RowVector2d::Zero();
-  std::uint64_t line = 0;  ///< the line compared with
+  std::uint64_t line = 0;  ///< the line compared with; 0: none of the filter's
 };
 
 /// Result of one image.

@@ -10,13 +10,16 @@
 
 namespace vismem {
 
-/// Adds the residuals of both ends of an observed piece across a line of MapFilter.
-/// @param id       of the line.
-/// @param view     that showed the piece.
-/// @param slack_m  sigma of errors that the covariances do not model [m].
-/// @param noise    factor of all variances.
-void addLineResiduals(std::uint64_t id, const FloorLine& line, const FloorSegment& observed,
-                      const TiltView& view, double slack_m, double noise,
-                      std::vector<LineResidual>& residuals);
+/// Adds the residuals of both ends of a piece across a line of MapFilter, and along it where a true end was
+/// observed. Along a corridor the ends alone measure the drift.
+/// @param id               of the line.
+/// @param view             that showed the piece.
+/// @param slack_m          sigma of errors that the covariances do not model [m].
+/// @param noise            factor of all variances.
+/// @param end_inflation    factor of the sigmas of ends.
+/// @param max_end_shift_m  ends further apart are different ends [m].
+void addLineResiduals(std::uint64_t id, const FloorLine& line, const FloorSegment& piece,
+                      const TiltView& view, double slack_m, double noise, double end_inflation,
+                      double max_end_shift_m, std::vector<LineResidual>& residuals);
 
 }  // namespace vismem

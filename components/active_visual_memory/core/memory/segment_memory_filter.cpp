@@ -37,7 +37,8 @@ std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& ass
       if (residuals_.size() >= MapFilter::kMaxResiduals) break;
       const double distance = view.distanceTo(*piece);
       addLineResiduals(element.value.id, element.line, *piece, view_tilt,
-                       params_.gates.slack_m + kSlackShare * distance, noise, residuals_);
+                       params_.gates.slack_m + kSlackShare * distance, noise, kEndInflation, kMaxEndShift_m,
+                       residuals_);
     }
   }
   const auto direction = params_.estimation.use_dominant_direction ? dominantDirection() : std::nullopt;

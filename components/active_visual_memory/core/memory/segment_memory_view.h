@@ -28,7 +28,11 @@ inline constexpr double kUnconfirmedInflation =
     5.0;  // the same against elements not known to lie on the floor
 // Observed elements known to rest that measure an image's drift and tilt without new ones.
 inline constexpr int kEnoughResting = 6;
-inline constexpr std::size_t kResidualsPerPiece = 2;  // of both ends
+// Factor of the sigmas of ends along their line. The detector ends short by a pixel in every image: as
+// independent errors that would bias the tilt of an approaching camera and the scale of its way.
+inline constexpr double kEndInflation = 16.0;
+inline constexpr std::size_t kResidualsPerPiece = 4;  // of both ends, across and along
+inline constexpr double kMaxEndShift_m = 0.15;        // ends further apart are not compared
 // Ends and gaps.
 // Images that must see an end further in, with free floor or an edge of another label behind it.
 inline constexpr int kShortVotes = 6;

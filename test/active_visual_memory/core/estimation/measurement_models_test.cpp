@@ -29,10 +29,21 @@ FloorSegment seen(double aside_m) {
   return segment;
 }
 
+constexpr double kEndInflation = 2.0;
+constexpr double kMaxEndShift_m = 0.15;
+
+std::vector<LineResidual> allResidualsOf(const FloorLine& line, const FloorSegment& observed, double slack_m,
+                                         double noise) {
+  std::vector<LineResidual> residuals;
+  addLineResiduals(7, line, observed, kView, slack_m, noise, kEndInflation, kMaxEndShift_m, residuals);
+  return residuals;
+}
+
+/// Those across the line.
 std::vector<LineResidual> residualsOf(const FloorLine& line, const FloorSegment& observed, double slack_m,
                                       double noise) {
-  std::vector<LineResidual> residuals;
-  addLineResiduals(7, line, observed, kView, slack_m, noise, residuals);
+  auto residuals = allResidualsOf(line, observed, slack_m, noise);
+  std::erase_if(residuals, [](const LineResidual& residual) { return residual.line == 0; });
   return residuals;
 }
 
@@ -48,6 +59,26 @@ TEST(MeasurementModels, ALineSeenAsideGivesThatDistanceAtBothEnds) {
       EXPECT_NEAR(residual.variance_m2, 1e-4, 1e-12);
     }
   }
+}
+
+TEST(MeasurementModels, ATrueEndMeasuresAlongTheLine) {
+  const FloorLine line(seen(0.0), {});
+  const auto ends = [&](double further_m, bool censored) {
+    FloorSegment observed = seen(0.0);
+    observed.b.p += further_m * line.along();
+    observed.b.censored = censored;
+    auto residuals = allResidualsOf(line, observed, 0.0, 1.0);
+    std::erase_if(residuals, [](const LineResidual& residual) { return residual.line != 0; });
+    return residuals;
+  };
+  const auto both = ends(0.03, false);
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_NEAR(both[0].residual_m, 0.0, 1e-9);
+  EXPECT_NEAR(both[1].residual_m, 0.03, 1e-9);
+  EXPECT_NEAR(both[1].direction.dot(line.along()), 1.0, 1e-12);
+  EXPECT_NEAR(both[1].variance_m2, kEndInflation * kEndInflation * 2e-4, 1e-10) << "seen and known";
+  EXPECT_EQ(ends(0.03, true).size(), 1U) << "a cut end says nothing";
+  EXPECT_EQ(ends(2.0 * kMaxEndShift_m, false).size(), 1U) << "another end";
 }
 
 TEST(MeasurementModels, SlackAddsToTheVarianceAndNoiseScalesIt) {
