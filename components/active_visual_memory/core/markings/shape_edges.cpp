@@ -13,8 +13,7 @@ void ShapeEdges::Params::visit(ParameterVisitor& v) {
   bool far_lines = false;
   v.flag(expert("FarLines",
                 "for distant narrow lines: ends within two sigmas of their corner, junctions by one edge of "
-                "a line, "
-                "cross spots"),
+                "a line, cross spots"),
          far_lines);
   if (far_lines) {
     // Distant ends are uncertain by two pixels instead of one.
