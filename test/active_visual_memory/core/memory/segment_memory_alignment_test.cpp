@@ -43,7 +43,7 @@ const std::vector<Segment3> kLadder{{{2.20, -0.8, 0}, {2.20, 0.8, 0}}, {{2.50, -
                                     {{1.35, -0.5, 0}, {1.35, 0.5, 0}}, {{1.0, 0.35, 0}, {1.8, 0.35, 0}},
                                     {{1.0, -0.35, 0}, {1.8, -0.35, 0}}};
 
-/// @return matched segments per image of a body that nods by 0.9 degrees.
+/// @return matched segments per image of a body that nods by 1 degree.
 double matchedWhileNodding(AttentiveVisualMemory& memory) {
   int matches = 0;
   constexpr int kImages = 40;
@@ -51,20 +51,13 @@ double matchedWhileNodding(AttentiveVisualMemory& memory) {
     const auto o = at(i * 33'333);
     RobotObservation really = o;
     if (i >= 20) {
-      const double nod = degToRad(i % 2 == 0 ? 0.9 : -0.9);
+      const double nod = degToRad(i % 2 == 0 ? 1.0 : -1.0);
       really.T_robot_camera = tilted(o.T_robot_camera, CameraTilt(0.0, nod, 0.0, 0.0));
     }
     const auto result = memory.update(o, images(really, kLadder));
     if (i >= 20) matches += static_cast<int>(result.update.analysis->matches.size());
   }
   return static_cast<double>(matches) / kImages;
-}
-
-std::size_t elementsOfOneAssociation(AttentiveVisualMemoryParams params) {
-  params.memory.estimation.min_legged_tilt_rad = 1.0;  // never
-  AttentiveVisualMemory memory(params);
-  matchedWhileNodding(memory);
-  return memory.elements().size();
 }
 
 TEST(SegmentMemoryAlignment, ALeggedRobotAssociatesAgainAfterTheFirstCorrection) {
@@ -80,8 +73,10 @@ TEST(SegmentMemoryAlignment, ALeggedRobotAssociatesAgainAfterTheFirstCorrection)
       return (e.value.odom.a - truth.a).norm() < 0.05 && (e.value.odom.b - truth.b).norm() < 0.05;
     })) << truth.a.transpose();
   }
-  EXPECT_EQ(elementsOfOneAssociation(params), kLadder.size() + 1)
-      << "these images need the second association";
+
+  params.memory.estimation.min_legged_tilt_rad = 1.0;  // never
+  AttentiveVisualMemory once(params);
+  EXPECT_LT(matchedWhileNodding(once), 6.8) << "these images need the second association";
 }
 
 }  // namespace
