@@ -26,8 +26,6 @@ constexpr double kGivenStd_rad = 0.1;
 
 /// Support from which on the pose of an unambiguous winner is trusted.
 constexpr double kTrust = 0.7;
-/// The tick while the winner is suspect.
-constexpr double kSuspectTick_s = 0.1;
 /// An observation is inconsistent if it supports less than this share of the winner's support.
 constexpr double kInconsistent = 0.7;
 
@@ -97,14 +95,12 @@ const PoseEstimate& Localizer::update(const MemoryUpdate& update) {
   last_stamp_us_ = snapshot.stamp_us;
   last_T_odom_robot_ = snapshot.T_odom_robot;
   if (update.analysis) strategy_->beginImage(*update.analysis);
-  const double tick_s =
-      isSuspect(tracking_, last_stamp_us_) ? std::min(kSuspectTick_s, params_.tick_s) : params_.tick_s;
-  const auto tick_us = static_cast<StampUs>(tick_s * kSecondUs);
+  const auto tick_us = static_cast<StampUs>(params_.tick_s * kSecondUs);
   if (!last_tick_us_ || snapshot.stamp_us >= *last_tick_us_ + tick_us) {
     // Ticks stay on their grid while images come often enough: 30 Hz gives 5 ticks per second.
     const bool is_late = !last_tick_us_ || snapshot.stamp_us >= *last_tick_us_ + 2 * tick_us;
     last_tick_us_ = is_late ? snapshot.stamp_us : *last_tick_us_ + tick_us;
-    iterate(update, is_late ? params_.tick_s : tick_s);
+    iterate(update);
   }
   report();
   return estimate_;
@@ -129,7 +125,7 @@ void Localizer::follow(const MemorySnapshot& snapshot) {
   if (snapshot.epoch != epoch_ || memory_restarted) beginEpoch();
 }
 
-void Localizer::iterate(const MemoryUpdate& update, double elapsed_s) {
+void Localizer::iterate(const MemoryUpdate& update) {
   ++iteration_;
   if (!strategy_->observe(update)) return;
   Race before;
@@ -146,7 +142,7 @@ void Localizer::iterate(const MemoryUpdate& update, double elapsed_s) {
   table_.prune(strategy_->sparedEvidence(table_));
   table_.mergeSamePlaces();
   for (Race& race : table_.races()) strategy_->refine(race, engine_);
-  select(before, is_inconsistent, elapsed_s);
+  select(before, is_inconsistent);
 }
 
 void Localizer::propose(const std::optional<double>& agreement, bool is_inconsistent) {
@@ -159,13 +155,13 @@ void Localizer::propose(const std::optional<double>& agreement, bool is_inconsis
   for (Race& candidate : strategy_->propose(explorers, table_, engine_)) table_.admit(std::move(candidate));
 }
 
-void Localizer::select(const Race& before, bool is_inconsistent, double elapsed_s) {
+void Localizer::select(const Race& before, bool is_inconsistent) {
   strategy_->select(table_, support_);
-  support_ = strategy_->updatedSupport(support_, table_, elapsed_s);
+  support_ = strategy_->updatedSupport(support_, table_, params_.tick_s);
   const Race* winner = table_.winner();
   const bool is_same = winner && winner->id == before.id;
   const bool is_unambiguous = is_same && strategy_->isUnambiguous(table_);
-  tracking_ = nextTracking(tracking_, {last_stamp_us_, winner != nullptr, is_inconsistent, is_unambiguous});
+  tracking_ = nextTracking(tracking_, {winner != nullptr, is_inconsistent, is_unambiguous});
   if (winner && before.id != 0 && !is_same) {
     const double jump = (winner->T_world_robot.position() - before.T_world_robot.position()).norm();
     support_ *= std::max(0.0, 1.0 - jump / kFullJump_m);

@@ -76,10 +76,10 @@ class Localizer {
  private:
   /// Predicts to the snapshot's stamp, or begins an epoch where its odometry does not continue.
   void follow(const MemorySnapshot& snapshot);
-  void iterate(const MemoryUpdate& update, double elapsed_s);
+  void iterate(const MemoryUpdate& update);
   void propose(const std::optional<double>& agreement, bool is_inconsistent);
   /// @param before the winner before this iteration; id 0: none.
-  void select(const Race& before, bool is_inconsistent, double elapsed_s);
+  void select(const Race& before, bool is_inconsistent);
   void beginEpoch();
   void report();
 

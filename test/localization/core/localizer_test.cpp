@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <vector>
 
 #include "common/geometry/angles.h"
@@ -180,58 +179,6 @@ TEST_P(InBothModes, BetweenTicksThePoseFollowsOdometry) {
   EXPECT_NEAR(after.T_world_robot->x, expected.x, 1e-9);
   EXPECT_NEAR(after.T_world_robot->y, expected.y, 1e-9);
   EXPECT_NEAR(angleDifference(after.T_world_robot->theta, expected.theta), 0.0, 1e-9);
-}
-
-/// An update of another world's robot, transformed as if it stood at a place in odometry.
-MemoryUpdate asIfHere(const MemoryUpdate& update, const Pose2& T_odom_other, StampUs later_us) {
-  auto snapshot = std::make_shared<MemorySnapshot>(*update.snapshot);
-  auto analysis = std::make_shared<ImageAnalysis>(*update.analysis);
-  snapshot->stamp_us += later_us;
-  analysis->stamp_us += later_us;
-  snapshot->revision += 1'000'000;
-  snapshot->T_odom_robot = analysis->T_odom_robot = T_odom_other * snapshot->T_odom_robot;
-  for (MemorySegment& segment : snapshot->segments) {
-    segment.odom.a = transform(T_odom_other, segment.odom.a);
-    segment.odom.b = transform(T_odom_other, segment.odom.b);
-    segment.first_seen_us += later_us;
-    segment.last_seen_us += later_us;
-  }
-  return {snapshot, analysis};
-}
-
-/// Number of updates that changed the races.
-int iterationsIn(Localizer& localizer, int updates, const std::function<MemoryUpdate()>& next) {
-  int changed = 0;
-  std::vector<double> before;
-  for (int i = 0; i < updates; ++i) {
-    std::vector<double> now;
-    for (const RaceReport& race : localizer.update(next()).races) now.push_back(race.health);
-    if (i > 0 && now != before) ++changed;
-    before = now;
-  }
-  return changed;
-}
-
-TEST_P(InBothModes, OnlyTheDefaultModeIteratesMoreOftenWhileSuspect) {
-  CorridorWorld here({}, 9);
-  Localizer localizer(paramsOf(GetParam()), test::corridorMap(), 9);
-  drive(localizer, here, 30.0, 30.0);
-  constexpr int kUpdates = 20;  // 2 s
-  EXPECT_LE(iterationsIn(localizer, kUpdates, [&] { return here.next(); }), kUpdates / 2);
-  // An unannounced change to the images of another place.
-  CorridorWorld elsewhere({}, 10);
-  while (elsewhere.seconds() < 20.0) elsewhere.next();
-  const MemoryUpdate first = elsewhere.next();
-  const PoseEstimate last = localizer.latest();
-  const Pose2 T_odom_other = last.T_odom_robot * inverse(first.snapshot->T_odom_robot);
-  const StampUs later_us = last.stamp_us - first.snapshot->stamp_us;
-  const int iterations =
-      iterationsIn(localizer, kUpdates, [&] { return asIfHere(elsewhere.next(), T_odom_other, later_us); });
-  if (GetParam() == LocalizationMode::kDefault) {
-    EXPECT_GT(iterations, kUpdates / 2 + 2);
-  } else {
-    EXPECT_LE(iterations, kUpdates / 2);
-  }
 }
 
 TEST_P(InBothModes, OnlyTheDefaultModeCalibratesOdometry) {

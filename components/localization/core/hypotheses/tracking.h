@@ -1,10 +1,6 @@
 /// @file State machine of the winner: lost, ambiguous, tracking. Pure. See L6, L12.
 #pragma once
 
-#include <optional>
-
-#include "common/robot/samples.h"
-
 namespace vismem {
 
 enum class Tracking {
@@ -15,7 +11,6 @@ enum class Tracking {
 
 /// What one iteration says of the winner.
 struct TrackingEvidence {
-  StampUs stamp_us = 0;
   bool has_winner = false;
   /// The image supports the winner much less than its reliability predicts.
   bool is_inconsistent = false;
@@ -27,19 +22,14 @@ struct TrackingEvidence {
 struct TrackingState {
   Tracking mode = Tracking::kLost;
   int consistent_iterations = 0;   ///< since an image contradicted
-  int unambiguous_iterations = 0;  ///< since there was a rival, or a suspicion began
-  /// Start of a suspicion that the robot was moved; empty without one.
-  std::optional<StampUs> suspect_since_us;
+  int unambiguous_iterations = 0;  ///< since there was a rival, or an image contradicted a consistent period
 };
 
-/// The transition function. An inconsistent image after a consistent period begins a suspicion. It lasts
-/// until images and races have agreed with the winner for some iterations, and at most three seconds.
+/// The transition function. An inconsistent image after a consistent period may be a jump of the robot:
+/// tracking begins anew.
 TrackingState nextTracking(TrackingState state, const TrackingEvidence& evidence);
 
-/// The state in a new epoch, or after a pose from outside: rivals and suspicion are forgotten.
+/// The state in a new epoch, or after a pose from outside: rivals are forgotten.
 TrackingState restartedTracking(TrackingState state, bool has_winner);
-
-/// Whether a suspicion lasts at a stamp.
-bool isSuspect(const TrackingState& state, StampUs now_us);
 
 }  // namespace vismem
