@@ -180,8 +180,7 @@ class RobustRaces : public RaceStrategy {
     const Matrix5d prior = race.P.inverse() + broad_prior_;
     const Placement start{race.T_world_robot, race.camera_tilt};
     // The memory repeats itself from image to image: only a share of it is new to the filter.
-    const auto refined =
-        likelihood_.refine(observation_, start, prior, filter.information_share, kRefinementSteps, 0.0);
+    const auto refined = maximizeLikelihood(start, prior, filter.information_share);
     race.T_world_robot = refined.placement.T_world_robot;
     race.camera_tilt = refined.placement.tilt_bias;
     updateOdometry(race, start, refined.placement, (prior + refined.information).inverse());
@@ -306,6 +305,19 @@ class RobustRaces : public RaceStrategy {
     race.P = (refined.information + broad_prior_).inverse();
     race.variance_factor = refined.rating.variance_factor;
     race.P_reported = (refined.information / varianceFactor(race) + broad_prior_).inverse();
+  }
+
+  RobustLikelihood::Refined maximizeLikelihood(const Placement& start, const Matrix5d& prior,
+                                               double share) const {
+    auto refined = likelihood_.refine(observation_, start, prior, share, kRefinementSteps, 0.0);
+    if (refined.rating.explained >= kExplainedLow) return refined;
+    // Odometry after a period without observations, or a late image while the head turns, may err by more
+    // than the innovation variance.
+    const auto wide =
+        likelihood_.refine(observation_, start, prior, share, kRefinementSteps, kExplorerBlur_m);
+    const auto again = likelihood_.refine(observation_, wide.placement, prior, share, kRefinementSteps, 0.0);
+    if (again.rating.log_likelihood > refined.rating.log_likelihood) return again;
+    return refined;
   }
 
   /// Replaces P by the one after the measurement update. The lasting errors of odometry are not measured
