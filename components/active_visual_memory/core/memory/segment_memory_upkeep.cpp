@@ -71,6 +71,14 @@ void SegmentMemory::merge(const View& view) {
 
 bool SegmentMemory::areDuplicates(const MemoryElement& a, const MemoryElement& b, double reach_m) {
   if (!labelsCompatible(a.value.label, b.value.label)) return false;
+  const auto goesBeyond = [](const MemoryElement& one, const MemoryElement& other) {
+    if (!one.plane.isVerified() || !other.plane.mayBeVertical()) return false;
+    const Segment2 s = other.line.segment();
+    const auto [low, high] = std::minmax({one.line.tOf(s.a), one.line.tOf(s.b)});
+    return low < one.line.endA().t_m - kMaxGap_m || high > one.line.endB().t_m + kMaxGap_m;
+  };
+  // A vertical edge crosses the foot of its wall, and would bend it.
+  if (goesBeyond(a, b) || goesBeyond(b, a)) return false;
   const Segment2 sa = a.line.segment();
   const Segment2 sb = b.line.segment();
   if (!samePolarity(sa, a.strength, sb, b.strength)) return false;

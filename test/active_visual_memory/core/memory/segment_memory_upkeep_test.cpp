@@ -26,6 +26,28 @@ TEST(SegmentMemoryUpkeep, PiecesSeenFirstAreJoinedWhenTheWholeIsSeen) {
   EXPECT_EQ(memory.elements().size(), 1u);
 }
 
+TEST(SegmentMemoryUpkeep, AVerticalEdgeDoesNotBendTheFootOfItsWall) {
+  // It stands at the corner of the wall, whose foot is known to rest. The robot passes where the foot lies
+  // nearly along the viewing ray, as the place of the vertical edge on the floor always does.
+  const Segment3 foot{{1.0, 0.8, 0}, {1.9, 0.8, 0}};
+  const Segment3 vertical{{1.0, 0.8, 0}, {1.0, 0.8, 1.2}};
+  AttentiveVisualMemory memory(standard());
+  StampUs t = 0;
+  for (int i = 0; i <= 60; ++i, t += 33'333) {
+    const auto o = at(t, {-0.2 + 0.01 * i, 0.0, 0.0}, degToRad(35.0));
+    memory.update(o, images(o, {foot}));
+  }
+  ASSERT_EQ(memory.elements().size(), 1u);
+  ASSERT_TRUE(memory.elements()[0].plane.isVerified());
+  for (int i = 0; i <= 30; ++i, t += 33'333) {
+    const auto o = at(t, {-0.2, 0.6 + 0.006 * i, 0.0}, degToRad(10.0));
+    memory.update(o, images(o, {foot, vertical}));
+    const Segment2 known = memory.elements()[0].line.segment();
+    EXPECT_LT((known.a - foot.a.head<2>()).norm(), 0.03) << "image " << i;
+    EXPECT_LT((known.b - foot.b.head<2>()).norm(), 0.03) << "image " << i;
+  }
+}
+
 TEST(SegmentMemoryUpkeep, StaysWithinItsBound) {
   AttentiveVisualMemoryParams p = standard();
   p.memory.retention.max_elements = 5;
