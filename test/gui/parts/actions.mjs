@@ -165,6 +165,11 @@ export async function pose(robot) {
   const form = page.locator(".pose-form");
   assert.equal(Math.abs(Number(await form.locator("input").nth(2).inputValue())) < 3, true, "the arrow points along x");
   await page.screenshot({path: join(pictures, "set_pose.png")});
+  const dragged = await Promise.all([0, 1].map(i => form.locator("input").nth(i).inputValue().then(Number)));
+  await page.keyboard.press("Enter");
+  await eventually("the dragged pose is set as it is", async () => (await text(page, ".notice")).includes(`pose set to ${dragged.map(v => v.toFixed(2)).join(", ")}`) && form.isHidden());
+  await setTool(page, "pose");
+  await page.mouse.click(box.x + box.width * 0.4, box.y + box.height * 0.5);
   for (const [i, value] of ["3.00", "2.25", "180"].entries()) await form.locator("input").nth(i).fill(value);
   await page.keyboard.press("Enter");
   await eventually("the pose is set", async () => {

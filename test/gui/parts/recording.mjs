@@ -12,7 +12,7 @@ const minusOne = new Ice.Long(0xffffffff, 0xffffffff);
 /** The page's buttons begin and end a recording; moments of the page's past equal what was recorded: image, pose, segments. */
 export async function recording() {
   const folder = mkdtempSync(join(tmpdir(), "avm-gui-recording-"));
-  const robot = await Robot.start({recorder: true, arguments: {recorder: [`--Recorder.Folder=${folder}`, "--Recorder.StartNow=no", "--Recorder.Ring.Length_s=20"]}});
+  const robot = await Robot.start({recorder: true, arguments: {simulator: ["--Simulator.Seed=5"], recorder: [`--Recorder.Folder=${folder}`, "--Recorder.StartNow=no", "--Recorder.Ring.Length_s=20"]}});
   let moments, path;
   try {
     const page = await openPage(robot);
@@ -37,6 +37,7 @@ export async function recording() {
 async function record(page, robot) {
   await showPane(page, "actions");
   const group = page.locator("fieldset:has(legend:text-is('recorder'))");
+  await eventually("the seed that runs", async () => await page.locator("input[aria-label='seed']").inputValue() === "5");
   await eventually("the recorder answers", async () => /idle/.test(await group.locator(".note").textContent()));
   await group.locator("button:text-is('record')").click();
   await eventually("it records", async () => (await robot.recorder.status()).state === avm.RecorderState.Recording);
@@ -79,8 +80,8 @@ async function pastMoments(page) {
 }
 
 async function saveRing(page, robot) {
-  await page.locator("button:text-is('save the ring')").click();
-  await eventually("the ring is saved", async () => /ring saved/.test(await text(page, ".notice")), 15_000);
+  await page.locator("button:text-is('save the last seconds')").click();
+  await eventually("the ring is saved", async () => /last seconds saved/.test(await text(page, ".notice")), 15_000);
   assert.equal((await robot.recorder.status()).state, avm.RecorderState.Idle);
 }
 

@@ -129,6 +129,8 @@ export async function panes(robot) {
       await page.locator(`.pane-${title}`).screenshot({path: join(pictures, `${title}.png`)});
     }
   });
+  await checkConfiguration(page);
+  await checkSimulation(page, robot);
   assert.match(await text(page, ".plot figcaption"), /error [\d.]+/, "the plot of the position error has values");
   await showPane(page, "log");
   assert.match(await text(page, ".log"), /configuration/, "the log of the components");
@@ -188,6 +190,28 @@ export async function numbers(robot) {
 async function saved(page, button) {
   const [download] = await Promise.all([page.waitForEvent("download"), button.click()]);
   return readFileSync(await download.path(), "utf8");
+}
+
+/** The table of keys is in view once it was asked for. */
+async function checkConfiguration(page) {
+  await showPane(page, "components");
+  await page.locator(".component button:has-text('configuration')").nth(1).click();
+  const title = page.locator(".configuration b");
+  await eventually("the configuration is in view", async () => {
+    const box = await title.boundingBox(), pane = await page.locator(".pane-components").boundingBox();
+    return box !== null && box.y >= pane.y && box.y + box.height <= pane.y + pane.height;
+  });
+  await page.locator(".configuration button:has-text('close')").click();
+}
+
+/** The controls of the simulation show what holds, whoever set it. */
+async function checkSimulation(page, robot) {
+  await showPane(page, "actions");
+  const speed = page.locator("select[aria-label='simulated seconds per second']");
+  for (const value of [0.75, 1]) {
+    await robot.simulation.setSpeed(value);
+    await eventually(`speed ${value}`, async () => await speed.inputValue() === String(value));
+  }
 }
 
 /** A drag across the top view measures what its scale bar says; Escape drops it, another tool as well. */

@@ -105,9 +105,12 @@ test("one direction only", () => {
 
 test("a moved robot and two places alike", () => {
   const race = {id: 1, pose: {x: 0, y: 0, theta: 0}, health: 0.8, weight: 0.54, victories: 1, age: 9, winner: true};
-  const moment = {...emptyMoment, t: now, analysis: analysisOf(10, 10, 2), estimate: {...estimate, races: [race, {...race, id: 2, weight: 0.41, winner: false, pose: {x: 4, y: 0, theta: 0}}]}};
+  const moment = {...emptyMoment, t: now, analysis: analysisOf(10, 10, 2), estimate: {...estimate, reliability: 0.54, races: [race, {...race, id: 2, weight: 0.41, winner: false, pose: {x: 4, y: 0, theta: 0}}]}};
   assert.deepEqual(ids(signals({moment})), ["memory wrong", "ambiguous"]);
   assert.match(causesOf(signals({moment}))[1]!.text, /54 % and 41 %/);
+  // A place that has a third of the belief is why the other is not sure.
+  moment.estimate = {...estimate, reliability: 0.66, races: [{...race, weight: 0.66}, {...race, id: 2, weight: 0.33, pose: {x: 4, y: 0, theta: 0}}]};
+  assert.deepEqual(ids(signals({moment})), ["memory wrong", "ambiguous"]);
 });
 
 test("share of remembered length on lines of the map", () => {

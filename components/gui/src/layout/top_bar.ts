@@ -15,8 +15,8 @@ export class TopBar {
 
   constructor(private readonly store: Store, private readonly dock: Dock, private readonly titles: Record<string, string>) {
     const name = store.config.robot || store.config.setup || "robot";
-    const mode = h("span", {class: "mode"}), who = h("span", {class: "who"}), verdict = h("span", {class: "verdict", attrs: {role: "status"}});
-    const link = h("span", {class: "link"}), problems = h("button", {class: "button problems", attrs: {type: "button"}, on: {click: () => dock.show("components")}});
+    const mode = h("span", {class: "mode"}), who = h("span", {class: "who"}), verdict = h("span", {class: "verdict", title: "what the localization believes, and its reliability, 0 to 1", attrs: {role: "status"}});
+    const link = h("span", {class: "link", title: "images a second, and the age of the one that is shown"}), problems = h("button", {class: "button problems", attrs: {type: "button"}, on: {click: () => dock.show("components")}});
     const stop = button("STOP", "stops the base at once (Space or Escape)", () => void this.stop(), "stop");
     this.element.append(h("span", {class: "robot", text: name}), mode);
     if (!store.config.viewer && store.config.proxies.Base) this.element.append(who, stop);

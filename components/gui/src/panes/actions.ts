@@ -1,5 +1,6 @@
 // Commands of memory, localization, simulation and replay, with the page's marks.
 import {nowMs} from "../shared/messages";
+import {occludersOf} from "../state/store";
 import type {Store} from "../state/store";
 import {button, fixed, h, numberField, say, select} from "./dom";
 import {Pane} from "./pane";
@@ -39,12 +40,15 @@ export class ActionsPane extends Pane {
     });
     const speed = select("simulated seconds per second", ["0.1", "0.25", "0.5", "1", "2", "4"].map(v => [v, `speed ${v}`] as const), "1", v => void store.act(`speed ${v}`, "speed", Number(v)));
     const models = h("div", {class: "models"}), seed = numberField("seed", 1, 1);
+    let seedShown: number | null = null;
     this.follow(() => {
       const s = store.simulation.value;
       if (!s) return say(state, "the simulator has not answered yet");
       say(pause, s.paused ? "resume" : "pause");
+      showChoice(speed, s.speed, "speed");
+      if (s.seed !== seedShown) seed.input.value = String(seedShown = s.seed);
       say(state, `${s.world}, ${fixed(s.stampUs / 1e6, 1)} s simulated, runs at ${fixed(s.realSpeed, 2)}${s.lockStep > 0 ? `, in lock-step with ${s.lockStep}` : ""}`);
-      const mine = s.models.filter(m => m.name.startsWith("occluder_") && m.present), key = mine.map(m => m.name).join();
+      const mine = occludersOf(s), key = mine.map(m => m.name).join();
       if (models.dataset.key !== key) {
         models.dataset.key = key;
         models.replaceChildren(...mine.map(m => button(`remove ${m.name}`, `at ${fixed(m.x, 1)}, ${fixed(m.y, 1)} m`, () => void store.act(`${m.name} removed`, "removeModel", m.name))));
@@ -60,15 +64,17 @@ export class ActionsPane extends Pane {
     const {store} = this, state = h("div", {class: "note"});
     const pause = button("pause", "the log stands still", () => { const paused = store.replay.value?.state === "PAUSED"; void store.act(paused ? "replay goes on" : "replay paused", "pauseReplay", !paused); });
     const rate = select("log seconds per second", ["0.1", "0.25", "0.5", "1", "2", "4"].map(v => [v, `rate ${v}`] as const), "1", v => void store.act(`rate ${v}`, "rateReplay", Number(v)));
+    const loop = button("loop", "whether it begins again at the end", () => { const on = !(store.replay.value?.loop ?? false); void store.act(on ? "the log repeats" : "the log ends at its end", "loopReplay", on); });
     this.follow(() => {
       const r = store.replay.value;
       if (!r) return say(state, "the replay has not answered yet");
       say(pause, r.state === "PAUSED" ? "play" : "pause");
+      showChoice(rate, r.rate, "rate");
+      say(loop, r.loop ? "do not loop" : "loop");
       say(state, `${r.file.split("/").pop()}: ${fixed((r.stampUs - r.firstUs) / 1e6, 1)} of ${fixed((r.lastUs - r.firstUs) / 1e6, 1)} s, ${r.state.toLowerCase()}`);
     });
     return this.group("replay", state, pause, rate,
-      button("-5 s", "back", () => this.jump(-5)), button("+5 s", "on", () => this.jump(5)), button("to the start", "", () => this.jump(-Infinity)),
-      button("loop", "begin again at the end", () => { const loop = !(store.replay.value?.loop ?? false); void store.act(loop ? "the log repeats" : "the log ends at its end", "loopReplay", loop); }));
+      button("-5 s", "back", () => this.jump(-5)), button("+5 s", "on", () => this.jump(5)), button("to the start", "", () => this.jump(-Infinity)), loop);
   }
 
   private recorder(): HTMLElement {
@@ -83,7 +89,7 @@ export class ActionsPane extends Pane {
       say(record, r.state === "Recording" ? "stop recording" : "record");
       say(state, r.state === "Failed" ? `failed: ${r.message}` : `${r.state.toLowerCase()}${r.path ? ` ${r.path}` : ""}, ${fixed(r.seconds, 1)} s, ${fixed(r.bytes / 1048576, 1)} MB, ${r.messages} messages`);
     });
-    return this.group("recorder", state, record, button("save the ring", "the last seconds as a recording of their own", () => void store.act("ring saved", "saveRing")));
+    return this.group("recorder", state, record, button("save the last seconds", "what is still in memory, as a recording of its own", () => void store.act("last seconds saved", "saveRing")));
   }
 
   private jump(seconds: number): void {
@@ -109,4 +115,12 @@ export class ActionsPane extends Pane {
     });
     return this.group("marks", text, button("mark now", "a mark on the time bar", set), list);
   }
+}
+
+/** The value that holds, which another client or an option of the program may have set, also one that the list lacks. */
+function showChoice(list: HTMLSelectElement, value: number, name: string): void {
+  const text = String(value);
+  if (list.value === text || document.activeElement === list) return;
+  if (![...list.options].some(o => o.value === text)) list.append(h("option", {text: `${name} ${text}`, attrs: {value: text}}));
+  list.value = text;
 }

@@ -2,7 +2,7 @@
 import {nowMs} from "../shared/messages";
 import type {ComponentInfo} from "../shared/state";
 import type {Store} from "../state/store";
-import {button, clockText, fixed, h, say} from "./dom";
+import {button, clockText, fixed, h, readable, say} from "./dom";
 import {Pane} from "./pane";
 
 /** One process. Its elements stay, so that what is clicked or read is not replaced under the hand. */
@@ -71,7 +71,7 @@ export class ComponentsPane extends Pane {
     return [
       table(["peer", "state", "at"], c.peers.map(p => [p.name, p.connected ? "connected" : p.message || "away", p.proxy])),
       table(["latency", "p50 ms", "p95", "p99", "max"], c.latencies.map(l => [l.name, fixed(l.p50, 1), fixed(l.p95, 1), fixed(l.p99, 1), fixed(l.max, 1)])),
-      table(["gauge", "value", "sigma"], c.gauges.map(g => [g.name, `${fixed(g.value, 3)} ${g.unit}`, g.sigma > 0 ? fixed(g.sigma, 3) : ""])),
+      table(["gauge", "value", "sigma"], c.gauges.map(g => [g.name, `${readable(g.value)} ${g.unit}`, g.sigma > 0 ? readable(g.sigma) : ""])),
       table(["error", ""], c.errors.slice(-5).map(e => [clockText(e.stampUs), e.text])),
     ].filter((t): t is HTMLTableElement => t !== null);
   }
@@ -82,6 +82,8 @@ export class ComponentsPane extends Pane {
       this.configuration.classList.remove("hidden");
       this.configuration.replaceChildren(h("div", {class: "toolbar"}, h("b", {text: `${name}: effective configuration`}), button("close", "", () => this.configuration.classList.add("hidden"))),
         h("table", {}, h("tbody", {}, ...settings.map(([key, value]) => h("tr", {}, h("td", {text: key}), h("td", {text: value}))))));
+      // It stands below all components.
+      this.configuration.scrollIntoView();
     } catch (failure) {
       this.store.say("bad", `configuration of ${name}: ${(failure as Error).message}`);
     }

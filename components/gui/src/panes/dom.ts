@@ -57,6 +57,12 @@ export function fixed(value: number | undefined, digits: number): string {
   return value === undefined || !Number.isFinite(value) ? "-" : value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1");
 }
 
+/** At most three decimals, and no more digits than the eye compares. */
+export function readable(value: number): string {
+  const size = Math.abs(value);
+  return fixed(value, size >= 100 || Number.isInteger(value) ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3);
+}
+
 /** Who has the lease: a name that was given, else where the program calls from. */
 export function holderOf(lease: LeaseInfo): string { return lease.implicit ? `a program at ${lease.client}` : lease.client; }
 

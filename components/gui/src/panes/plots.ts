@@ -6,7 +6,7 @@ import {colour, labelColour} from "../shared/palette";
 import {groupTitles} from "../state/columns";
 import type {Group, GroupName} from "../state/columns";
 import type {Store} from "../state/store";
-import {button, h, saveFile, select} from "./dom";
+import {button, h, readable, saveFile, select} from "./dom";
 import {Pane} from "./pane";
 
 interface PlotSpec { id: string; title: string; unit: string; group: GroupName; pick: (name: string) => boolean; fit?: boolean }
@@ -178,12 +178,6 @@ export class PlotsPane extends Pane {
     this.liveButton.disabled = this.fixedRange === null;
     for (const chart of this.charts) chart.draw(this.fixedRange ?? {from: to - this.window, to});
   }
-}
-
-/** At most three decimals, and no more digits than the eye compares. */
-function readable(value: number): string {
-  const size = Math.abs(value);
-  return value.toFixed(size >= 100 || Number.isInteger(value) ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3);
 }
 
 /** Round numbers of seconds before now, about five in the range. */

@@ -86,11 +86,11 @@ export class WhyPane extends Pane {
     const verdict = verdictOf(store.moment.value, now, stands);
     say(this.verdict, verdict.text);
     this.verdict.dataset.level = verdict.level;
-    const key = JSON.stringify(causes.map(c => [c.cause.text, Math.floor((now - c.since) / 1000)]));
+    const key = JSON.stringify([verdict.level, ...causes.map(c => [c.cause.text, Math.floor((now - c.since) / 1000)])]);
     if (key === this.shown) return;
     this.shown = key;
     this.list.replaceChildren(...causes.map(({cause, since}) => h("li", {attrs: {"data-cause": cause.id}},
       h("span", {class: "cause", text: cause.text}), h("span", {class: "dim", text: ` for ${((now - since) / 1000).toFixed(0)} s. `}), h("span", {class: "advice", text: cause.advice}))));
-    if (causes.length === 0) this.list.append(h("li", {class: "none", text: "Nothing speaks against what it believes."}));
+    if (causes.length === 0) this.list.append(h("li", {class: "none", text: verdict.level === "good" ? "Nothing speaks against what it believes." : "No cause stands out yet."}));
   }
 }

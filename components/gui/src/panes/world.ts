@@ -10,6 +10,7 @@ import {defaultSceneOptions, SceneContent} from "../scene/content";
 import type {ToScreen} from "../scene/picking";
 import type {ColourBy, SceneInput, SceneOptions} from "../scene/content";
 import {endUnder, pick} from "../scene/picking";
+import {occludersOf} from "../state/store";
 import type {Store, Tool} from "../state/store";
 import {button, degrees, fixed, h, numberField, saveFile, say, select} from "./dom";
 import {layers, Legend, signsOf} from "./legend";
@@ -63,7 +64,7 @@ export class WorldPane extends Pane {
     this.whenDone(() => { observer.disconnect(); this.renderer?.dispose(); });
     this.follow(() => { this.content.follow(store.live.value); });
     this.follow(() => {
-      void [store.moment.value, store.map.value, store.theme.value, store.selection.value, store.healthGrid.value];
+      void [store.moment.value, store.map.value, store.simulation.value, store.theme.value, store.selection.value, store.healthGrid.value];
       this.ask();
     });
     this.follow(() => {
@@ -167,6 +168,8 @@ export class WorldPane extends Pane {
 
   /** A pose is shown as a ghost first; it can be typed; Enter applies and Escape drops it. */
   private makeForm(): void {
+    // A dragged pose is seldom a multiple of the fields' steps: the browser would refuse it.
+    this.form.noValidate = true;
     const fields = {x: numberField("x", 0, 0.01, "m"), y: numberField("y", 0, 0.01, "m"), heading: numberField("heading", 0, 1, "deg")};
     const read = () => {
       this.ghost = {x: fields.x.input.valueAsNumber || 0, y: fields.y.input.valueAsNumber || 0, theta: (fields.heading.input.valueAsNumber || 0) * Math.PI / 180};
@@ -177,6 +180,11 @@ export class WorldPane extends Pane {
     this.form.append(fields.x.element, fields.y.element, fields.heading.element, apply, button("drop", "Escape", () => this.setGhost(null)));
     this.form.addEventListener("submit", event => {
       event.preventDefault();
+      void this.applyGhost();
+    });
+    this.stage.addEventListener("keydown", event => {
+      // After a drag the view has the focus.
+      if (event.key !== "Enter" || !(event.target as HTMLElement).matches(".viewport")) return;
       void this.applyGhost();
     });
     this.element.addEventListener("keydown", event => {
@@ -329,7 +337,7 @@ export class WorldPane extends Pane {
     if (!this.renderer || !this.visible || this.stage.clientWidth === 0) return;
     const {store} = this;
     const input: SceneInput = {moment: store.moment.value, map: store.map.value, options: this.options, theme: store.theme.value, selection: store.selection.value,
-      grid: store.healthGrid.value, ghost: this.ghost, measured: this.measure.from && this.measure.to && [this.measure.from, this.measure.to]};
+      grid: store.healthGrid.value, ghost: this.ghost, occluders: occludersOf(store.simulation.value), measured: this.measure.from && this.measure.to && [this.measure.from, this.measure.to]};
     this.content.update(input);
     this.placeCameras(input);
     const height = this.stage.clientHeight;
@@ -407,8 +415,8 @@ export class WorldPane extends Pane {
     const e = moment.estimate, memory = moment.memory;
     say(this.empty, !memory && !map ? this.whyEmpty() : "");
     const stale = memory && moment.t - memory.t > 1000 ? `  memory is ${((moment.t - memory.t) / 1000).toFixed(1)} s old` : "";
-    say(this.status, (memory ? `${memory.ids.length} segments, ${memory.primitives.length} primitives` : "no memory yet") +
-      (e?.hasPose ? `  x ${fixed(e.world.x, 2)} y ${fixed(e.world.y, 2)} m  ${fixed(degrees(e.world.theta), 0)} deg` : "  no pose: drawn in the frame of odometry") + stale);
+    say(this.status, (e?.hasPose ? `x ${fixed(e.world.x, 2)} y ${fixed(e.world.y, 2)} m  ${fixed(degrees(e.world.theta), 0)} deg  ` : "no pose: drawn in the frame of odometry  ") +
+      (memory ? `${memory.ids.length} segments, ${memory.primitives.length} primitives` : "no memory yet") + stale);
     this.status.classList.toggle("stale", stale !== "");
   }
 

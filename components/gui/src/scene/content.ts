@@ -27,6 +27,8 @@ export interface SceneInput {
   selection: Selection | null;
   grid: HealthGrid | null;
   ghost: Pose2 | null;
+  /** Boxes that were put into a simulated world, of 0.4 m. */
+  occluders: readonly Vec2[];
   /** Ends of what is measured. */
   measured: readonly [Vec2, Vec2] | null;
 }
@@ -128,6 +130,10 @@ export class SceneContent {
         const strength = 0.35 + 0.65 * race.weight, c = mixed(rgb(colour("race", theme)), rgb(colour("background", theme)), strength);
         races.chain(placed(triangle, race.pose, size * (0.6 + 0.5 * race.health)), 0.025, c, true);
       }
+    }
+    for (const {x, y} of input.occluders) {
+      const r = 0.2;
+      lines.chain([{x: x - r, y: y - r}, {x: x + r, y: y - r}, {x: x + r, y: y + r}, {x: x - r, y: y + r}], 0.02, rgb(colour("truth", theme)), true);
     }
     if (input.ghost) {
       const c = rgb(colour("selection", theme)), g = input.ghost, tip = {x: g.x + 1.6 * size * Math.cos(g.theta), y: g.y + 1.6 * size * Math.sin(g.theta)};

@@ -36,6 +36,11 @@ function kept<T>(key: string, fallback: T) {
   return result;
 }
 
+/** The boxes that pages have put into a simulated world. */
+export function occludersOf(simulation: SimulationInfo | null): SimulationInfo["models"] {
+  return simulation?.models.filter(m => m.name.startsWith("occluder_") && m.present) ?? [];
+}
+
 /** All that this browser keeps of the page, as a file. */
 export function keptAsText(): string {
   return JSON.stringify(Object.fromEntries(Object.entries(localStorage).filter(([key]) => key.startsWith("avm."))), null, 1);

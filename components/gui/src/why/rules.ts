@@ -35,6 +35,8 @@ const black = 25;
 const unknownShare = 0.6;
 const fitsNowhere = 0.35;
 const poseIsOldMs = 2000;
+/** Reliability from which on the pose is believed. */
+const sure = 0.7;
 
 function seconds(ms: number): string { return `${Math.max(0, ms / 1000).toFixed(0)} s`; }
 
@@ -146,8 +148,8 @@ function poseCauses(s: Signals): Cause[] {
   if (late > poseIsOldMs && m.live) causes.push({id: "estimate late", weight: 0.65, text: `The last pose is ${seconds(late)} old.`, advice: "Is the visual memory running?"});
   if (!e.hasPose && e.races.length === 0) causes.push({id: "no pose", weight: 0.5, text: "Searching everywhere: no place is good enough to follow yet.", advice: "Let the robot look round or drive a little."});
   const sorted = [...e.races].sort((a, b) => b.weight - a.weight), [first, second] = sorted;
-  if (first && second && second.weight > 0.5 * first.weight && Math.hypot(first.pose.x - second.pose.x, first.pose.y - second.pose.y) > 1)
-    causes.push({id: "ambiguous", weight: 0.58, text: `Two places fit alike: ${(100 * first.weight).toFixed(0)} % and ${(100 * second.weight).toFixed(0)} %.`, advice: "Drive to where they differ; both are drawn."});
+  if (first && second && e.reliability < sure && second.weight > 0.2 && Math.hypot(first.pose.x - second.pose.x, first.pose.y - second.pose.y) > 1)
+    causes.push({id: "ambiguous", weight: 0.58, text: `Two places fit: ${(100 * first.weight).toFixed(0)} % and ${(100 * second.weight).toFixed(0)} %.`, advice: "Drive to where they differ; both are drawn."});
   if (m.truth?.inCollision) causes.push({id: "base held", weight: 0.52, text: "The base stands against something.", advice: "Drive back."});
   if (e.hasPose && map && m.memory && e.reliability < 0.5) {
     const share = fitShare(m, map);
@@ -184,7 +186,7 @@ export function verdictOf(m: Moment, now: number, stands: boolean): Verdict {
   if (m.live && !stands && now - e.t > poseIsOldMs) return {level: "bad", text: `no pose for ${seconds(now - e.t)}`};
   if (!e.hasPose) return {level: "bad", text: "searching everywhere"};
   const r = e.reliability.toFixed(2);
-  if (e.reliability >= 0.7) return {level: "good", text: `knows where it is, ${r}`};
+  if (e.reliability >= sure) return {level: "good", text: `knows where it is, ${r}`};
   return e.reliability >= 0.4 ? {level: "warning", text: `not sure, ${r}`} : {level: "bad", text: `lost, ${r}`};
 }
 
