@@ -1,4 +1,5 @@
 """A drive of the robot, recorded by its component recorder."""
+import contextlib
 import json
 import os
 import signal
@@ -47,9 +48,13 @@ class Drive:
         if "gui_server" not in names and all(os.access(os.path.join(BIN, name), os.X_OK) for name in names):
             arguments.append("--no-build")
         self.started = names
-        if subprocess.run(["scripts/start", self.robot.name, *names, *arguments]).returncode != 0:
+        done = subprocess.run(["scripts/start", self.robot.name, *names, *arguments], stdout=subprocess.PIPE, text=True)
+        if done.returncode != 0:
             self.started = []  # scripts/start ends what it began
-            raise Failure(f"the robot did not start: see out/{self.state}/*.log")
+            raise Failure("the robot did not start: see above", done.returncode)
+        for line in done.stdout.splitlines():
+            if line.startswith("page "):
+                say(line)
 
     def simulated_drive(self):
         """A simulated operator drives along the route of the world. Time waits for memory and recorder, so that a busy
@@ -105,12 +110,11 @@ class Drive:
 
     def record(self, localizes=False):
         os.makedirs(os.path.dirname(self.folder), exist_ok=True)
-        self.start(localizes)
-        say(f"Recording into {self.folder}" + ("." if self.robot.simulated else ": drive now; Ctrl-C ends it."))
         try:
-            self.watch()
-        except KeyboardInterrupt:
-            say("The drive ends.")
+            self.start(localizes)  # Ctrl-C meanwhile: what began is ended, too
+            say(f"Recording into {self.folder}" + ("." if self.robot.simulated else ": drive now; Ctrl-C ends it."))
+            with contextlib.suppress(KeyboardInterrupt):
+                self.watch()
         finally:
             # The recorder first: it writes the index of its bag. A second Ctrl-C must not cut that off.
             signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -118,4 +122,3 @@ class Drive:
             for names in filter(None, (["recorder"], others)):
                 subprocess.run(["scripts/stop", self.state, *names], stdout=sys.stderr)
             signal.signal(signal.SIGINT, signal.default_int_handler)
-        return self.folder

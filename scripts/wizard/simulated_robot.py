@@ -173,9 +173,10 @@ def beside_board(robot, port_offset, arguments):
     command = ["scripts/start", robot.name, "simulator", f"--Simulator.World={os.path.abspath(world)}", "--Simulator.LockStep=1", *arguments]
     command += ["--port-offset", str(port_offset)] if port_offset else []
     command += ["--no-build"] if os.access(os.path.join(BIN, "simulator"), os.X_OK) else []
-    if subprocess.run(command, stdout=sys.stderr).returncode != 0:
-        raise Failure(f"the simulated robot did not start: see out/{state}/simulator.log")
     try:
+        done = subprocess.run(command, stdout=subprocess.DEVNULL)
+        if done.returncode != 0:
+            raise Failure("the simulated robot did not start: see above", done.returncode)
         yield state
     finally:
         subprocess.run(["scripts/stop", state], stdout=sys.stderr)

@@ -12,6 +12,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -112,7 +113,8 @@ class WrongInput(Wizard):
     def test_files_that_cannot_be_used_change_nothing(self):
         self.write("wrong", "a wrong file\n")
         self.assertIn('wrong:1: "a wrong file" (must be KEY = VALUE)', self.step("colours", "--palette", "wrong", code=1))
-        self.assertIn("not a ROS 1 bag", self.step("drive", "--bag", "wrong", code=1))
+        self.assertEqual(self.step("drive", "--bag", "wrong", code=1).count("wrong: not a ROS 1 bag"), 1, "by the name that was given, once")
+        self.assertFalse(os.path.exists(self.path("out/own_robot/mine/drives")))
         self.assertEqual(self.steps_done(), set())
 
     def test_a_palette_that_was_not_learnt_changes_nothing(self):
@@ -145,8 +147,20 @@ class WrongInput(Wizard):
         self.assertIn(f"no class floor: set {key}", self.step("colours", "--palette", "cfg/maps/field_6x4.palette"))
         self.assertIn(f"{key} = frame\n", self.read("cfg/mine/active_visual_memory.cfg"))
 
+    def test_setups_of_the_project_are_no_robots_of_ones_own(self):
+        for name in os.listdir(os.path.join(ROOT, "cfg")):
+            tracked = subprocess.run(["git", "-C", ROOT, "ls-files", "--error-unmatch", f"cfg/{name}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            if tracked.returncode == 0:
+                done = subprocess.run([self.path("scripts/own_robot"), name, "map"], stderr=subprocess.PIPE, text=True)
+                self.assertEqual((done.returncode, done.stderr), (2, f"own_robot: cfg/{name} belongs to the project (expected a name of your own)\n"))
+
+    def test_a_described_simulated_robot_has_nothing_to_calibrate(self):
+        self.assertIn("next: scripts/own_robot mine drive", self.step("start", "--simulated"))
+        for step in ("target", "ruler", "lens", "body"):
+            self.assertIn(f"{step} is not for a simulated robot", self.step(step, code=1))
+
     def test_a_setup_is_not_overwritten(self):
-        self.step("start")
+        self.assertIn("next: scripts/own_robot mine target", self.step("start"))
         self.assertIn("GuiServer.Setup = mine", self.read("cfg/mine/gui_server.cfg"))
         self.assertIn("cfg/mine exists already", self.step("start", "--simulated", code=1))
         self.assertFalse(os.path.exists(self.path("cfg/mine/simulator.cfg")))
@@ -172,6 +186,19 @@ class RobotWithServers(Wizard):
         self.assertRegex(rest, r"Drive: \d{1,2} s, \d+ images of 320 x 240")
         self.assertFalse(os.path.exists(self.path(f"out/mine+{self.offset}/pids")), "all that was started has ended")
         self.assertEqual(self.steps_done(), {"start", "drive"})
+
+    def test_ctrl_c_before_it_records_leaves_nothing_running(self):
+        self.replace_program("recorder", "sleep 60\n")  # it never becomes ready
+        with subprocess.Popen([self.path("scripts/own_robot"), "mine", "drive", "--no-gui", "--port-offset", self.offset],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True) as drive:
+            pids = self.path(f"out/mine+{self.offset}/pids")
+            while not (os.path.exists(pids) and "recorder" in self.read(pids)):
+                time.sleep(0.05)
+            os.killpg(drive.pid, signal.SIGINT)  # as a terminal does
+            said = drive.stderr.read()
+        self.assertEqual(drive.returncode, 130, said)
+        self.assertIn("drive was stopped before its end and can be repeated", said)
+        self.assertFalse(os.path.exists(pids), said)
 
     def test_what_runs_already_goes_on(self):
         ports = ("--port-offset", self.offset)
@@ -223,7 +250,7 @@ class SimulatedRobot(Wizard):
         for file, key in (("localization", "Localization.Palette"), ("active_visual_memory", "ActiveVisualMemory.Palette")):
             self.assertEqual(self.read(f"cfg/mine/{file}.cfg").count(f"{key} = cfg/mine/map.palette\n"), 1)
 
-        self.assertIn("mine is localized", self.step("localize"))
+        self.assertIn("next: scripts/run --setup mine", self.step("localize"))
         results = self.path("out/own_robot/mine/localize")
         # Before it has seen enough, a pose may be at a place that looks alike: one image at 8 m is 0.4 m in the RMS.
         settled_after_s = json.loads(self.read(f"{results}/verdict.json"))["settled_after_s"]
@@ -296,6 +323,11 @@ class Recording(Wizard):
         self.step("colours", "--palette", os.path.join(room, "map.palette"))
         self.assertIn("Note: no place was found again", self.step("map"))
         self.assertIn("mine is localized", self.step("localize"))
+        # Another drive: its map is still to be made, the drive before is not lost.
+        said = self.step("drive", "--bag", os.path.join(room, "wheels_a.bag"))
+        self.assertIn("next: scripts/own_robot mine map", said)
+        before = re.search(r"drive --bag (\S+) takes it again", said).group(1)
+        self.assertIn("150 images", self.step("drive", "--bag", before))
         # Of the same room with other wheels.
         self.assertIn("mine is localized", self.step("localize", "--bag", os.path.join(room, "wheels_a.bag")))
 
