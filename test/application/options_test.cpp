@@ -68,12 +68,16 @@ TEST_F(Options, TakeWorldAndMapOfTheSetup) {
   std::filesystem::current_path(project);
   EXPECT_THAT(failure({"--setup", "mine"}), HasSubstr("cfg/mine/map.csv: no such file"));
   std::ofstream(project / "cfg/mine/map.csv") << "x1_m\n";
+  EXPECT_FALSE(parse({"--setup", "mine"})->own_frame);
+  std::ofstream(project / "cfg/mine/gui_server.cfg") << "GuiServer.Setup = mine\nGuiServer.Truth = no\n";
   const auto own = parse({"--setup", "mine"});
   const auto other = parse({"--setup", "mine", "--world", "cfg/worlds/curve.world"});
   std::filesystem::current_path(here);
   EXPECT_EQ(own->world.filename(), "room.world");
   EXPECT_EQ(own->route.filename(), "room.route");
   EXPECT_EQ(own->map, std::filesystem::canonical(project / "cfg/mine/map.csv"));
+  EXPECT_TRUE(own->own_frame);
+  EXPECT_FALSE(other->own_frame) << "not the setup's map";
   EXPECT_EQ(other->world.filename(), "curve.world");
   EXPECT_EQ(other->map.filename(), "curve.csv") << "the setup's map is that of its own world";
 }
@@ -89,7 +93,7 @@ TEST_F(Options, ReadNumbers) {
 
 TEST_F(Options, NameWhatIsWrong) {
   EXPECT_THAT(failure({"--setup", "car"}),
-              HasSubstr("with a simulator or a replay server: humanoid, nao, replay, sim)"));
+              HasSubstr("with a simulator or a replay server: humanoid, nao, replay, sim"));
   EXPECT_THAT(failure({"--seconds", "0"}), HasSubstr("--seconds 0 (must be a number above 0)"));
   EXPECT_THAT(failure({"--seconds", "3s"}), HasSubstr("--seconds 3s"));
   EXPECT_THAT(failure({"--seed", "-1"}), HasSubstr("--seed -1 (must be a whole number 0.."));

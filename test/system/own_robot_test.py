@@ -247,6 +247,7 @@ class SimulatedRobot(Wizard):
         self.assertGreater(int(again.group(1)), 3, "the drive goes round and further, whatever joined its visits")
         self.assertIn("+Localization.Map = cfg/mine/map.csv", made)
         self.assertIn("Localization.Map = cfg/maps/corridor.csv", self.read("cfg/mine/localization.cfg.old"))
+        self.assertEqual(self.read("cfg/mine/gui_server.cfg").count("GuiServer.Truth = no\n"), 1)
         for file, key in (("localization", "Localization.Palette"), ("active_visual_memory", "ActiveVisualMemory.Palette")):
             self.assertEqual(self.read(f"cfg/mine/{file}.cfg").count(f"{key} = cfg/mine/map.palette\n"), 1)
 

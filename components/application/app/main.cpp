@@ -133,9 +133,9 @@ std::optional<RecordedRun> record(const RunOptions& options, StopSignals& signal
   if (interrupted()) return std::nullopt;
   if (!missing.empty()) throw ComponentFailure("not all components found each other: " + missing);
   files.emplace(options.out);
-  RunObserver observer(
-      {&link.camera(), &link.base(), &link.memory(), &link.localization(), link.simulation()}, *files,
-      inputs.driver, inputs.judged, symmetriesOf(inputs.map.edges));
+  RunObserver observer({&link.camera(), &link.base(), &link.memory(), &link.localization(), link.simulation(),
+                        !options.own_frame},
+                       *files, inputs.driver, inputs.judged, symmetriesOf(inputs.map.edges));
   observer.start();
   const PortReply reply = link.replay() != nullptr ? link.replay()->play() : link.simulation()->resume();
   if (!reply.ok()) throw ComponentFailure("time does not begin: " + reply.message);
@@ -155,6 +155,9 @@ int run(const RunOptions& options, StopSignals& signals) {
   const RunInputs inputs = loadInputs(options);
   std::cerr << "run_application: setup " << options.folder << ", seed " << options.seed << ", results in "
             << options.out.string() << std::endl;
+  if (options.own_frame)
+    std::cerr << "run_application: " << options.map.string()
+              << " has a frame of its own: no errors against the world's truth" << std::endl;
   std::optional<RunFiles> files;
   std::optional<RecordedRun> done = record(options, signals, inputs, files);
   if (!done) {

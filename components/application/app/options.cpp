@@ -6,6 +6,7 @@
 #include <iostream>
 #include <vector>
 
+#include "common/config/config_reader.h"
 #include "common/config/properties.h"
 #include "common/process/name_by_date.h"
 #include "common/recording/bag_advice.h"
@@ -71,6 +72,14 @@ Setup kindOf(const fs::path& cfg, const std::string& setup) {
   }
   throw UsageError("--setup " + setup + " (must be a folder of " + cfg.string() +
                    " with a simulator or a replay server: " + names + ")");
+}
+
+/// Whether the setup says that its map has a frame of its own, as one from a drive.
+bool mapHasOwnFrame(const RunOptions& options) {
+  const fs::path file = options.root / "cfg" / options.folder / "gui_server.cfg";
+  if (!fs::exists(file)) return false;
+  const Properties properties = Properties::load(file);
+  return !ConfigReader(properties).group("GuiServer").boolean("Truth", true);
 }
 
 double parseSeconds(const std::string& text) {
@@ -185,7 +194,10 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
       options.scenario = requireFile(scenario, "--scenario", "must be a scenario");
     }
     // The map of a setup is that of its own world.
-    if (map.empty() && world.empty()) map = fileOfSetup(options, "localization", "Localization.Map").string();
+    if (map.empty() && world.empty()) {
+      map = fileOfSetup(options, "localization", "Localization.Map").string();
+      options.own_frame = mapHasOwnFrame(options);
+    }
     if (map.empty()) map = (options.root / "cfg/maps" / (options.world.stem().string() + ".csv")).string();
   } else {
     if (!world.empty()) throw UsageError("--world is for simulated setups");

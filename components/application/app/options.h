@@ -29,6 +29,7 @@ struct RunOptions {
   std::string topics;              ///< replay only: ROLE=/topic,...; empty: found by type
   bool record = false;             ///< with the recorder, into out/recording
   std::filesystem::path map;
+  bool own_frame = false;         ///< simulation only: of the map, in which the world's truth has no meaning
   std::filesystem::path palette;  ///< named, or beside the map; empty: the configuration's
   std::filesystem::path out;      ///< OutFolder makes it
 };

@@ -106,7 +106,7 @@ void RunObserver::followTruth(const std::stop_token& stop) {
     const auto batch = ports_.simulation->truthSince(last_us, kPatience);
     for (const TruthSample& sample : batch.samples) {
       const std::lock_guard lock(mutex_);
-      recorder_.addTruth({sample.stamp_us, sample.T_world_robot});
+      if (ports_.truth_in_map) recorder_.addTruth({sample.stamp_us, sample.T_world_robot});
       files_.addTruth({sample.stamp_us, sample.T_world_robot});
       noteTimeLocked(sample.stamp_us);
       if (!first && sample.kidnaps != kidnaps) {

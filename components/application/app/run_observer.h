@@ -26,6 +26,7 @@ struct RunPorts {
   VisualMemorySource* memory = nullptr;
   LocalizationControl* localization = nullptr;
   SimulationControl* simulation = nullptr;  ///< null: no truth and no driver
+  bool truth_in_map = true;  ///< false: the truth drives, and is written to its file, but judges nothing
 };
 
 /// The present state, for the status line.

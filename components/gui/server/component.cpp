@@ -159,6 +159,7 @@ std::unique_ptr<Component> configure(ConfigReader& reader) {
   if (options.pages.empty()) options.pages = defaultPages();
   auto description = readObjects(reader, config, options.sockets);
   description["setup"] = config.text("Setup", "");
+  description["truth"] = config.boolean("Truth", true);
   options.config_json = description.dump();
   if (!config.good()) return nullptr;
   return std::make_unique<GuiServer>(std::move(options));

@@ -9,14 +9,16 @@ import {driven, openPage, pictures, showPane, text, waitForVideo} from "../suppo
 
 const minusOne = new Ice.Long(0xffffffff, 0xffffffff);
 
-/** The page's buttons begin and end a recording; moments of the page's past equal what was recorded: image, pose, segments. */
+/** In a frame of the map's own. The page's buttons begin and end a recording; moments of the page's past equal what was recorded: image, pose, segments. */
 export async function recording() {
   const folder = mkdtempSync(join(tmpdir(), "avm-gui-recording-"));
-  const robot = await Robot.start({recorder: true, arguments: {simulator: ["--Simulator.Seed=5"], recorder: [`--Recorder.Folder=${folder}`, "--Recorder.StartNow=no", "--Recorder.Ring.Length_s=20"]}});
+  const robot = await Robot.start({recorder: true, arguments: {simulator: ["--Simulator.Seed=5"], gui_server: ["--GuiServer.Truth=no"], recorder: [`--Recorder.Folder=${folder}`, "--Recorder.StartNow=no", "--Recorder.Ring.Length_s=20"]}});
   let moments, path;
   try {
     const page = await openPage(robot);
     await waitForVideo(page);
+    assert.equal(await page.evaluate(() => globalThis.avmPage.moment().truth), null, "a truth has no place in the map");
+    assert.match(await text(page, ".plot figcaption"), /^position sigma/);
     path = await record(page, robot);
     moments = await pastMoments(page);
     await saveRing(page, robot);

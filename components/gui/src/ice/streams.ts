@@ -256,8 +256,8 @@ export class Streams {
     void this.link.loop(peer, async () => {
       const result = await peer.proxy.truthSince(after);
       const sample = result.samples.at(-1);
-      if (sample) {
-        after = sample.stampUs;
+      if (sample) after = sample.stampUs;
+      if (sample && this.config.truth) {
         this.live.truth = truthOf(sample, nowMs());
         this.history.addTruth(this.live.truth);
         this.announce({truth: this.live.truth});

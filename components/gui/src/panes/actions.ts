@@ -55,8 +55,8 @@ export class ActionsPane extends Pane {
       }
     });
     return this.group("simulation", state, pause, button("step 0.1 s", "ten steps of 10 ms, while paused", () => void store.act("0.1 s simulated", "step", 10)), speed,
-      button("kidnap", "drag the robot to another place in the scene", () => { store.tool.value = "kidnap"; store.say("info", "Drag an arrow in the scene where the robot shall stand."); }),
-      button("occluder", "click in the scene where a box shall stand", () => { store.tool.value = "occluder"; store.say("info", "Click in the scene: a box stands there."); }), models,
+      ...(store.config.truth ? [button("kidnap", "drag the robot to another place in the scene", () => { store.tool.value = "kidnap"; store.say("info", "Drag an arrow in the scene where the robot shall stand."); }),
+      button("occluder", "click in the scene where a box shall stand", () => { store.tool.value = "occluder"; store.say("info", "Click in the scene: a box stands there."); })] : []), models,
       seed.element, button("reset", "everything from the beginning with this seed", () => void store.act("simulation begins anew", "resetSimulation", seed.input.valueAsNumber || 0)));
   }
 

@@ -135,7 +135,7 @@ export class PlotsPane extends Pane {
       this.draw();
     }), this.liveButton, this.add, button("save CSV", "all numbers of the last 5 minutes as a table", () => saveFile("numbers.csv", new Blob([store.columns.csv()], {type: "text/csv"}))),
     h("span", {class: "dim", text: "drag: zoom; double-click: go to that moment"}));
-    this.fixedCharts = (store.config.proxies.Simulation ? specs : specs.map(withoutTruth)).map(spec => new Chart(spec, store, this.zoom));
+    this.fixedCharts = (store.config.proxies.Simulation && store.config.truth ? specs : specs.map(withoutTruth)).map(spec => new Chart(spec, store, this.zoom));
     this.element.append(bar, this.grid);
     this.choose(store.plots.value);
     const timer = setInterval(() => this.draw(), 500);

@@ -114,7 +114,7 @@ export class WorldPane extends Pane {
   private makeTools(): HTMLElement {
     const tools: [string, string][] = [["select", "tool: select"], ["measure", "tool: measure"], ["gaze", "tool: look at"], ["pose", "tool: set pose"]];
     if (this.store.config.viewer) tools.length = 2;
-    else if (this.store.config.proxies.Simulation) tools.push(["kidnap", "tool: kidnap"], ["occluder", "tool: occluder"]);
+    else if (this.store.config.proxies.Simulation && this.store.config.truth) tools.push(["kidnap", "tool: kidnap"], ["occluder", "tool: occluder"]);
     const box = select("what a click does", tools, "select", value => { this.store.tool.value = value as Tool; });
     this.follow(() => { box.value = this.store.tool.value; });
     return box;

@@ -7,6 +7,8 @@ export interface GuiConfig {
   version: string;
   robot: string;
   setup: string;
+  /** False: the map has a frame of its own, in which the true pose of a simulation has no meaning. */
+  truth: boolean;
   /** True: read-only faces; the page offers no actions. */
   viewer: boolean;
   /** Proxy of a router at which people log in; empty: the page reaches the components themselves. */
