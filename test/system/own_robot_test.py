@@ -105,6 +105,10 @@ class WrongInput(Wizard):
         self.assertIn("--bag none.bag: no such file (expected a ROS 1 bag", self.step("drive", "--bag", "none.bag", code=2))
         self.assertIn("cfg: a folder without a bag", self.step("drive", "--bag", "cfg", code=2))
         self.assertIn("--seconds: found -3 (expected a number above 0)", self.step("drive", "--seconds", "-3", code=2))
+        os.makedirs(self.path("out/own_robot/mine/board"))
+        self.write("out/own_robot/mine/board/board.json", "{}")
+        for lengths in ((), ("100",), ("100", "9,5"), ("100", "99.5", "3")):
+            self.assertIn(f"ruler: found {' '.join(lengths) or 'nothing'} (expected ACROSS UP [mm]", self.step("ruler", *lengths, code=2))
         self.assertIn("--palette none: no such file", self.step("colours", "--palette", "none", code=2))
         self.assertIn("unknown step 'jump' (must be one of start, devices, target, ruler", self.step("jump", code=2))
         self.assertIn("start comes first", self.step("drive", "--no-gui", code=1))  # a misspelt name makes no setup
@@ -289,8 +293,8 @@ class UncalibratedRobot(Wizard):
         self.step("start", "--simulated", "room", "--seed", "3", "--uncalibrated")
         focal = self.truth("Camera.Pinhole_px")[0]
         self.assertGreater(abs(self.stated_focal() - focal), 2.0, "a data sheet is not exact")
-        self.step("target")
-        self.step("ruler")
+        self.assertIn("next: scripts/own_robot mine ruler", self.step("target"))
+        self.assertIn("next: scripts/own_robot mine lens", self.step("ruler"))
         ports = ("--port-offset", str(free_port_offset()))
         self.assertIn("lens comes first", self.step("body", "--write", *ports, code=1))
         self.assertIn("Written: out/own_robot/mine/lens/camera.yaml", self.step("lens", *ports))

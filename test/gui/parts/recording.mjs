@@ -48,6 +48,7 @@ async function record(page, robot) {
     await page.locator("input[aria-label='text of the mark']").fill("a corner");
     await page.locator("button:text-is('mark now')").click();
     await sleep(4000);
+    await eventually("the age of the mark goes on", async () => /^[4-9] s ago: a corner/.test(await text(page, ".marks button")));
   });
   await page.locator(".pane-actions").screenshot({path: join(pictures, "recorder.png")});
   await group.locator("button:text-is('stop recording')").click();

@@ -108,10 +108,11 @@ export class ActionsPane extends Pane {
     };
     text.addEventListener("keydown", event => { if (event.key === "Enter") set(); });
     this.follow(() => {
-      const marks = store.timeline.value?.marks ?? [], key = marks.length + (marks.at(-1)?.text ?? "");
-      if (list.dataset.key === key) return;
+      const marks = (store.timeline.value?.marks ?? []).slice(-12).reverse(), key = marks.map(m => m.t).join();
+      if (list.dataset.key !== key) list.replaceChildren(...marks.map(m => h("li", {}, button("", "go to that moment", () => store.scrub(m.t)))));
       list.dataset.key = key;
-      list.replaceChildren(...marks.slice(-12).reverse().map(m => h("li", {}, button(`${((nowMs() - m.t) / 1000).toFixed(0)} s ago: ${m.text}`, "go to that moment", () => store.scrub(m.t)))));
+      // The ages go on.
+      list.querySelectorAll("button").forEach((b, i) => say(b, `${((nowMs() - marks[i]!.t) / 1000).toFixed(0)} s ago: ${marks[i]!.text}`));
     });
     return this.group("marks", text, button("mark now", "a mark on the time bar", set), list);
   }
