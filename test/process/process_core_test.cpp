@@ -202,7 +202,7 @@ TEST_F(StatusTest, FaultsAreLoggedOncePerChange) {
   for (int i = 0; i < 3; ++i) board_.fault("disk", "full");
   for (int i = 0; i < 3; ++i) board_.healthy("disk");
   for (int i = 0; i < 3; ++i) board_.error("a bad frame");
-  EXPECT_EQ(lines_.str(), "T eye WARNING disk: full\nT eye INFO disk works again\nT eye ERROR a bad frame\n");
+  EXPECT_EQ(lines_.str(), "T eye WARNING disk: full\nT eye INFO disk: back to normal\nT eye ERROR a bad frame\n");
   std::vector<std::string> errors;
   for (const auto& error : board_.report().errors) errors.push_back(error.text);
   EXPECT_THAT(errors, ElementsAre("disk: full", "a bad frame"));

@@ -104,7 +104,7 @@ void StatusBoard::healthy(const std::string& what) {
     const std::scoped_lock lock(mutex_);
     if (faults_.erase(what) == 0) return;
   }
-  log_.info(what + " works again");
+  log_.info(what + ": back to normal");
 }
 
 void StatusBoard::alive(const std::string& thread, std::chrono::milliseconds limit) {

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import {join} from "node:path";
 import {avm, eventually, Robot, sleep} from "../support/robot.mjs";
-import {driven, loadMargin, openPage, pictures, waitForVideo} from "../support/page.mjs";
+import {driven, loadMargin, openPage, pictures, text, waitForVideo} from "../support/page.mjs";
 
 const causes = page => page.locator(".causes .cause").allTextContents();
 
@@ -72,6 +72,8 @@ export async function odometryLost() {
     console.log(`  odometry server: named after ${((Date.now() - begin) / 1000).toFixed(1)} s: ${(await causes(page)).slice(0, 2).join(" ")}`);
     await page.locator(".pane-why").screenshot({path: join(pictures, "why_odometry.png")});
     await robot.ended("base_server");
+    await page.locator(".stop").click();
+    await eventually("a stop that did not arrive is not called one", async () => /^STOP DID NOT REACH THE BASE/.test(await text(page, ".notice")));
     await robot.launch("base_server");
     await eventually("nothing is lost again", async () => !/gone|has lost/.test((await causes(page)).join()), 20_000);
     page.checkErrors();

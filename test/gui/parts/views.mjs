@@ -208,6 +208,8 @@ async function checkConfiguration(page) {
 async function checkSimulation(page, robot) {
   await showPane(page, "actions");
   const speed = page.locator("select[aria-label='simulated seconds per second']");
+  await page.locator("button:text-is('step 0.1 s')").click();
+  await eventually("a refused command is not said to be done", async () => /^NOT DONE: 0.1 s simulated \(.*pause it first/.test(await text(page, ".notice")));
   for (const value of [0.75, 1]) {
     await robot.simulation.setSpeed(value);
     await eventually(`speed ${value}`, async () => await speed.inputValue() === String(value));

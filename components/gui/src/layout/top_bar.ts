@@ -65,7 +65,7 @@ export class TopBar {
 
   private async stop(): Promise<void> {
     if (this.store.config.viewer || !this.store.config.proxies.Base) return;
-    await this.store.act("stopped", "stop");
+    await this.store.stop();
   }
 
   private drawMode(element: HTMLElement): void {

@@ -25,7 +25,7 @@ export class DrivePane extends Pane {
     super(store, "drive");
     const {surface} = this;
     surface.append(this.pad, h("div", {class: "drive-help"}, h("b", {text: "hold to drive"}), h("span", {class: "dim", text: "W A S D or arrows here, the stick, or a gamepad with its trigger"}), this.status));
-    this.element.append(h("div", {class: "toolbar"}, h("label", {class: "check"}, "speed", this.speed, this.speedText), button("take over", "ends another operator's lease: STOP, then drive", () => void store.act("stopped", "stop"))), surface);
+    this.element.append(h("div", {class: "toolbar"}, h("label", {class: "check"}, "speed", this.speed, this.speedText), button("take over", "ends another operator's lease: STOP, then drive", () => void store.stop())), surface);
     this.speed.addEventListener("input", () => this.drawSpeed());
     this.drawSpeed();
     surface.addEventListener("keydown", event => this.keyDown(event));

@@ -117,7 +117,7 @@ export class Store {
     });
   }
 
-  /** A command whose outcome is said to the person. @return whether it was taken. */
+  /** A command whose outcome is said to the person. @param text what was done. @return whether it was taken. */
   async act(text: string, name: string, ...values: unknown[]): Promise<boolean> {
     try {
       const reply = await this.call<{adjusted?: boolean; message?: string} | string | null>(name, ...values);
@@ -125,8 +125,18 @@ export class Store {
       this.say("good", text + more);
       return true;
     } catch (failure) {
-      this.say("bad", `${text}: ${(failure as Error).message}`);
+      this.say("bad", `NOT DONE: ${text} (${(failure as Error).message})`);
       return false;
+    }
+  }
+
+  /** Stops the base, whoever drives. Nobody may take a stop that did not arrive for one that did. */
+  async stop(): Promise<void> {
+    try {
+      await this.call("stop");
+      this.say("good", "stopped");
+    } catch (failure) {
+      this.say("bad", `STOP DID NOT REACH THE BASE: ${(failure as Error).message}`);
     }
   }
 
