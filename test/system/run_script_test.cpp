@@ -59,11 +59,13 @@ TEST_F(RunScript, AnswersHelpWithoutABuild) {
 
 TEST_F(RunScript, RefusesWrongOptionsWithoutABuild) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
-      {{"--sed", "3"}, "unknown option --sed (did you mean --se"},
+      {{"--sead", "3"}, "unknown option --sead (did you mean --seed?)"},
       {{"--seed"}, "--seed needs a value"},
       {{"--seed", "x"}, "--seed x (must be a whole number of at least 0)"},
       {{"--seconds=-1"}, "--seconds -1 (must be a number above 0)"},
-      {{"--setup", "nowhere"}, "--setup nowhere (must be a folder of cfg/"},
+      {{"--setup", "nowhere"},
+       "--setup nowhere (must be a folder of cfg/ with a simulator or a replay server: sim;"},
+      {{"--setup", "robot"}, "scripts/start runs other robots"},
       {{"--bag", "absent.bag"}, "--bag absent.bag: no such file"},
   };
   for (const auto& [arguments, message] : cases) {
