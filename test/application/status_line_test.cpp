@@ -30,12 +30,12 @@ TEST(StatusText, SaysWhatTheRobotKnows) {
               testing::HasSubstr("| pose 1.25 -0.50 m 90 deg, reliability 0.75 | error 0.10 m 0.0 deg |"));
 }
 
-TEST(StatusText, AHeadingOfZeroHasNoSign) {
+TEST(StatusText, ZeroHasNoSign) {
   LiveState live;
   PoseEstimate estimate;
-  estimate.T_world_robot = Pose2{1.0, 2.0, -0.001};
+  estimate.T_world_robot = Pose2{-0.004, -0.001, -0.001};
   live.estimate = estimate;
-  EXPECT_THAT(statusText(live, std::nullopt), testing::HasSubstr("m 0 deg"));
+  EXPECT_THAT(statusText(live, std::nullopt), testing::HasSubstr("pose 0.00 0.00 m 0 deg"));
 }
 
 TEST(StatusText, SaysThatThePoseIsATwinsOfTheTrueOne) {

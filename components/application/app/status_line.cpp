@@ -16,6 +16,9 @@ std::string formatted(const char* format, Values... values) {
   return text;
 }
 
+/// To a part of one; never "-0".
+double rounded(double value, double parts) { return std::round(value * parts) / parts + 0.0; }
+
 const char* nameOf(GazeState state) {
   switch (state) {
     case GazeState::kSelect:
@@ -60,9 +63,8 @@ std::string statusText(const LiveState& live, const std::optional<GazeStatus>& g
   if (!live.drive_failure.empty()) text += " | cannot drive: " + live.drive_failure;
   if (live.estimate && live.estimate->T_world_robot) {
     const Pose2& pose = *live.estimate->T_world_robot;
-    const double heading_deg = std::round(radToDeg(pose.theta)) + 0.0;  // no "-0"
-    text += formatted(" | pose %.2f %.2f m %.0f deg, reliability %.2f", pose.x, pose.y, heading_deg,
-                      live.estimate->reliability);
+    text += formatted(" | pose %.2f %.2f m %.0f deg, reliability %.2f", rounded(pose.x, 100),
+                      rounded(pose.y, 100), rounded(radToDeg(pose.theta), 1), live.estimate->reliability);
   } else {
     text += " | no pose";
   }

@@ -98,6 +98,12 @@ export async function tablet(robot) {
     await page.locator(".presets button:has-text('watch')").tap();
     await sleep(500);
     await page.screenshot({path: join(pictures, `tablet_${width}.png`)});
+    await page.locator(".presets button:has-text('tune')").tap();
+    const hidden = await eventually("parameters", () => page.evaluate(() => {
+      const list = document.querySelector(".pane-settings .scroll");
+      return list.querySelector(".setting") && [list.scrollWidth - list.clientWidth];
+    }));
+    assert.deepEqual(hidden, [0], `pixels of the parameters that do not fit ${width}x${height}`);
     page.checkErrors();
     await page.context().close();
   }
