@@ -331,6 +331,9 @@ class Recording(Wizard):
         # Another drive: its map is still to be made, the drive before is not lost.
         said = self.step("drive", "--bag", os.path.join(room, "wheels_a.bag"))
         self.assertIn("next: scripts/own_robot mine map", said)
+        map_before = self.read("cfg/mine/map.csv")
+        self.assertIn("The one before: cfg/mine/map.csv.old", self.step("map"))
+        self.assertEqual(self.read("cfg/mine/map.csv.old"), map_before)
         before = re.search(r"drive --bag (\S+) takes it again", said).group(1)
         self.assertIn("150 images", self.step("drive", "--bag", before))
         # Of the same room with other wheels.
