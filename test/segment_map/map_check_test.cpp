@@ -9,13 +9,16 @@
 namespace vismem {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 
-const PaletteLabels kLabels{{"skirting", "door_foot", "line_edge"}, {{"line", "line_edge"}}};
+const std::string kHeader = "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label,width_m\n";
+const PaletteLabels kLabels{{"skirting", "door_foot", "line_edge"}, {{"line", "line_edge"}}, {}};
 
 std::vector<std::string> warningsOf(const std::string& rows) {
-  const auto map = parseSegmentMap("x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label,width_m\n" + rows, "m.csv");
+  const auto map = parseSegmentMap(kHeader + rows, "m.csv");
   return checkMap(map, "m.csv", kLabels, "m.palette");
 }
 
@@ -41,6 +44,17 @@ TEST(CheckMap, PairsThatNoRowHasShareAWarning) {
   EXPECT_THAT(warningsOf("0,1,0,2,1,0,line,0.05\n"),
               ElementsAre("m.palette: labels \"door_foot\" and \"skirting\" stand in no row of m.csv: their "
                           "observations match nothing"));
+}
+
+TEST(CheckMap, AMapMayLackUprightEdgesButNotMisspellThem) {
+  const PaletteLabels labels{{"skirting", "door_jamb"}, {}, {"door_jamb"}};
+  const auto warnings = [&](const std::string& more) {
+    return checkMap(parseSegmentMap(kHeader + "0,0,0,1,0,0,skirting\n" + more, "m.csv"), "m.csv", labels,
+                    "m.palette");
+  };
+  EXPECT_THAT(warnings(""), IsEmpty());
+  EXPECT_THAT(warnings("1,0,0,1,0,2,door_jam\n"),
+              Contains(HasSubstr("label \"door_jamb\" stands in no row of m.csv (did you mean")));
 }
 
 TEST(CheckMap, AnyMatchesEveryLabel) {

@@ -89,7 +89,7 @@ PaletteLabels labelsOfPage(const std::vector<Example>& examples) {
     if (example.kind != "palette") continue;
     const Palette palette = Palette::parse(example.text, example.file);
     const auto labels = palette.labels();
-    return {{labels.begin(), labels.end()}, palette.stripes()};
+    return {{labels.begin(), labels.end()}, palette.stripes(), {}};
   }
   return {};
 }

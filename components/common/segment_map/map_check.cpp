@@ -48,19 +48,19 @@ void warnOfRepeatedRows(const SegmentMap& map, const std::string& name, std::vec
 /// Of labels of the palette that the map lacks. One warning for each that may be misspelt, one for all the
 /// others.
 void warnOfAbsentLabels(const std::set<Label>& of_map, const std::string& map_name,
-                        const std::set<Label>& of_palette, const std::string& palette_name,
+                        const PaletteLabels& of_palette, const std::string& palette_name,
                         std::vector<std::string>& warnings) {
   if (of_map.contains(kAnyLabel)) return;
   std::vector<std::string> others;
   const auto warn = [&](const std::string& subject, const std::string& rest) {
     warnings.push_back(palette_name + ": " + subject + " in no row of " + map_name + rest + " match nothing");
   };
-  for (const Label& label : of_palette) {
+  for (const Label& label : of_palette.edges) {
     if (of_map.contains(label)) continue;
     const std::string quoted = "\"" + label + "\"";
     const std::string meant = suggestion(label, {of_map.begin(), of_map.end()});
     if (meant.empty()) {
-      others.push_back(quoted);
+      if (!of_palette.upright.contains(label)) others.push_back(quoted);
     } else {
       warn("label " + quoted + " stands", meant + ": its observations");
     }
@@ -100,7 +100,7 @@ std::vector<std::string> checkMap(const SegmentMap& map, const std::string& map_
                        " (map: " + joined({of_map.begin(), of_map.end()}) +
                        "; palette: " + joined({labels.edges.begin(), labels.edges.end()}) + ")"});
   }
-  warnOfAbsentLabels(of_map, map_name, labels.edges, palette_name, warnings);
+  warnOfAbsentLabels(of_map, map_name, labels, palette_name, warnings);
   warnOfRepeatedRows(map, map_name, warnings);
   if (map.ends_inside_row && !map.segments.empty() && map.segments.back().line > 0) {
     warnings.push_back(at(map_name, map.segments.back()) +

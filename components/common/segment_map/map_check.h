@@ -14,6 +14,7 @@ namespace vismem {
 struct PaletteLabels {
   std::set<Label> edges;           ///< of pairs of classes
   std::map<Label, Label> stripes;  ///< name of a stripe in maps -> label of its edges
+  std::set<Label> upright;         ///< edges that do not border the floor: a map of the floor may lack them
 };
 
 /// Looks for mistakes that leave a map readable but of little use: labels that no pair of the palette names,

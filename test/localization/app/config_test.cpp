@@ -191,6 +191,14 @@ TEST(LocalizationConfig, TheShippedSetupOfTheSimulatorLoads) {
   EXPECT_GT(loaded.edges.segments.size(), 10u);
 }
 
+TEST(LocalizationConfig, AMapOfTheFloorMayLackTheUprightEdgesOfItsPalette) {
+  const std::string file = testing::TempDir() + "floor_only.csv";
+  std::ofstream(file) << "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label\n0,0,0,1,0,0,skirting\n1,0,0,2,0,0,door_foot\n";
+  // Of the labels that no row has, door_jamb and door2_jamb lie between wall and doors.
+  EXPECT_THAT(loadMapEdges(file, kSource + "/cfg/maps/corridor.palette").warnings,
+              ElementsAre(HasSubstr("label \"door2_foot\" stands in no row of " + file)));
+}
+
 TEST(LocalizationConfig, TheShippedSetupOfARecordingLacksOnlyTheMap) {
   const std::string file = kSource + "/cfg/replay/localization.cfg";
   Properties properties = Properties::load(file);
