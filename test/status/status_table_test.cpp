@@ -31,7 +31,7 @@ ComponentRow degradedMemory() {
                   {"Odometry", "Encoders:tcp -p 9997", PeerState::Link::kConnected, "", 0}};
   report.rates = {{"frames", 29.96, 1234}};
   report.latencies = {{"iteration", {1000, 0.0013, 0.0025, 0.004, 0.0071}}};
-  report.gauges = {{"camera tilt pitch error", -0.4567, 0.031, "deg"}, {"head roll", 1.2, 0.5, "deg"}};
+  report.gauges = {{"camera tilt pitch error", -0.4567, 0.031, "deg"}, {"head roll", -0.002, 0.5, "deg"}};
   for (int i = 1; i <= 5; ++i) report.errors.push_back({i * 1'000'000, "error " + std::to_string(i)});
   return {"sim", "active_visual_memory", "tcp -p 9970", report, "", false};
 }
@@ -52,7 +52,7 @@ TEST(StatusTable, ShowsStatesReasonsAndWhatIsBelow) {
   EXPECT_THAT(table, HasSubstr("    rates        frames            30.0 Hz       1234 in all\n"));
   EXPECT_THAT(table, HasSubstr("    latencies    iteration      p50 1.3  p95 2.5  p99 4.0  max 7.1 ms\n"));
   EXPECT_THAT(table, HasSubstr("    estimates    camera tilt pitch error -0.46 +- 0.03 deg\n"
-                               "                 head roll               1.20 +- 0.50 deg\n"));
+                               "                 head roll               0.00 +- 0.50 deg\n"));
   EXPECT_THAT(table, AllOf(HasSubstr("error 5\n"), HasSubstr("error 3\n"), Not(HasSubstr("error 2\n"))));
   EXPECT_THAT(table, HasSubstr("sim    localization          absent               connection refused\n"));
   EXPECT_THAT(table, HasSubstr("sim    simulator             silent               no answer in time\n"));

@@ -120,6 +120,16 @@ TEST_F(StartStop, AFrozenComponentIsStoppedToo) {
   EXPECT_THAT(stopped->out(), HasSubstr("stop: localization ended"));
 }
 
+TEST_F(StartStop, PortsOfAnotherSetupAreNamedWithTheWayOut) {
+  ASSERT_EQ(start({"localization"})->exitCode(), 0);
+  const std::string offset = std::to_string(offset_);
+  const auto other =
+      run("start", {"humanoid", "localization", "--no-build", "--preset", preset_, "--port-offset", offset});
+  fs::remove_all(root() / "out" / ("humanoid+" + offset));
+  EXPECT_EQ(other->exitCode(), 1);
+  EXPECT_THAT(other->error(), HasSubstr("another setup may have these ports: --port-offset 100"));
+}
+
 TEST_F(StartStop, WhatCannotStartIsNamedAndLeavesNothingBehind) {
   const auto bad = start({"--Localization.Seed=x"});
   EXPECT_EQ(bad->exitCode(), 1);
@@ -129,6 +139,9 @@ TEST_F(StartStop, WhatCannotStartIsNamedAndLeavesNothingBehind) {
   EXPECT_EQ(start({"--Camera.Seed=x"})->exitCode(), 2);
   EXPECT_EQ(start({"camera"})->exitCode(), 2);
   EXPECT_EQ(run("start", {"mars"})->exitCode(), 2);
+  EXPECT_THAT(run("start", {"mars"})->error(), HasSubstr("start: setup mars (must be one of files humanoid"));
+  EXPECT_THAT(start({"--recrod"})->error(),
+              HasSubstr("unknown option --recrod (must be --record, --port-offset N"));
   EXPECT_EQ(run("start", {"sim", "--port-offset", "x"})->exitCode(), 2);
 }
 

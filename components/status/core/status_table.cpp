@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <ctime>
 
 namespace vismem {
 namespace {
+
+/// To two decimals.
+double withoutSignedZero(double value) {
+  return std::round(100.0 * value) / 100.0 + 0.0;
+}
 
 constexpr double kMsPerSecond = 1e3;
 /// Errors shown in the table; JSON has all that a component keeps.
@@ -86,11 +92,12 @@ Lines detailsOf(const StatusReport& report) {
   std::size_t gauge_width = 14;
   for (const auto& gauge : report.gauges) gauge_width = std::max(gauge_width, gauge.name.size());
   for (const auto& gauge : report.gauges) {
-    lines.emplace_back("estimates",
-                       padded(gauge.name, gauge_width) +
-                           (gauge.sigma > 0.0 ? formatted(" %.2f +- %.2f ", gauge.value, gauge.sigma)
-                                              : formatted(" %.1f ", gauge.value)) +
-                           gauge.unit);
+    lines.emplace_back(
+        "estimates",
+        padded(gauge.name, gauge_width) +
+            (gauge.sigma > 0.0 ? formatted(" %.2f +- %.2f ", withoutSignedZero(gauge.value), gauge.sigma)
+                               : formatted(" %.1f ", gauge.value)) +
+            gauge.unit);
   }
   const std::size_t skipped = report.errors.size() - std::min(report.errors.size(), kShownErrors);
   for (std::size_t i = skipped; i < report.errors.size(); ++i) {
