@@ -271,6 +271,13 @@ class SimulatedRobot(Wizard):
         self.assertIn("mine is localized", self.step("localize", "--live", "--seconds", "15", "--port-offset", str(offset),
                                                      "--Simulator.Camera.Rate_hz=5"))
 
+        # The configurations that running components recorded are those of an evaluation, too.
+        newest = max(glob.glob(self.path("out/own_robot/mine/drives/*")))
+        self.assertTrue(os.path.exists(os.path.join(newest, "cfg", "localization.cfg")))
+        evaluated = subprocess.run([os.path.join(BIN, "evaluate"), "--bag", newest, "--map", self.path("cfg/mine/map.csv"), "--out", self.path("again")],
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.assertEqual(evaluated.returncode, 0, evaluated.stdout)
+
         # A mirrored map is a map of another place.
         rows = [line.split(",") for line in self.read("cfg/mine/map.csv").splitlines()]
         with open(self.path("cfg/mine/map.csv"), "w", encoding="utf-8") as file:

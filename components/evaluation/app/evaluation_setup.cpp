@@ -74,7 +74,7 @@ ActiveVisualMemoryConfig readMemory(const EvaluationOptions& options, bool has_p
   config.known("Localization.*");
   ConfigReader reader = config.group("ActiveVisualMemory");
   config.known("Robot.*");
-  knowKeys(reader, {"Endpoints", "WebEndpoints", "LogLevel", "EndWithParent"});
+  knowKeys(reader, {"Endpoints", "WebEndpoints", "PlainRemote", "LogLevel", "EndWithParent"});
   ActiveVisualMemoryConfig component = readActiveVisualMemoryConfig(reader);
   finish(config);
   return component;
@@ -93,8 +93,8 @@ LocalizationSettings readLocalization(const EvaluationOptions& options) {
   ConfigReader reader = config.group("Localization");
   // The evaluation sets map, palette, seed and start; experiments decide about gaze requests.
   config.known("Robot.*");
-  knowKeys(reader, {"Endpoints", "WebEndpoints", "LogLevel", "EndWithParent", "VisualMemory.Proxy", "Map",
-                    "Palette", "Seed", "Start.*", "Pose3D.*", "Gaze.Proxy"});
+  knowKeys(reader, {"Endpoints", "WebEndpoints", "PlainRemote", "LogLevel", "EndWithParent",
+                    "VisualMemory.Proxy", "Map", "Palette", "Seed", "Start.*", "Pose3D.*", "Gaze.Proxy"});
   const LocalizationSettings settings{readLocalizerParams(reader), readGazePlannerParams(reader)};
   finish(config);
   return settings;
