@@ -179,7 +179,7 @@ TEST_F(RunApplication, BadInputIsOneClearMessage) {
   std::ofstream(broken_map) << "x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,label\n1,2,three,4,5,6,line\n";
   const std::string map = VISMEM_SOURCE_DIR "/cfg/maps/corridor.csv";
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
-      {{"--setup", "mars"}, "with a simulator or a replay server: humanoid, nao, replay, sim)"},
+      {{"--setup", "mars"}, "with a simulator or a replay server: humanoid, nao, replay, sim"},
       {{"--seconds", "soon"}, "--seconds soon (must be a number above 0)"},
       {{"--seconds", "-3"}, "--seconds -3 (must be a number above 0)"},
       {{"--seed", "x"}, "--seed x (must be a whole number"},
