@@ -42,7 +42,7 @@ class Snapshots {
     for (std::size_t i = 0; i < n; ++i) {
       const Taken& t = taken_[(2 * i + 1) * taken_.size() / (2 * n)];
       chosen.push_back(
-          {text("after %.1f s: camera %.0f deg to the %s, %.0f deg %s", t.time_s, std::abs(t.pan_deg),
+          {text("after %.1f s: %.0f deg %s, %.0f deg %s", t.time_s, std::abs(t.pan_deg),
                 t.pan_deg < 0.0 ? "right" : "left", std::abs(t.tilt_deg), t.tilt_deg < 0.0 ? "down" : "up"),
            {},
            t.picture,
