@@ -23,8 +23,7 @@ constexpr double kTrim = 0.15;                           // share of the length 
 // The neutral light ends when it names next to nothing, or when another light changes its names. While its
 // names stay, the edges without a name may be texture, which a brighter light would name.
 constexpr double kNextToNothing = 0.12;  // share of the edges
-constexpr double kTimesNothing = 2.0;    // that another light must then name
-constexpr double kTimesNeutral = 1.5;    // that another light must name when it changes names
+constexpr double kTimesNeutral = 2.0;    // that another light must name
 constexpr double kNamed = 0.85;          // share of the edges with a neutral name that it must name, too
 constexpr double kNamedAlike = 0.7;      // share of them that may keep their name
 constexpr double kLeastShare = 0.2;      // that another light must name
@@ -148,8 +147,7 @@ bool LightEstimator::renames(const ImageLight& light) const {
 }
 
 bool LightEstimator::endsNeutral(const ImageLight& light, double neutral, double other) const {
-  if (neutral <= kNextToNothing) return other >= kTimesNothing * neutral;
-  return other >= kTimesNeutral * neutral && renames(light);
+  return other >= kTimesNeutral * neutral && (neutral <= kNextToNothing || renames(light));
 }
 
 double LightEstimator::merit(const Unknowns& x) const {
