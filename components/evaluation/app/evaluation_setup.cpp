@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <initializer_list>
 #include <iostream>
 #include <sstream>
 #include <string>
@@ -14,6 +13,7 @@
 #include "common/config/config_reader.h"
 #include "common/config/project_file.h"
 #include "common/config/properties.h"
+#include "common/process/process_keys.h"
 #include "common/routes/route_follower.h"
 #include "localization/app/config.h"
 #include "simulator/app/simulator_config.h"
@@ -59,10 +59,6 @@ void finish(const ConfigReader& config) {
   for (const auto& renamed : config.renamedKeys()) std::cerr << renamed.text() << "\n";
 }
 
-void knowKeys(ConfigReader& reader, std::initializer_list<const char*> names) {
-  for (const char* name : names) reader.known(name);
-}
-
 ActiveVisualMemoryConfig readMemory(const EvaluationOptions& options, bool has_pan_tilt) {
   Properties properties = Properties::load(configFile(options, "active_visual_memory"));
   // The component's peers are in this process; all its other keys apply.
@@ -73,8 +69,7 @@ ActiveVisualMemoryConfig readMemory(const EvaluationOptions& options, bool has_p
   ConfigReader config(properties);
   config.known("Localization.*");
   ConfigReader reader = config.group("ActiveVisualMemory");
-  config.known("Robot.*");
-  knowKeys(reader, {"Endpoints", "WebEndpoints", "PlainRemote", "LogLevel", "EndWithParent"});
+  knowProcessKeys(config, "ActiveVisualMemory");
   ActiveVisualMemoryConfig component = readActiveVisualMemoryConfig(reader);
   finish(config);
   return component;
@@ -90,11 +85,13 @@ LocalizationSettings readLocalization(const EvaluationOptions& options) {
   if (!options.mode.empty()) properties.set("Localization.Mode", options.mode);
   ConfigReader config(properties);
   config.known("ActiveVisualMemory.*");
+  knowProcessKeys(config, "Localization");
   ConfigReader reader = config.group("Localization");
   // The evaluation sets map, palette, seed and start; experiments decide about gaze requests.
-  config.known("Robot.*");
-  knowKeys(reader, {"Endpoints", "WebEndpoints", "PlainRemote", "LogLevel", "EndWithParent",
-                    "VisualMemory.Proxy", "Map", "Palette", "Seed", "Start.*", "Pose3D.*", "Gaze.Proxy"});
+  for (const char* key :
+       {"VisualMemory.Proxy", "Map", "Palette", "Seed", "Start.*", "Pose3D.*", "Gaze.Proxy"}) {
+    reader.known(key);
+  }
   const LocalizationSettings settings{readLocalizerParams(reader), readGazePlannerParams(reader)};
   finish(config);
   return settings;
@@ -170,8 +167,7 @@ SimulationConfig simulationConfig(const EvaluationOptions& options) {
   Properties properties = Properties::load(setupFile(options, "simulator"));
   properties.set("Simulator.World", options.world.string());
   ConfigReader config(properties);
-  knowKeys(config, {"Robot.*", "Simulator.Endpoints", "Simulator.WebEndpoints", "Simulator.LogLevel",
-                    "Simulator.EndWithParent"});
+  knowProcessKeys(config, "Simulator");
   SimulatorConfig robot = readSimulatorConfig(config);
   finish(config);
   SimulationConfig& simulated = robot.simulation;

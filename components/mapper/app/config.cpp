@@ -3,6 +3,7 @@
 #include "active_visual_memory/app/config.h"
 #include "common/config/file_name.h"
 #include "common/config/properties.h"
+#include "common/process/process_keys.h"
 #include "common/vision/palette.h"
 #include "localization/app/config.h"
 
@@ -15,9 +16,7 @@ auto readOther(const std::filesystem::path& file, const char* prefix, Read read)
   const Properties properties = Properties::load(file);
   ConfigReader config(properties);
   ConfigReader reader = config.group(prefix);
-  config.known("Robot.*");
-  for (const char* key : {"Endpoints", "WebEndpoints", "PlainRemote", "LogLevel", "EndWithParent"})
-    reader.known(key);
+  knowProcessKeys(config, prefix);
   auto result = read(reader);
   config.finish();
   return result;
