@@ -20,8 +20,9 @@ constexpr std::array<double, 2> kDistance_px{1.5, 2.5};  // bright, dark side: s
 constexpr int kPlaces = 9;                               // along an edge
 constexpr double kTrim = 0.15;                           // share of the length left out at each end
 
-// The neutral light ends when it names next to nothing, or when another light changes its names. While its
-// names stay, the edges without a name may be texture, which a brighter light would name.
+// The neutral light ends when another one names twice as many edges, and the neutral one next to nothing or
+// the other one changes its names. While these stay, the edges without a name may be texture, which a
+// brighter light would name.
 constexpr double kNextToNothing = 0.12;  // share of the edges
 constexpr double kTimesNeutral = 2.0;    // that another light must name
 constexpr double kNamed = 0.85;          // share of the edges with a neutral name that it must name, too

@@ -15,9 +15,9 @@ namespace vismem {
 
 /// Searches the light under which the palette names most of the edges of the last images, weighted by their
 /// squared length: long edges are structure, short ones may be texture. Pairs of colours are rare among all
-/// pairs, so a wrong light names few of them. The neutral light stays while it names half as many as any
-/// other, or an eighth of the edges and no such light gives these other names. *Single-threaded*,
-/// deterministic.
+/// pairs, so a wrong light names few of them. The neutral light ends when another one names twice as many
+/// edges; while it names an eighth of all, the other one must also give these edges other names.
+/// *Single-threaded*, deterministic.
 class LightEstimator {
  public:
   /// @param palette not null.
