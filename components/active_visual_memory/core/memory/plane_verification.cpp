@@ -21,6 +21,13 @@ void PlaneVerification::begin(const FloorLine& line, const PlaneView& view) {
   anchor_camera = view.camera;
 }
 
+double PlaneVerification::possibleShift(const PlaneView& view, const ParallaxEstimate::Params& params) const {
+  if (on_floor) return 0.0;
+  const double way = std::abs(anchor_line.normal().dot(view.camera - anchor_camera));
+  const auto slope = parallax.slope(ParallaxEstimate::kOffset, view.P_tilt, params);
+  return slope ? way * std::min(1.0, std::hypot(slope->value, std::sqrt(slope->variance))) : way;
+}
+
 void PlaneVerification::addOffset(const FloorSegment& observed, const PlaneView& view, double drift_m,
                                   const ParallaxEstimate::Params& params) {
   // A constant offset of the anchor cancels, an error of its direction does not.

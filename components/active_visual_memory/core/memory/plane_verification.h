@@ -34,6 +34,10 @@ struct PlaneVerification {
   /// Distance of the camera from the anchor [m].
   double baseline(const Eigen::Vector2d& camera) const { return (camera - anchor_camera).norm(); }
 
+  /// How far its floor place may have moved across the line since the anchor [m]: 0 on the floor, else by the
+  /// slope of its parallax; while that is unknown as far as the camera, like an edge that drives ahead.
+  double possibleShift(const PlaneView& view, const ParallaxEstimate::Params& params) const;
+
   /// Begins with a view of the line.
   void begin(const FloorLine& line, const PlaneView& view);
   /// Compares a view with the anchor.

@@ -220,8 +220,9 @@ void SegmentMemory::updateColours(MemoryElement& element, const View& view) cons
   element.colours->right += 0.2 * (sides->right - element.colours->right);
 }
 
-bool SegmentMemory::isNew(const MemoryElement& element, StampUs stamp_us) {
-  return toSeconds(stamp_us - element.value.first_seen_us) < kNew_s;
+bool SegmentMemory::isNewHere(const MemoryElement& element, StampUs stamp_us) const {
+  return toSeconds(stamp_us - element.value.first_seen_us) < kNew_s ||
+         (suspect_since_us_ && element.value.first_seen_us > *suspect_since_us_);
 }
 
 bool SegmentMemory::isWellKnown(const MemoryElement& element, StampUs stamp_us) const {

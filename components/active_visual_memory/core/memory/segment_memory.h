@@ -115,8 +115,6 @@ class SegmentMemory {
   bool inFilter(const MemoryElement& element) const {
     return params_.estimation.enabled && map_filter_.contains(element.value.id);
   }
-  /// Whether an image shows enough elements known to rest to do without new ones.
-  bool restingSuffice(const Associations& associations) const;
   /// @param filter  that is updated; null: preview only.
   std::optional<Correction> updateMapFilter(const Associations& associations, const View& view,
                                             MapFilter* filter) const;
@@ -161,11 +159,7 @@ class SegmentMemory {
   void preventMerge(std::span<const int> cached);
   /// @return whether the element was split.
   bool voteForGap(MemoryElement& element, const Interruption& seen, const View& view);
-  static bool isNew(const MemoryElement& element, StampUs stamp_us);
-  bool isNewHere(const MemoryElement& element, StampUs stamp_us) const {
-    return isNew(element, stamp_us) ||
-           (suspect_since_us_ && element.value.first_seen_us > *suspect_since_us_);
-  }
+  bool isNewHere(const MemoryElement& element, StampUs stamp_us) const;
   bool isWellKnown(const MemoryElement& element, StampUs stamp_us) const;
   bool isFree(const Segment2& place, const MemoryElement& element, const View& view) const;
   bool isOfAnotherKind(const Segment2& place, const MemoryElement& element,

@@ -5,39 +5,21 @@
 #include "active_visual_memory/core/memory/segment_memory_view.h"
 
 namespace vismem {
-bool SegmentMemory::restingSuffice(const Associations& associations) const {
-  const auto rests = [](const MemoryElement& element) { return element.plane.on_floor; };
-  // A walking body tilts in each image, and new elements cost it more than they bring (experiment E4, field).
-  if (isLegged()) return std::any_of(elements_.begin(), elements_.end(), rests);
-  int resting = 0;
-  for (std::size_t p = 0; p < associations.seen.size(); ++p)
-    resting += !associations.seen[p].empty() && rests(elements_[associations.index_of[p]]);
-  return resting >= kEnoughResting;
-}
 
 std::optional<Correction> SegmentMemory::updateMapFilter(const Associations& associations, const View& view,
                                                          MapFilter* filter) const {
   residuals_.clear();
   const TiltView view_tilt(view.T_odom_camera, view.observation.T_odom_robot.theta);
-  const bool suffices = restingSuffice(associations);
   for (std::size_t p = 0; p < associations.seen.size(); ++p) {
     const MemoryElement& element = elements_[associations.index_of[p]];
     if (!map_filter_.contains(element.value.id)) continue;
-    const double moved = element.plane.baseline(view.camera);
-    // A new element may be another robot that drives ahead and would drag the memory along.
-    if (suffices && !element.plane.on_floor && moved > params_.confirmation.parallax.min_step_m &&
-        isNew(element, view.observation.frame.stamp_us)) {
-      continue;
-    }
-    const double inflation = element.plane.on_floor || moved < params_.confirmation.parallax.min_step_m
-                                 ? 1.0
-                                 : kUnconfirmedInflation;
-    const double noise = std::pow(kCorrelationInflation * inflation, 2);
+    const double shift = element.plane.possibleShift(planeView(view), params_.confirmation.parallax);
     for (const FloorSegment* piece : associations.seen[p]) {
       if (residuals_.size() >= MapFilter::kMaxResiduals) break;
       const double distance = view.distanceTo(*piece);
-      addLineResiduals(element.value.id, element.line, *piece, view_tilt,
-                       params_.gates.slack_m + kSlackShare * distance, noise, kEndInflation, kMaxEndShift_m,
+      const double slack = std::hypot(params_.gates.slack_m + kSlackShare * distance, shift);
+      addLineResiduals(element.value.id, element.line, *piece, view_tilt, slack,
+                       kCorrelationInflation * kCorrelationInflation, kEndInflation, kMaxEndShift_m,
                        residuals_);
     }
   }

@@ -24,10 +24,6 @@ inline constexpr double kLabelShare = 0.4;  // of the votes that a label needs
 // Residuals of the filter.
 inline constexpr double kCorrelationInflation =
     2.0;  // factor of sigmas: errors of successive images are correlated
-inline constexpr double kUnconfirmedInflation =
-    5.0;  // the same against elements not known to lie on the floor
-// Observed elements known to rest that measure an image's drift and tilt without new ones.
-inline constexpr int kEnoughResting = 6;
 // Factor of the sigmas of ends along their line. The detector ends short by a pixel in every image: as
 // independent errors that would bias the tilt of an approaching camera and the scale of its way.
 inline constexpr double kEndInflation = 16.0;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace vismem {
 namespace {
 
@@ -47,6 +49,16 @@ TEST(PlaneVerification, RefutesWhatMovesWithTheCamera) {
   const PlaneVerification high = verified(kOblique, 0.15, 0.6);
   EXPECT_TRUE(high.stands);
   EXPECT_FALSE(high.on_floor);
+}
+
+TEST(PlaneVerification, BoundsTheShiftByTheSlopeOfTheParallax) {
+  const auto shift = [](const PlaneVerification& plane, double way_m) {
+    return plane.possibleShift({{0.0, way_m}, kHeight_m, CameraTiltCovariance::Zero()}, {});
+  };
+  const double across = std::abs(std::cos(kOblique.direction()));
+  EXPECT_NEAR(shift(verified(kOblique, 0.15, 0.05), 0.05), 0.05 * across, 1e-9) << "no slope yet";
+  EXPECT_NEAR(shift(verified(kOblique, 0.15, 0.6), 0.6), 0.5 * 0.6 * across, 0.01) << "h / (H - h)";
+  EXPECT_EQ(shift(verified(kOblique, 0.0, 0.6), 0.6), 0.0) << "on the floor";
 }
 
 TEST(PlaneVerification, AnEdgeAlongTheViewingRayMayBeVertical) {

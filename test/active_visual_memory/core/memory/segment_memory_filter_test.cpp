@@ -162,5 +162,37 @@ TEST(SegmentMemoryFilter, FollowsASlipOfTheFeet) {
   }
 }
 
+TEST(SegmentMemoryFilter, AnEdgeThatDrivesAheadDoesNotDragTheMemory) {
+  AttentiveVisualMemoryParams params = AttentiveVisualMemoryParams::standard();
+  params.rig.mount = mount();
+  params.gaze.initial_mode = GazeMode::kOff;
+  AttentiveVisualMemory memory(params);
+  RobotObservation o;
+  o.frame.intrinsics = intrinsicsFromFieldOfView(320, 240, degToRad(60.0));
+  o.T_robot_camera = cameraPose(mount(), 0.0, -0.35);
+  const auto see = [&](double x_m, const std::vector<Segment3>& edges) {
+    ++o.frame.seq;
+    o.frame.stamp_us += kImage_us / 3;
+    o.T_odom_robot = {x_m, 0.0, 0.0};
+    std::vector<ImageSegment> seen;
+    for (const Segment3& edge : edges) {
+      const auto px = projectSegment(o.frame.intrinsics, toPose3(o.T_odom_robot) * o.T_robot_camera, edge);
+      if (px && px->length() > 15.0) seen.push_back({*px, "edge", 40.0});
+    }
+    memory.update(o, seen);
+  };
+  // A wall ahead, and the way to it.
+  double x = 0.0;
+  for (; x < 0.8; x += 0.005) see(x, {{{2.0, -0.5, 0.0}, {2.2, 0.5, 0.0}}});
+  ASSERT_EQ(memory.elements().size(), 1u);
+  ASSERT_TRUE(memory.elements()[0].plane.on_floor);
+  // Another robot hides it and keeps its distance.
+  const double begin = x;
+  for (; x < begin + 1.0; x += 0.005) {
+    see(x, {{{x + 0.7, -0.3, 0.0}, {x + 0.7, 0.3, 0.0}}, {{x + 0.7, 0.3, 0.0}, {x + 0.85, 0.5, 0.0}}});
+  }
+  EXPECT_NEAR(memory.elements()[0].line.segment().middle().x(), 2.1, 0.02);
+}
+
 }  // namespace
 }  // namespace vismem
