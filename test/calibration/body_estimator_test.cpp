@@ -73,6 +73,48 @@ TEST(BodyEstimator, FindsADrawnRobotWithHonestDeviations) {
   EXPECT_THAT(estimate.warnings, testing::Each(testing::HasSubstr("backlash")));
 }
 
+// Without noise, errors are those of the model: a sweep speeds up and turns back during an image of 25 ms.
+TEST(BodyEstimator, AHeadThatTurnsBackDuringARollingImageLeavesNoError) {
+  TrueRobot truth = drawnRobot(101);
+  truth.corner_sigma_px *= 0.01;
+  truth.repeatability_rad *= 0.01;
+  truth.wheel_noise_sqrtm *= 0.01;
+  truth.row_time_s = 50e-6;
+  truth.backlash_rad = {degToRad(0.4), degToRad(0.4)};
+  BodyDriveParams once = shortDrive();
+  once.rounds = 1;
+  const BodyEstimate estimate = estimateBody(recordOf(truth, 101, once), described());
+  const BodyErrors e = errorsOf(estimate.parameters, truth);
+  EXPECT_LT(std::abs(e.row_time_s), 0.1e-6);
+  EXPECT_LT(std::abs(e.place[2]), 1e-4) << "height";
+  EXPECT_LT(std::abs(e.tilt_scale), 1e-4);
+  EXPECT_LT(e.backlash_rad.cwiseAbs().maxCoeff(), degToRad(0.001));
+  EXPECT_NEAR(valueOf(estimate, lensParameter(kFx)), truth.intrinsics.fx, 0.05);
+}
+
+// The lens is known to a pixel, its distortion too: half a pixel at the corner of the image is no error of
+// fx.
+TEST(BodyEstimator, AnErrorOfTheStatedDistortionStaysInTheDistortion) {
+  TrueRobot truth = drawnRobot(7);
+  truth.intrinsics = boardCamera();
+  truth.intrinsics.k1 = -0.1;
+  truth.stated = truth.intrinsics;
+  truth.stated.k1 = -0.097;
+  truth.corner_sigma_px = 0.07;
+  BodyDriveParams once = shortDrive();
+  once.rounds = 1;
+  const BodyEstimate estimate = estimateBody(recordOf(truth, 7, once), described());
+  const BodyParameters sought = soughtParameters(truth);
+  for (const LensIndex i : {kFx, kFy, kCx, kCy, kK1, kK2, kP1, kP2, kK3}) {
+    const std::size_t index = lensParameter(i);
+    ASSERT_TRUE(sigmaOf(estimate, index)) << parameterInfos()[index].name;
+    EXPECT_LT(std::abs(valueOf(estimate, index) - parameterOf(sought, index)),
+              3.5 * *sigmaOf(estimate, index))
+        << parameterInfos()[index].name;
+  }
+  EXPECT_LT(*sigmaOf(estimate, lensParameter(kK1)), 0.001) << "a third of its error";
+}
+
 TEST(BodyEstimator, FindsTheBacklashOfBothJoints) {
   TrueRobot truth = drawnRobot(8);
   truth.backlash_rad = {degToRad(0.4), degToRad(0.2)};
@@ -108,7 +150,7 @@ TEST(BodyEstimator, ViewsFromOneSideDoNotShowTheBacklash) {
   const auto still = stillViews(record, joints, WheelPath(record.odometry, kDescribedBase_m));
   std::vector<BoardView> views;
   for (std::size_t i = 0; i < still.size(); ++i) {
-    const double lead = joints.leadAt(toSeconds(record.views[i].stamp_us), Eigen::Vector2d::Zero()).y();
+    const double lead = joints.leadAt(toSeconds(record.views[i].stamp_us), Eigen::Vector2d::Zero())[1].lead;
     if (still[i] && lead > 0.8) views.push_back(record.views[i]);  // a joint swings back a little
   }
   ASSERT_GT(views.size(), 20U);

@@ -10,7 +10,9 @@
 
 #include "calibration/simulated_body_trial.h"
 #include "common/geometry/angles.h"
+#include "common/kinematics/random_stream.h"
 #include "common/tool/command_line_tool.h"
+#include "support/lens_trials.h"
 
 namespace vismem {
 namespace {
@@ -22,8 +24,10 @@ struct SeriesOptions {
   std::uint64_t first = 1;
   int count = 20;
   double wheel_noise_m = -1.0;
+  double noise = 1.0;
   int rounds = BodyDriveParams{}.rounds;
   bool is_rendered = false;
+  bool is_lens_calibrated = false;
 };
 
 /// The demands on one robot: name, its value in a row, and the limit of its absolute value.
@@ -56,6 +60,7 @@ void addErrors(const BodyEstimate& estimate, const TrueRobot& truth, Json& row) 
     squares += sigma ? std::pow(error / *sigma, 2) / 6.0 : NAN;
   }
   row["normalised"] = std::sqrt(squares);
+  row["fx_px"] = estimate.parameters.lens[kFx];
   row["worst_angle_deg"] = radToDeg(e.worst_angle_rad);
   row["pan_scale_percent"] = 100 * e.pan_scale;
   row["tilt_scale_percent"] = 100 * e.tilt_scale;
@@ -70,18 +75,41 @@ void addErrors(const BodyEstimate& estimate, const TrueRobot& truth, Json& row) 
   row["wheel_noise_m"] = estimate.noise.wheel_sqrtm;
   row["repeatability_deg"] = radToDeg(estimate.noise.repeatability_rad);
   row["rms_px"] = estimate.fit.rms_px;
+  const BodyParameters sought = soughtParameters(truth);
   for (const auto& r : estimate.rows) {
     const ParameterInfo& info = parameterInfos()[r.index];
+    if (r.sigma)
+      row["errors_in_sigmas"][std::string(info.name)] = (r.value - parameterOf(sought, r.index)) / *r.sigma;
     row["sigma"][std::string(info.name)] = r.sigma ? Json(*r.sigma * info.to_unit) : Json();
   }
   for (const auto& direction : estimate.unknown) row["unknown"].push_back(direction.text);
   for (const auto& warning : estimate.warnings) row["warnings"].push_back(warning);
 }
 
+/// A lens drawn by seed, stated as `calibrate lens` finds it from views that a user shows it.
+void drawCalibratedLens(TrueRobot& truth, std::uint64_t seed) {
+  std::mt19937 random(static_cast<unsigned>(subStream(seed, "lens")));
+  do {
+    truth.intrinsics = drawLens(random);
+  } while (horizontalView_rad(truth.intrinsics) > degToRad(90.0));
+  const CameraIntrinsics& k = truth.intrinsics;
+  BoardHolder holder(k, truth.board, false, static_cast<unsigned>(random()));
+  LensSessionParams params;
+  params.max_motion_px = 0.0;  // each view is another one
+  LensSession session(truth.board, k.width, k.height, params);
+  holder.hold(session, 200);
+  const auto found = calibrateLens(truth.board, session.views(), k.width, k.height);
+  if (!found.calibration) throw std::runtime_error("no lens: " + found.refusal);
+  truth.stated = found.calibration->fit.lens;
+}
+
 SimulatedBodyTrial modelledTrial(const TrueRobot& truth, std::uint64_t seed, const SeriesOptions& options) {
   SimulatedBoardRobot robot(truth, seed);
-  BodyDriveParams params;
-  params.rig.mount = describedMount();
+  BodyDriveParams params = driveInSimulator();
+  if (!options.is_lens_calibrated) {
+    params = {};
+    params.rig.mount = describedMount();
+  }
   params.rounds = options.rounds;
   SimulatedBodyTrial trial{{}, BodyDrive(params), 0.0, 0.0};
   trial.record = robot.run(trial.drive);
@@ -98,7 +126,15 @@ SimulatedBodyTrial renderedTrial(const TrueRobot& truth, std::uint64_t seed, con
 
 Json calibrateDrawn(std::uint64_t seed, const SeriesOptions& options) {
   TrueRobot truth = options.is_rendered ? drawnForSimulator(seed) : drawnRobot(seed);
+  if (options.is_lens_calibrated) {
+    truth.board = a2Board();
+    truth.start.x = -0.9;
+    drawCalibratedLens(truth, seed);
+  }
   if (options.wheel_noise_m >= 0.0) truth.wheel_noise_sqrtm = options.wheel_noise_m;
+  truth.corner_sigma_px *= options.noise;
+  truth.repeatability_rad *= options.noise;
+  truth.wheel_noise_sqrtm *= options.noise;
   const SimulatedBodyTrial trial =
       options.is_rendered ? renderedTrial(truth, seed, options) : modelledTrial(truth, seed, options);
   const BodyRecord& record = trial.record;
@@ -188,8 +224,14 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--wheel-noise", options.wheel_noise_m,
                  "of each wheel after one metre [m] (default 0.0005)");
+  app.add_option("--noise", options.noise,
+                 "factor of the noise of corners, joints and wheels: with 0.01, errors are those of the model")
+      ->capture_default_str();
   app.add_flag("--rendered", options.is_rendered,
                "corners found in the simulator's images of a larger board");
+  app.add_flag("--calibrated-lens", options.is_lens_calibrated,
+               "lenses are drawn, and stated as calibrate lens finds them; without it: known to a pixel, no "
+               "distortion");
   app.add_option("--rounds", options.rounds, "around the board, each way")->capture_default_str();
   if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   return vismem::run(options);

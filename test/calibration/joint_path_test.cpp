@@ -25,19 +25,34 @@ TEST(JointPath, InterpolatesAndGoesOnBeyondItsEnds) {
 TEST(JointPath, AMotorLeadsItsHeadInTheDirectionOfItsLastMotion) {
   const JointPath path(upAndDown());
   const Eigen::Vector2d backlash(0.02, 0.02);
-  EXPECT_EQ(path.leadAt(0.5, backlash).x(), 1.0);
-  EXPECT_EQ(path.leadAt(1.5, backlash).x(), -1.0);
-  EXPECT_EQ(path.leadAt(1.5, backlash).y(), 0.0) << "it never moved";
-  EXPECT_EQ(path.leadAt(0.0, backlash).x(), 0.0) << "it has not moved yet";
+  EXPECT_EQ(path.leadAt(0.5, backlash)[0].lead, 1.0);
+  EXPECT_EQ(path.leadAt(1.5, backlash)[0].lead, -1.0);
+  EXPECT_EQ(path.leadAt(1.5, backlash)[1].lead, 0.0) << "it never moved";
+  EXPECT_EQ(path.leadAt(0.0, backlash)[0].lead, 0.0) << "it has not moved yet";
 }
 
 // At 1.02 s the pan has turned back by 0.01: half of a backlash of 0.02, a quarter of one of 0.04.
 TEST(JointPath, AReversalWithinTheBacklashLeavesTheHeadWhereItWas) {
   const JointPath path(upAndDown());
-  EXPECT_NEAR(path.leadAt(1.02, {0.02, 0.02}).x(), 0.0, 1e-9);
-  EXPECT_NEAR(path.leadAt(1.02, {0.04, 0.02}).x(), 0.5, 1e-9);
-  EXPECT_EQ(path.leadAt(1.02, {0.0, 0.02}).x(), -1.0) << "readings are not better than 0.2 degrees";
-  EXPECT_NEAR(path.leadAt(1.02, {10.0, 0.02}).x(), 0.0, 1e-9) << "it never crossed that";
+  EXPECT_NEAR(path.leadAt(1.02, {0.02, 0.02})[0].lead, 0.0, 1e-9);
+  EXPECT_NEAR(path.leadAt(1.02, {0.04, 0.02})[0].lead, 0.5, 1e-9);
+  EXPECT_EQ(path.leadAt(1.02, {0.0, 0.02})[0].lead, -1.0) << "readings are not better than 0.2 degrees";
+  EXPECT_NEAR(path.leadAt(1.02, {10.0, 0.02})[0].lead, 0.0, 1e-9) << "it never crossed that";
+}
+
+// Whatever the motor does within the backlash, the head stays behind the place where the motor turned.
+TEST(JointPath, AHeadRestsWhileItsMotorCrossesTheBacklash) {
+  const JointPath path(upAndDown());
+  const double scale = 1.02;
+  const double backlash = 0.02;
+  for (const double t : {1.0, 1.01, 1.03}) {
+    const MotorLead pan = path.leadAt(t, {backlash / scale, 0.0})[0];
+    EXPECT_NEAR(pan.headAngle(scale, backlash, backlash, path.at(t).x()), scale * 0.5 - 0.5 * backlash, 1e-9)
+        << t;
+  }
+  const MotorLead behind = path.leadAt(1.2, {backlash / scale, 0.0})[0];
+  EXPECT_NEAR(behind.headAngle(scale, backlash, backlash, path.at(1.2).x()), scale * 0.4 + 0.5 * backlash,
+              1e-9);
 }
 
 TEST(JointPath, RefusesStampsThatDoNotRise) {

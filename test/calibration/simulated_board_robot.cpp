@@ -49,6 +49,25 @@ BodyParameters parametersOf(const TrueRobot& truth) {
   p.body[kAxisSkew] = truth.axis_skew_rad;
   p.wheels[kLeftScale] = truth.wheels.left_scale;
   p.wheels[kRightScale] = truth.wheels.right_scale;
+  p.wheels[kOdometryDelay] = truth.odometry_delay_s;
+  p.body[kPanBacklash] = truth.backlash_rad.pan_rad;
+  p.body[kTiltBacklash] = truth.backlash_rad.tilt_rad;
+  p.body[kJointDelay] = truth.joint_delay_s;
+  p.body[kRowTime] = truth.row_time_s;
+  p.body[kBoardRoll] = truth.board_tilt_rad.x();
+  p.body[kBoardPitch] = truth.board_tilt_rad.y();
+  return p;
+}
+
+BodyParameters soughtParameters(const TrueRobot& truth) {
+  const CameraIntrinsics& k = truth.intrinsics;
+  BodyParameters p = parametersOf(truth);
+  CameraMount mount = mountOf(p);
+  mount.T_head_camera_body =
+      mount.T_head_camera_body *
+      poseFromXyzRpy(0, 0, 0, 0, -(k.cy - truth.stated.cy) / k.fy, (k.cx - truth.stated.cx) / k.fx);
+  const BodyParameters turned = nominalBody(mount, k, truth.wheels.base_m);
+  for (const BodyIndex i : {kCameraRoll, kCameraPitch, kCameraYaw}) p.body[i] = turned.body[i];
   return p;
 }
 
@@ -64,7 +83,8 @@ BoardSpec a3Board() {
   return board;
 }
 
-TrueRobot::TrueRobot() : mount(describedMount()), intrinsics(boardCamera()), board(a3Board()) {}
+TrueRobot::TrueRobot()
+    : mount(describedMount()), intrinsics(boardCamera()), stated(boardCamera()), board(a3Board()) {}
 
 CameraMount describedMount() {
   CameraMount mount;
@@ -132,7 +152,7 @@ SimulatedBoardRobot::SimulatedBoardRobot(const TrueRobot& truth, std::uint64_t s
   history_.push_back({head_.headAngles(), pose_});
   record_.board = board_;
   record_.place = place;
-  record_.intrinsics = boardCamera();
+  record_.intrinsics = truth.stated;
   record_.joints.push_back({toStampUs(truth.joint_delay_s), 0, 0.0, 0.0});
   record_.odometry.push_back({toStampUs(truth.odometry_delay_s), 0, {}, 0.0, 0.0});
 }
@@ -190,7 +210,11 @@ std::optional<Eigen::Vector2d> SimulatedBoardRobot::project(const Eigen::Vector3
   const Pose3 T_world_camera = toPose3(state.pose) * cameraPose(parametersOf(truth_), shifted);
   const auto ideal = projectToIdeal(truth_.intrinsics, T_world_camera.inverse(Eigen::Isometry) * p_world);
   if (!ideal) return std::nullopt;
-  return distortPixel(truth_.intrinsics, *ideal);
+  // Far beside the image the polynomial of the distortion folds back into it; a lens does not.
+  constexpr double kWidest = 1.5;
+  const CameraIntrinsics& k = truth_.intrinsics;
+  if (std::hypot((ideal->x() - k.cx) / k.fx, (ideal->y() - k.cy) / k.fy) > kWidest) return std::nullopt;
+  return distortPixel(k, *ideal);
 }
 
 BoardView SimulatedBoardRobot::viewAt(StampUs stamp_us) {
@@ -265,18 +289,7 @@ void SimulatedBoardRobot::move(double v_mps, double w_radps, double seconds) {
 
 BodyErrors errorsOf(const BodyParameters& estimate, const TrueRobot& truth) {
   BodyErrors e;
-  // The mounting is used with the described lens: its axis is the ray of the described principal point.
-  const CameraIntrinsics& k = truth.intrinsics;
-  const CameraIntrinsics described = boardCamera();
-  BodyParameters real = parametersOf(truth);
-  {
-    CameraMount mount = mountOf(real);
-    mount.T_head_camera_body =
-        mount.T_head_camera_body *
-        poseFromXyzRpy(0, 0, 0, 0, -(k.cy - described.cy) / k.fy, (k.cx - described.cx) / k.fx);
-    const BodyParameters turned = nominalBody(mount, k, truth.wheels.base_m);
-    for (const BodyIndex i : {kCameraRoll, kCameraPitch, kCameraYaw}) real.body[i] = turned.body[i];
-  }
+  const BodyParameters real = soughtParameters(truth);
   e.place = placeOf(cameraPose(estimate, {})) - placeOf(cameraPose(real, {}));
   for (int pan = -90; pan <= 90; pan += 45) {
     for (int tilt = -30; tilt <= 0; tilt += 15) {
@@ -286,13 +299,13 @@ BodyErrors errorsOf(const BodyParameters& estimate, const TrueRobot& truth) {
       e.worst_angle_rad = std::max(e.worst_angle_rad, Eigen::AngleAxisd(R).angle());
     }
   }
+  const auto error = [&](BodyIndex index) { return estimate.body[index] - real.body[index]; };
   e.pan_scale = estimate.body[kPanScale] / truth.pan_scale - 1.0;
   e.tilt_scale = estimate.body[kTiltScale] / truth.tilt_scale - 1.0;
-  e.joint_delay_s = estimate.body[kJointDelay] - truth.joint_delay_s;
+  e.joint_delay_s = error(kJointDelay);
   e.odometry_delay_s = estimate.wheels[kOdometryDelay] - truth.odometry_delay_s;
-  e.backlash_rad = {estimate.body[kPanBacklash] - truth.backlash_rad.pan_rad,
-                    estimate.body[kTiltBacklash] - truth.backlash_rad.tilt_rad};
-  e.row_time_s = estimate.body[kRowTime] - truth.row_time_s;
+  e.backlash_rad = {error(kPanBacklash), error(kTiltBacklash)};
+  e.row_time_s = error(kRowTime);
   const WheelModel believed{estimate.wheels[kLeftScale], estimate.wheels[kRightScale],
                             estimate.wheels[kBase]};
   e.ring_m = ringEnd(truth.wheels, believed).position().norm();

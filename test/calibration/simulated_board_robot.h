@@ -16,6 +16,7 @@ namespace vismem {
 struct TrueRobot {
   CameraMount mount;
   CameraIntrinsics intrinsics;
+  CameraIntrinsics stated;    ///< the lens as its images state it; boardCamera() by default
   double pan_zero_rad = 0.0;  ///< true angle = zero + scale * reported
   double tilt_zero_rad = 0.0;
   double pan_scale = 1.0;
@@ -50,6 +51,8 @@ inline constexpr double kDescribedBase_m = 0.33;
 
 /// The truth as parameters: zeros folded into yaw of the unit and pitch of the camera.
 BodyParameters parametersOf(const TrueRobot& truth);
+/// What a calibration should find: the same, with the camera's axis in the ray of the stated principal point.
+BodyParameters soughtParameters(const TrueRobot& truth);
 /// True pose of the camera on the robot for reported joint angles.
 Pose3 trueCameraPose(const TrueRobot& robot, const PanTilt& reported);
 

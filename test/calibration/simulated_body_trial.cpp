@@ -26,7 +26,7 @@ SimulationConfig configOf(const TrueRobot& truth, std::uint64_t seed) {
   SimulatedCameraParams& camera = config.cameras.front();
   camera.T_carrier_camera_body = mount.T_head_camera_body;
   camera.intrinsics = truth.intrinsics;
-  camera.stated_intrinsics = boardCamera();
+  camera.stated_intrinsics = truth.stated;
   camera.errors.gaussian = 2.0;
   config.pan_tilt.backlash_rad = truth.backlash_rad;
   config.base.wheel_base_m = truth.wheels.base_m;

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -60,6 +62,8 @@ Eigen::Matrix<T, 3, 1> worldOfBoard(const T* body, BoardPlace place, const Eigen
 /// residuals a corner. Blocks: body, lens, robot pose at the frame's stamp (x, y, heading in world),
 /// deviations of pan and tilt.
 struct ViewCost {
+  static constexpr int kPieces = 4;  ///< of an image's rows
+
   struct Corner {
     Eigen::Vector2d pixel;
     Eigen::Vector2d p_board;
@@ -73,18 +77,22 @@ struct ViewCost {
       Eigen::Vector2d::Zero();  ///< described principal point: its ray is the camera's axis
   const JointPath* joints = nullptr;
   double stamp_s = 0.0;
-  double half_rows = 0.0;                          ///< from the middle row to the last
-  Eigen::Vector2d lead = Eigen::Vector2d::Zero();  ///< of the motors (JointPath::leadAt)
-  double v_mps = 0.0;                              ///< of the robot at the stamp
+  double half_rows = 0.0;                                   ///< from the middle row to the last
+  std::array<std::array<MotorLead, 2>, kPieces + 1> leads;  ///< of pan and tilt, at the ends of the pieces
+  double v_mps = 0.0;                                       ///< of the robot at the stamp
   double w_radps = 0.0;
 
-  /// A point of the board in the camera's body axes (x ahead, y left, z up), at the time of a row.
+  /// From the middle row to an end of a piece.
+  double rowsLate(int end) const { return half_rows * (2.0 * end / kPieces - 1.0); }
+
+  /// A point of the board in the camera's body axes (x ahead, y left, z up), at the time of an end of a
+  /// piece.
   template <typename T>
   Eigen::Matrix<T, 3, 1> toCamera(const T* body, const T* lens, const T* pose, const T* deviation,
-                                  const Eigen::Vector3d& p_board, double rows_late) const {
+                                  const Eigen::Vector3d& p_board, int end) const {
     using std::cos;
     using std::sin;
-    const T late = body[kRowTime] * rows_late;
+    const T late = body[kRowTime] * rowsLate(end);
     Eigen::Matrix<T, 3, 1> p = worldOfBoard<T>(body, place, p_board, middle);
     // World to robot at the row's time.
     const T heading = pose[2] + late * w_radps;
@@ -99,10 +107,15 @@ struct ViewCost {
     // Unit to head.
     const T time = body[kJointDelay] + late + stamp_s;
     const Eigen::Matrix<T, 2, 1> reading = joints->at<T>(time, scalarOf(time));
-    turnBack<T>(2, body[kPanScale] * reading[0] - body[kPanBacklash] * (0.5 * lead[0]) + deviation[0], p);
+    const auto angle = [&](std::size_t j) {
+      const T& backlash = body[kPanBacklash + j];
+      return leads[static_cast<std::size_t>(end)][j].template headAngle<T>(
+                 body[kPanScale + j], backlash, scalarOf(backlash), reading[static_cast<int>(j)]) +
+             deviation[j];
+    };
+    turnBack<T>(2, angle(0), p);
     turnBack<T>(0, body[kAxisSkew], p);
-    turnBack<T>(1, -(body[kTiltScale] * reading[1] - body[kTiltBacklash] * (0.5 * lead[1]) + deviation[1]),
-                p);
+    turnBack<T>(1, -angle(1), p);
     // Head to the camera's body.
     for (int i = 0; i < 3; ++i) p[i] -= body[kCameraX + i];
     turnBack<T>(2, body[kCameraYaw], p);
@@ -116,24 +129,25 @@ struct ViewCost {
 
   template <typename T>
   bool operator()(const T* body, const T* lens, const T* pose, const T* deviation, T* residual) const {
-    // The board's plane at the times of the first and the last row: origin and axes. In between the direction
-    // of a point goes over linearly, to third order in the turn during an image.
-    Eigen::Matrix<T, 3, 1> plane[2][3];
-    for (int end = 0; end < 2; ++end) {
-      const double rows = end == 0 ? -half_rows : half_rows;
-      plane[end][0] = toCamera<T>(body, lens, pose, deviation, Eigen::Vector3d::Zero(), rows);
-      plane[end][1] =
-          toCamera<T>(body, lens, pose, deviation, Eigen::Vector3d::UnitX(), rows) - plane[end][0];
-      plane[end][2] =
-          toCamera<T>(body, lens, pose, deviation, Eigen::Vector3d::UnitY(), rows) - plane[end][0];
+    // The board's plane, origin and axes, at the times of some rows. In between the direction of a point goes
+    // over linearly: a head that speeds up during the image bends its way.
+    Eigen::Matrix<T, 3, 1> plane[kPieces + 1][3];
+    for (int end = 0; end <= kPieces; ++end) {
+      plane[end][0] = toCamera<T>(body, lens, pose, deviation, Eigen::Vector3d::Zero(), end);
+      plane[end][1] = toCamera<T>(body, lens, pose, deviation, Eigen::Vector3d::UnitX(), end) - plane[end][0];
+      plane[end][2] = toCamera<T>(body, lens, pose, deviation, Eigen::Vector3d::UnitY(), end) - plane[end][0];
     }
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const Corner& c = corners[i];
+      const int piece = std::clamp(static_cast<int>(kPieces * c.share), 0, kPieces - 1);
+      const double share = kPieces * c.share - piece;
+      const auto& from = plane[piece];
+      const auto& to = plane[piece + 1];
       Eigen::Matrix<T, 3, 1> p;
       for (int k = 0; k < 3; ++k) {
-        const T first = plane[0][0][k] + plane[0][1][k] * c.p_board.x() + plane[0][2][k] * c.p_board.y();
-        const T last = plane[1][0][k] + plane[1][1][k] * c.p_board.x() + plane[1][2][k] * c.p_board.y();
-        p[k] = first * (1.0 - c.share) + last * c.share;
+        const T first = from[0][k] + from[1][k] * c.p_board.x() + from[2][k] * c.p_board.y();
+        const T last = to[0][k] + to[1][k] * c.p_board.x() + to[2][k] * c.p_board.y();
+        p[k] = first * (1.0 - share) + last * share;
       }
       if (!project<T>(lens, p, c, residual + 2 * i)) return false;
     }

@@ -28,6 +28,18 @@ constexpr double kMostWheelNoise = 0.05;
 constexpr double kLeastRepeatability = degToRad(0.005);
 constexpr double kMostRepeatability = degToRad(1.0);
 
+constexpr LensIndex kDistortion[] = {kK1, kK2, kP1, kP2, kK3};
+
+/// By how much the image's corner shifts with a coefficient of the distortion [px].
+double cornerShift(const CameraIntrinsics& lens, LensIndex index) {
+  constexpr double kStep = 1e-6;
+  const Eigen::Vector2d ideal = undistortPixel(lens, Eigen::Vector2d::Zero());
+  CameraIntrinsics moved = lens;
+  double* const coefficients[] = {&moved.k1, &moved.k2, &moved.p1, &moved.p2, &moved.k3};
+  *coefficients[index - kK1] += kStep;
+  return (distortPixel(moved, ideal) - distortPixel(lens, ideal)).norm() / kStep;
+}
+
 /// The estimate's working state: record, paths and what is used of them.
 class Estimation {
  public:
@@ -67,7 +79,9 @@ class Estimation {
  private:
   std::vector<std::size_t> fixedParameters() const {
     std::vector<std::size_t> fixed;
-    for (const LensIndex i : {kK1, kK2, kP1, kP2, kK3}) fixed.push_back(lensParameter(i));
+    if (params_.distortion_sigma_px <= 0.0) {
+      for (const LensIndex i : kDistortion) fixed.push_back(lensParameter(i));
+    }
     if (params_.focal_sigma_px <= 0.0) fixed.insert(fixed.end(), {lensParameter(kFx), lensParameter(kFy)});
     if (params_.centre_sigma_px <= 0.0) fixed.insert(fixed.end(), {lensParameter(kCx), lensParameter(kCy)});
     if (record_.place == BoardPlace::kFloor) fixed.push_back(kBoardHeight);
@@ -83,6 +97,8 @@ class Estimation {
     lens(kFy, params_.focal_sigma_px);
     lens(kCx, params_.centre_sigma_px);
     lens(kCy, params_.centre_sigma_px);
+    for (const LensIndex i : kDistortion)
+      lens(i, params_.distortion_sigma_px / cornerShift(record_.intrinsics, i));
     known.push_back({kPanBacklash, 0.0, params_.backlash_sigma_rad});
     known.push_back({kTiltBacklash, 0.0, params_.backlash_sigma_rad});
     if (record_.place == BoardPlace::kFloor) {

@@ -21,6 +21,7 @@ struct BodyEstimatorParams {
   /// Standard deviations of the lens calibration [px]; 0: the lens is exact.
   double focal_sigma_px = 1.0;
   double centre_sigma_px = 1.0;
+  double distortion_sigma_px = 1.0;  ///< of each coefficient: the shift of the image's corner
   /// Of the ratio of both focal lengths, which a lens calibration knows better than each.
   double aspect_sigma = 2e-4;
   /// Flatness of the board on the floor (roll, pitch) [rad].

@@ -54,7 +54,7 @@ inline constexpr std::size_t kWheelsSize = kOdometryDelay + 1;
 /// The unknowns of a robot that do not change while it drives [m, rad, s, px].
 struct BodyParameters {
   /// Mounting, joints, time of the joints, board. A reported joint angle r, stamped t, stands for the true
-  /// angle scale * r - backlash / 2 * lead at t - delay (JointPath::leadAt). Camera on head and unit on robot
+  /// angle scale * r - backlash / 2 * lead at t - delay (MotorLead). Camera on head and unit on robot
   /// as in CameraMount, rotations Rz(yaw) Ry(pitch) Rx(roll); the camera's axis is the ray of the principal
   /// point as described, so that the mounting is right for the described lens too. Row time: from one image
   /// row to the next; a frame's stamp is that of its middle row.

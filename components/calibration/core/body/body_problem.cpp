@@ -118,8 +118,13 @@ struct BodyProblem::Impl {
       cost->joints = in.joints;
       cost->stamp_s = stampOf(v);
       cost->half_rows = 0.5 * (record.intrinsics.height - 1);
-      cost->lead = in.joints->leadAt(cost->stamp_s + parameters.body[kJointDelay],
-                                     {parameters.body[kPanBacklash], parameters.body[kTiltBacklash]});
+      const double joints_s = cost->stamp_s + parameters.body[kJointDelay];
+      const Eigen::Vector2d backlash(parameters.body[kPanBacklash] / parameters.body[kPanScale],
+                                     parameters.body[kTiltBacklash] / parameters.body[kTiltScale]);
+      for (int end = 0; end <= ViewCost::kPieces; ++end) {
+        cost->leads[static_cast<std::size_t>(end)] =
+            in.joints->leadAt(joints_s + parameters.body[kRowTime] * cost->rowsLate(end), backlash);
+      }
       const WheelTravel speed = in.wheels->speedAt(cost->stamp_s + parameters.wheels[kOdometryDelay]);
       const double left = parameters.wheels[kLeftScale] * speed.left;
       const double right = parameters.wheels[kRightScale] * speed.right;

@@ -35,9 +35,9 @@ double JointPath::spread(double from_s, double to_s) const {
   return (most - least).maxCoeff();
 }
 
-Eigen::Vector2d JointPath::leadAt(double time_s, const Eigen::Vector2d& backlash_rad) const {
+std::array<MotorLead, 2> JointPath::leadAt(double time_s, const Eigen::Vector2d& backlash_rad) const {
   const Eigen::Vector2d now = at(time_s);
-  Eigen::Vector2d lead = Eigen::Vector2d::Zero();
+  std::array<MotorLead, 2> leads;
   for (int j = 0; j < 2; ++j) {
     // The last motion across the backlash ended in an extreme, where the head was half of it behind. It has
     // not moved since: the motor stayed within the backlash of that extreme.
@@ -48,12 +48,16 @@ Eigen::Vector2d JointPath::leadAt(double time_s, const Eigen::Vector2d& backlash
       low = std::min(low, angles_[i][j]);
       high = std::max(high, angles_[i][j]);
       if (high - low < width) continue;
-      lead[j] = angles_[i][j] == high ? 2.0 * (now[j] - low) / width - 1.0  // it came down
-                                      : 1.0 - 2.0 * (high - now[j]) / width;
+      const bool came_down = angles_[i][j] == high;
+      const double extreme = came_down ? low : high;
+      MotorLead& lead = leads[static_cast<std::size_t>(j)];
+      lead.side = came_down ? -1.0 : 1.0;
+      lead.lead = lead.side + 2.0 * (now[j] - extreme) / width;
+      if (now[j] != extreme) lead.turned = extreme;
       break;
     }
   }
-  return lead;
+  return leads;
 }
 
 }  // namespace vismem

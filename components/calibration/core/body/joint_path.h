@@ -2,13 +2,38 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "common/geometry/angles.h"
 #include "common/robot/samples.h"
 
 namespace vismem {
+
+/// Smaller backlash is below what readings resolve.
+inline constexpr double kLeastBacklash_rad = degToRad(0.2);
+
+/// How far a motor leads its head, in halves of the joint's backlash. The head is behind by as much.
+struct MotorLead {
+  /// 1 after a motion to the left or up, -1 after one to the right or down, in between after a reversal that
+  /// has not crossed the backlash, 0 before the first motion that has.
+  double lead = 0.0;
+  double side = 0.0;             ///< the lead at the last reversal: 1, -1, or 0
+  std::optional<double> turned;  ///< reading at a reversal that the head has not followed yet [rad]
+
+  /// The head's angle [rad].
+  /// @param T double or ceres::Jet. @param backlash_value the scalar part of `backlash`.
+  template <typename T>
+  T headAngle(const T& scale, const T& backlash, double backlash_value, const T& reading) const {
+    const T angle = scale * reading - backlash * (0.5 * side);
+    if (!turned) return angle;
+    // Within the backlash the head rests; within less than readings resolve, it follows in part.
+    const T resting = backlash_value < kLeastBacklash_rad ? backlash / kLeastBacklash_rad : T(1.0);
+    return angle - resting * scale * (reading - *turned);
+  }
+};
 
 /// Reported angles as a function of the joints' own stamps, linear between samples. *Immutable.*
 class JointPath {
@@ -31,12 +56,10 @@ class JointPath {
   Eigen::Vector2d at(double time_s) const { return at<double>(time_s, time_s); }
   /// Largest minus smallest angle of the samples around a span of time, of the joint that moved more [rad].
   double spread(double from_s, double to_s) const;
-  /// How far each motor leads its head at a stamp, in halves of the joint's backlash: 1 after a motion to the
-  /// left or up, -1 after one to the right or down, in between after a reversal that has not crossed the
-  /// backlash, 0 before the first motion that has.
-  /// @param backlash_rad of pan and tilt; smaller ones count as kLeastBacklash_rad: readings are not exact.
-  Eigen::Vector2d leadAt(double time_s, const Eigen::Vector2d& backlash_rad) const;
-  static constexpr double kLeastBacklash_rad = degToRad(0.2);
+  /// Of pan and tilt at a stamp.
+  /// @param backlash_rad in reported angles; smaller ones count as kLeastBacklash_rad: readings are not
+  /// exact.
+  std::array<MotorLead, 2> leadAt(double time_s, const Eigen::Vector2d& backlash_rad) const;
 
  private:
   std::size_t stepAt(double time_s) const;
