@@ -36,7 +36,8 @@ void acceptRetiredLocalizationKeys(ConfigReader& reader) {
           "Turn_degpm TurnShare TravelShare WalkShare Piece_m Piece_deg Pose_m Pose_deg Noise_deg "
           "TurnNoise Noise_m GateSigmas Trust",
           kFixed);
-  reader.retired("SuspectTick_s SuspectTime_s Cell_m DoubtTick_s Doubt_s", kFixed);
+  reader.retired("SuspectTick_s SuspectTime_s DoubtTick_s Doubt_s", kGone);
+  reader.retired("Cell_m", kFixed);
   reader.group("Gaze").retired(
       "LeastPriority MostPriority Confirm_s Deadline_s Seen_deg Move_deg Pan.Minimum_deg Pan.Maximum_deg "
       "Tilt.Minimum_deg "

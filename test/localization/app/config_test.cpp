@@ -128,7 +128,7 @@ TEST(LocalizationConfig, RemovedKeysAreAcceptedWithAWarningAndHaveNoEffect) {
   const Properties properties = Properties::parse(kNeeded +
                                                       "Localization.Races.SamePlace_m = 5\n"
                                                       "Localization.Robust.Kalman = no\n"
-                                                      "Localization.Doubt_s = 4\n",  // old name
+                                                      "Localization.Cell_m = 4\n",
                                                   "test.cfg");
   ConfigReader root(properties);
   ConfigReader reader = root.group("Localization");
@@ -143,13 +143,16 @@ TEST(LocalizationConfig, RemovedKeysAreAcceptedWithAWarningAndHaveNoEffect) {
 }
 
 TEST(LocalizationConfig, KeysOfPartsThatAreGoneSaySo) {
-  const Properties properties = Properties::parse(kNeeded + "Localization.Robust.KldError = 0\n", "test.cfg");
-  ConfigReader root(properties);
-  ConfigReader reader = root.group("Localization");
-  readLocalizationConfig(reader);
-  const auto warnings = reader.renamedKeys();
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_THAT(warnings[0].message, HasSubstr("the part that it belonged to is gone"));
+  for (const std::string key : {"Robust.KldError", "SuspectTick_s", "SuspectTime_s",
+                                "DoubtTick_s", "Doubt_s"}) {  // old names
+    const Properties properties = Properties::parse(kNeeded + "Localization." + key + " = 0\n", "test.cfg");
+    ConfigReader root(properties);
+    ConfigReader reader = root.group("Localization");
+    readLocalizationConfig(reader);
+    const auto warnings = reader.renamedKeys();
+    ASSERT_EQ(warnings.size(), 1u) << key;
+    EXPECT_THAT(warnings[0].message, HasSubstr("the part that it belonged to is gone")) << key;
+  }
 }
 
 TEST(LocalizationConfig, TheSimulatorsSetupShowsEveryBasicKeyWithItsValue) {
