@@ -30,10 +30,22 @@ TEST(StatusText, SaysWhatTheRobotKnows) {
               testing::HasSubstr("| pose 1.25 -0.50 m 90 deg, reliability 0.75 | error 0.10 m 0.0 deg |"));
 }
 
+// As the first images show it, before anything was localized.
+TEST(StatusText, AGuessIsNotCalledAPose) {
+  LiveState live;
+  PoseEstimate estimate;
+  estimate.T_world_robot = Pose2{4.32, -1.64, 0.0};
+  estimate.reliability = 0.5;
+  live.estimate = estimate;
+  EXPECT_THAT(statusText(live, std::nullopt),
+              testing::StartsWith("   0.0 s | not sure, best guess 4.32 -1.64 m 0 deg, reliability 0.50 |"));
+}
+
 TEST(StatusText, ZeroHasNoSign) {
   LiveState live;
   PoseEstimate estimate;
   estimate.T_world_robot = Pose2{-0.004, -0.001, -0.001};
+  estimate.reliability = 1.0;
   live.estimate = estimate;
   EXPECT_THAT(statusText(live, std::nullopt), testing::HasSubstr("pose 0.00 0.00 m 0 deg"));
 }

@@ -12,6 +12,7 @@
 #include "common/geometry/plane.h"
 #include "common/geometry/pose.h"
 #include "common/geometry/projection.h"
+#include "common/geometry/rounding.h"
 #include "common/geometry/segment.h"
 
 namespace vismem {
@@ -27,6 +28,12 @@ CameraMount mountAt(double height_m) {
   CameraMount mount;
   mount.T_robot_pantilt = poseFromXyzRpy(0.1, 0.0, height_m, 0, 0, 0);
   return mount;
+}
+
+TEST(Rounding, ZeroHasNoSign) {
+  EXPECT_EQ(rounded(1.2345, 1e3), 1.235);
+  EXPECT_EQ(rounded(-0.5, 1), -1.0);
+  EXPECT_FALSE(std::signbit(rounded(-0.004, 100)));
 }
 
 TEST(Angles, WrapsIntoHalfOpenInterval) {

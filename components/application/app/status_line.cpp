@@ -1,13 +1,16 @@
 #include "application/app/status_line.h"
 
-#include <cmath>
 #include <cstdio>
 #include <ostream>
 
 #include "common/geometry/angles.h"
+#include "common/geometry/rounding.h"
 
 namespace vismem {
 namespace {
+
+/// Reliability from which the page says that the robot knows where it is.
+constexpr double kSure = 0.7;
 
 template <typename... Values>
 std::string formatted(const char* format, Values... values) {
@@ -15,9 +18,6 @@ std::string formatted(const char* format, Values... values) {
   std::snprintf(text, sizeof text, format, values...);
   return text;
 }
-
-/// To a part of one; never "-0".
-double rounded(double value, double parts) { return std::round(value * parts) / parts + 0.0; }
 
 const char* nameOf(GazeState state) {
   switch (state) {
@@ -63,8 +63,10 @@ std::string statusText(const LiveState& live, const std::optional<GazeStatus>& g
   if (!live.drive_failure.empty()) text += " | cannot drive: " + live.drive_failure;
   if (live.estimate && live.estimate->T_world_robot) {
     const Pose2& pose = *live.estimate->T_world_robot;
-    text += formatted(" | pose %.2f %.2f m %.0f deg, reliability %.2f", rounded(pose.x, 100),
-                      rounded(pose.y, 100), rounded(radToDeg(pose.theta), 1), live.estimate->reliability);
+    const bool is_sure = live.estimate->reliability >= kSure;
+    text += formatted(" | %s %.2f %.2f m %.0f deg, reliability %.2f", is_sure ? "pose" : "not sure, best guess",
+                      rounded(pose.x, 100), rounded(pose.y, 100), rounded(radToDeg(pose.theta), 1),
+                      live.estimate->reliability);
   } else {
     text += " | no pose";
   }

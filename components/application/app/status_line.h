@@ -11,6 +11,7 @@
 
 namespace vismem {
 
+/// Before the pose is reliable it is called "not sure, best guess".
 /// "  12.3 s | pose 1.25 -0.50 m 90 deg, reliability 0.75 | error ... | camera ... | memory ... | gaze tracks segment".
 std::string statusText(const LiveState& live, const std::optional<GazeStatus>& gaze);
 

@@ -6,18 +6,13 @@
 
 #include "common/geometry/angles.h"
 #include "common/geometry/plane.h"
+#include "common/geometry/rounding.h"
 
 namespace vismem {
 namespace {
 
-constexpr double kMillimetre_m = 1e-3;
-
-double rounded(double value_m) {
-  return std::round(value_m / kMillimetre_m) / 1e3 + 0.0;  // without -0
-}
-
 Eigen::Vector3d onFloor(const Eigen::Vector2d& p) {
-  return {rounded(p.x()), rounded(p.y()), 0.0};
+  return {rounded(p.x(), 1e3), rounded(p.y(), 1e3), 0.0};  // in millimetres
 }
 
 void setRow(MappedRow& row, const Segment2& map) {
@@ -167,7 +162,7 @@ void joinIntoStripes(std::vector<MappedRow>& rows, const std::map<Label, Label>&
         const MappedRow other = rows[j];
         setRow(one, {0.5 * (one.map.a + other.map.b), 0.5 * (one.map.b + other.map.a)});
         one.row.label = stripe;
-        one.row.width_m = rounded(pair->width_m);
+        one.row.width_m = rounded(pair->width_m, 1e3);
         one.times_seen = std::min(one.times_seen, other.times_seen);
         rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(j));
         break;

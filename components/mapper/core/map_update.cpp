@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/geometry/angles.h"
+#include "common/geometry/rounding.h"
 
 namespace vismem {
 namespace {
@@ -16,15 +17,11 @@ constexpr double kSeenAgain = 0.3;     // share of a row's length that the drive
 constexpr double kContinues_m = 0.15;  // gap between a row and the stretch that continues it
 constexpr double kShareStep_m = 0.04;
 
-double millimetres(double value_m) {
-  return std::round(value_m * 1e3) / 1e3 + 0.0;  // without -0
-}
-
 MapSegment rowOf(const Label& label, const Segment2& floor) {
   MapSegment row;
   row.label = label;
-  row.world.a << millimetres(floor.a.x()), millimetres(floor.a.y()), 0.0;
-  row.world.b << millimetres(floor.b.x()), millimetres(floor.b.y()), 0.0;
+  row.world.a << rounded(floor.a.x(), 1e3), rounded(floor.a.y(), 1e3), 0.0;
+  row.world.b << rounded(floor.b.x(), 1e3), rounded(floor.b.y(), 1e3), 0.0;
   return row;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/geometry/plane.h"
+#include "common/geometry/rounding.h"
 
 namespace vismem {
 namespace {
@@ -97,8 +98,7 @@ void extendTo(Stripe& stripe, const Stripe& other) {
 }
 
 Eigen::Vector3d onFloor(const Eigen::Vector2d& p) {
-  // Rounded to millimetres as in the rest of the map, without -0.
-  return {std::round(p.x() * 1e3) / 1e3 + 0.0, std::round(p.y() * 1e3) / 1e3 + 0.0, 0.0};
+  return {rounded(p.x(), 1e3), rounded(p.y(), 1e3), 0.0};  // in millimetres, as the rest of the map
 }
 
 void joinStripesOf(const std::vector<Segment2>& lines, const Label& name, const Label& edge_label,

@@ -7,13 +7,10 @@
 #include <cstdio>
 #include <ctime>
 
+#include "common/geometry/rounding.h"
+
 namespace vismem {
 namespace {
-
-/// To two decimals.
-double withoutSignedZero(double value) {
-  return std::round(100.0 * value) / 100.0 + 0.0;
-}
 
 constexpr double kMsPerSecond = 1e3;
 /// Errors shown in the table; JSON has all that a component keeps.
@@ -92,12 +89,11 @@ Lines detailsOf(const StatusReport& report) {
   std::size_t gauge_width = 14;
   for (const auto& gauge : report.gauges) gauge_width = std::max(gauge_width, gauge.name.size());
   for (const auto& gauge : report.gauges) {
-    lines.emplace_back(
-        "estimates",
-        padded(gauge.name, gauge_width) +
-            (gauge.sigma > 0.0 ? formatted(" %.2f +- %.2f ", withoutSignedZero(gauge.value), gauge.sigma)
-                               : formatted(" %.1f ", gauge.value)) +
-            gauge.unit);
+    lines.emplace_back("estimates", padded(gauge.name, gauge_width) +
+                                        (gauge.sigma > 0.0 ? formatted(" %.2f +- %.2f ",
+                                                                       rounded(gauge.value, 100), gauge.sigma)
+                                                           : formatted(" %.1f ", gauge.value)) +
+                                        gauge.unit);
   }
   const std::size_t skipped = report.errors.size() - std::min(report.errors.size(), kShownErrors);
   for (std::size_t i = skipped; i < report.errors.size(); ++i) {

@@ -144,7 +144,7 @@ export async function panes(robot) {
   await checkSetting(page, robot);
   await showPane(page, "why");
   await page.locator(".pane-why button:has-text('show')").click();
-  await eventually("health map", async () => /best 0\.\d+ at/.test(await page.locator(".pane-why .note").textContent()), 30_000);
+  await eventually("health map", async () => /fits best at [-\d., ]+ m: 0\.\d+, the share of what is seen/.test(await page.locator(".pane-why .note").textContent()), 30_000);
   await sleep(500);
   await page.locator(".pane-world").screenshot({path: join(pictures, "health_map.png")});
   await page.locator(".pane-why button:has-text('clear')").click();

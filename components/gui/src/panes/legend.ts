@@ -39,7 +39,7 @@ export class Legend {
   private shown = "";
 
   draw(by: ColourBy, grid: HealthGrid | null, moment: Moment, theme: Theme): void {
-    const entries = [...entriesOf(by, moment, theme), ...(grid ? [{name: "health map", low: "0", high: "1"}] : [])], key = JSON.stringify(entries);
+    const entries = [...entriesOf(by, moment, theme), ...(grid ? [{name: "health map", low: "0: nothing fits there", high: "1: all fits"}] : [])], key = JSON.stringify(entries);
     if (key === this.shown) return;
     this.shown = key;
     this.element.replaceChildren(...entries.map(entry => {

@@ -6,10 +6,18 @@ import type {Store} from "../state/store";
 import {button, fixed, h, say, select} from "./dom";
 import {Pane} from "./pane";
 
+/** What rates a place: of PlaceRating, in the menu, and as the meaning of a value. */
+const ratings = [
+  ["Explained", "explained", "the share of what is seen and remembered that the map would explain there"],
+  ["Likelihood", "likelihood", "the likelihood over that of the best place"],
+  ["MemoryHealth", "memory health", "the chapter's health of the memory there"],
+  ["ImageHealth", "image health", "the chapter's health of the last image there"],
+] as const;
+
 export class WhyPane extends Pane {
   private readonly verdict = h("div", {class: "verdict", attrs: {role: "status"}});
   private readonly list = h("ol", {class: "causes"});
-  private readonly fit = h("div", {class: "note"});
+  private readonly fit = h("div", {class: "note", title: "Places are tried on a grid: the estimated pose lies between them, and may fit better than the best of them."});
   private readonly watch = new CauseWatch();
   private readonly timer: ReturnType<typeof setInterval>;
   private asking = false;
@@ -28,8 +36,7 @@ export class WhyPane extends Pane {
     const bar = h("div", {class: "toolbar"});
     let rating = "Explained", heading = "best";
     bar.append(h("span", {class: "dim", text: "health map"}),
-      select("what rates a place", [["Explained", "explained"], ["Likelihood", "likelihood"], ["MemoryHealth", "memory health"], ["ImageHealth", "image health"]],
-        rating, value => { rating = value; }),
+      select("what rates a place", ratings.map(([name, text]) => [name, text] as const), rating, value => { rating = value; }),
       select("heading", [["best", "best of 16"], ["now", "present heading"], ["0", "0 deg"], ["90", "90 deg"], ["180", "180 deg"], ["-90", "-90 deg"]], heading, value => { heading = value; }),
       button("show", "rate every place of the map", () => void this.showGrid(rating, heading)),
       button("clear", "remove the health map", () => { this.store.healthGrid.value = null; }));
@@ -45,8 +52,8 @@ export class WhyPane extends Pane {
       let best = 0;
       grid.health.forEach((value, i) => { if (value > grid.health[best]!) best = i; });
       const column = best % grid.columns, row = Math.floor(best / grid.columns);
-      say(this.fit, `best ${fixed(grid.health[best], 2)} at ${fixed(grid.low.x + column * grid.cellM, 2)}, ${fixed(grid.low.y + row * grid.cellM, 2)} m; ` +
-        `${grid.columns} x ${grid.rows} places of ${grid.cellM * 100} cm`);
+      say(this.fit, `of ${grid.columns} x ${grid.rows} places, ${grid.cellM * 100} cm apart, the robot fits best at ${fixed(grid.low.x + column * grid.cellM, 2)}, ` +
+        `${fixed(grid.low.y + row * grid.cellM, 2)} m: ${fixed(grid.health[best], 2)}, ${ratings.find(([name]) => name === rating)![2]}`);
     } catch (failure) {
       this.store.say("bad", `health map: ${(failure as Error).message}`);
     }
