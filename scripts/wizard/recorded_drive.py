@@ -103,7 +103,9 @@ class Drive:
                 shown = now
                 end = f" of {self.options.seconds:.0f}" if self.options.seconds else ""
                 lost = f", {dropped:.0f} messages lost: the disk is too slow" if dropped else ""
-                print(f"recording: {done_s:.0f}{end} s, {images} images, {megabytes:.0f} MB{lost}", file=sys.stderr, flush=True)
+                left_s = (now - began) * (self.options.seconds / done_s - 1) if end and done_s > 0 else 0
+                end += f" s, {left_s / 60:.0f} min left" if left_s >= 100 else " s"
+                print(f"recording: {done_s:.0f}{end}, {images} images, {megabytes:.0f} MB{lost}", file=sys.stderr, flush=True)
             if is_over:
                 return
             time.sleep(1)

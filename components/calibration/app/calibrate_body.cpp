@@ -110,7 +110,7 @@ BodyRecord drive(const BodyOptions& options, const ActiveVisualMemoryConfig& set
   how.mount = params.rig.mount;
   how.stopped = [&] { return signals.arrived(); };
   how.progress = [&](const BodyDrive& d, std::size_t) {
-    line.show(d.stepsDone(), std::max<std::size_t>(d.steps(), 1));
+    if (d.steps() > 0) line.show(d.stepsDone(), d.steps());
   };
   const BodyRecord record = recordBody(robot.camera(), robot.head(), robot.base(), plan, how);
   if (plan.phase() == BodyDrivePhase::kStopped) {

@@ -10,6 +10,7 @@
 #include "common/config/text_file.h"
 #include "common/recording/bag_advice.h"
 #include "common/routes/route.h"
+#include "common/tool/progress_line.h"
 #include "evaluation/app/cpu_stages.h"
 #include "evaluation/app/evaluation_record.h"
 #include "evaluation/app/evaluation_setup.h"
@@ -33,6 +34,23 @@ std::optional<StampUs> duration(const EvaluationOptions& options) {
   if (!options.seconds) return std::nullopt;
   return toStampUs(*options.seconds);
 }
+
+/// How much of the robot's time is evaluated.
+class DriveProgress {
+ public:
+  DriveProgress(StampUs first_us, StampUs all_us) : first_us_(first_us), all_us_(all_us) {}
+  void show(const LockstepFrame& frame) {
+    const StampUs done_us = frame.observation.frame.stamp_us - first_us_;
+    line_.show(seconds(std::clamp<StampUs>(done_us, 0, all_us_)), seconds(all_us_));
+  }
+
+ private:
+  static std::size_t seconds(StampUs time_us) { return static_cast<std::size_t>(time_us / kSecondUs); }
+
+  StampUs first_us_;
+  StampUs all_us_;
+  ProgressLine line_{"seconds of the drive"};
+};
 
 /// Sets the known start pose once, after the first frame.
 class KnownStart {
@@ -97,12 +115,17 @@ nlohmann::json evaluateBag(const EvaluationOptions& options) {
   CalibratedRobot calibrated(robot, params.joints, params.wheels);
   PerturbedRobot perturbed(calibrated, options.perturbation);
   Lockstep run(perturbed, params.assembler, memory, localizer);
+  const std::vector<StampUs>& stamps = robot.log().frameStamps();
+  const StampUs whole_us = stamps.empty() ? 0 : stamps.back() - stamps.front();
+  DriveProgress progress(stamps.empty() ? 0 : stamps.front(),
+                         std::min(whole_us, duration(options).value_or(whole_us)));
   std::shared_ptr<const MemorySnapshot> last_memory;
   run.run(
       [&](const LockstepFrame& frame) {
         start.afterFrame();
         feed.upTo(frame.observation.frame.stamp_us);
         const std::uint64_t image = frame.observation.frame.seq;
+        progress.show(frame);
         record.add(frame, image >= options.judge_first && image <= options.judge_last);
         const ImageAnalysis* analysis = frame.memory.update.analysis.get();
         const bool is_new = analysis && analysis->stamp_us == frame.observation.frame.stamp_us;
@@ -230,8 +253,10 @@ nlohmann::json evaluateWorld(const EvaluationOptions& options) {
   CpuStages stages;
   if (options.profile) run.setProbe(&stages);
   const auto began = std::chrono::steady_clock::now();
+  DriveProgress progress(world.simulation().now(), duration(options).value_or(0));
   run.run(
       [&](const LockstepFrame& frame) {
+        progress.show(frame);
         start.afterFrame();
         const TruthSample truth = world.simulation().truth();
         record.addTruth({truth.stamp_us, truth.T_world_robot});
