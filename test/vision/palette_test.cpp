@@ -158,6 +158,18 @@ TEST(Palette, AClassHasSeveralRegionsAndALabelSeveralPairs) {
   EXPECT_THAT(palette.labels(), ElementsAre("edge", "mark"));
 }
 
+TEST(Palette, LabelsThatNeverBorderTheFloorStandUp) {
+  const std::string classes =
+      "class.floor = value 0..30\nclass.wall = value 31..60\nclass.door = value 61..80\nclass.lamp = value "
+      "81..100\n";
+  const Palette palette = Palette::parse(classes +
+                                             "pair.skirting = floor wall\npair.frame = wall door\n"
+                                             "pair.edge = wall lamp\npair.edge = floor door\n",
+                                         "p");
+  EXPECT_EQ(palette.labelsOffFloor(), std::set<Label>{"frame"}) << "one of the pairs of edge borders it";
+  EXPECT_EQ(Palette::parse("class.grass = value 0..30\n", "p").labelsOffFloor(), std::nullopt);
+}
+
 TEST(Palette, WithoutAClassIsAnError) {
   EXPECT_THAT(problemsOf("# nothing\n"),
               ElementsAre("p.palette: no class (at least one \"class.NAME\" is needed)"));

@@ -304,6 +304,9 @@ ColorValues colorValues(double r, double g, double b) {
 }
 
 Palette Palette::parse(std::string_view text, const std::string& file_name) {
+  if (const auto kind = kindOf(text); !kind.empty() && kind != kPaletteKind)
+    throw ConfigError({file_name + ": is " + std::string(kind) + " (must be " + std::string(kPaletteKind) +
+                       ": lines such as class.floor = value 40..80)"});
   Reader reader(file_name);
   reader.read(text);
 
@@ -416,6 +419,18 @@ std::vector<Label> Palette::labels() const {
   std::set<Label> unique(labels_.begin(), labels_.end());
   unique.erase(kUnknownLabel);
   return {unique.begin(), unique.end()};
+}
+
+std::optional<std::set<Label>> Palette::labelsOffFloor() const {
+  if (classNamed("floor") == kNoColorClass) return std::nullopt;
+  const std::vector<Label> all = labels();
+  std::set<Label> off(all.begin(), all.end());
+  for (ColorClass a = 1; a <= classCount(); ++a) {
+    for (ColorClass b = 1; b <= classCount(); ++b) {
+      if (className(a) == "floor") off.erase(label(a, b));
+    }
+  }
+  return off;
 }
 
 Palette loadPalette(const std::filesystem::path& file) {

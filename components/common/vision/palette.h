@@ -18,6 +18,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -87,6 +89,9 @@ class Palette {
   const Label& label(ColorClass a, ColorClass b) const { return labels_[a * (classes_.size() + 1) + b]; }
   /// Every label that an edge can get (without kUnknownLabel), sorted.
   std::vector<Label> labels() const;
+  /// Labels none of whose edges borders the class `floor`: edges that stand up, as door jambs do. Empty
+  /// without such a class.
+  std::optional<std::set<Label>> labelsOffFloor() const;
   /// Name of a stripe in maps -> label of its edges.
   const std::map<Label, Label>& stripes() const { return stripes_; }
 

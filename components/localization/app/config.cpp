@@ -60,25 +60,6 @@ LocalizationConfig readLocalizationConfig(ConfigReader& reader) {
   return config;
 }
 
-namespace {
-
-/// Labels none of whose edges borders the class `floor`; none where no class is called so.
-std::set<Label> uprightLabels(const Palette& palette) {
-  std::set<Label> upright, bordering;
-  for (int a = 1; a <= palette.classCount(); ++a) {
-    for (int b = 1; b <= palette.classCount(); ++b) {
-      const bool borders = palette.className(static_cast<ColorClass>(a)) == "floor";
-      (borders ? bordering : upright)
-          .insert(palette.label(static_cast<ColorClass>(a), static_cast<ColorClass>(b)));
-    }
-  }
-  if (bordering.empty()) return {};
-  for (const Label& label : bordering) upright.erase(label);
-  return upright;
-}
-
-}  // namespace
-
 LoadedMap loadMapEdges(const std::filesystem::path& map, const std::filesystem::path& palette) {
   SegmentMap rows;
   PaletteLabels labels;
@@ -96,7 +77,9 @@ LoadedMap loadMapEdges(const std::filesystem::path& map, const std::filesystem::
     if (palette.empty()) return;
     const Palette colours = loadPalette(palette);
     const std::vector<Label> edges = colours.labels();
-    labels = {{edges.begin(), edges.end()}, colours.stripes(), uprightLabels(colours)};
+    labels = {{edges.begin(), edges.end()},
+              colours.stripes(),
+              colours.labelsOffFloor().value_or(std::set<Label>())};
     warnings = colours.warnings();
   });
   if (!problems.empty()) throw ConfigError(problems);

@@ -98,6 +98,8 @@ int run(const Options& options) {
                          {"labels", picture.label_counts},
                          {"class_shares", class_json},
                          {"rules", rules}};
+  const auto off_floor = palette->labelsOffFloor();
+  summary["labels_off_floor"] = off_floor ? nlohmann::json(*off_floor) : nlohmann::json();
   if (!places.empty()) summary["places"] = places;
   std::cout << summary.dump() << '\n';
   return 0;
