@@ -5,6 +5,9 @@ namespace vismem::test {
 std::vector<BrokenConfig> servers() {
   const std::string c = "camera_server";
   const std::string a = "CameraServer.Camera.cameraA.";
+  const std::string of_lens = "broken.cfg:1: " + a +
+                              "Calibration = lens.yaml (must be a calibration of a camera as ROS writes it; "
+                              "what is wrong with it follows)";
   const std::string p = "pantilt_server";
   const std::string b = "base_server";
   return {
@@ -54,14 +57,15 @@ std::vector<BrokenConfig> servers() {
       {"CameraCalibrationIsNoYaml",
        c,
        {a + "Calibration = lens.yaml"},
-       {"lens.yaml:2: end of sequence flow not found"},
+       {of_lens, "lens.yaml:2: end of sequence flow not found"},
        2,
        {},
        {{"lens.yaml", "image_width: [\n"}}},
       {"CameraCalibrationOfAFisheye",
        c,
        {a + "Calibration = lens.yaml"},
-       {"lens.yaml:3: distortion_model equidistant (must be plumb_bob, or rational_polynomial without k4, "
+       {of_lens,
+        "lens.yaml:3: distortion_model equidistant (must be plumb_bob, or rational_polynomial without k4, "
         "k5, k6)"},
        2,
        {},

@@ -12,7 +12,7 @@ namespace vismem {
 /// (text_file.h). what() joins the first kShownProblems and gives the number of the others.
 class ConfigError : public std::runtime_error {
  public:
-  static constexpr std::size_t kShownProblems = 40;
+  static constexpr std::size_t kShownProblems = 20;
 
   explicit ConfigError(std::vector<std::string> problems);
 

@@ -98,6 +98,12 @@ struct ConfigReader::State {
   std::map<std::string, std::string> retired;
   std::map<std::string, Key> described;
   std::map<std::string, std::string> ranges;
+  /// Files that keys name, as they were found.
+  struct NamedFile {
+    std::string key;
+    std::string expected;  ///< "a palette"; empty: any file
+  };
+  std::map<std::string, NamedFile> files;
 
   void add(const std::string& key, const std::string& fallback) {
     if (defaults.try_emplace(key, fallback).second) order.push_back(key);
@@ -110,7 +116,7 @@ struct ConfigReader::State {
 };
 
 ConfigReader::ConfigReader(const Properties& properties, std::string prefix)
-    : state_(std::make_shared<State>(State{properties, {}, {}, {}, {}, {}, {}, {}})),
+    : state_(std::make_shared<State>(State{properties, {}, {}, {}, {}, {}, {}, {}, {}})),
       prefix_(std::move(prefix)) {}
 
 ConfigReader::ConfigReader(std::shared_ptr<State> state, std::string prefix)
@@ -320,6 +326,12 @@ bool isFromFile(const Properties& properties) {
 }  // namespace
 
 std::filesystem::path ConfigReader::locate(std::string_view name, const std::filesystem::path& value) const {
+  const std::filesystem::path found = placeOf(name, value);
+  if (!found.empty()) state_->files.insert_or_assign(found.string(), State::NamedFile{key(name), ""});
+  return found;
+}
+
+std::filesystem::path ConfigReader::placeOf(std::string_view name, const std::filesystem::path& value) const {
   namespace fs = std::filesystem;
   std::error_code ignored;
   if (value.empty() || value.is_absolute()) return value;
@@ -364,6 +376,7 @@ std::filesystem::path ConfigReader::existingFile(std::string_view name, std::str
   const auto problems_before = state_->problems.size();
   const auto found = existingPath(name, fallback);
   if (found.empty() || state_->problems.size() != problems_before) return found;
+  state_->files[found.string()].expected = expected;
   std::error_code ignored;
   const std::string rule = "must be " + std::string(expected);
   if (std::filesystem::is_directory(found, ignored)) {
@@ -377,6 +390,23 @@ std::filesystem::path ConfigReader::existingFile(std::string_view name, std::str
 std::filesystem::path ConfigReader::requireFile(std::string_view name, std::string_view expected) {
   if (requiredText(name, expected).empty()) return {};
   return existingFile(name, expected);
+}
+
+std::vector<std::string> ConfigReader::withKeysOf(const std::vector<std::string>& problems) const {
+  std::vector<std::string> lines;
+  std::set<std::string> said;
+  for (const std::string& problem : problems) {
+    for (const auto& [file, named] : state_->files) {
+      if (!problem.starts_with(file + ":") || !said.insert(file).second) continue;
+      const auto* set = find(named.key);
+      const std::string origin = set == nullptr ? state_->properties.source() : set->origin.text();
+      const std::string what = named.expected.empty() ? "a file" : named.expected;
+      lines.push_back(origin + ": " + written(named.key) + " = " + (set == nullptr ? file : set->value) +
+                      " (must be " + what + "; what is wrong with it follows)");
+    }
+    lines.push_back(problem);
+  }
+  return lines;
 }
 
 void ConfigReader::problem(std::string_view name, std::string_view rule) {

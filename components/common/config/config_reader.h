@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/config/config_error.h"
 #include "common/config/parameter_visitor.h"
 #include "common/config/properties.h"
 
@@ -112,6 +113,17 @@ class ConfigReader {
   /// @param rule  "must be more than Localization.Noise.Minimum_m".
   void problem(std::string_view name, std::string_view rule);
   bool good() const;
+  /// Problems of files, with the line of the key that names such a file before the first one of each.
+  std::vector<std::string> withKeysOf(const std::vector<std::string>& problems) const;
+  /// load(), a ConfigError of which names the keys of the files, too.
+  template <typename Load>
+  auto loading(const Load& load) const {
+    try {
+      return load();
+    } catch (const ConfigError& error) {
+      throw ConfigError(withKeysOf(error.problems()));
+    }
+  }
 
   /// Accepts a renamed key under its old name too, until release kAliasesEnd. To be called before the new
   /// name is read. Both names set is a problem; the old one alone is listed in renamedKeys().
@@ -144,6 +156,7 @@ class ConfigReader {
   struct State;
   ConfigReader(std::shared_ptr<State> state, std::string prefix);
 
+  std::filesystem::path placeOf(std::string_view name, const std::filesystem::path& value) const;
   /// The entry of a whole key, under its old name where only that is set; nullptr if neither is.
   const Properties::Entry* find(const std::string& whole) const;
   /// The name that a whole key has in the file.

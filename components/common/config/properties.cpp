@@ -65,6 +65,12 @@ Properties Properties::parse(std::string_view text, const std::string& file) {
   Properties properties;
   properties.source_ = file;
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  if (const auto kind = kindOf(text); !kind.empty() && kind != kConfigurationKind) {
+    properties.readable_ = false;
+    properties.addProblem(
+        {{file, 0}, "is " + std::string(kind) + " (must be a configuration of lines KEY = VALUE)"});
+    return properties;
+  }
   for (int number = 1; !text.empty(); ++number) {
     const auto end = std::min(text.find('\n'), text.size());
     properties.parseLine(text.substr(0, end), {file, number});

@@ -4,11 +4,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <span>
 
 #include "common/config/config_error.h"
+#include "common/config/text_fields.h"
 
 namespace vismem {
 namespace {
@@ -43,6 +46,35 @@ std::size_t characterLength(std::string_view text) {
   if ((first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f)) return 0;
   if ((first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f)) return 0;
   return length;
+}
+
+struct Beginning {
+  std::string_view text;
+  std::string_view kind;
+};
+/// Of the whole file, and of the first line of a text that is neither empty nor a comment.
+constexpr Beginning kFileBeginnings[] = {{"\x89PNG", "a PNG image"},     {"\xff\xd8\xff", "a JPEG image"},
+                                         {"%PDF-", "a PDF document"},    {"PK\3\4", "a ZIP archive"},
+                                         {"\x1f\x8b", "a gzip archive"}, {"#ROSBAG V", "a ROS bag"}};
+constexpr Beginning kLineBeginnings[] = {{"<", "XML, such as a world or a drawing"},
+                                         {"{", "JSON"},
+                                         {"x1_m,", kMapKind},
+                                         {"class.", kPaletteKind},
+                                         {"pair.", kPaletteKind},
+                                         {"stripe.", kPaletteKind}};
+
+std::string_view kindAmong(std::span<const Beginning> beginnings, std::string_view text) {
+  const auto found = std::find_if(beginnings.begin(), beginnings.end(),
+                                  [&](const Beginning& one) { return text.starts_with(one.text); });
+  return found == beginnings.end() ? std::string_view() : found->kind;
+}
+
+/// "Component.Key = VALUE".
+bool isSetting(std::string_view line) {
+  const auto equals = line.find('=');
+  const std::string_view key = line.substr(0, equals);
+  return equals != std::string_view::npos && !key.empty() && key.front() >= 'A' && key.front() <= 'Z' &&
+         key.find('.') != std::string_view::npos;
 }
 
 std::string escaped(std::string_view text) {
@@ -89,6 +121,20 @@ std::string readTextFile(const std::filesystem::path& file, std::string_view exp
     text.append(buffer.data(), static_cast<std::size_t>(count));
     if (text.size() > kMaxTextFile) throw failure("more than 64 MB");
   }
+}
+
+std::string_view kindOf(std::string_view content) {
+  if (const auto kind = kindAmong(kFileBeginnings, content); !kind.empty()) return kind;
+  for (std::string_view rest = content; !rest.empty();) {
+    const auto end = std::min(rest.find('\n'), rest.size());
+    const std::string_view line = contentOf(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    if (line.empty()) continue;
+    if (isSetting(line)) return kConfigurationKind;
+    if (const auto kind = kindAmong(kLineBeginnings, line); !kind.empty()) return kind;
+    break;
+  }
+  return content.find('\0') == std::string_view::npos ? "" : "a binary file";
 }
 
 std::string shown(std::string_view text, std::size_t most) {

@@ -18,6 +18,12 @@ inline constexpr std::size_t kMaxTextFile = std::size_t{64} << 20;
 /// more than kMaxTextFile bytes.
 std::string readTextFile(const std::filesystem::path& file, std::string_view expected);
 
+/// What a file's content seems to be, by its beginning: "a PNG image", "a palette"; empty: unknown.
+std::string_view kindOf(std::string_view content);
+inline constexpr std::string_view kConfigurationKind = "a configuration";
+inline constexpr std::string_view kMapKind = "a map of labelled segments";
+inline constexpr std::string_view kPaletteKind = "a palette";
+
 /// The text for one line of a terminal or a UTF-8 message. Control characters and bytes that are not UTF-8
 /// become \xNN. A text of more than `most` bytes is shortened to its beginning and end, with the number of
 /// bytes left out.

@@ -84,11 +84,12 @@ Configured configure(const ComponentSpec& spec, const Properties& properties, Co
   if (!properties.readable()) properties.throwIfBad();
   Configured configured;
   std::vector<std::string> more;
-  const auto collect = [&more](auto&& step) {
+  const auto collect = [&more, &config](auto&& step) {
     try {
       step();
     } catch (const ConfigError& error) {
-      more.insert(more.end(), error.problems().begin(), error.problems().end());
+      const auto lines = config.withKeysOf(error.problems());
+      more.insert(more.end(), lines.begin(), lines.end());
     }
   };
   collect([&] { configured.component = spec.configure(config); });

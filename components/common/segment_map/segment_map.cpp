@@ -67,14 +67,17 @@ class Reader {
   explicit Reader(const std::string& file_name) : file_name_(file_name) {}
 
   SegmentMap read(std::string_view text) {
+    if (const auto kind = kindOf(text); !kind.empty() && kind != kMapKind)
+      throw ConfigError({file_name_ + ": is " + std::string(kind) + " (must be " + std::string(kMapKind) +
+                         ", which begins with \"" + std::string(kHeader) + "\")"});
     map_.ends_inside_row = !text.empty() && text.back() != '\n';
-    while (!text.empty()) {
+    while (!text.empty() && has_header_) {
       ++line_;
       const auto end = std::min(text.find('\n'), text.size());
       readLine(text.substr(0, end));
       text.remove_prefix(std::min(end + 1, text.size()));
     }
-    if (columns_ == 0) {
+    if (columns_ == 0 && has_header_) {
       problems_.push_back(file_name_ + ": no header line, expected \"" + std::string(kHeader) +
                           "[,width_m]\"");
     } else if (map_.segments.empty() && problems_.empty()) {
@@ -105,6 +108,7 @@ class Reader {
   void readHeader(const Cell& header) {
     columns_ = header.text == kHeader ? kLabelColumn + 1 : kColumns.size();
     if (header.text == kHeader || header.text == kHeaderWithWidth) return;
+    has_header_ = false;
     problem(header.column, "header = \"" + std::string(header.text) + "\" (must be \"" +
                                std::string(kHeader) + "[,width_m]\")");
   }
@@ -167,6 +171,7 @@ class Reader {
   std::string file_name_;
   std::size_t line_ = 0;
   std::size_t columns_ = 0;  // 0: before the header line
+  bool has_header_ = true;   // false: another one stands in its place, and what follows says nothing
   SegmentMap map_;
   std::vector<std::string> problems_;
 };

@@ -59,7 +59,21 @@ void finish(const ConfigReader& config) {
   for (const auto& renamed : config.renamedKeys()) std::cerr << renamed.text() << "\n";
 }
 
-ActiveVisualMemoryConfig readMemory(const EvaluationOptions& options, bool has_pan_tilt) {
+struct MemorySettings {
+  ActiveVisualMemoryConfig component;
+  fs::path palette_file;  ///< of the options, else the one beside the map, else the configuration's
+  std::shared_ptr<const Palette> palette;
+};
+
+/// The palette of the options, else the one beside the map; empty: neither.
+fs::path paletteOf(const EvaluationOptions& options) {
+  if (!options.palette.empty() || options.map.empty()) return options.palette;
+  fs::path beside = options.map;
+  beside.replace_extension(".palette");
+  return fs::exists(beside) ? beside : fs::path();
+}
+
+MemorySettings readMemory(const EvaluationOptions& options, bool has_pan_tilt) {
   Properties properties = Properties::load(configFile(options, "active_visual_memory"));
   // The component's peers are in this process; all its other keys apply.
   properties.set("ActiveVisualMemory.Camera.Proxy", "here");
@@ -70,9 +84,18 @@ ActiveVisualMemoryConfig readMemory(const EvaluationOptions& options, bool has_p
   config.known("Localization.*");
   ConfigReader reader = config.group("ActiveVisualMemory");
   knowProcessKeys(config, "ActiveVisualMemory");
-  ActiveVisualMemoryConfig component = readActiveVisualMemoryConfig(reader);
+  MemorySettings settings{readActiveVisualMemoryConfig(reader), paletteOf(options), nullptr};
   finish(config);
-  return component;
+  if (settings.palette_file.empty()) settings.palette_file = settings.component.palette;
+  if (settings.palette_file.empty()) {
+    throw ConfigError(
+        {(options.map.empty() ? "" : options.map.string() + ": ") +
+         "no palette: expected --palette, a file beside the map, or ActiveVisualMemory.Palette in " +
+         configFile(options, "active_visual_memory").string()});
+  }
+  settings.palette =
+      config.loading([&] { return std::make_shared<const Palette>(loadPalette(settings.palette_file)); });
+  return settings;
 }
 
 struct LocalizationSettings {
@@ -95,16 +118,6 @@ LocalizationSettings readLocalization(const EvaluationOptions& options) {
   const LocalizationSettings settings{readLocalizerParams(reader), readGazePlannerParams(reader)};
   finish(config);
   return settings;
-}
-
-/// The palette of the options, else the one beside the map, else the configuration's.
-fs::path paletteFile(const EvaluationOptions& options, const fs::path& configured) {
-  if (!options.palette.empty() || options.map.empty()) {
-    return options.palette.empty() ? configured : options.palette;
-  }
-  fs::path beside = options.map;
-  beside.replace_extension(".palette");
-  return fs::exists(beside) ? beside : configured;
 }
 
 }  // namespace
@@ -133,7 +146,8 @@ void copyConfiguration(const EvaluationOptions& options) {
 }
 
 EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt) {
-  const ActiveVisualMemoryConfig component = readMemory(options, has_pan_tilt);
+  const MemorySettings memory = readMemory(options, has_pan_tilt);
+  const ActiveVisualMemoryConfig& component = memory.component;
   EvaluationParams params;
   params.pipeline = component.pipeline;
   params.pipeline.memory.attention.seed = options.seed;
@@ -143,14 +157,8 @@ EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt)
   const LocalizationSettings localization = readLocalization(options);
   params.localizer = localization.localizer;
   params.gaze = localization.gaze;
-  params.palette_file = paletteFile(options, component.palette);
-  if (params.palette_file.empty()) {
-    throw ConfigError(
-        {(options.map.empty() ? "" : options.map.string() + ": ") +
-         "no palette: expected --palette, a file beside the map, or ActiveVisualMemory.Palette in " +
-         configFile(options, "active_visual_memory").string()});
-  }
-  params.palette = std::make_shared<const Palette>(loadPalette(params.palette_file));
+  params.palette_file = memory.palette_file;
+  params.palette = memory.palette;
   if (options.map.empty()) return params;
   LoadedMap map = loadMapEdges(options.map, params.palette_file);
   for (const std::string& warning : map.warnings) std::cerr << "warning: " << warning << "\n";

@@ -49,8 +49,16 @@ MapperConfig readMapperConfig(ConfigReader& reader) {
   config.files.source = "live";
   if (!reader.good()) return config;
 
+  std::filesystem::path& palette = config.blank.palette_file;
+  if (!palette.empty()) config.blank.stripes = loadPalette(palette).stripes();
   const ActiveVisualMemoryConfig memory =
-      readOther(memory_file, "ActiveVisualMemory", readActiveVisualMemoryConfig);
+      readOther(memory_file, "ActiveVisualMemory", [&](ConfigReader& other) {
+        auto read = readActiveVisualMemoryConfig(other);
+        if (!palette.empty() || read.palette.empty() || !other.good()) return read;
+        palette = read.palette;
+        config.blank.stripes = other.loading([&] { return loadPalette(palette); }).stripes();
+        return read;
+      });
   const LocalizerParams localizer = readOther(localization_file, "Localization", [](ConfigReader& other) {
     readGazePlannerParams(other);
     // A setup without a map yet has this component before localization.
@@ -62,12 +70,7 @@ MapperConfig readMapperConfig(ConfigReader& reader) {
   config.loop.keyframes = KeyframeParams::of(memory.pipeline.memory);
   config.blank.params = DriveMapperParams::of(memory.pipeline.memory, localizer);
   config.loop.range_m = localizer.robust.observation.range_m;
-  if (config.blank.palette_file.empty()) config.blank.palette_file = memory.palette;
-  if (config.blank.palette_file.empty()) {
-    reader.problem("Palette", "is required: " + memory_file.string() + " has none either");
-    return config;
-  }
-  config.blank.stripes = loadPalette(config.blank.palette_file).stripes();
+  if (palette.empty()) reader.problem("Palette", "is required: " + memory_file.string() + " has none either");
   return config;
 }
 
