@@ -94,7 +94,8 @@ TEST(FloorBoard, HeightAndTiltAgreeWithPerspectiveNPoint) {
   // As described: 5 cm too high, 10 degrees too little tilt.
   params.mount.T_robot_pantilt = poseFromXyzRpy(0.0, 0.0, 0.27, 0.0, 0.0, 0.0);
   params.mount.T_head_camera_body = poseFromXyzRpy(0.0, 0.0, 0.0, 0.0, degToRad(42.0), 0.0);
-  params.focal_sigma_px = params.centre_sigma_px = 0.0;
+  // Perspective-n-point takes the whole lens as exact.
+  params.focal_sigma_px = params.centre_sigma_px = params.distortion_sigma_px = 0.0;
   const BodyEstimate estimate = estimateBody(floor->record, params);
   ASSERT_TRUE(estimate.place[2].sigma);
   ASSERT_TRUE(estimate.place[4].sigma);
