@@ -150,8 +150,10 @@ TEST(BodyEstimator, ViewsFromOneSideDoNotShowTheBacklash) {
   const auto still = stillViews(record, joints, WheelPath(record.odometry, kDescribedBase_m));
   std::vector<BoardView> views;
   for (std::size_t i = 0; i < still.size(); ++i) {
-    const double lead = joints.leadAt(toSeconds(record.views[i].stamp_us), Eigen::Vector2d::Zero())[1].lead;
-    if (still[i] && lead > 0.8) views.push_back(record.views[i]);  // a joint swings back a little
+    const double time_s = toSeconds(record.views[i].stamp_us);
+    const MotorLead lead = joints.leadAt(time_s, Eigen::Vector2d::Zero())[1];
+    if (still[i] && lead.lead(1.0, 0.0, 0.0, joints.at(time_s)[1]) > 0.8)
+      views.push_back(record.views[i]);  // a joint swings back a little
   }
   ASSERT_GT(views.size(), 20U);
   record.views = views;

@@ -14,6 +14,12 @@ std::vector<PanTiltSample> upAndDown() {
   return samples;
 }
 
+/// Of pan (0) or tilt (1), for joints that report true angles.
+double leadAt(const JointPath& path, double time_s, const Eigen::Vector2d& backlash_rad, int joint) {
+  const MotorLead lead = path.leadAt(time_s, backlash_rad)[static_cast<std::size_t>(joint)];
+  return lead.lead(1.0, backlash_rad[joint], backlash_rad[joint], path.at(time_s)[joint]);
+}
+
 TEST(JointPath, InterpolatesAndGoesOnBeyondItsEnds) {
   const JointPath path(upAndDown());
   EXPECT_NEAR(path.at(0.55).x(), 0.275, 1e-12);
@@ -25,19 +31,19 @@ TEST(JointPath, InterpolatesAndGoesOnBeyondItsEnds) {
 TEST(JointPath, AMotorLeadsItsHeadInTheDirectionOfItsLastMotion) {
   const JointPath path(upAndDown());
   const Eigen::Vector2d backlash(0.02, 0.02);
-  EXPECT_EQ(path.leadAt(0.5, backlash)[0].lead, 1.0);
-  EXPECT_EQ(path.leadAt(1.5, backlash)[0].lead, -1.0);
-  EXPECT_EQ(path.leadAt(1.5, backlash)[1].lead, 0.0) << "it never moved";
-  EXPECT_EQ(path.leadAt(0.0, backlash)[0].lead, 0.0) << "it has not moved yet";
+  EXPECT_EQ(leadAt(path, 0.5, backlash, 0), 1.0);
+  EXPECT_EQ(leadAt(path, 1.5, backlash, 0), -1.0);
+  EXPECT_EQ(leadAt(path, 1.5, backlash, 1), 0.0) << "it never moved";
+  EXPECT_EQ(leadAt(path, 0.0, backlash, 0), 0.0) << "it has not moved yet";
 }
 
 // At 1.02 s the pan has turned back by 0.01: half of a backlash of 0.02, a quarter of one of 0.04.
 TEST(JointPath, AReversalWithinTheBacklashLeavesTheHeadWhereItWas) {
   const JointPath path(upAndDown());
-  EXPECT_NEAR(path.leadAt(1.02, {0.02, 0.02})[0].lead, 0.0, 1e-9);
-  EXPECT_NEAR(path.leadAt(1.02, {0.04, 0.02})[0].lead, 0.5, 1e-9);
-  EXPECT_EQ(path.leadAt(1.02, {0.0, 0.02})[0].lead, -1.0) << "readings are not better than 0.2 degrees";
-  EXPECT_NEAR(path.leadAt(1.02, {10.0, 0.02})[0].lead, 0.0, 1e-9) << "it never crossed that";
+  EXPECT_NEAR(leadAt(path, 1.02, {0.02, 0.02}, 0), 0.0, 1e-9);
+  EXPECT_NEAR(leadAt(path, 1.02, {0.04, 0.02}, 0), 0.5, 1e-9);
+  EXPECT_EQ(leadAt(path, 1.02, {0.0, 0.02}, 0), -1.0) << "readings are not better than 0.2 degrees";
+  EXPECT_NEAR(leadAt(path, 1.02, {10.0, 0.02}, 0), 0.0, 1e-9) << "it never crossed that";
 }
 
 // Whatever the motor does within the backlash, the head stays behind the place where the motor turned.

@@ -81,6 +81,10 @@ std::string hint(const std::string& name, const std::set<std::string>& known) {
   return " (must begin with " + joined({beginnings.begin(), beginnings.end()}, " or ") + ")";
 }
 
+bool isFromFile(const Properties& properties) {
+  return properties.source() != "command line";
+}
+
 }  // namespace
 
 struct ConfigReader::State {
@@ -316,14 +320,6 @@ std::optional<std::size_t> ConfigReader::choiceIndex(std::string_view name, cons
   reject(name, *set, "must be " + rule);
   return std::nullopt;
 }
-
-namespace {
-
-bool isFromFile(const Properties& properties) {
-  return properties.source() != "command line";
-}
-
-}  // namespace
 
 std::filesystem::path ConfigReader::locate(std::string_view name, const std::filesystem::path& value) const {
   const std::filesystem::path found = placeOf(name, value);

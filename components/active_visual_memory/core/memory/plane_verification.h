@@ -34,8 +34,9 @@ struct PlaneVerification {
   /// Distance of the camera from the anchor [m].
   double baseline(const Eigen::Vector2d& camera) const { return (camera - anchor_camera).norm(); }
 
-  /// How far its floor place may have moved across the line since the anchor [m]: 0 on the floor, else by the
-  /// slope of its parallax; while that is unknown as far as the camera, like an edge that drives ahead.
+  /// How far its floor place may have moved across the line since the anchor [m]. On the floor 0; else the
+  /// way of the camera across the line, times the slope of the parallax: at most 1, which is that of an edge
+  /// that drives ahead, and 1 while it is unknown.
   double possibleShift(const PlaneView& view, const ParallaxEstimate::Params& params) const;
 
   /// Begins with a view of the line.

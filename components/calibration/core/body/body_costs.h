@@ -62,7 +62,9 @@ Eigen::Matrix<T, 3, 1> worldOfBoard(const T* body, BoardPlace place, const Eigen
 /// residuals a corner. Blocks: body, lens, robot pose at the frame's stamp (x, y, heading in world),
 /// deviations of pan and tilt.
 struct ViewCost {
-  static constexpr int kPieces = 4;  ///< of an image's rows
+  /// That the rows of an image are cut into: the board is placed at the time of each end, and between two
+  /// ends linearly. End 0 is the first row, end kPieces the last.
+  static constexpr int kPieces = 4;
 
   struct Corner {
     Eigen::Vector2d pixel;
@@ -78,15 +80,14 @@ struct ViewCost {
   const JointPath* joints = nullptr;
   double stamp_s = 0.0;
   double half_rows = 0.0;                                   ///< from the middle row to the last
-  std::array<std::array<MotorLead, 2>, kPieces + 1> leads;  ///< of pan and tilt, at the ends of the pieces
+  std::array<std::array<MotorLead, 2>, kPieces + 1> leads;  ///< of pan and tilt, at each end
   double v_mps = 0.0;                                       ///< of the robot at the stamp
   double w_radps = 0.0;
 
-  /// From the middle row to an end of a piece.
+  /// Rows from the middle one to an end.
   double rowsLate(int end) const { return half_rows * (2.0 * end / kPieces - 1.0); }
 
-  /// A point of the board in the camera's body axes (x ahead, y left, z up), at the time of an end of a
-  /// piece.
+  /// A point of the board in the camera's body axes (x ahead, y left, z up), at the time of an end.
   template <typename T>
   Eigen::Matrix<T, 3, 1> toCamera(const T* body, const T* lens, const T* pose, const T* deviation,
                                   const Eigen::Vector3d& p_board, int end) const {
@@ -129,8 +130,8 @@ struct ViewCost {
 
   template <typename T>
   bool operator()(const T* body, const T* lens, const T* pose, const T* deviation, T* residual) const {
-    // The board's plane, origin and axes, at the times of some rows. In between the direction of a point goes
-    // over linearly: a head that speeds up during the image bends its way.
+    // The board's plane, origin and axes. One piece would not do: a head that speeds up during the image
+    // bends the way of a point.
     Eigen::Matrix<T, 3, 1> plane[kPieces + 1][3];
     for (int end = 0; end <= kPieces; ++end) {
       plane[end][0] = toCamera<T>(body, lens, pose, deviation, Eigen::Vector3d::Zero(), end);

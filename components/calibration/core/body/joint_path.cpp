@@ -52,7 +52,6 @@ std::array<MotorLead, 2> JointPath::leadAt(double time_s, const Eigen::Vector2d&
       const double extreme = came_down ? low : high;
       MotorLead& lead = leads[static_cast<std::size_t>(j)];
       lead.side = came_down ? -1.0 : 1.0;
-      lead.lead = lead.side + 2.0 * (now[j] - extreme) / width;
       if (now[j] != extreme) lead.turned = extreme;
       break;
     }

@@ -17,21 +17,23 @@ inline constexpr double kLeastBacklash_rad = degToRad(0.2);
 
 /// How far a motor leads its head, in halves of the joint's backlash. The head is behind by as much.
 struct MotorLead {
-  /// 1 after a motion to the left or up, -1 after one to the right or down, in between after a reversal that
-  /// has not crossed the backlash, 0 before the first motion that has.
-  double lead = 0.0;
-  double side = 0.0;             ///< the lead at the last reversal: 1, -1, or 0
+  /// 1 after a motion to the left or up, -1 after one to the right or down, 0 before the first motion.
+  double side = 0.0;
   std::optional<double> turned;  ///< reading at a reversal that the head has not followed yet [rad]
 
-  /// The head's angle [rad].
+  /// `side`, or between 1 and -1 while the motor has turned back within the backlash: the head rests, or
+  /// follows in part where readings do not resolve the backlash.
   /// @param T double or ceres::Jet. @param backlash_value the scalar part of `backlash`.
   template <typename T>
+  T lead(const T& scale, const T& backlash, double backlash_value, const T& reading) const {
+    if (!turned) return T(side);
+    const T width = backlash_value < kLeastBacklash_rad ? T(kLeastBacklash_rad) : backlash;
+    return side + 2.0 * scale * (reading - *turned) / width;
+  }
+  /// The head's angle [rad]; parameters of lead().
+  template <typename T>
   T headAngle(const T& scale, const T& backlash, double backlash_value, const T& reading) const {
-    const T angle = scale * reading - backlash * (0.5 * side);
-    if (!turned) return angle;
-    // Within the backlash the head rests; within less than readings resolve, it follows in part.
-    const T resting = backlash_value < kLeastBacklash_rad ? backlash / kLeastBacklash_rad : T(1.0);
-    return angle - resting * scale * (reading - *turned);
+    return scale * reading - 0.5 * backlash * lead(scale, backlash, backlash_value, reading);
   }
 };
 
