@@ -147,10 +147,9 @@ void Localizer::iterate(const MemoryUpdate& update) {
 
 void Localizer::propose(const std::optional<double>& agreement, bool is_inconsistent) {
   // Support is low-pass filtered; an inconsistent observation starts the full search at once.
-  int explorers = explorerCount(params_.explorers, is_inconsistent ? *agreement : support_, iteration_);
   const bool is_idle = tracking_.mode == Tracking::kTracking && !is_inconsistent;
-  const auto period = static_cast<std::uint64_t>(std::max(1, params_.explorers.period_reliable));
-  if (is_idle && iteration_ % period != 0) explorers = 0;
+  const int explorers =
+      explorerCount(params_.explorers, is_inconsistent ? *agreement : support_, is_idle, iteration_);
   if (explorers <= 0) return;
   for (Race& candidate : strategy_->propose(explorers, table_, engine_)) table_.admit(std::move(candidate));
 }

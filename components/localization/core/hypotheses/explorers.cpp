@@ -58,10 +58,10 @@ std::optional<Pose2> ConstructedExplorers::propose(const FloorObservation& obser
   return Pose2{p_world.x() - arm.x(), p_world.y() - arm.y(), heading};
 }
 
-int explorerCount(const ExplorerParams& params, double reliability, std::uint64_t iteration) {
+int explorerCount(const ExplorerParams& params, double reliability, bool is_idle, std::uint64_t iteration) {
   const bool is_reliable = reliability >= params.reliable_above;
-  const auto period = static_cast<std::uint64_t>(std::max(1, params.period_reliable));
-  if (is_reliable && iteration % period != 0) return 0;
+  const bool pauses = iteration % static_cast<std::uint64_t>(params.period_reliable) != 0;
+  if (pauses && (is_reliable || is_idle)) return 0;
   return is_reliable ? params.count_reliable : params.count_lost;
 }
 

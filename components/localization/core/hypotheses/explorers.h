@@ -49,8 +49,9 @@ class ConstructedExplorers {
 };
 
 /// Number of explorers of this iteration.
+/// @param is_idle one race has had nearly all belief: the search pauses as for a reliable pose.
 /// @param iteration increases by one per iteration.
-int explorerCount(const ExplorerParams& params, double reliability, std::uint64_t iteration);
+int explorerCount(const ExplorerParams& params, double reliability, bool is_idle, std::uint64_t iteration);
 
 /// Keeps the best `count` explorers at different places, best first, with a health of at least `list_health`.
 void keepBestPlaces(std::vector<Individual>& explorers, int count, double list_health,

@@ -17,10 +17,12 @@ constexpr double kPi = std::numbers::pi;
 
 TEST(Explorers, AreManyWhenLostAndFewAndRareWhenReliable) {
   const ExplorerParams params;
-  EXPECT_GE(explorerCount(params, 0.0, 1), 1000);
-  EXPECT_GE(explorerCount(params, 0.59, 3), 1000);
-  EXPECT_EQ(explorerCount(params, 0.9, 1), 0);
-  EXPECT_EQ(explorerCount(params, 0.9, 4), params.count_reliable);
+  EXPECT_GE(explorerCount(params, 0.0, false, 1), 1000);
+  EXPECT_GE(explorerCount(params, 0.59, false, 3), 1000);
+  EXPECT_EQ(explorerCount(params, 0.9, false, 1), 0);
+  EXPECT_EQ(explorerCount(params, 0.9, false, 4), params.count_reliable);
+  EXPECT_EQ(explorerCount(params, 0.0, true, 1), 0);
+  EXPECT_EQ(explorerCount(params, 0.0, true, 4), params.count_lost);
 }
 
 TEST(Explorers, UniformOnesStayInTheMapsBoundingBox) {
@@ -41,8 +43,7 @@ TEST(Explorers, UniformOnesAreReducedInProportionInALargeMap) {
 }
 
 TEST(Explorers, BestPlacesAreDistinctAndInOrder) {
-  std::vector<Individual> best = {
-      {{0, 0, 0}, 0.7}, {{0.1, 0, 0}, 0.9}, {{3, 0, 0}, 0.8}, {{6, 0, 0}, 0.2}};
+  std::vector<Individual> best = {{{0, 0, 0}, 0.7}, {{0.1, 0, 0}, 0.9}, {{3, 0, 0}, 0.8}, {{6, 0, 0}, 0.2}};
   keepBestPlaces(best, 6, 0.3, {});
   ASSERT_EQ(best.size(), 2u);
   EXPECT_DOUBLE_EQ(best[0].health, 0.9);
