@@ -37,10 +37,6 @@ constexpr double kStep_s = 0.1;         // of the predicted head motion
 constexpr double kAbandoned_s = 2.0;    // time in view of a bearing that is not reached
 constexpr double kLongestView_s = 0.2;  // between two images
 
-double bearingOf(int bin, int bearings) {
-  return 2.0 * std::numbers::pi * (bin + 0.5) / bearings;
-}
-
 /// Calls `f` with the index of each bearing whose centre lies in a view.
 template <typename F>
 void forBearings(int bearings, double at_rad, double half_width_rad, F f) {
@@ -57,8 +53,9 @@ Pose3 cameraTowards(const Eigen::Vector3d& position, const PanTilt& direction) {
   return T_robot_camera;
 }
 
-std::vector<double> spread(double low, double high, double step) {
-  const int count = std::max(1, static_cast<int>(std::lround((high - low) / step)) + 1);
+/// Candidate directions from low to high, evenly spread.
+std::vector<double> spread(double low, double high) {
+  const int count = std::max(1, static_cast<int>(std::lround((high - low) / kDirectionStep_rad)) + 1);
   std::vector<double> values;
   for (int i = 0; i < count; ++i) {
     values.push_back(count == 1 ? 0.5 * (low + high) : low + (high - low) * i / (count - 1));
@@ -133,7 +130,7 @@ std::vector<GazeAdvisor::Target> GazeAdvisor::targets(const PoseEstimate& estima
   }
   for (Place& place : places) place.belief /= sum;
   std::erase_if(places, [](const Place& place) { return place.belief < kNegligibleBelief; });
-  const double none = std::clamp(1.0 - best_fit, std::min(kNoneShare, 1.0), 1.0);
+  const double none = std::clamp(1.0 - best_fit, kNoneShare, 1.0);
   std::vector<Target> all;
   std::vector<VisiblePoint> points;
   for (const Place& place : places) {
@@ -163,8 +160,8 @@ GazeAdvisor::Bearings GazeAdvisor::informativeAt(double tilt_rad, const std::vec
   const CameraView ahead(view.intrinsics, cameraTowards(view.T_robot_camera.translation(), {0.0, tilt_rad}));
   Bearings informative_m;
   for (int i = 0; i < kBearings; ++i) {
-    informative_m[static_cast<std::size_t>(i)] =
-        kOpenness_m * std::abs(std::cos(bearingOf(i, kBearings) - heading));
+    const double bearing = 2.0 * std::numbers::pi * (i + 0.5) / kBearings;
+    informative_m[static_cast<std::size_t>(i)] = kOpenness_m * std::abs(std::cos(bearing - heading));
   }
   for (const Target& target : targets) {
     if (!ahead.shows({target.p_robot.norm(), 0.0})) continue;
@@ -213,9 +210,9 @@ std::vector<GazeAdvice> GazeAdvisor::advise(const PoseEstimate& estimate, const 
   const double heading = update.snapshot->T_odom_robot.theta;
   const double now = axisOf(view.T_robot_camera).pan_rad;
   const Eigen::Vector3d camera = view.T_robot_camera.translation();
-  for (const double tilt : spread(params_.minimum_tilt_rad, params_.maximum_tilt_rad, kDirectionStep_rad)) {
+  for (const double tilt : spread(params_.minimum_tilt_rad, params_.maximum_tilt_rad)) {
     const Bearings informative_m = informativeAt(tilt, seen, update);
-    for (const double pan : spread(params_.minimum_pan_rad, params_.maximum_pan_rad, kDirectionStep_rad)) {
+    for (const double pan : spread(params_.minimum_pan_rad, params_.maximum_pan_rad)) {
       GazeAdvice one;
       one.direction = {pan, tilt};
       // The unit stops at its limits, so the motion does not pass behind the robot.

@@ -127,7 +127,11 @@ class RobustRaces : public RaceStrategy {
                           wrapAngle(race.T_world_robot.theta + T_before_now.theta + turn)};
   }
 
-  void weight(Race& race) const override { rate(race, {race.T_world_robot, race.camera_tilt}); }
+  void weight(Race& race) const override {
+    const Rating rating = likelihood_.rate(observation_, {race.T_world_robot, race.camera_tilt});
+    race.health = rating.explained;
+    race.log_likelihood = rating.log_likelihood;
+  }
 
   /// Races that the table would not admit have a pose and a health only.
   std::span<Race> propose(int explorers, const RaceTable& table, RandomEngine& engine) override {
@@ -372,12 +376,6 @@ class RobustRaces : public RaceStrategy {
     std::optional<Pose2> pose;
     if (uniform(engine, 0.0, 1.0) < constructed_share) pose = constructed_.propose(observation_, engine);
     return pose ? *pose : uniformExplorer(map_, explorers_.margin_m, engine);
-  }
-
-  void rate(Race& race, const Placement& placement) const {
-    const Rating rating = likelihood_.rate(observation_, placement);
-    race.health = rating.explained;
-    race.log_likelihood = rating.log_likelihood;
   }
 
   double bestEvidence(const RaceTable& table) const {

@@ -28,14 +28,16 @@ class DepthBuffer {
  public:
   DepthBuffer() { depth_.fill(1e9f); }
 
-  /// Adds `count` adjacent pieces from `start` on, each as long as `step` and short compared with its
-  /// distance.
-  void add(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count) {
-    int from = bin(start);
-    for (int i = 0; i < count; ++i) {
-      const int to = bin(start + (i + 1.0) * step);
-      add(from, to, static_cast<float>((start + (i + 0.5) * step).norm()));
-      from = to;
+  /// Adds a piece that is short compared with its distance.
+  void add(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen::Vector2d& middle) {
+    const int first = bin(from);
+    int steps = bin(to) - first;
+    if (steps > kBearings / 2) steps -= kBearings;
+    if (steps < -kBearings / 2) steps += kBearings;
+    const int step = steps < 0 ? -1 : 1;
+    for (int i = 0; i != steps + step; i += step) {
+      float& depth = depth_[static_cast<std::size_t>((first + i + kBearings) % kBearings)];
+      depth = std::min(depth, static_cast<float>(middle.norm()));
     }
   }
   bool hides(const Eigen::Vector2d& p) const {
@@ -43,16 +45,6 @@ class DepthBuffer {
   }
 
  private:
-  void add(int from, int to, float distance) {
-    int steps = to - from;
-    if (steps > kBearings / 2) steps -= kBearings;
-    if (steps < -kBearings / 2) steps += kBearings;
-    const int step = steps < 0 ? -1 : 1;
-    for (int i = 0; i != steps + step; i += step) {
-      float& depth = depth_[static_cast<std::size_t>((from + i + kBearings) % kBearings)];
-      depth = std::min(depth, distance);
-    }
-  }
   static int bin(const Eigen::Vector2d& p) {
     return std::min(kBearings - 1, static_cast<int>(diamondAngle(p) * (kBearings / 4.0)));
   }
@@ -108,7 +100,8 @@ void Visibility::around(const Pose2& T_world_robot, double range_m, std::vector<
       const Eigen::Vector2d middle = robot.a + (i + 0.5) * step;
       if (middle.norm() > range_m) continue;
       out.push_back({middle, robot.direction(), step.norm(), line.label});
-      if (line.opaque) depth.add(robot.a + i * step, step, 1);
+      const Eigen::Vector2d begin = robot.a + i * step;
+      if (line.opaque) depth.add(begin, begin + step, begin + 0.5 * step);
     }
   }
   std::erase_if(out, [&](const VisiblePoint& point) { return depth.hides(point.p_robot); });

@@ -276,15 +276,15 @@ FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const 
 }
 
 FloorObservation thinned(const FloorObservation& observation, std::size_t points, FloorObservation reused) {
-  const std::size_t stride = (observation.points.size() + points - 1) / std::max<std::size_t>(points, 1);
+  const std::size_t stride = std::max<std::size_t>((observation.points.size() + points - 1) / points, 1);
   FloorObservation few = emptied(std::move(reused));
   few.amount = observation.amount;
   few.memory_influence = observation.memory_influence;
-  for (std::size_t i = 0; i < observation.points.size(); i += std::max<std::size_t>(stride, 1)) {
+  for (std::size_t i = 0; i < observation.points.size(); i += stride) {
     few.remembered += i < observation.remembered ? 1 : 0;
     few.points.push_back(observation.points[i]);
   }
-  if (stride <= 1) return few;
+  if (stride == 1) return few;
   const double scale = weightOf(observation) / weightOf(few);
   for (FloorPoint& point : few.points) point.weight *= scale;
   return few;

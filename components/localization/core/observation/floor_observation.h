@@ -108,7 +108,7 @@ FloorObservation observeImage(const ImageAnalysis& analysis, const MapIndex& map
 FloorObservation observe(const MemoryUpdate& update, const MapIndex& map, const ObservationParams& params,
                          const CameraModel* view = nullptr, FloorObservation reused = {});
 
-/// Every n-th point with the weight of all, without segments; at most `points` remain.
+/// Every n-th point with the weight of all, without segments; at most `points` (> 0) remain.
 /// @param reused gives its memory to the result.
 FloorObservation thinned(const FloorObservation& observation, std::size_t points,
                          FloorObservation reused = {});
