@@ -54,7 +54,7 @@ PortReply LocalizationLoop::setPose(const Pose2& T_world_robot) {
       return PortReply::rejected(problem);
     }
   }
-  return enqueue(T_world_robot);
+  return enqueue([this, T_world_robot] { localizer_.setPose(T_world_robot); });
 }
 
 void LocalizationLoop::replaceMap(Localizer localizer, std::optional<GazePlanner> planner) {
@@ -70,23 +70,19 @@ void LocalizationLoop::replaceMap(Localizer localizer, std::optional<GazePlanner
 }
 
 PortReply LocalizationLoop::relocalize() {
-  return enqueue(std::nullopt);
+  return enqueue([this] { localizer_.relocalize(); });
 }
 
 PortReply LocalizationLoop::changePlanner(std::function<void(GazePlanner&)> change) {
-  const std::lock_guard lock(mutex_);
-  if (planner_changes_.size() >= kMaximumCommands)
-    return PortReply::rejected(std::to_string(planner_changes_.size()) + " changes are waiting already");
-  planner_changes_.push_back(std::move(change));
-  return PortReply::accepted();
+  return enqueue([this, change = std::move(change)] { change(*planner_); });
 }
 
-PortReply LocalizationLoop::enqueue(const Command& command) {
+PortReply LocalizationLoop::enqueue(Command command) {
   const std::lock_guard lock(mutex_);
   if (commands_.size() >= kMaximumCommands) {
     return PortReply::rejected(std::to_string(commands_.size()) + " commands are waiting already");
   }
-  commands_.push_back(command);
+  commands_.push_back(std::move(command));
   return PortReply::accepted();
 }
 
@@ -95,23 +91,13 @@ MemoryUpdate LocalizationLoop::newest() const {
   return newest_;
 }
 
-bool LocalizationLoop::runCommands() {
+void LocalizationLoop::runCommands() {
   std::deque<Command> commands;
-  std::deque<std::function<void(GazePlanner&)>> planner_changes;
   {
     const std::lock_guard lock(mutex_);
     commands.swap(commands_);
-    planner_changes.swap(planner_changes_);
   }
-  for (const auto& change : planner_changes) change(*planner_);
-  for (const Command& command : commands) {
-    if (command) {
-      localizer_.setPose(*command);
-    } else {
-      localizer_.relocalize();
-    }
-  }
-  return !commands.empty();
+  for (const Command& command : commands) command();
 }
 
 void LocalizationLoop::run(const std::stop_token& stop) {
@@ -120,8 +106,10 @@ void LocalizationLoop::run(const std::stop_token& stop) {
   auto last_update = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
     alive_();
+    const std::uint64_t known = localizer_.latest().revision;
+    runCommands();
     // Before the first update an estimate has no stamp; commands are published with that update.
-    if (runCommands() && memory_revision != 0) publish_(localizer_.latest(), 0.0);
+    if (localizer_.latest().revision != known && memory_revision != 0) publish_(localizer_.latest(), 0.0);
     const MemoryResult result = source_.next(memory_revision, kWait);
     const auto now = std::chrono::steady_clock::now();
     const bool has_update =

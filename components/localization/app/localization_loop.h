@@ -53,12 +53,11 @@ class LocalizationLoop {
   MemoryUpdate newest() const;
 
  private:
-  /// Empty: relocalize.
-  using Command = std::optional<Pose2>;
+  using Command = std::function<void()>;  ///< for the loop's thread
   static constexpr std::size_t kMaximumCommands = 16;
 
-  PortReply enqueue(const Command& command);
-  bool runCommands();
+  PortReply enqueue(Command command);
+  void runCommands();
   void run(const std::stop_token& stop);
 
   Localizer localizer_;
@@ -71,7 +70,6 @@ class LocalizationLoop {
   std::function<void()> alive_;
   mutable std::mutex mutex_;
   std::deque<Command> commands_;
-  std::deque<std::function<void(GazePlanner&)>> planner_changes_;
   MemoryUpdate newest_;
   std::jthread thread_;  ///< last member: it uses all of the above
 };
