@@ -1,6 +1,7 @@
 #include "localization/app/component.h"
 
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "common/memory_ice/visual_memory_ice.h"
 #include "common/process/parameter_table.h"
 #include "common/process/peer.h"
+#include "localization/app/config.h"
 #include "localization/app/gaze_sender.h"
 #include "localization/app/health_map_worker.h"
 #include "localization/app/localization_loop.h"
@@ -39,15 +41,12 @@ void reportCamera(const CameraErrors& camera, StatusBoard& status) {
 
 class LocalizationComponent final : public Component, public PoseCommands {
  public:
-  LocalizationComponent(LocalizationConfig config, LoadedMap loaded, avm::MapContents map)
-      : config_(std::move(config)),
-        map_edges_(std::move(loaded.edges)),
-        map_warnings_(std::move(loaded.warnings)),
+  LocalizationComponent(const LocalizationConfig& config, LoadedMap map)
+      : config_(config),
         map_(std::move(map)),
-        localizer_(config_.params, map_edges_, config_.seed),
+        localizer_(config_.params, map_.edges, config_.seed),
         gaze_params_(config_.gaze),
         watch_({config_.map, config_.palette}) {
-    if (!config_.gaze_proxy.empty()) planner_.emplace(makePlanner(map_edges_));
     if (!config_.start) return;
     if (const std::string problem = localizer_.problemOf(*config_.start); !problem.empty())
       throw ConfigError({"Localization.Start.Position_m: " + problem});
@@ -55,27 +54,26 @@ class LocalizationComponent final : public Component, public PoseCommands {
   }
 
   void start(ComponentHost& host) override {
-    for (const std::string& warning : map_warnings_) host.log().warning(warning);
+    for (const std::string& warning : map_.warnings) host.log().warning(warning);
     const auto proxy = host.communicator()->stringToProxy(config_.visual_memory_proxy);
     memory_ =
         std::make_unique<VisualMemoryClient>(Ice::uncheckedCast<avm::VisualMemoryPrx>(proxy),
                                              reportTo("VisualMemory", proxy, host.status(), host.log()));
     loop_ = std::make_unique<LocalizationLoop>(std::move(localizer_), *memory_);
-    planner_wanted_ = planner_.has_value();
-    if (planner_) {
+    if (!config_.gaze_proxy.empty()) {
       gaze_ = std::make_unique<GazeSender>(host.communicator()->stringToProxy(config_.gaze_proxy),
                                            host.status(), host.log());
-      loop_->seekGaze(std::move(*planner_), [this, &host](const GazePlan& plan, double plan_s) {
+      loop_->seekGaze(makePlanner(map_.edges), [this, &host](const GazePlan& plan, double plan_s) {
         host.status().latency("gaze plan", plan_s);
         gaze_->send(plan);
       });
     } else {
       host.status().note("requests no gaze: Localization.Gaze.Proxy is not set");
     }
-    health_maps_ = std::make_unique<HealthMapWorker>(healthMapParams(config_.params), map_edges_,
+    health_maps_ = std::make_unique<HealthMapWorker>(healthMapParams(config_.params), map_.edges,
                                                      [this] { return loop_->newest(); });
-    servant_ =
-        std::make_shared<LocalizationServant>(*this, estimates_, *health_maps_, map_, config_.pose3d_scale);
+    servant_ = std::make_shared<LocalizationServant>(*this, estimates_, *health_maps_,
+                                                     toIce(map_.rows, mapName()), config_.pose3d_scale);
     host.serve("Localization", servant_);
     if (gaze_) listGazeParameters(host.parameters());
     loop_->start(
@@ -126,22 +124,22 @@ class LocalizationComponent final : public Component, public PoseCommands {
     return GazePlanner(gaze_params_, config_.params.robust.likelihood, config_.params.map, map_edges);
   }
 
+  std::string mapName() const { return config_.map.filename().string(); }
+
   /// In the loop's thread. A map that cannot be used changes nothing.
   void reloadMap(ComponentHost& host) {
-    const std::string name = config_.map.filename().string();
     try {
       const LoadedMap loaded = loadMapEdges(config_.map, config_.palette);
       for (const std::string& warning : loaded.warnings) host.log().warning(warning);
-      loop_->replaceMap(
-          Localizer(config_.params, loaded.edges, config_.seed),
-          planner_wanted_ ? std::optional<GazePlanner>(makePlanner(loaded.edges)) : std::nullopt);
+      loop_->replaceMap(Localizer(config_.params, loaded.edges, config_.seed),
+                        gaze_ ? std::optional<GazePlanner>(makePlanner(loaded.edges)) : std::nullopt);
       health_maps_->setMap(loaded.edges);
-      servant_->setMap(toIce(loaded.rows, name));
+      servant_->setMap(toIce(loaded.rows, mapName()));
       host.status().healthy("map");
-      host.log().info("the map " + name + " has changed: localizing with it");
+      host.log().info("the map " + mapName() + " has changed: localizing with it");
     } catch (const ConfigError& error) {
       host.status().fault("map",
-                          name + " has changed and cannot be used, the last one stays: " + error.what());
+                          mapName() + " has changed and cannot be used, the last one stays: " + error.what());
     }
   }
 
@@ -166,15 +164,11 @@ class LocalizationComponent final : public Component, public PoseCommands {
   }
 
   const LocalizationConfig config_;
-  const SegmentMap map_edges_;
-  const std::vector<std::string> map_warnings_;
-  const avm::MapContents map_;          ///< as clients get it
-  Localizer localizer_;                 ///< until start(), then the loop's
-  GazePlannerParams gaze_params_;       ///< as changed at run time; the loop's thread after start()
-  MapWatch watch_;                      ///< the loop's thread after start()
-  std::optional<GazePlanner> planner_;  ///< until start(), then the loop's
-  bool planner_wanted_ = false;
-  CameraAlarm camera_alarm_;  ///< the loop's thread after start()
+  const LoadedMap map_;            ///< at the start
+  Localizer localizer_;            ///< until start(), then the loop's
+  GazePlannerParams gaze_params_;  ///< as changed at run time; the loop's thread after start()
+  MapWatch watch_;                 ///< the loop's thread after start()
+  CameraAlarm camera_alarm_;       ///< the loop's thread after start()
   LatestEstimate estimates_{"no estimate yet"};
   std::unique_ptr<VisualMemoryClient> memory_;
   std::unique_ptr<GazeSender> gaze_;        ///< null: no gaze requests
@@ -184,13 +178,6 @@ class LocalizationComponent final : public Component, public PoseCommands {
 };
 
 }  // namespace
-
-std::unique_ptr<Component> makeLocalization(const LocalizationConfig& config) {
-  // First, because it reports what is wrong with map and palette together.
-  LoadedMap loaded = loadMapEdges(config.map, config.palette);
-  return std::make_unique<LocalizationComponent>(
-      config, std::move(loaded), toIce(loadSegmentMap(config.map), config.map.filename().string()));
-}
 
 ComponentSpec localizationSpec() {
   ComponentSpec spec;
@@ -203,7 +190,7 @@ ComponentSpec localizationSpec() {
     ConfigReader reader = root.group("Localization");
     const LocalizationConfig config = readLocalizationConfig(reader);
     if (!reader.good()) return nullptr;
-    return makeLocalization(config);
+    return std::make_unique<LocalizationComponent>(config, loadMapEdges(config.map, config.palette));
   };
   return spec;
 }
