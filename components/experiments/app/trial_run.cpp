@@ -77,7 +77,7 @@ struct GazeRequester {
     const double before_s = CpuStages::now_s();
     const GazePlan plan = planner.plan(estimate, update);
     trial.gaze_plan_ms.push_back(1e3 * (CpuStages::now_s() - before_s));
-    trial.gaze_requests += static_cast<int>(plan.requests.size());
+    trial.gaze_requests += plan.request.has_value();
     if (carryOut(plan, client) > 0) throw std::logic_error("the gaze rejected a request of localization");
   }
 

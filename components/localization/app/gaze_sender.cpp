@@ -71,18 +71,17 @@ void GazeSender::send(const GazePlan& plan) {
       shared->failed(proxy, error, is_request);
     };
   };
-  for (const std::string& key : plan.withdrawn) {
-    // A lost withdrawal ends at the request's deadline.
-    if (beginCall()) proxy_->withdrawAsync(kGazeClientName, key, answered, failed(false));
+  // A lost withdrawal ends at the request's deadline.
+  if (plan.withdrawn && beginCall()) {
+    proxy_->withdrawAsync(kGazeClientName, *plan.withdrawn, answered, failed(false));
   }
-  for (const GazeRequest& request : plan.requests) {
-    const bool is_free = beginCall();
-    {
-      const std::lock_guard lock(shared_->mutex);
-      if (shared_->status) shared_->status->count(is_free ? "gaze requests" : "gaze requests lost");
-    }
-    if (is_free) proxy_->requestAsync(toIce(request), answered, failed(true));
+  if (!plan.request) return;
+  const bool is_free = beginCall();
+  {
+    const std::lock_guard lock(shared_->mutex);
+    if (shared_->status) shared_->status->count(is_free ? "gaze requests" : "gaze requests lost");
   }
+  if (is_free) proxy_->requestAsync(toIce(*plan.request), answered, failed(true));
 }
 
 void GazeSender::keepInTouch() {

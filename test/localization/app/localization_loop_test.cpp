@@ -157,9 +157,8 @@ TEST_F(LocalizationLoopTest, ReportsEachStateOfTheSourceOnce) {
 
 TEST_F(LocalizationLoopTest, PlansGazeForEveryUpdate) {
   int plans = 0;
-  loop_.seekGaze(GazePlanner({}, {}, {}, corner()), [&](const GazePlan& plan, double) {
-    note([&] { plans += plan.requests.empty() ? 0 : 1; });
-  });
+  loop_.seekGaze(GazePlanner({}, {}, {}, corner()),
+                 [&](const GazePlan& plan, double) { note([&] { plans += plan.request.has_value(); }); });
   start();
   source_.provide(1);
   ASSERT_TRUE(waitFor([&] { return plans == 1; })) << "the first pose is uncertain";

@@ -22,12 +22,8 @@ PanTilt directionTo(const Eigen::Vector3d& p_odom, const MemoryUpdate& update) {
 
 int carryOut(const GazePlan& plan, GazeClient& client) {
   int rejected = 0;
-  for (const std::string& key : plan.withdrawn) {
-    if (!client.withdraw(kGazeClientName, key).ok()) ++rejected;
-  }
-  for (const GazeRequest& request : plan.requests) {
-    if (!client.request(request).ok()) ++rejected;
-  }
+  if (plan.withdrawn && !client.withdraw(kGazeClientName, *plan.withdrawn).ok()) ++rejected;
+  if (plan.request && !client.request(*plan.request).ok()) ++rejected;
   return rejected;
 }
 
@@ -67,7 +63,7 @@ GazePlan GazePlanner::plan(const PoseEstimate& estimate, const MemoryUpdate& upd
   const StampUs now = update.analysis->stamp_us;
   // A new epoch clears the requests of gaze; a restarted source has other stamps.
   if (update.snapshot->epoch != epoch_ || now < last_stamp_us_) {
-    if (standing_ && now >= last_stamp_us_) plan.withdrawn.push_back(standing_->key);
+    if (standing_ && now >= last_stamp_us_) plan.withdrawn = standing_->key;
     standing_.reset();
     uncertain_us_.reset();
     epoch_ = update.snapshot->epoch;
@@ -82,7 +78,7 @@ GazePlan GazePlanner::plan(const PoseEstimate& estimate, const MemoryUpdate& upd
   advisor_.addView(update);
   if (uncertain_us_ && toSeconds(now - *uncertain_us_) > params_.confirm_s) uncertain_us_.reset();
   if (!uncertain_us_) {
-    if (standing_) plan.withdrawn.push_back(standing_->key);
+    if (standing_) plan.withdrawn = standing_->key;
     standing_.reset();
     return plan;
   }
@@ -98,13 +94,12 @@ GazePlan GazePlanner::plan(const PoseEstimate& estimate, const MemoryUpdate& upd
   // With the same key a request that moves keeps its salience, and the head turns without a stop.
   const std::string key = standing_ ? standing_->key : "look " + std::to_string(++asked_);
   standing_ = Standing{key, best, now, standing_ && !is_elsewhere ? standing_->reached_us : now};
-  GazeRequest request;
+  GazeRequest& request = plan.request.emplace();
   request.client = kGazeClientName;
   request.key = key;
   request.p_odom = best.p_odom;
   request.priority = params_.least_priority + uncertainty * (params_.most_priority - params_.least_priority);
   request.deadline_us = now + toStampUs(params_.deadline_s);
-  plan.requests.push_back(std::move(request));
   return plan;
 }
 

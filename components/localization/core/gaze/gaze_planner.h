@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "common/config/parameter_visitor.h"
 #include "common/geometry/angles.h"
@@ -32,12 +31,12 @@ struct GazePlannerParams {
   }
 };
 
-/// Calls to a GazeClient; withdrawals come first.
+/// Calls to a GazeClient; the withdrawal comes first.
 struct GazePlan {
-  std::vector<std::string> withdrawn;  ///< keys
-  std::vector<GazeRequest> requests;
+  std::optional<std::string> withdrawn;  ///< key
+  std::optional<GazeRequest> request;
 
-  bool isEmpty() const { return withdrawn.empty() && requests.empty(); }
+  bool isEmpty() const { return !withdrawn && !request; }
 };
 
 /// The client name of localization.

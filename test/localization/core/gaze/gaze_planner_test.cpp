@@ -87,9 +87,9 @@ TEST_F(GazePlannerTest, UncertaintyIsTheComplementOfBeliefTimesReliability) {
 
 TEST_F(GazePlannerTest, ARequestHasAPlaceAPriorityAndADeadline) {
   const GazePlan plan = seeAhead(kAmbiguous);
-  ASSERT_EQ(plan.requests.size(), 1u);
-  EXPECT_TRUE(plan.withdrawn.empty());
-  const GazeRequest& request = plan.requests.front();
+  ASSERT_TRUE(plan.request);
+  EXPECT_FALSE(plan.withdrawn);
+  const GazeRequest& request = *plan.request;
   EXPECT_EQ(request.client, kGazeClientName);
   EXPECT_FALSE(request.key.empty());
   ASSERT_TRUE(request.p_odom);
@@ -104,14 +104,14 @@ TEST_F(GazePlannerTest, ARequestHasAPlaceAPriorityAndADeadline) {
 
 TEST_F(GazePlannerTest, ARequestMovesOnWithTheSameKey) {
   const GazePlan asked = seeAhead(kAmbiguous);
-  ASSERT_EQ(asked.requests.size(), 1u);
+  ASSERT_TRUE(asked.request);
   const GazeAdvice first = *planner_.requested();
   GazePlan plan;
   for (int image = 0; image < 20 && plan.isEmpty(); ++image) plan = seeRequested(kAmbiguous);
   // The direction loses novelty, and the request moves with its key, which keeps its salience.
-  ASSERT_EQ(plan.requests.size(), 1u);
-  EXPECT_TRUE(plan.withdrawn.empty());
-  EXPECT_EQ(plan.requests.front().key, asked.requests.front().key);
+  ASSERT_TRUE(plan.request);
+  EXPECT_FALSE(plan.withdrawn);
+  EXPECT_EQ(plan.request->key, asked.request->key);
   const GazeAdvice second = *planner_.requested();
   EXPECT_GT(std::abs(angleDifference(first.direction.pan_rad, second.direction.pan_rad)),
             params_.move_rad - 1e-9);
@@ -120,7 +120,7 @@ TEST_F(GazePlannerTest, ARequestMovesOnWithTheSameKey) {
 TEST_F(GazePlannerTest, ARequestIsRenewedBeforeItsDeadline) {
   StampUs deadline_us = 0;
   for (int image = 0; image < 60; ++image) {
-    for (const GazeRequest& request : seeRequested(kAmbiguous).requests) deadline_us = request.deadline_us;
+    if (const GazePlan plan = seeRequested(kAmbiguous); plan.request) deadline_us = plan.request->deadline_us;
     ASSERT_GT(deadline_us, stamp_us_);
   }
 }
@@ -149,7 +149,7 @@ TEST_F(GazePlannerTest, TheRequestEndsAfterASecondOfCertainPoses) {
   GazePlan plan;
   for (int image = 0; image < 100 && planner_.requested(); ++image) plan = seeRequested(kCertain);
   EXPECT_FALSE(planner_.requested());
-  EXPECT_EQ(plan.withdrawn.size(), 1u);
+  EXPECT_TRUE(plan.withdrawn);
   EXPECT_NEAR(toSeconds(stamp_us_ - uncertain_us), params_.confirm_s, 0.11);
   EXPECT_TRUE(seeAhead(kCertain).isEmpty());
 }
@@ -160,16 +160,16 @@ TEST_F(GazePlannerTest, ANewEpochWithdrawsTheRequest) {
     GazePlan plan;
     epoch_ = 1;
     plan = seeAhead(kAmbiguous);
-    EXPECT_EQ(plan.withdrawn.size(), 1u);
-    EXPECT_EQ(plan.requests.size(), 1u);  // places in the old odom frame are invalid
-    return plan.requests.empty() ? std::string() : plan.requests.front().key;
+    EXPECT_TRUE(plan.withdrawn);
+    EXPECT_TRUE(plan.request);  // places in the old odom frame are invalid
+    return plan.request ? plan.request->key : std::string();
   }();
   EXPECT_FALSE(key.empty());
   // A restarted source, whose stamps went back.
   stamp_us_ = 0;
   const GazePlan plan = seeAhead(kAmbiguous);
-  ASSERT_EQ(plan.requests.size(), 1u);
-  EXPECT_LT(plan.requests.front().deadline_us, 5 * kSecondUs);
+  ASSERT_TRUE(plan.request);
+  EXPECT_LT(plan.request->deadline_us, 5 * kSecondUs);
 }
 
 TEST_F(GazePlannerTest, DirectionsStayInsideTheLimitsOfTheHead) {
@@ -206,9 +206,8 @@ class RecordingClient : public GazeClient {
 
 TEST(GazePlan, WithdrawsBeforeItRequestsAndCountsRejections) {
   GazePlan plan;
-  plan.withdrawn = {"a"};
-  plan.requests.resize(1);
-  plan.requests[0].key = "b";
+  plan.withdrawn = "a";
+  plan.request.emplace().key = "b";
   RecordingClient client;
   EXPECT_EQ(carryOut(plan, client), 0);
   EXPECT_EQ(client.calls, (std::vector<std::string>{"withdraw a", "request b"}));
