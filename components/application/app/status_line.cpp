@@ -1,8 +1,8 @@
 #include "application/app/status_line.h"
 
-#include <cstdio>
 #include <ostream>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/rounding.h"
 
@@ -11,13 +11,6 @@ namespace {
 
 /// Reliability from which the page says that the robot knows where it is.
 constexpr double kSure = 0.7;
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-  char text[160];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 const char* nameOf(GazeState state) {
   switch (state) {
@@ -64,9 +57,9 @@ std::string statusText(const LiveState& live, const std::optional<GazeStatus>& g
   if (live.estimate && live.estimate->T_world_robot) {
     const Pose2& pose = *live.estimate->T_world_robot;
     const bool is_sure = live.estimate->reliability >= kSure;
-    text += formatted(" | %s %.2f %.2f m %.0f deg, reliability %.2f", is_sure ? "pose" : "not sure, best guess",
-                      rounded(pose.x, 100), rounded(pose.y, 100), rounded(radToDeg(pose.theta), 1),
-                      live.estimate->reliability);
+    text += formatted(" | %s %.2f %.2f m %.0f deg, reliability %.2f",
+                      is_sure ? "pose" : "not sure, best guess", rounded(pose.x, 100), rounded(pose.y, 100),
+                      rounded(radToDeg(pose.theta), 1), live.estimate->reliability);
   } else {
     text += " | no pose";
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/config/config_error.h"
+#include "common/config/text_format.h"
 
 namespace vismem {
 namespace {
@@ -112,10 +113,8 @@ std::string exact(double value) {
 }
 
 std::string matrix(const std::string& name, int rows, int columns, const std::vector<double>& data) {
-  std::string list;
-  for (const double value : data) list += (list.empty() ? "" : ", ") + exact(value);
   return name + ":\n  rows: " + std::to_string(rows) + "\n  cols: " + std::to_string(columns) +
-         "\n  data: [" + list + "]\n";
+         "\n  data: [" + joined(data, ", ", exact) + "]\n";
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "common/config/nearest_name.h"
 #include "common/config/project_file.h"
 #include "common/config/text_fields.h"
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 
 namespace vismem {
@@ -53,12 +54,6 @@ std::string typeRule(const std::string& type, const std::string& range) {
   return "must be " + type + (range.empty() ? "" : ", " + range);
 }
 
-std::string joined(const std::vector<std::string>& texts, const std::string& separator) {
-  std::string all;
-  for (const auto& text : texts) all += (all.empty() ? "" : separator) + text;
-  return all;
-}
-
 std::vector<std::string> wordsOf(const std::string& text) {
   static constexpr const char* kSeparators = ", \t";
   std::vector<std::string> words;
@@ -78,7 +73,7 @@ std::string hint(const std::string& name, const std::set<std::string>& known) {
   std::set<std::string> beginnings;
   for (const auto& key : known) beginnings.insert(first(key));
   if (beginnings.contains(first(name))) return "";
-  return " (must begin with " + joined({beginnings.begin(), beginnings.end()}, " or ") + ")";
+  return " (must begin with " + joined(beginnings, " or ") + ")";
 }
 
 bool isFromFile(const Properties& properties) {

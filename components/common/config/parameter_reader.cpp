@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 
 namespace vismem {
@@ -23,9 +24,7 @@ void ParameterReader::flag(const Key& key, bool& value) {
 }
 
 void ParameterReader::words(const Key& key, std::vector<std::string>& value) {
-  std::string joined;
-  for (const std::string& word : value) joined += (joined.empty() ? "" : " ") + word;
-  std::istringstream text(groups_.back().describe(key).text(key.name, joined));
+  std::istringstream text(groups_.back().describe(key).text(key.name, joined(value, " ")));
   value.clear();
   for (std::string word; text >> word;) value.push_back(word);
 }

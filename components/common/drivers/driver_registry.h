@@ -12,6 +12,7 @@
 
 #include "common/config/config_reader.h"
 #include "common/config/nearest_name.h"
+#include "common/config/text_format.h"
 
 namespace vismem {
 
@@ -75,11 +76,7 @@ class DriverRegistry {
     Factory factory;
   };
 
-  std::string namesText() const {
-    std::string text;
-    for (const auto& [name, driver] : drivers_) text += (text.empty() ? "" : ", ") + name;
-    return text.empty() ? "none is built in" : text;
-  }
+  std::string namesText() const { return drivers_.empty() ? "none is built in" : joined(names(), ", "); }
 
   std::map<std::string, Driver> drivers_;
 };

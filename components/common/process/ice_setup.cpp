@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/config/config_error.h"
+#include "common/config/text_format.h"
 #include "common/process/ice_failure.h"
 #include "common/process/registration.h"
 #include "common/process/reply_limit.h"
@@ -262,18 +263,15 @@ std::shared_ptr<Ice::ObjectAdapter> makeAdapter(Ice::Communicator& communicator,
 
 namespace {
 
-std::string joined(const Ice::EndpointSeq& endpoints) {
-  std::string text;
-  for (const auto& endpoint : endpoints) {
-    text += (text.empty() ? "" : ":") + withoutUsualOptions(endpoint->toString());
-  }
-  return text;
+std::string textOf(const Ice::EndpointSeq& endpoints) {
+  return joined(endpoints, ":",
+                [](const auto& endpoint) { return withoutUsualOptions(endpoint->toString()); });
 }
 
 }  // namespace
 
 std::string publishedEndpoints(Ice::ObjectAdapter& adapter) {
-  return joined(adapter.getPublishedEndpoints());
+  return textOf(adapter.getPublishedEndpoints());
 }
 
 bool isLoopback(const std::string& host) {
@@ -285,7 +283,7 @@ std::string openEndpoints(Ice::ObjectAdapter& adapter) {
   for (const auto& endpoint : adapter.getEndpoints()) {
     if (isRemote(endpoint) && !endpoint->getInfo()->secure()) open.push_back(endpoint);
   }
-  return joined(open);
+  return textOf(open);
 }
 
 }  // namespace vismem

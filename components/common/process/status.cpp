@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "common/config/text_format.h"
 #include "common/process/log.h"
 
 namespace vismem {
@@ -19,10 +20,7 @@ void append(std::string& reason, const std::string& part) {
 
 /// "no progress for 6.2 s".
 std::string noProgress(SteadyTime::duration time) {
-  std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "no progress for %.1f s",
-                std::chrono::duration<double>(time).count());
-  return text.data();
+  return formatted("no progress for %.1f s", std::chrono::duration<double>(time).count());
 }
 
 std::int64_t realTimeUs() {

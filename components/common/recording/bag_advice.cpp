@@ -6,6 +6,8 @@
 #include <sstream>
 #include <utility>
 
+#include "common/config/text_format.h"
+
 namespace vismem {
 namespace {
 
@@ -26,9 +28,7 @@ constexpr RoleName kRoles[] = {{"image", &RobotLogOptions::image_topic, "Topics.
                                {"tilt", &RobotLogOptions::tilt_joint, "Joints.Tilt"}};
 
 std::string listed(const std::vector<std::string>& items) {
-  std::string text;
-  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
-  return text.empty() ? "none" : text;
+  return items.empty() ? "none" : joined(items, ", ");
 }
 
 /// Topics of these types, the one with most messages first.
@@ -200,9 +200,8 @@ std::string applyTopics(const std::string& text, RobotLogOptions& options) {
       return role == r.name || (role == "images" && r.option == &RobotLogOptions::image_topic);
     });
     if (equals == std::string::npos || equals + 1 == item.size() || known == std::end(kRoles)) {
-      std::vector<std::string> names;
-      for (const RoleName& r : kRoles) names.emplace_back(r.name);
-      return "\"" + item + "\" (must be ROLE=/topic with a role of " + listed(names) + ")";
+      return "\"" + item + "\" (must be ROLE=/topic with a role of " + joined(kRoles, ", ", &RoleName::name) +
+             ")";
     }
     options.*(known->option) = item.substr(equals + 1);
   }

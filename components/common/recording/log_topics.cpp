@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/config/text_format.h"
+
 namespace vismem {
 
 std::string truthTopic(const BagFile& bag, const std::string& named) {
@@ -67,9 +69,7 @@ std::string chooseOdometry(const std::vector<OdometryTopic>& topics, const std::
 }
 
 std::string textOf(const std::vector<OdometryTopic>& topics) {
-  std::string text;
-  for (const OdometryTopic& topic : topics) text += (text.empty() ? "" : ", ") + topic.text();
-  return text;
+  return joined(topics, ", ", &OdometryTopic::text);
 }
 
 }  // namespace vismem

@@ -4,6 +4,7 @@
 #include <array>
 #include <opencv2/imgproc.hpp>
 
+#include "common/config/text_format.h"
 #include "common/image_codec/image_codec.h"
 #include "common/image_codec/jpeg_header.h"
 #include "common/robot/ports.h"
@@ -76,10 +77,7 @@ cv::Mat decodeCompressed(const BagImage& picture) {
 }  // namespace
 
 std::string knownEncodings() {
-  std::string names;
-  for (const Encoding& encoding : kEncodings)
-    names += (names.empty() ? "" : ", ") + std::string(encoding.name);
-  return names;
+  return joined(kEncodings, ", ", &Encoding::name);
 }
 
 bool isKnownEncoding(const std::string& encoding) {

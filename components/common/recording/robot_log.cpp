@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "common/config/text_format.h"
 #include "common/recording/picture_decoder.h"
 #include "common/recording/recorded_rows.h"
 #include "common/recording/transform_tree.h"
@@ -17,16 +18,14 @@ const std::array<std::string, 2> kRobotFrames{"base_footprint", "base_link"};
 const std::array<std::string, 2> kPanJoints{"head_yaw", "pan"};
 const std::array<std::string, 2> kTiltJoints{"head_pitch", "tilt"};
 
-std::string join(const std::vector<std::string>& items) {
-  std::string text;
-  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
-  return text.empty() ? "nothing" : text;
+std::string listOf(const std::vector<std::string>& items) {
+  return items.empty() ? "nothing" : joined(items, ", ");
 }
 
 std::string listOf(const std::vector<BagTopic>& topics) {
   std::vector<std::string> items;
   for (const BagTopic& topic : topics) items.push_back(topic.name + " (" + topic.type + ")");
-  return join(items);
+  return listOf(items);
 }
 
 bool isImage(const BagTopic& topic) {
@@ -292,7 +291,7 @@ void RobotLog::Impl::readJoints(const RobotLogOptions& options) {
     if (named) {
       std::vector<std::string> found;
       for (const auto& item : names) found.push_back(item.first);
-      fail(topics.joints, "has the joints " + join(found) + " (expected " +
+      fail(topics.joints, "has the joints " + listOf(found) + " (expected " +
                               (options.pan_joint.empty() ? "head_yaw or pan" : options.pan_joint) + " and " +
                               (options.tilt_joint.empty() ? "head_pitch or tilt" : options.tilt_joint) + ")");
     }
@@ -359,7 +358,7 @@ void RobotLog::Impl::readTransforms(const RobotLogOptions& options, const std::s
     if (!named && joints_known) return;
     fail("", "the camera's pose is unknown: no transforms join " +
                  (robot.empty() ? "base_footprint or base_link" : robot) + " and \"" + camera +
-                 "\", found the frames " + join(tree.frames()) +
+                 "\", found the frames " + listOf(tree.frames()) +
                  (named ? "" : ", and no joints called head_yaw and head_pitch or pan and tilt") +
                  " (name the frames or the joints)");
   }

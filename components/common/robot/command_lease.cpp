@@ -1,7 +1,6 @@
 #include "common/robot/command_lease.h"
 
-#include <array>
-#include <cstdio>
+#include "common/config/text_format.h"
 
 namespace vismem {
 
@@ -9,14 +8,11 @@ std::string CommandLease::busy(Time now) const {
   const Holder* current = holder(now);
   if (current == nullptr) return "the lease has ended";
   const double remaining_s = std::chrono::duration<double>(current->end - now).count();
-  std::array<char, 80> terms{};
   if (current->priority > kMaximumPriority) {
-    std::snprintf(terms.data(), terms.size(), "stopped: no command for another %.1f s", remaining_s);
-    return terms.data();
+    return formatted("stopped: no command for another %.1f s", remaining_s);
   }
-  std::snprintf(terms.data(), terms.size(), " holds the lease (priority %d, %.1f s more)", current->priority,
-                remaining_s);
-  return current->client + terms.data();
+  return current->client +
+         formatted(" holds the lease (priority %d, %.1f s more)", current->priority, remaining_s);
 }
 
 bool CommandLease::isHeldBy(const std::string& id, Time now) const {

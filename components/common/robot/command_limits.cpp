@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 
 namespace vismem {
@@ -13,9 +13,7 @@ namespace {
 
 /// A value with few digits, enough to distinguish it from the limit.
 std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.4g", value);
-  return buffer;
+  return formatted("%.4g", value);
 }
 
 /// Collects the problems and the changes of a command.

@@ -6,14 +6,13 @@
 
 #include "common/config/config_error.h"
 #include "common/config/nearest_name.h"
+#include "common/config/text_format.h"
 
 namespace vismem {
 namespace {
 
-std::string joined(const std::set<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
+std::string listed(const std::set<std::string>& names) {
+  return names.empty() ? "none" : joined(names, ", ");
 }
 
 std::string at(const std::string& file, const MapSegment& segment) {
@@ -97,8 +96,8 @@ std::vector<std::string> checkMap(const SegmentMap& map, const std::string& map_
   }
   if (usable == 0) {
     throw ConfigError({map_name + ": no label of the map is named by a pair of " + palette_name +
-                       " (map: " + joined({of_map.begin(), of_map.end()}) +
-                       "; palette: " + joined({labels.edges.begin(), labels.edges.end()}) + ")"});
+                       " (map: " + listed({of_map.begin(), of_map.end()}) +
+                       "; palette: " + listed({labels.edges.begin(), labels.edges.end()}) + ")"});
   }
   warnOfAbsentLabels(of_map, map_name, labels, palette_name, warnings);
   warnOfRepeatedRows(map, map_name, warnings);

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "common/config/text_format.h"
+
 namespace vismem {
 namespace {
 
@@ -39,9 +41,7 @@ std::optional<V4l2Control> usable(const v4l2_queryctrl& found) {
 }
 
 std::string namesOf(const std::vector<V4l2Control>& controls) {
-  std::string names;
-  for (const V4l2Control& control : controls) names += (names.empty() ? "" : ", ") + control.name;
-  return names.empty() ? "none" : names;
+  return controls.empty() ? "none" : joined(controls, ", ", &V4l2Control::name);
 }
 
 }  // namespace

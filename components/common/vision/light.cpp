@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "common/config/text_format.h"
 
 namespace vismem {
 
@@ -10,9 +11,7 @@ std::string describe(const ImageLight& light) {
   std::string text;
   const auto add = [&](const char* format, double value, double neutral) {
     if (std::abs(value - neutral) < 0.1) return;
-    char part[80];
-    std::snprintf(part, sizeof part, format, value);
-    text += (text.empty() ? "images are " : ", ") + std::string(part);
+    text += (text.empty() ? "images are " : ", ") + formatted(format, value);
   };
   // Green stands for the brightness; at half of the range, where gamma counts, too.
   const double half = light.gain[1] * std::pow(0.5, light.gamma);

@@ -9,6 +9,7 @@
 
 #include "common/config/config_error.h"
 #include "common/config/text_file.h"
+#include "common/config/text_format.h"
 
 namespace vismem {
 namespace {
@@ -397,10 +398,10 @@ void Palette::findUnusedClasses(const std::string& file_name) {
       if (matches(unused, values)) before.insert(firstMatch(values));
     }
     before.erase(kNoColorClass);
-    std::string names;
-    for (const ColorClass taken : before) names += (names.empty() ? "" : ", ") + className(taken);
+    const auto nameOf = [this](ColorClass taken) { return className(taken); };
     warnings_.push_back(file_name + ":" + std::to_string(unused.line) + ": class " + unused.name +
-                        (names.empty() ? " holds no colour" : " gets no colour: before it come " + names));
+                        (before.empty() ? " holds no colour"
+                                        : " gets no colour: before it come " + joined(before, ", ", nameOf)));
   }
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/config/nearest_name.h"
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/image_codec/image_codec.h"
 
@@ -52,9 +53,7 @@ std::string setOne(const std::string& item, std::set<std::string>& given, Pertur
   if (key == keys().end()) {
     std::set<std::string> names;
     for (const auto& [known, unused] : keys()) names.insert(known);
-    std::string list;
-    for (const std::string& known : names) list += (list.empty() ? "" : ", ") + known;
-    return "\"" + name + "\"" + suggestion(name, names) + " (expected one of " + list + ")";
+    return "\"" + name + "\"" + suggestion(name, names) + " (expected one of " + joined(names, ", ") + ")";
   }
   if (!given.insert(name).second) return name + " twice";
   const std::string number = equals == std::string::npos ? "" : item.substr(equals + 1);

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "evaluation/figures/canvas.h"
 
@@ -55,12 +55,6 @@ Panel headingPanel(const ErrorFigure& figure) {
     if (e.heading_rad) values.push_back(std::max(radToDeg(*e.heading_rad), kLeastHeading_deg));
   }
   return {404.0, 640.0, endOf(figure), logarithmicTicks(values)};
-}
-
-std::string formatted(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
 }
 
 /// The time axis: its unit and the distance of its marks.

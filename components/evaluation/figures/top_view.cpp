@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "evaluation/figures/canvas.h"
 
@@ -52,9 +52,7 @@ double gridStep(double px_per_m) {
 }
 
 std::string metres(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g m", value == 0.0 ? 0.0 : value);
-  return text;
+  return formatted("%g m", value == 0.0 ? 0.0 : value);
 }
 
 void drawGrid(Canvas& canvas, const TopViewFrame& frame, double width_m, double height_m) {

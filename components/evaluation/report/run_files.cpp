@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/config/text_format.h"
 #include "evaluation/core/trajectory_io.h"
 
 namespace vismem {
@@ -59,9 +60,7 @@ RunFiles::RunFiles(const fs::path& folder, bool snapshots)
       races_(folder / "races.csv", kRacesHeader),
       memory_(folder / "memory.csv", kMemoryHeader),
       primitives_(folder / "primitives.csv", kPrimitivesHeader) {
-  std::string all;
-  for (const std::string& problem : problems()) all += (all.empty() ? "" : "\n") + problem;
-  if (!all.empty()) throw std::runtime_error(all);
+  if (const auto found = problems(); !found.empty()) throw std::runtime_error(joined(found, "\n"));
 }
 
 void RunFiles::add(Poses& poses, const StampedPose& pose) {

@@ -1,12 +1,12 @@
 #include "evaluation/report/run_pictures.h"
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/config/text_format.h"
 #include "evaluation/figures/error_figure.h"
 
 namespace vismem {
@@ -40,8 +40,7 @@ std::vector<std::string> writePictures(const std::filesystem::path& folder, cons
     write("error.png", drawErrors({title + note + ": error over time", summary.score, {}}));
   }
   if (record.last_analysis) {
-    char when[40];
-    std::snprintf(when, sizeof when, ": image at %.2f s", toSeconds(record.last_analysis->stamp_us));
+    const std::string when = formatted(": image at %.2f s", toSeconds(record.last_analysis->stamp_us));
     const auto figure = imageFigureOf(record, map.edges, title + note + when);
     if (figure) write("last_image.png", drawLastImage(*figure));
   }

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/segment_map/symmetry.h"
 
@@ -15,21 +15,18 @@ namespace {
 constexpr StampUs kRecent_us = 2 * kSecondUs;
 
 std::string subtitleOf(const RunSummary& summary) {
-  char text[200];
   const LocalizationScore& score = summary.score;
   if (score.settled_after_s && score.position_error_m) {
-    std::snprintf(text, sizeof text,
-                  "%.1f s, %.1f m driven; settled after %.1f s; mean error %.3f m and %.2f deg",
-                  summary.seconds, summary.distance_m, *score.settled_after_s, *score.position_error_m,
-                  radToDeg(*score.heading_error_rad));
-  } else if (summary.projection && summary.projection->detected_to_map_px) {
-    std::snprintf(text, sizeof text, "%.1f s, %.1f m; the map lies %.1f px (median) from the detected lines",
-                  summary.seconds, summary.distance_m, *summary.projection->detected_to_map_px);
-  } else {
-    std::snprintf(text, sizeof text, "%.1f s, %.1f m driven%s", summary.seconds, summary.distance_m,
-                  score.errors.empty() ? "" : "; not settled");
+    return formatted("%.1f s, %.1f m driven; settled after %.1f s; mean error %.3f m and %.2f deg",
+                     summary.seconds, summary.distance_m, *score.settled_after_s, *score.position_error_m,
+                     radToDeg(*score.heading_error_rad));
   }
-  return text;
+  if (summary.projection && summary.projection->detected_to_map_px) {
+    return formatted("%.1f s, %.1f m; the map lies %.1f px (median) from the detected lines", summary.seconds,
+                     summary.distance_m, *summary.projection->detected_to_map_px);
+  }
+  return formatted("%.1f s, %.1f m driven%s", summary.seconds, summary.distance_m,
+                   score.errors.empty() ? "" : "; not settled");
 }
 
 /// The camera's heading over the floor and its opening.

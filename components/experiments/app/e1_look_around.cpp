@@ -3,11 +3,11 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/vision/app/image_file.h"
 #include "common/visual_memory/overlay.h"
 #include "evaluation/figures/board.h"
-#include "experiments/app/experiment_files.h"
 #include "experiments/app/experiment_run.h"
 #include "experiments/app/look_around_run.h"
 #include "simulator/app/render_view.h"
@@ -38,13 +38,13 @@ void drawFigure13(ExperimentRun& run, const MemoryScore& score, const Experiment
   const View above = topView(world, 2 * kPanel_px);
   Board board;
   board.title = "One image against the memory (figure 13)";
-  board.subtitle = text("E1, %s mode, seed %llu: the robot turned, drove one metre and turned again",
-                        options.mode.c_str(), static_cast<unsigned long long>(options.seed));
+  board.subtitle = formatted("E1, %s mode, seed %llu: the robot turned, drove one metre and turned again",
+                             options.mode.c_str(), static_cast<unsigned long long>(options.seed));
   BoardPanel scene{"the scene from above", {}, renderer.render(above.intrinsics, above.T_world_camera), {}};
   const ImageAnalysis& analysis = run.analysis();
   BoardPanel image{"the current image", {}, drawAnalysis(run.lastImage()->image, analysis, 3), {}};
-  image.caption = {text("%zu segments; %.1f true edges an image on average, %d at most",
-                        analysis.observed.size(), run.meanEdgesPerImage(), run.mostEdgesInAnImage()),
+  image.caption = {formatted("%zu segments; %.1f true edges an image on average, %d at most",
+                             analysis.observed.size(), run.meanEdgesPerImage(), run.mostEdgesInAnImage()),
                    "green: remembered and seen; red: only remembered; blue: only seen"};
   BoardPanel plan = scorePanel(run, score, "the memory over the true edges");
   plan.columns = 2;
@@ -69,10 +69,11 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
   nlohmann::json json;
   const MemoryScore score = lookAroundTwice(run, variant.name, LookAroundWay{}, files, json);
   if (std::string(variant.name) == "room") drawFigure13(run, score, options);
-  Board plan{std::string("E1: ") + variant.title,
-             text("%s mode, seed %llu", options.mode.c_str(), static_cast<unsigned long long>(options.seed)),
-             {{scorePanel(run, score, "the memory over the true edges")}},
-             legendOfScore()};
+  Board plan{
+      std::string("E1: ") + variant.title,
+      formatted("%s mode, seed %llu", options.mode.c_str(), static_cast<unsigned long long>(options.seed)),
+      {{scorePanel(run, score, "the memory over the true edges")}},
+      legendOfScore()};
   writeImageFile(drawBoard(plan, 2 * kPanel_px),
                  options.out / (std::string("plan_") + variant.name + ".png"));
   return json;

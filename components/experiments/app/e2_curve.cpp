@@ -8,12 +8,12 @@
 #include <random>
 #include <stdexcept>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/kinematics/kinematics.h"
 #include "common/vision/app/image_file.h"
 #include "common/visual_memory/overlay.h"
 #include "evaluation/figures/board.h"
-#include "experiments/app/experiment_files.h"
 #include "experiments/app/experiment_run.h"
 #include "experiments/core/corridor_follower.h"
 
@@ -167,8 +167,8 @@ ExperimentRunOptions runOptions(const ExperimentOptions& options, const Variant&
 void writeFigure(Board board, const ExperimentOptions& options, const Variant& variant, const char* end) {
   board.title = variant.by_memory ? "The curve by the memory (figures 14, 15)"
                                   : "The curve by single images (figures 14, 15)";
-  board.subtitle = text("E2, %s mode, seed %llu: %s", options.mode.c_str(),
-                        static_cast<unsigned long long>(options.seed), end);
+  board.subtitle = formatted("E2, %s mode, seed %llu: %s", options.mode.c_str(),
+                             static_cast<unsigned long long>(options.seed), end);
   board.legend = {
       {"walls", {205, 208, 214}}, {"known to the follower", {20, 150, 70}}, {"way", colors::kEstimate}};
   writeImageFile(drawBoard(board, kPanel_px), options.out / (std::string(variant.name) + ".png"));

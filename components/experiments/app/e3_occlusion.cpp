@@ -8,11 +8,11 @@
 #include <random>
 #include <stdexcept>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/vision/app/image_file.h"
 #include "common/visual_memory/overlay.h"
 #include "evaluation/figures/board.h"
-#include "experiments/app/experiment_files.h"
 #include "experiments/app/experiment_run.h"
 #include "experiments/app/score_json.h"
 
@@ -131,7 +131,7 @@ BoardPanel planOf(ExperimentRun& run, const MemoryScore& score, const std::strin
       panel.plan->lines.push_back({{corner(i), corner(i + 1)}, colors::kLost, 3.0, false});
     }
   }
-  panel.caption = {text("%zu elements in memory", memoryOf(run).edges.size())};
+  panel.caption = {formatted("%zu elements in memory", memoryOf(run).edges.size())};
   return panel;
 }
 
@@ -153,8 +153,8 @@ nlohmann::json bridge(const ExperimentOptions& options, bool drives) {
   Board board;
   board.title = drives ? "A second robot in front of the driving robot (figures 16 to 18)"
                        : "A second robot in front of the standing robot (figures 16 to 18)";
-  board.subtitle =
-      text("E3, %s mode, seed %llu", options.mode.c_str(), static_cast<unsigned long long>(options.seed));
+  board.subtitle = formatted("E3, %s mode, seed %llu", options.mode.c_str(),
+                             static_cast<unsigned long long>(options.seed));
   board.rows.resize(2);
   const auto show = [&](const char* title, const MemoryScore& score) {
     board.rows[0].push_back(pictureOf(run, title));

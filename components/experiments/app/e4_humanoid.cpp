@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/config/project_file.h"
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/recording/robot_log.h"
 #include "common/vision/app/image_file.h"
@@ -41,12 +42,12 @@ class Snapshots {
     const std::size_t n = std::min(kSnapshots, taken_.size());
     for (std::size_t i = 0; i < n; ++i) {
       const Taken& t = taken_[(2 * i + 1) * taken_.size() / (2 * n)];
-      chosen.push_back(
-          {text("after %.1f s: %.0f deg %s, %.0f deg %s", t.time_s, std::abs(t.pan_deg),
-                t.pan_deg < 0.0 ? "right" : "left", std::abs(t.tilt_deg), t.tilt_deg < 0.0 ? "down" : "up"),
-           {},
-           t.picture,
-           {}});
+      chosen.push_back({formatted("after %.1f s: %.0f deg %s, %.0f deg %s", t.time_s, std::abs(t.pan_deg),
+                                  t.pan_deg < 0.0 ? "right" : "left", std::abs(t.tilt_deg),
+                                  t.tilt_deg < 0.0 ? "down" : "up"),
+                        {},
+                        t.picture,
+                        {}});
     }
     return chosen;
   }
@@ -98,12 +99,13 @@ nlohmann::json simulated(const std::string& world, const ExperimentOptions& opti
   });
   nlohmann::json json;
   const MemoryScore score = lookAroundTwice(run, world, way, files, json);
-  writeFigure("The memory of a walking humanoid that turns its neck (figure 19): " + world,
-              text("E4, %s mode, seed %llu: it turned, walked a metre, turned again; its kinematics do not "
-                   "model body sway",
-                   options.mode.c_str(), static_cast<unsigned long long>(options.seed)),
-              snapshots, scorePanel(run, score, "the memory over the true edges"),
-              options.out / ("figure19_" + world + ".png"));
+  writeFigure(
+      "The memory of a walking humanoid that turns its neck (figure 19): " + world,
+      formatted("E4, %s mode, seed %llu: it turned, walked a metre, turned again; its kinematics do not "
+                "model body sway",
+                options.mode.c_str(), static_cast<unsigned long long>(options.seed)),
+      snapshots, scorePanel(run, score, "the memory over the true edges"),
+      options.out / ("figure19_" + world + ".png"));
   return json;
 }
 
@@ -172,15 +174,15 @@ nlohmann::json recorded(const fs::path& folder, const ExperimentOptions& options
                   planOfScore(*score.last, score.last_memory, score.edges)};
   plan.plan->robot = score.windows.back().T_world_odom * moments.back().memory->T_odom_robot;
   plan.caption = {
-      text("distance to the map's edges %.3f m (median, within 2.5 m, one alignment each 5 s)",
-           score.distance_m.value_or(0.0)),
-      text("circle %.3f m (%.3f to %.3f), %.2f elements per edge",
-           score.circle_radius_m ? score.circle_radius_m->median : 0.0,
-           score.circle_radius_m ? score.circle_radius_m->least : 0.0,
-           score.circle_radius_m ? score.circle_radius_m->most : 0.0, score.elements_per_edge.median)};
+      formatted("distance to the map's edges %.3f m (median, within 2.5 m, one alignment each 5 s)",
+                score.distance_m.value_or(0.0)),
+      formatted("circle %.3f m (%.3f to %.3f), %.2f elements per edge",
+                score.circle_radius_m ? score.circle_radius_m->median : 0.0,
+                score.circle_radius_m ? score.circle_radius_m->least : 0.0,
+                score.circle_radius_m ? score.circle_radius_m->most : 0.0, score.elements_per_edge.median)};
   writeFigure(
       "The memory of a real Nao on a football field (figure 19)",
-      text("E4, %s mode: the recording nao_field_2009, %d images", options.mode.c_str(), score.moments),
+      formatted("E4, %s mode: the recording nao_field_2009, %d images", options.mode.c_str(), score.moments),
       snapshots, std::move(plan), options.out / "figure19_nao.png");
   return toJson(score);
 }

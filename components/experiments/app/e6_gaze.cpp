@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "experiments/app/experiment_files.h"
+#include "common/config/text_format.h"
 #include "experiments/app/trial_variants.h"
 
 namespace vismem {
@@ -32,9 +32,9 @@ nlohmann::json ratios(const Comparison& comparison, std::size_t policy, const Su
       continue;
     }
     json[name] = {{"value", ratio->value}, {"low", ratio->interval.low}, {"high", ratio->interval.high}};
-    std::cerr << text("  %s of recovery, %s against %s: %.2f (%.2f..%.2f)\n", q == 0.5 ? "median" : "p90",
-                      records[policy].name.c_str(), records[0].name.c_str(), ratio->value,
-                      ratio->interval.low, ratio->interval.high);
+    std::cerr << formatted("  %s of recovery, %s against %s: %.2f (%.2f..%.2f)\n",
+                           q == 0.5 ? "median" : "p90", records[policy].name.c_str(), records[0].name.c_str(),
+                           ratio->value, ratio->interval.low, ratio->interval.high);
   }
   return json;
 }

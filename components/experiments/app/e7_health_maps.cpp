@@ -7,11 +7,11 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/vision/app/image_file.h"
 #include "common/visual_memory/overlay.h"
 #include "evaluation/figures/board.h"
-#include "experiments/app/experiment_files.h"
 #include "experiments/app/experiment_run.h"
 #include "experiments/app/health_picture.h"
 #include "localization/core/random_engine.h"
@@ -119,9 +119,9 @@ BoardPanel panelOf(const std::string& title, const MemoryUpdate& update, const L
       drawHealthMap(*map, map_edges, truth, kPanel_px,
                     rating == PlaceRating::kLikelihood ? HealthScale::kLogarithmic : HealthScale::kLinear),
       {}};
-  panel.caption = {text("at the true place %.2f, best %.2f, %.2f m from the truth", reading.at_truth,
-                        reading.best, reading.off_m),
-                   text("%.2f %% of the places are as good as the true one", 100.0 * reading.rivals)};
+  panel.caption = {formatted("at the true place %.2f, best %.2f, %.2f m from the truth", reading.at_truth,
+                             reading.best, reading.off_m),
+                   formatted("%.2f %% of the places are as good as the true one", 100.0 * reading.rivals)};
   return panel;
 }
 
@@ -132,8 +132,8 @@ nlohmann::json healthFromImages(const ExperimentOptions& options) {
   Board board;
   board.title = "How well every place fits one image (figures 22 to 26)";
   board.subtitle =
-      text("E7, seed %llu: the best heading at every place; green: the truth, blue: the best place",
-           static_cast<unsigned long long>(options.seed));
+      formatted("E7, seed %llu: the best heading at every place; green: the truth, blue: the best place",
+                static_cast<unsigned long long>(options.seed));
   for (const Scene& scene : kScenes) {
     if (!options.variant.empty() && options.variant != scene.name) continue;
     ExperimentRun run(runOptions(options, scene.start));
@@ -152,7 +152,7 @@ nlohmann::json healthFromImages(const ExperimentOptions& options) {
     params.robust.observation.source = ObservationSource::kImage;
     const SegmentMap& edges = run.params().map_edges;
     BoardPanel image{scene.title, {}, drawAnalysis(run.lastImage()->image, *update.analysis, 2), {}};
-    image.caption = {text("%zu segments", update.analysis->observed.size())};
+    image.caption = {formatted("%zu segments", update.analysis->observed.size())};
     nlohmann::json& numbers = json[scene.name];
     board.rows.push_back({image,
                           panelOf("the chapter's health (L4)", update, params, edges, PlaceRating::kImage,
@@ -171,8 +171,8 @@ nlohmann::json healthFromMemory(const ExperimentOptions& options) {
   Board board;
   board.title = "How well every place fits the memory (figure 27)";
   board.subtitle =
-      text("E8, seed %llu: after looking about and half a metre of way; beside it the last image alone",
-           static_cast<unsigned long long>(options.seed));
+      formatted("E8, seed %llu: after looking about and half a metre of way; beside it the last image alone",
+                static_cast<unsigned long long>(options.seed));
   nlohmann::json json;
   for (const bool occluded : {false, true}) {
     const char* variant = occluded ? "occlusion" : "normal";
@@ -196,7 +196,7 @@ nlohmann::json healthFromMemory(const ExperimentOptions& options) {
                      {},
                      drawAnalysis(run.lastImage()->image, *update.analysis, 2),
                      {}};
-    image.caption = {text("%zu elements in memory", update.snapshot->segments.size())};
+    image.caption = {formatted("%zu elements in memory", update.snapshot->segments.size())};
     board.rows.push_back({image,
                           panelOf("the last image, the chapter's health (L4)", update, params, edges,
                                   PlaceRating::kImage, run.trueRobot(), numbers["image_chapter"]),

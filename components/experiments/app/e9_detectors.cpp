@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "common/config/project_file.h"
+#include "common/config/text_format.h"
 #include "common/recording/robot_log.h"
 #include "common/segment_map/segment_map.h"
 #include "common/vision/app/image_file.h"
@@ -154,13 +155,13 @@ std::vector<BoardPanel> detectedRow(const Scene& scene, nlohmann::json& json, Cs
     for (const RawSegment& segment : found) {
       px.push_back(segment.px_raw);
       panel.segments.push_back({segment.px_raw, kSegmentColor});
-      all.row(text("%s,%s,%.3f,%.3f,%.3f,%.3f,%.2f", scene.name.c_str(), view.name, segment.px_raw.a.x(),
-                   segment.px_raw.a.y(), segment.px_raw.b.x(), segment.px_raw.b.y(), segment.strength));
+      all.row(formatted("%s,%s,%.3f,%.3f,%.3f,%.3f,%.2f", scene.name.c_str(), view.name, segment.px_raw.a.x(),
+                        segment.px_raw.a.y(), segment.px_raw.b.x(), segment.px_raw.b.y(), segment.strength));
     }
     const Counts sum = countOf(px);
     nlohmann::json& one = json["detectors"][view.name];
     one = {{"segments", sum.segments}, {"mean_length_px", sum.mean_px()}, {"total_length_px", sum.total_px}};
-    panel.caption.push_back(text("%zu segments, mean %.0f px", sum.segments, sum.mean_px()));
+    panel.caption.push_back(formatted("%zu segments, mean %.0f px", sum.segments, sum.mean_px()));
     std::string known = ",,";
     if (!scene.truth.empty()) {
       const AccuracySummary accuracy = summarize({scoreImage(px, scene.truth)});
@@ -168,13 +169,13 @@ std::vector<BoardPanel> detectedRow(const Scene& scene, nlohmann::json& json, Cs
       one["fragments_per_line"] = accuracy.fragments;
       one["recall_2px"] = at2.recall;
       one["precision_2px"] = at2.precision;
-      panel.caption.push_back(text("found %.0f %% of the known lines, in %.1f pieces each",
-                                   100.0 * at2.recall, accuracy.fragments));
-      panel.caption.push_back(text("%.0f %% of its length is on known lines", 100.0 * at2.precision));
-      known = text("%.3f,%.3f,%.3f", accuracy.fragments, at2.recall, at2.precision);
+      panel.caption.push_back(formatted("found %.0f %% of the known lines, in %.1f pieces each",
+                                        100.0 * at2.recall, accuracy.fragments));
+      panel.caption.push_back(formatted("%.0f %% of its length is on known lines", 100.0 * at2.precision));
+      known = formatted("%.3f,%.3f,%.3f", accuracy.fragments, at2.recall, at2.precision);
     }
-    counts.row(text("%s,%s,%zu,%.2f,%.1f,", scene.name.c_str(), view.name, sum.segments, sum.mean_px(),
-                    sum.total_px) +
+    counts.row(formatted("%s,%s,%zu,%.2f,%.1f,", scene.name.c_str(), view.name, sum.segments, sum.mean_px(),
+                         sum.total_px) +
                known);
     row.push_back(std::move(panel));
   }
@@ -225,9 +226,9 @@ void addMerging(const Scene& scene, const std::string& detector, std::vector<Boa
     json["merging"][detector][stage] = {
         {"labelled", sum.segments}, {"labelled_mean_length_px", sum.mean_px()}, {"unknown", unknown}};
     panel.caption.push_back(
-        text("%zu with a label, mean %.0f px; %zu unknown", sum.segments, sum.mean_px(), unknown));
-    csv.row(text("%s,%s,%s,%zu,%.2f,%zu", scene.name.c_str(), detector.c_str(), stage, sum.segments,
-                 sum.mean_px(), unknown));
+        formatted("%zu with a label, mean %.0f px; %zu unknown", sum.segments, sum.mean_px(), unknown));
+    csv.row(formatted("%s,%s,%s,%zu,%.2f,%zu", scene.name.c_str(), detector.c_str(), stage, sum.segments,
+                      sum.mean_px(), unknown));
     row.push_back(std::move(panel));
   };
   add("before", extractor.extractPieces(scene.rgb, scene.intrinsics));
@@ -263,8 +264,8 @@ nlohmann::json compareDetectors(const ExperimentOptions& options) {
   CsvFile all(options.out / "segments.csv", "image,detector,x1_px,y1_px,x2_px,y2_px,strength");
   CsvFile merging(options.out / "merging.csv",
                   "image,detector,stage,labelled,labelled_mean_length_px,unknown");
-  const std::string noise = text("camera noise of %.0f grey levels in simulated images, seed %llu",
-                                 kCameraNoise, static_cast<unsigned long long>(options.seed));
+  const std::string noise = formatted("camera noise of %.0f grey levels in simulated images, seed %llu",
+                                      kCameraNoise, static_cast<unsigned long long>(options.seed));
   Board figure3{"Canny + Hough beside Solis on the same images (figure 3)",
                 "320x240; every line is one segment, dots are its ends; " + noise,
                 {},

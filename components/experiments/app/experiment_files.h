@@ -1,7 +1,6 @@
-/// @file Lines of text and CSV files of the experiments.
+/// @file CSV files of the experiments.
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -10,13 +9,6 @@
 #include "common/tool/replace_file.h"
 
 namespace vismem {
-
-/// As printf, at most 400 characters.
-std::string text(const char* pattern, auto... values) {
-  char buffer[400];
-  std::snprintf(buffer, sizeof buffer, pattern, values...);
-  return buffer;
-}
 
 class CsvFile {
  public:

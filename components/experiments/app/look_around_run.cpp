@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/kinematics/kinematics.h"
 #include "experiments/app/score_json.h"
@@ -38,8 +39,8 @@ std::string seenOf(const TrueEdge& edge) {
     if (!samples[i].seen) continue;
     const bool begins = i == 0 || !samples[i - 1].seen;
     const bool ends = i + 1 == samples.size() || !samples[i + 1].seen;
-    if (begins) spans += text("%s%.2f-", spans.empty() ? "" : " ", samples[i].along_m);
-    if (ends) spans += text("%.2f", samples[i].along_m);
+    if (begins) spans += formatted("%s%.2f-", spans.empty() ? "" : " ", samples[i].along_m);
+    if (ends) spans += formatted("%.2f", samples[i].along_m);
   }
   return spans;
 }
@@ -54,9 +55,9 @@ JudgementFiles::JudgementFiles(const std::filesystem::path& folder)
 void JudgementFiles::add(const std::string& variant, const std::string& after, const MemoryScore& score,
                          const std::vector<RememberedEdge>& memory, const std::vector<TrueEdge>& edges) {
   const auto row = [&](const RememberedEdge& e, const char* verdict, int edge) {
-    elements_.row(text("%s,%s,%llu,%.4f,%.4f,%.4f,%.4f,%s,%s,%d", variant.c_str(), after.c_str(),
-                       static_cast<unsigned long long>(e.id), e.world.a.x(), e.world.a.y(), e.world.b.x(),
-                       e.world.b.y(), e.label.c_str(), verdict, edge));
+    elements_.row(formatted("%s,%s,%llu,%.4f,%.4f,%.4f,%.4f,%s,%s,%d", variant.c_str(), after.c_str(),
+                            static_cast<unsigned long long>(e.id), e.world.a.x(), e.world.a.y(),
+                            e.world.b.x(), e.world.b.y(), e.label.c_str(), verdict, edge));
   };
   for (const auto& judged : score.judged) {
     constexpr const char* kNames[] = {"right", "partial", "false"};
@@ -70,12 +71,13 @@ void JudgementFiles::add(const std::string& variant, const std::string& after, c
     const bool missed = std::count(score.missed.begin(), score.missed.end(), static_cast<int>(i)) > 0;
     const Eigen::Vector2d a = edge.pieces.front().a;
     const Eigen::Vector2d b = edge.pieces.back().b;
-    edges_.row(text("%s,%s,%zu,%.3f,%.3f,%.3f,%.3f,%s,%d,%.1f,%s,%s", variant.c_str(), after.c_str(), i,
-                    a.x(), a.y(), b.x(), b.y(), edge.label.c_str(), edge.curve ? 1 : 0, edge.longest_view_px,
-                    !edge.shown_in_full ? "not shown in full"
-                    : missed            ? "missed"
-                                        : "found",
-                    seenOf(edge).c_str()));
+    edges_.row(formatted("%s,%s,%zu,%.3f,%.3f,%.3f,%.3f,%s,%d,%.1f,%s,%s", variant.c_str(), after.c_str(), i,
+                         a.x(), a.y(), b.x(), b.y(), edge.label.c_str(), edge.curve ? 1 : 0,
+                         edge.longest_view_px,
+                         !edge.shown_in_full ? "not shown in full"
+                         : missed            ? "missed"
+                                             : "found",
+                         seenOf(edge).c_str()));
   }
 }
 
@@ -119,7 +121,7 @@ Pose2 placeWithFreeWay(const World& world, double way_m, const std::function<Pos
     }
     if (free) return start;
   }
-  throw std::runtime_error(world.name + text(": no place drawn has %.1f m of free way ahead", way_m));
+  throw std::runtime_error(world.name + formatted(": no place drawn has %.1f m of free way ahead", way_m));
 }
 
 Pose2 startNearMiddle(const World& world, std::uint64_t seed) {
@@ -142,10 +144,10 @@ BoardPanel scorePanel(const ExperimentRun& run, const MemoryScore& score, std::s
   panel.plan->view = ViewCone{run.trueRobot().theta + std::atan2(axis.y(), axis.x()),
                               2.0 * std::atan(0.5 * analysis.intrinsics.width / analysis.intrinsics.fx), 4.0};
   panel.caption = {
-      text("%d right, %d on an edge with a wrong end, %d false; %d not confirmed", score.right, score.partial,
-           score.wrong, score.unconfirmed),
-      text("precision %.3f, recall %.3f (of edges of 10 px or more %.3f), %.2f elements per edge",
-           score.precision(), score.recall(), score.recallResolved(), score.duplicates())};
+      formatted("%d right, %d on an edge with a wrong end, %d false; %d not confirmed", score.right,
+                score.partial, score.wrong, score.unconfirmed),
+      formatted("precision %.3f, recall %.3f (of edges of 10 px or more %.3f), %.2f elements per edge",
+                score.precision(), score.recall(), score.recallResolved(), score.duplicates())};
   return panel;
 }
 

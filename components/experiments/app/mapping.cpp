@@ -5,13 +5,13 @@
 #include <stdexcept>
 
 #include "common/config/project_file.h"
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/routes/route_follower.h"
 #include "common/segment_map/symmetry.h"
 #include "common/vision/app/image_file.h"
 #include "evaluation/core/map_score.h"
 #include "evaluation/figures/board.h"
-#include "experiments/app/experiment_files.h"
 #include "experiments/app/experiment_run.h"
 #include "experiments/app/look_around_run.h"
 #include "experiments/app/score_json.h"
@@ -198,14 +198,14 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
   }
   files.add(variant.name, "drive", score.edges, remembered, run.truth().edges());
   BoardPanel panel;
-  panel.title = text("the map over the true edges: ends RMS %.1f cm", 100.0 * score.ends_rms_m);
+  panel.title = formatted("the map over the true edges: ends RMS %.1f cm", 100.0 * score.ends_rms_m);
   panel.plan = planOfScore(score.edges, remembered, run.truth().edges());
-  panel.caption = {text("%d right, %d on an edge with a wrong end, %d false", score.edges.right,
-                        score.edges.partial, score.edges.wrong),
-                   text("precision %.3f, recall of edges of 10 px or more %.3f", score.edges.precision(),
-                        score.edges.recallResolved())};
+  panel.caption = {formatted("%d right, %d on an edge with a wrong end, %d false", score.edges.right,
+                             score.edges.partial, score.edges.wrong),
+                   formatted("precision %.3f, recall of edges of 10 px or more %.3f", score.edges.precision(),
+                             score.edges.recallResolved())};
   Board board{std::string("A map from one drive: ") + variant.name,
-              text("seed %llu", static_cast<unsigned long long>(options.seed)),
+              formatted("seed %llu", static_cast<unsigned long long>(options.seed)),
               {{std::move(panel)}},
               legendOfScore()};
   writeImageFile(drawBoard(board, kPanel_px), options.out / (std::string("map_") + variant.name + ".png"));

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "common/config/project_file.h"
+#include "common/config/text_format.h"
 #include "common/vision/app/image_file.h"
 #include "common/visual_memory/overlay.h"
 #include "evaluation/core/shape_score.h"
@@ -215,9 +216,9 @@ class ShapeFile {
  private:
   void row(const std::string& variant, const char* kind, const std::string& name, const char* verdict,
            const Primitive& p, double error_m) {
-    csv_.row(text("%s,%s,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%.3f", variant.c_str(), kind, name.c_str(),
-                  verdict, p.centre.x(), p.centre.y(), p.length_m, p.width_m, p.radius_m, p.hidden_vertex,
-                  error_m));
+    csv_.row(formatted("%s,%s,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%.3f", variant.c_str(), kind, name.c_str(),
+                       verdict, p.centre.x(), p.centre.y(), p.length_m, p.width_m, p.radius_m,
+                       p.hidden_vertex, error_m));
   }
   CsvFile csv_;
 };
@@ -258,10 +259,10 @@ nlohmann::json runVariant(bool corner_hidden, const ExperimentOptions& options, 
   shape_file.add(variant, truth, judged);
   nlohmann::json json = count(truth, judged);
   BoardPanel plan = planOf(run, truth, judged);
-  plan.caption = {text("%d of %d shown shapes found, %d false", json["all"]["found"].get<int>(),
-                       json["all"]["shown"].get<int>(), json["all"]["false"].get<int>())};
+  plan.caption = {formatted("%d of %d shown shapes found, %d false", json["all"]["found"].get<int>(),
+                            json["all"]["shown"].get<int>(), json["all"]["false"].get<int>())};
   const std::string subtitle =
-      text("%s mode, seed %llu", options.mode.c_str(), static_cast<unsigned long long>(options.seed));
+      formatted("%s mode, seed %llu", options.mode.c_str(), static_cast<unsigned long long>(options.seed));
   if (occluder) {
     const auto completed = std::find_if(judged.begin(), judged.end(), [&](const JudgedShape& j) {
       return j.true_shape == static_cast<int>(occluder->shape);

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/config/text_format.h"
 #include "common/vision/app/image_file.h"
 #include "evaluation/figures/canvas.h"
 #include "evaluation/figures/error_figure.h"
@@ -32,7 +33,7 @@ nlohmann::json toJson(const std::optional<Figure>& figure, double scale = 1.0) {
 std::string shown(const std::optional<Figure>& figure, double scale, const char* format) {
   if (!figure) return "-";
   const auto one = [&](double value) {
-    return std::isfinite(value) ? text(format, scale * value) : std::string("never");
+    return std::isfinite(value) ? formatted(format, scale * value) : std::string("never");
   };
   return one(figure->value) + " (" + one(figure->interval.low) + ".." + one(figure->interval.high) + ")";
 }
@@ -71,14 +72,14 @@ cv::Mat drawRecovery(const std::string& title, const std::vector<MethodRecord>& 
   for (int i = 0; i <= 10; ++i) {
     const double share = 0.1 * i;
     canvas.line(at(0.0, share), at(params.within_s, share), colors::kGrid);
-    canvas.text(text("%.0f %%", 100.0 * share), at(0.0, share) + Eigen::Vector2d(-8.0, 4.0), 8.5,
+    canvas.text(formatted("%.0f %%", 100.0 * share), at(0.0, share) + Eigen::Vector2d(-8.0, 4.0), 8.5,
                 colors::kFaintInk, Align::kRight);
   }
   for (int i = 0; i <= 6; ++i) {
     const double seconds = params.within_s * i / 6.0;
     canvas.line(at(seconds, 0.0), at(seconds, 1.0), colors::kGrid);
-    canvas.text(text("%g s", seconds), at(seconds, 0.0) + Eigen::Vector2d(0.0, 18.0), 8.5, colors::kFaintInk,
-                Align::kCentre);
+    canvas.text(formatted("%g s", seconds), at(seconds, 0.0) + Eigen::Vector2d(0.0, 18.0), 8.5,
+                colors::kFaintInk, Align::kCentre);
   }
   for (std::size_t m = 0; m < records.size(); ++m) {
     std::vector<double> times;
@@ -148,8 +149,8 @@ void drawErrorsOf(const TrialOutcome& trial, const std::string& method, const st
     for (const MethodOutcome& outcome : record.methods) {
       if (outcome.method != method || outcome.poses.empty()) continue;
       ErrorFigure figure;
-      figure.title =
-          text("%s, seed %llu: error over time", method.c_str(), static_cast<unsigned long long>(trial.seed));
+      figure.title = formatted("%s, seed %llu: error over time", method.c_str(),
+                               static_cast<unsigned long long>(trial.seed));
       figure.score = scoreLocalization(outcome.poses, record.truth, record.events_us);
       writeImageFile(drawErrors(figure), file);
     }
@@ -161,17 +162,17 @@ nlohmann::json Comparison::write(const std::filesystem::path& out, const Summary
       "method,seed,event,settled_after_s,position_error_m,heading_error_deg,right_at_end,true_alive,"
       "evidence_after_s,inside_reported_95,error_over_reported\n";
   const auto number = [](const std::optional<double>& value, double scale = 1.0) {
-    return value ? text("%.4f", scale * *value) : std::string();
+    return value ? formatted("%.4f", scale * *value) : std::string();
   };
   nlohmann::json json;
   for (const MethodRecord& record : records_) {
     for (const EventScore& event : record.events) {
-      csv += text("%s,%llu,%d,%s,%s,%s,%d,%s,%s,%s,%s\n", record.name.c_str(),
-                  static_cast<unsigned long long>(event.seed), event.event,
-                  number(event.settled_after_s).c_str(), number(event.position_error_m).c_str(),
-                  number(event.heading_error_rad, kDegrees).c_str(), event.right_at_end ? 1 : 0,
-                  number(event.true_alive).c_str(), number(event.evidence_after_s).c_str(),
-                  number(event.inside_reported).c_str(), number(event.error_over_reported).c_str());
+      csv += formatted("%s,%llu,%d,%s,%s,%s,%d,%s,%s,%s,%s\n", record.name.c_str(),
+                       static_cast<unsigned long long>(event.seed), event.event,
+                       number(event.settled_after_s).c_str(), number(event.position_error_m).c_str(),
+                       number(event.heading_error_rad, kDegrees).c_str(), event.right_at_end ? 1 : 0,
+                       number(event.true_alive).c_str(), number(event.evidence_after_s).c_str(),
+                       number(event.inside_reported).c_str(), number(event.error_over_reported).c_str());
     }
     json[record.name] = toJson(summarize(record.events, params));
     json[record.name]["cpu_ms_mean"] = mean(record.cycle_ms).value_or(0.0);
@@ -199,16 +200,17 @@ nlohmann::json Comparison::report(const std::filesystem::path& out, const Summar
     const TrialSummary summary = summarize(record.events, params);
     rows.push_back(
         {record.name,
-         text("%d/%d ", summary.recovered, summary.events) + shown(summary.recovered_share, 100.0, "%.1f"),
+         formatted("%d/%d ", summary.recovered, summary.events) +
+             shown(summary.recovered_share, 100.0, "%.1f"),
          shown(summary.median_s, 1.0, "%.1f"), shown(summary.p90_s, 1.0, "%.1f"),
          shown(summary.position_error_m, 100.0, "%.1f"),
          shown(summary.median_position_error_m, 100.0, "%.1f"),
          shown(summary.heading_error_rad, kDegrees, "%.2f"), shown(summary.inside_reported, 100.0, "%.1f"),
-         shown(summary.error_over_reported, 1.0, "%.2f"), text("%.1f %%", 100.0 * summary.wrong_at_end),
-         text("%.2f, %.2f", json[record.name]["cpu_ms_mean"].get<double>(),
-              json[record.name]["cpu_ms_p99"].get<double>())});
+         shown(summary.error_over_reported, 1.0, "%.2f"), formatted("%.1f %%", 100.0 * summary.wrong_at_end),
+         formatted("%.2f, %.2f", json[record.name]["cpu_ms_mean"].get<double>(),
+                   json[record.name]["cpu_ms_p99"].get<double>())});
     if (twins) {
-      rows.back().push_back(summary.true_alive ? text("%.1f %%", 100.0 * *summary.true_alive) : "-");
+      rows.back().push_back(summary.true_alive ? formatted("%.1f %%", 100.0 * *summary.true_alive) : "-");
       rows.back().push_back(shown(summary.right_after_evidence, 100.0, "%.1f"));
     }
   }

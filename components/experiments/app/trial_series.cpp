@@ -8,8 +8,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
-#include "experiments/app/experiment_files.h"
 #include "experiments/trials/twin_evidence.h"
 
 namespace vismem {
@@ -43,14 +43,13 @@ void addPublished(const PublishedResult& published, const Comparison& comparison
 
 std::vector<MethodMaker> chosen(std::vector<MethodMaker> methods, const std::vector<std::string>& only) {
   if (only.empty()) return methods;
-  std::string known;
-  for (const MethodMaker& method : methods) known += (known.empty() ? "" : ", ") + method.name;
   std::vector<MethodMaker> kept;
   for (const std::string& name : only) {
     const auto found = std::find_if(methods.begin(), methods.end(),
                                     [&](const MethodMaker& method) { return method.name == name; });
     if (found == methods.end()) {
-      throw std::invalid_argument("no method \"" + name + "\" here (there are " + known + ")");
+      throw std::invalid_argument("no method \"" + name + "\" here (there are " +
+                                  joined(methods, ", ", &MethodMaker::name) + ")");
     }
     kept.push_back(*found);
   }
@@ -155,8 +154,8 @@ nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path&
       for (const MethodOutcome& method : record.methods) comparison->add(method);
     }
     comparison->write(out, series.summary);
-    std::cerr << text("  %s: seed %llu of %s, %.0f s so far\n", series.name.c_str(),
-                      static_cast<unsigned long long>(seed), range.c_str(), spent_s());
+    std::cerr << formatted("  %s: seed %llu of %s, %.0f s so far\n", series.name.c_str(),
+                           static_cast<unsigned long long>(seed), range.c_str(), spent_s());
   }
   nlohmann::json json = comparison->report(out, series.summary);
   if (series.published) addPublished(*series.published, *comparison, series.summary, json);
@@ -168,7 +167,7 @@ nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path&
   if (add_figures) add_figures(*comparison, json);
   json["seeds"] = {seeds.front(), seeds.back()};
   json["took_s"] = spent_s();
-  std::cerr << text("  took %.0f s\n", spent_s());
+  std::cerr << formatted("  took %.0f s\n", spent_s());
   return json;
 }
 

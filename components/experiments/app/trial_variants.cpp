@@ -10,6 +10,7 @@
 
 #include "common/config/config_reader.h"
 #include "common/config/project_file.h"
+#include "common/config/text_format.h"
 #include "experiments/app/e6_gaze.h"
 
 namespace vismem {
@@ -40,9 +41,7 @@ std::vector<std::string> methodsOf(ConfigReader& config, const char* key, const 
   std::istringstream words(config.text(key, fallback));
   for (std::string name; words >> name;) {
     if (std::find(kMethods.begin(), kMethods.end(), name) == kMethods.end()) {
-      std::string known;
-      for (const std::string& one : kMethods) known += " " + one;
-      config.problem(key, "must be some of" + known);
+      config.problem(key, "must be some of " + joined(kMethods, " "));
       break;
     }
     names.push_back(name);
@@ -126,8 +125,7 @@ std::vector<TrialVariant> chosenTrialVariants(const std::string& experiment,
   auto variants = readTrialVariants(
       content.empty() ? Properties::load(file.string()) : Properties::parse(content, file.string()),
       experiment);
-  std::string known;
-  for (const TrialVariant& variant : variants) known += (known.empty() ? "" : ", ") + variant.name;
+  const std::string known = joined(variants, ", ", &TrialVariant::name);
   if (!options.variant.empty()) {
     std::erase_if(variants, [&](const TrialVariant& one) { return one.name != options.variant; });
   }

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "experiments/app/experiment_files.h"
+#include "common/config/text_format.h"
 
 namespace vismem {
 namespace {
@@ -53,15 +53,16 @@ void TrialFarm::giveOut(const TrialSeries& series) {
       tasks.push_back({name, task, outcome});
     }
   }
-  std::cerr << text("  %s: %zu trials are done, %zu go to the workers\n", series.name.c_str(), whole.size(),
-                    tasks.size());
+  std::cerr << formatted("  %s: %zu trials are done, %zu go to the workers\n", series.name.c_str(),
+                         whole.size(), tasks.size());
   pool_.add(std::move(tasks), [&] { results_.insert(whole.begin(), whole.end()); });
 }
 
 std::string TrialFarm::nameOf(const TrialSeries& series, std::uint64_t seed) const {
   // Two masters with different variants may share the workers.
   const std::size_t hash = std::hash<std::string>()(trialTask(series, seed, commit_));
-  return text("%s_%llu_%08zx", series.name.c_str(), static_cast<unsigned long long>(seed), hash & 0xffffffff);
+  return formatted("%s_%llu_%08zx", series.name.c_str(), static_cast<unsigned long long>(seed),
+                   hash & 0xffffffff);
 }
 
 }  // namespace vismem

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "localization/core/hypotheses/chapter_races.h"
 
@@ -180,13 +180,11 @@ void Localizer::beginEpoch() {
 std::string Localizer::problemOf(const Pose2& T_world_robot) const {
   if (!isFinite(T_world_robot)) return "the pose is not finite";
   if (places_.isEmpty() || places_.contains(T_world_robot.position())) return {};
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "%.6g %.6g m lies outside the map (must be within %.6g..%.6g, %.6g..%.6g m: its box and what "
-                "lies beside it)",
-                T_world_robot.x, T_world_robot.y, places_.min().x(), places_.max().x(), places_.min().y(),
-                places_.max().y());
-  return text;
+  return formatted(
+      "%.6g %.6g m lies outside the map (must be within %.6g..%.6g, %.6g..%.6g m: its box and what lies "
+      "beside it)",
+      T_world_robot.x, T_world_robot.y, places_.min().x(), places_.max().x(), places_.min().y(),
+      places_.max().y());
 }
 
 void Localizer::setPose(const Pose2& T_world_robot) {

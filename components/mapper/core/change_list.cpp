@@ -8,6 +8,7 @@
 
 #include "common/config/config_error.h"
 #include "common/config/text_file.h"
+#include "common/config/text_format.h"
 #include "mapper/core/record_text.h"
 
 namespace vismem {
@@ -23,12 +24,11 @@ const std::vector<std::pair<std::string, MapChange::Kind>> kKinds{{"moved", MapC
 template <typename T>
 T wordOf(LineFields& in, const char* field, const std::vector<std::pair<std::string, T>>& words) {
   const std::string text = in.word(field);
-  std::string known;
   for (const auto& [word, value] : words) {
     if (word == text) return value;
-    known += (known.empty() ? "" : ", ") + word;
   }
-  in.fail(std::string(field) + " = \"" + shown(text) + "\" (must be one of: " + known + ")");
+  in.fail(std::string(field) + " = \"" + shown(text) +
+          "\" (must be one of: " + joined(words, ", ", &std::pair<std::string, T>::first) + ")");
 }
 
 const std::string& wordFor(Decision decision) {

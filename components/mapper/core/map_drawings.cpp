@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/config/text_format.h"
 #include "mapper/core/map_output.h"
 
 namespace vismem {
@@ -10,12 +11,6 @@ namespace {
 
 constexpr double kMargin_mm = 500.0;
 constexpr double kPen_mm = 10.0;
-
-std::string format(const char* pattern, auto... values) {
-  std::array<char, 300> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), pattern, values...);
-  return buffer.data();
-}
 
 /// A colour by label, the same in every drawing.
 std::string colourOf(const Label& label) {
@@ -36,7 +31,7 @@ std::string svgOf(const SegmentMap& map) {
   const double top = std::ceil(high.y()) + kMargin_mm;
   const double width = std::ceil(high.x()) + kMargin_mm - left;
   const double height = top - std::floor(low.y()) + kMargin_mm;
-  std::string svg = format(
+  std::string svg = formatted(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0fmm\" height=\"%.0fmm\" viewBox=\"0 0 %.0f "
       "%.0f\" "
       "data-origin=\"%.0f %.0f\">\n",
@@ -44,11 +39,11 @@ std::string svgOf(const SegmentMap& map) {
   for (const MapSegment& segment : map.segments) {
     if (segment.world.a.z() != 0.0 || segment.world.b.z() != 0.0) continue;
     const double pen = segment.width_m > 0.0 ? millimetres(segment.width_m) : kPen_mm;
-    svg += format("<line data-label=\"%s\" x1=\"%.0f\" y1=\"%.0f\" x2=\"%.0f\" y2=\"%.0f\" ",
-                  segment.label.c_str(), millimetres(segment.world.a.x()) - left,
-                  top - millimetres(segment.world.a.y()), millimetres(segment.world.b.x()) - left,
-                  top - millimetres(segment.world.b.y()));
-    svg += format("stroke=\"%s\" stroke-width=\"%.0f\"/>\n", colourOf(segment.label).c_str(), pen);
+    svg += formatted("<line data-label=\"%s\" x1=\"%.0f\" y1=\"%.0f\" x2=\"%.0f\" y2=\"%.0f\" ",
+                     segment.label.c_str(), millimetres(segment.world.a.x()) - left,
+                     top - millimetres(segment.world.a.y()), millimetres(segment.world.b.x()) - left,
+                     top - millimetres(segment.world.b.y()));
+    svg += formatted("stroke=\"%s\" stroke-width=\"%.0f\"/>\n", colourOf(segment.label).c_str(), pen);
   }
   return svg + "</svg>\n";
 }
@@ -56,12 +51,12 @@ std::string svgOf(const SegmentMap& map) {
 std::string dxfOf(const SegmentMap& map) {
   std::string dxf = "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
   for (const MapSegment& segment : map.segments) {
-    dxf += format("0\nLINE\n8\n%s\n", segment.label.c_str());
-    if (segment.width_m > 0.0) dxf += format("39\n%.3f\n", segment.width_m);
+    dxf += formatted("0\nLINE\n8\n%s\n", segment.label.c_str());
+    if (segment.width_m > 0.0) dxf += formatted("39\n%.3f\n", segment.width_m);
     const Eigen::Vector3d& a = segment.world.a;
     const Eigen::Vector3d& b = segment.world.b;
-    dxf += format("10\n%.3f\n20\n%.3f\n30\n%.3f\n", a.x(), a.y(), a.z());
-    dxf += format("11\n%.3f\n21\n%.3f\n31\n%.3f\n", b.x(), b.y(), b.z());
+    dxf += formatted("10\n%.3f\n20\n%.3f\n30\n%.3f\n", a.x(), a.y(), a.z());
+    dxf += formatted("11\n%.3f\n21\n%.3f\n31\n%.3f\n", b.x(), b.y(), b.z());
   }
   return dxf + "0\nENDSEC\n0\nEOF\n";
 }

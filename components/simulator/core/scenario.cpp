@@ -8,6 +8,7 @@
 #include "common/config/config_error.h"
 #include "common/config/nearest_name.h"
 #include "common/config/text_fields.h"
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "simulator/core/props.h"
 #include "simulator/core/scene.h"
@@ -45,9 +46,7 @@ class LineReader {
     const auto value = find(key);
     if (!value) return fallback;
     if (choices.contains(*value)) return *value;
-    std::string list;
-    for (const auto& choice : choices) list += (list.empty() ? "" : ", ") + choice;
-    problem(key + "=" + *value + " (must be one of " + list + ")");
+    problem(key + "=" + *value + " (must be one of " + joined(choices, ", ") + ")");
     return fallback;
   }
 

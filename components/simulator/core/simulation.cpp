@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/config/text_format.h"
 #include "common/robot/command_limits.h"
 #include "common/robot/history.h"
 #include "simulator/core/scenario_player.h"
@@ -357,11 +358,7 @@ PortReply Simulation::play(Scenario scenario) {
   std::set<std::string> names;
   for (const auto& model : scene_.status()) names.insert(model.name);
   const auto problems = unknownModels(scenario, names);
-  if (!problems.empty()) {
-    std::string text;
-    for (const auto& problem : problems) text += (text.empty() ? "" : "\n") + problem;
-    return PortReply::rejected(text);
-  }
+  if (!problems.empty()) return PortReply::rejected(joined(problems, "\n"));
   player_ = std::make_unique<ScenarioPlayer>(scenario, now_us_);
   scenario_ = std::move(scenario);
   return PortReply::accepted();

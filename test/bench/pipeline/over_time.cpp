@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/config/text_format.h"
 #include "common/vision/app/image_file.h"
 #include "evaluation/figures/canvas.h"
 #include "experiments/app/experiment_files.h"
@@ -28,7 +29,7 @@ void drawPanel(Canvas& canvas, const std::vector<Minute>& minutes, double Minute
   for (int i = 0; i <= 4; ++i) {
     const double v = top * i / 4.0;
     canvas.line(px(0.0, v), px(minutes.back().minutes, v), colors::kGrid);
-    canvas.text(text("%.3g", v), px(0.0, v) + Eigen::Vector2d(-6.0, 4.0), 9.0, colors::kFaintInk,
+    canvas.text(formatted("%.3g", v), px(0.0, v) + Eigen::Vector2d(-6.0, 4.0), 9.0, colors::kFaintInk,
                 Align::kRight);
   }
   const auto draw = [&](double Minute::*which, Rgb color) {
@@ -38,7 +39,7 @@ void drawPanel(Canvas& canvas, const std::vector<Minute>& minutes, double Minute
   };
   if (above) draw(above, colors::kOdometry);
   draw(value, colors::kEstimate);
-  canvas.text(text("%.0f min", minutes.back().minutes),
+  canvas.text(formatted("%.0f min", minutes.back().minutes),
               px(minutes.back().minutes, 0.0) + Eigen::Vector2d(0.0, 15.0), 9.0, colors::kFaintInk,
               Align::kRight);
 }
@@ -59,7 +60,7 @@ void printTable(const std::vector<Minute>& minutes) {
 void writeCsv(const std::vector<Minute>& minutes, const std::filesystem::path& file) {
   CsvFile csv(file, "minutes,mean_ms,p99_ms,elements,resident_mb");
   for (const Minute& m : minutes) {
-    csv.row(text("%.2f,%.4f,%.4f,%.1f,%.2f", m.minutes, m.mean_ms, m.p99_ms, m.elements, m.resident_mb));
+    csv.row(formatted("%.2f,%.4f,%.4f,%.1f,%.2f", m.minutes, m.mean_ms, m.p99_ms, m.elements, m.resident_mb));
   }
   csv.close();
 }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/recording/bag_advice.h"
 #include "common/tool/command_line_tool.h"
@@ -41,11 +42,8 @@ void printContents(const BagFile& bag) {
   for (const auto& topic : bag.topics()) {
     std::printf("%6zu  %-40s %s\n", topic.messages, topic.type.c_str(), topic.name.c_str());
   }
-  std::string compressions;
-  for (const std::string& name : bag.compressions())
-    compressions += (compressions.empty() ? "" : ", ") + name;
   std::printf("%.1f MB, %.1f s, compression %s\n", static_cast<double>(bag.bytes()) / 1e6,
-              toSeconds(bag.endUs() - bag.beginUs()), compressions.c_str());
+              toSeconds(bag.endUs() - bag.beginUs()), joined(bag.compressions(), ", ").c_str());
   for (const std::string& note : bag.notes()) std::printf("note: %s\n", note.c_str());
 }
 
@@ -55,9 +53,8 @@ void printAdvice(const BagAdvice& advice, const std::vector<std::string>& files)
     if (!role.needed.empty()) std::printf("             needed: %s\n", role.needed.c_str());
     if (!role.note.empty()) std::printf("             found: %s\n", role.note.c_str());
     if (role.candidates.size() > 1) {
-      std::string others;
-      for (const std::string& name : role.candidates) others += (others.empty() ? "" : ", ") + name;
-      std::printf("             one of: %s (key %s)\n", others.c_str(), role.key.c_str());
+      std::printf("             one of: %s (key %s)\n", joined(role.candidates, ", ").c_str(),
+                  role.key.c_str());
     }
   }
   if (!advice.truth.empty()) std::printf("%-12s %s\n", "truth", advice.truth.c_str());
@@ -72,9 +69,8 @@ void printAdvice(const BagAdvice& advice, const std::vector<std::string>& files)
                 files.front().c_str(), files.front().c_str());
     return;
   }
-  std::string file;
-  for (const std::string& name : files) file += (file.empty() ? "" : ",") + name;
-  std::printf("It can be replayed:\n  scripts/start replay '--ReplayServer.File=%s'", file.c_str());
+  std::printf("It can be replayed:\n  scripts/start replay '--ReplayServer.File=%s'",
+              joined(files, ",").c_str());
   for (const std::string& argument : advice.arguments) std::printf(" %s", argument.c_str());
   std::printf(
       " --ActiveVisualMemory.Palette=MAP.palette --Localization.Map=MAP.csv "

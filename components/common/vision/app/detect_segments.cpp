@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "common/config/text_format.h"
 #include "common/tool/command_line_tool.h"
 #include "common/vision/app/drawing.h"
 #include "common/vision/app/image_file.h"
@@ -102,11 +103,10 @@ class Run {
   }
 
   static void write(std::ostream& csv, const std::string& name, const std::vector<RawSegment>& segments) {
-    char numbers[160];
-    for (const RawSegment& segment : segments) {
-      std::snprintf(numbers, sizeof numbers, ",%.3f,%.3f,%.3f,%.3f,unknown,%.2f\n", segment.px_raw.a.x(),
-                    segment.px_raw.a.y(), segment.px_raw.b.x(), segment.px_raw.b.y(), segment.strength);
-      csv << quoted(name) << numbers;
+    for (const auto& [px, strength] : segments) {
+      csv << quoted(name)
+          << vismem::formatted(",%.3f,%.3f,%.3f,%.3f,unknown,%.2f\n", px.a.x(), px.a.y(), px.b.x(), px.b.y(),
+                               strength);
     }
   }
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <opencv2/imgproc.hpp>
 
+#include "common/config/text_format.h"
 #include "common/vision/app/drawing.h"
 
 namespace vismem {
@@ -116,9 +117,9 @@ PalettePicture picturePalette(const cv::Mat& image, const Palette& palette,
     labels.push_back({label + ": " + std::to_string(count), colors[label]});
   std::vector<Entry> shares;
   for (std::size_t i = 0; i < classes.shares.size(); ++i) {
-    char percent[32];
-    std::snprintf(percent, sizeof percent, ": %.1f %%", 100.0 * classes.shares[i]);
-    shares.push_back({palette.className(static_cast<ColorClass>(i)) + percent, classes.colors[i]});
+    shares.push_back(
+        {palette.className(static_cast<ColorClass>(i)) + formatted(": %.1f %%", 100.0 * classes.shares[i]),
+         classes.colors[i]});
   }
   result.figure = withLegend(left, labels, right, shares);
   return result;

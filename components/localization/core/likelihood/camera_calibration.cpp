@@ -4,9 +4,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
+#include "common/config/text_format.h"
 #include "common/geometry/projection.h"
 
 namespace vismem {
@@ -182,10 +182,9 @@ std::string CameraAlarm::update(const CameraErrors& camera) {
     if (!named_[i]) continue;
     const CameraErrorText& is = kCameraErrorTexts[i];
     const auto row = static_cast<int>(i);
-    char part[80];
-    std::snprintf(part, sizeof part, "%s %.1f +- %.1f %s", is.name, is.scale * camera.errors[row],
-                  is.scale * camera.sigmas[row], is.unit);
-    text += (text.empty() ? "" : ", ") + std::string(part);
+    text +=
+        (text.empty() ? "" : ", ") + formatted("%s %.1f +- %.1f %s", is.name, is.scale * camera.errors[row],
+                                               is.scale * camera.sigmas[row], is.unit);
   }
   return text.empty() ? "the camera is as it is configured, as far as the map shows"
                       : "against the map: " + text + ": run calibrate body";

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <utility>
 
+#include "common/config/text_format.h"
+
 namespace vismem {
 namespace {
 
@@ -53,9 +55,7 @@ void repairNumbers(XMLElement& e, RepairNotes& notes) {
     }
   }
   if (!changed) return;
-  std::string joined;
-  for (const auto& word : words) joined += (joined.empty() ? "" : " ") + word;
-  e.SetText(joined.c_str());
+  e.SetText(joined(words, " ").c_str());
   notes.add(e, std::string("a number of <") + e.Name() + "> is not finite");
 }
 
@@ -64,16 +64,16 @@ void repairColor(XMLElement& e, RepairNotes& notes) {
                                                   "emissive", "background", "color"};
   const char* text = kColors.contains(e.Name()) && e.FirstChildElement() == nullptr ? e.GetText() : nullptr;
   if (text == nullptr) return;
-  std::string clamped;
+  std::vector<std::string> clamped;
   bool changed = false;
   for (const auto& word : wordsOf(text)) {
     const auto number = numberOf(word);
     if (!number) return;
     changed = changed || !(*number >= 0.0 && *number <= 1.0);
-    clamped += (clamped.empty() ? "" : " ") + std::to_string(std::clamp(*number, 0.0, 1.0));
+    clamped.push_back(std::to_string(std::clamp(*number, 0.0, 1.0)));
   }
   if (!changed) return;
-  e.SetText(clamped.c_str());
+  e.SetText(joined(clamped, " ").c_str());
   notes.add(e, std::string("<") + e.Name() + "> is outside 0..1: the nearest colour is taken");
 }
 

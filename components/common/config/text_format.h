@@ -1,0 +1,31 @@
+/// @file Making of texts: lists, and numbers as by printf. Pure.
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace vismem {
+
+/// The texts of the items with a separator between them.
+/// @param text_of of an item: a function, or a pointer to a member.
+template <typename Items, typename TextOf = std::identity>
+std::string joined(const Items& items, std::string_view separator, TextOf text_of = {}) {
+  std::string all;
+  for (const auto& item : items) {
+    if (!all.empty()) all += separator;
+    all += std::invoke(text_of, item);
+  }
+  return all;
+}
+
+/// As printf.
+std::string formatted(const char* pattern, auto... values) {
+  std::string text(static_cast<std::size_t>(std::snprintf(nullptr, 0, pattern, values...)), '\0');
+  std::snprintf(text.data(), text.size() + 1, pattern, values...);
+  return text;
+}
+
+}  // namespace vismem
