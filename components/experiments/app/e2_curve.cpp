@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <random>
-#include <stdexcept>
 
 #include "common/config/text_format.h"
 #include "common/geometry/angles.h"
@@ -249,10 +248,8 @@ nlohmann::json drive(const ExperimentOptions& options, const Variant& variant) {
 nlohmann::json followCurve(const ExperimentOptions& options) {
   nlohmann::json json;
   for (const Variant& variant : kVariants) {
-    if (options.variant.empty() || options.variant == variant.name)
-      json[variant.name] = drive(options, variant);
+    if (options.wants(variant.name)) json[variant.name] = drive(options, variant);
   }
-  if (json.empty()) throw std::invalid_argument("E2 has no variant \"" + options.variant + "\"");
   return json;
 }
 

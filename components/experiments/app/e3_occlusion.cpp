@@ -275,12 +275,10 @@ nlohmann::json outOfView(const ExperimentOptions& options) {
 
 nlohmann::json occlusion(const ExperimentOptions& options) {
   nlohmann::json json;
-  const auto wanted = [&](const char* name) { return options.variant.empty() || options.variant == name; };
-  if (wanted("stand")) json["stand"] = bridge(options, false);
-  if (wanted("drive")) json["drive"] = bridge(options, true);
-  if (wanted("remove")) json["remove"] = removal(options);
-  if (wanted("unseen")) json["unseen"] = outOfView(options);
-  if (json.empty()) throw std::invalid_argument("E3 has no variant \"" + options.variant + "\"");
+  if (options.wants("stand")) json["stand"] = bridge(options, false);
+  if (options.wants("drive")) json["drive"] = bridge(options, true);
+  if (options.wants("remove")) json["remove"] = removal(options);
+  if (options.wants("unseen")) json["unseen"] = outOfView(options);
   return json;
 }
 

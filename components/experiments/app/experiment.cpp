@@ -52,7 +52,11 @@ nlohmann::json runOnce(const Experiment& experiment, const ExperimentOptions& op
   nlohmann::json result{{"experiment", experiment.name}, {"commit", origin.commit},
                         {"command", origin.command},     {"mode", options.mode},
                         {"seed", options.seed},          {"out", options.out.string()}};
-  result.update(experiment.run(options));
+  const nlohmann::json figures = experiment.run(options);
+  if (figures.empty()) {
+    throw std::invalid_argument(experiment.name + " has no variant \"" + options.variant + "\"");
+  }
+  result.update(figures);
   replaceFile(options.out / "result.json", result.dump(2) + "\n");
   return result;
 }

@@ -6,14 +6,25 @@
 #include "experiments/app/e2_curve.h"
 #include "experiments/app/e3_occlusion.h"
 #include "experiments/app/e4_humanoid.h"
-#include "experiments/app/e5_travel.h"
-#include "experiments/app/e6_kidnapping.h"
+#include "experiments/app/e6_gaze.h"
 #include "experiments/app/e7_health_maps.h"
 #include "experiments/app/e9_detectors.h"
 #include "experiments/app/mapping.h"
 #include "experiments/app/primitives.h"
+#include "experiments/app/trial_variants.h"
 
 namespace vismem {
+namespace {
+
+nlohmann::json travel(const ExperimentOptions& options) {
+  return runTrialVariants("E5", "travel_", options);
+}
+
+nlohmann::json kidnapping(const ExperimentOptions& options) {
+  return options.gaze.empty() ? runTrialVariants("E6", "", options) : compareGaze(options);
+}
+
+}  // namespace
 
 const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> all{

@@ -28,13 +28,15 @@ struct ExperimentOptions {
   std::filesystem::path out;         ///< exists; all files are written there
   std::filesystem::path data;        ///< recordings and photographs; may be absent
   TrialSource source;                ///< of E5 and E6: who runs the trials; empty: this process
+
+  bool wants(const std::string& name) const { return variant.empty() || variant == name; }
 };
 
 struct Experiment {
   std::string name;   ///< "E9"
   std::string title;  ///< for people
   /// Writes figures and CSV files into options.out.
-  /// @return the figures of merit, for the last line and result.json.
+  /// @return the figures of merit, for the last line and result.json; empty when it has no such variant.
   /// @throws std::exception naming a wrong input.
   std::function<nlohmann::json(const ExperimentOptions&)> run;
 };

@@ -1,4 +1,5 @@
-/// @file Variants of E5 and E6, read from files. See E5, E6.
+/// @file E5, a humanoid that travels a corridor (figure 20), and E6, symmetries and kidnappings (figure 21):
+/// their variants, read from files. Implements E5, E6.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
