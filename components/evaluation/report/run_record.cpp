@@ -29,13 +29,6 @@ std::string subtitleOf(const RunSummary& summary) {
                    score.errors.empty() ? "" : "; not settled");
 }
 
-/// The camera's heading over the floor and its opening.
-ViewCone viewOf(const Pose2& T_world_robot, const ImageAnalysis& analysis) {
-  const Eigen::Vector3d axis = (toPose3(T_world_robot) * analysis.T_robot_camera).linear().col(2);
-  const double opening = 2.0 * std::atan2(0.5 * analysis.intrinsics.width, analysis.intrinsics.fx);
-  return {std::atan2(axis.y(), axis.x()), opening, 2.0};
-}
-
 template <typename Row>
 bool isNewer(StampUs stamp_us, const Row& row) {
   return row.empty() || stamp_us > row.back().stamp_us;
@@ -177,7 +170,7 @@ TopView topViewOf(const RunRecord& record, const RunSummary& summary, const Segm
     view.races = last->races;
     view.robot = last->T_world_robot;
     if (last->T_world_robot && record.last_analysis)
-      view.view = viewOf(*last->T_world_robot, *record.last_analysis);
+      view.view = viewOf(*last->T_world_robot, *record.last_analysis, 2.0);
   }
   return view;
 }

@@ -37,8 +37,7 @@ void drawFigure13(ExperimentRun& run, const MemoryScore& score, const Experiment
   const View above = topView(world, 2 * kPanel_px);
   Board board;
   board.title = "One image against the memory (figure 13)";
-  board.subtitle = formatted("E1, %s mode, seed %llu: the robot turned, drove one metre and turned again",
-                             options.mode.c_str(), static_cast<unsigned long long>(options.seed));
+  board.subtitle = "E1, " + options.modeAndSeed() + ": the robot turned, drove one metre and turned again";
   BoardPanel scene{"the scene from above", {}, renderer.render(above.intrinsics, above.T_world_camera), {}};
   const ImageAnalysis& analysis = run.analysis();
   BoardPanel image{"the current image", {}, drawAnalysis(run.lastImage()->image, analysis, 3), {}};
@@ -68,11 +67,10 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
   nlohmann::json json;
   const MemoryScore score = lookAroundTwice(run, variant.name, LookAroundWay{}, files, json);
   if (std::string(variant.name) == "room") drawFigure13(run, score, options);
-  Board plan{
-      std::string("E1: ") + variant.title,
-      formatted("%s mode, seed %llu", options.mode.c_str(), static_cast<unsigned long long>(options.seed)),
-      {{scorePanel(run, score, "the memory over the true edges")}},
-      legendOfScore()};
+  Board plan{std::string("E1: ") + variant.title,
+             options.modeAndSeed(),
+             {{scorePanel(run, score, "the memory over the true edges")}},
+             legendOfScore()};
   writeImageFile(drawBoard(plan, 2 * kPanel_px),
                  options.out / (std::string("plan_") + variant.name + ".png"));
   return json;

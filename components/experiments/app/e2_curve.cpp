@@ -5,16 +5,15 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <random>
 
-#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/kinematics/kinematics.h"
 #include "common/vision/app/image_file.h"
-#include "common/visual_memory/overlay.h"
 #include "evaluation/figures/board.h"
 #include "experiments/app/experiment_run.h"
+#include "experiments/app/look_around_run.h"
 #include "experiments/core/corridor_follower.h"
+#include "localization/core/random_engine.h"
 
 namespace vismem {
 namespace {
@@ -39,11 +38,8 @@ bool onOuterWall(const Eigen::Vector2d& p) {
 }
 
 Pose2 startOf(std::uint64_t seed) {
-  std::mt19937_64 random(seed * 6151 + 29);
-  const auto draw = [&](double low, double high) {
-    return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1.0p-53);
-  };
-  return {draw(-3.2, -2.4), draw(-0.12, 0.12), draw(-0.12, 0.12)};
+  RandomEngine random(seed * 6151 + 29);
+  return {uniform(random, -3.2, -2.4), uniform(random, -0.12, 0.12), uniform(random, -0.12, 0.12)};
 }
 
 /// Edges that the follower may use: labelled edges lie where the floor ends.
@@ -123,16 +119,9 @@ BoardPanel planPanel(const ExperimentRun& run, std::string title, const std::vec
   }
   plan.paths = {way};
   plan.robot = run.trueRobot();
-  const ImageAnalysis& analysis = run.analysis();
-  const Eigen::Vector3d axis = analysis.T_robot_camera.linear().col(2);
-  plan.view = ViewCone{run.trueRobot().theta + std::atan2(axis.y(), axis.x()),
-                       2.0 * std::atan(0.5 * analysis.intrinsics.width / analysis.intrinsics.fx), kRange_m};
+  plan.view = viewOf(run.trueRobot(), run.analysis(), kRange_m);
   panel.plan = std::move(plan);
   return panel;
-}
-
-BoardPanel picturePanel(const ExperimentRun& run, std::string title) {
-  return {std::move(title), {}, drawAnalysis(run.lastImage()->image, run.analysis(), 2), {}};
 }
 
 struct Variant {
@@ -166,8 +155,7 @@ ExperimentRunOptions runOptions(const ExperimentOptions& options, const Variant&
 void writeFigure(Board board, const ExperimentOptions& options, const Variant& variant, const char* end) {
   board.title = variant.by_memory ? "The curve by the memory (figures 14, 15)"
                                   : "The curve by single images (figures 14, 15)";
-  board.subtitle = formatted("E2, %s mode, seed %llu: %s", options.mode.c_str(),
-                             static_cast<unsigned long long>(options.seed), end);
+  board.subtitle = "E2, " + options.modeAndSeed() + ": " + end;
   board.legend = {
       {"walls", {205, 208, 214}}, {"known to the follower", {20, 150, 70}}, {"way", colors::kEstimate}};
   writeImageFile(drawBoard(board, kPanel_px), options.out / (std::string(variant.name) + ".png"));
@@ -184,7 +172,7 @@ nlohmann::json drive(const ExperimentOptions& options, const Variant& variant) {
   board.rows.resize(2);
   const auto known = [&] { return by_memory ? rememberedWalls(run, true) : seenWalls(run); };
   const auto show = [&](const char* when) {
-    board.rows[0].push_back(picturePanel(run, std::string("the image ") + when));
+    board.rows[0].push_back(imagePanel(run, std::string("the image ") + when));
     board.rows[1].push_back(
         planPanel(run, by_memory ? "walls in the memory" : "walls in the image", known(), way));
   };

@@ -5,16 +5,16 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <opencv2/core.hpp>
-#include <random>
 #include <stdexcept>
 
 #include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/vision/app/image_file.h"
-#include "common/visual_memory/overlay.h"
 #include "evaluation/figures/board.h"
 #include "experiments/app/experiment_run.h"
+#include "experiments/app/look_around_run.h"
 #include "experiments/app/score_json.h"
+#include "localization/core/random_engine.h"
 
 namespace vismem {
 namespace {
@@ -27,15 +27,12 @@ constexpr const char* kOtherRobot = "other_robot";
 constexpr const char* kRemoved = "rectangle";
 
 ExperimentRunOptions runOptions(const ExperimentOptions& options) {
-  std::mt19937_64 random(options.seed * 104'729 + 5);
-  const auto draw = [&](double low, double high) {
-    return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1.0p-53);
-  };
+  RandomEngine random(options.seed * 104'729 + 5);
   ExperimentRunOptions run;
   run.mode = options.mode;
   run.seed = options.seed;
   // Along the room's middle, the rectangle ahead to the right.
-  run.start = {draw(0.9, 1.1), draw(-0.1, 0.1), draw(3.04, 3.24)};
+  run.start = {uniform(random, 0.9, 1.1), uniform(random, -0.1, 0.1), uniform(random, 3.04, 3.24)};
   return run;
 }
 
@@ -111,10 +108,6 @@ Survival survivalOf(const Remembered& before, const Remembered& after, const Pos
   return survival;
 }
 
-BoardPanel pictureOf(const ExperimentRun& run, std::string title) {
-  return {std::move(title), {}, drawAnalysis(run.lastImage()->image, run.analysis(), 2), {}};
-}
-
 BoardPanel planOf(ExperimentRun& run, const MemoryScore& score, const std::string& title) {
   BoardPanel panel{title, {}, {}, planOfScore(score, memoryOf(run).edges, run.truth().edges())};
   panel.plan->robot = run.trueRobot();
@@ -153,11 +146,10 @@ nlohmann::json bridge(const ExperimentOptions& options, bool drives) {
   Board board;
   board.title = drives ? "A second robot in front of the driving robot (figures 16 to 18)"
                        : "A second robot in front of the standing robot (figures 16 to 18)";
-  board.subtitle = formatted("E3, %s mode, seed %llu", options.mode.c_str(),
-                             static_cast<unsigned long long>(options.seed));
+  board.subtitle = "E3, " + options.modeAndSeed();
   board.rows.resize(2);
   const auto show = [&](const char* title, const MemoryScore& score) {
-    board.rows[0].push_back(pictureOf(run, title));
+    board.rows[0].push_back(imagePanel(run, title));
     board.rows[1].push_back(planOf(run, score, title));
   };
   show("before", score_before);

@@ -99,13 +99,11 @@ nlohmann::json simulated(const std::string& world, const ExperimentOptions& opti
   });
   nlohmann::json json;
   const MemoryScore score = lookAroundTwice(run, world, way, files, json);
-  writeFigure(
-      "The memory of a walking humanoid that turns its neck (figure 19): " + world,
-      formatted("E4, %s mode, seed %llu: it turned, walked a metre, turned again; its kinematics do not "
-                "model body sway",
-                options.mode.c_str(), static_cast<unsigned long long>(options.seed)),
-      snapshots, scorePanel(run, score, "the memory over the true edges"),
-      options.out / ("figure19_" + world + ".png"));
+  writeFigure("The memory of a walking humanoid that turns its neck (figure 19): " + world,
+              "E4, " + options.modeAndSeed() +
+                  ": it turned, walked a metre, turned again; its kinematics do not model body sway",
+              snapshots, scorePanel(run, score, "the memory over the true edges"),
+              options.out / ("figure19_" + world + ".png"));
   return json;
 }
 

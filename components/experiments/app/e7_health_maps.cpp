@@ -131,9 +131,8 @@ nlohmann::json healthFromImages(const ExperimentOptions& options) {
   nlohmann::json json;
   Board board;
   board.title = "How well every place fits one image (figures 22 to 26)";
-  board.subtitle =
-      formatted("E7, seed %llu: the best heading at every place; green: the truth, blue: the best place",
-                static_cast<unsigned long long>(options.seed));
+  board.subtitle = "E7, seed " + std::to_string(options.seed) +
+                   ": the best heading at every place; green: the truth, blue: the best place";
   for (const Scene& scene : kScenes) {
     if (!options.wants(scene.name)) continue;
     ExperimentRun run(runOptions(options, scene.start));
@@ -170,9 +169,8 @@ nlohmann::json healthFromImages(const ExperimentOptions& options) {
 nlohmann::json healthFromMemory(const ExperimentOptions& options) {
   Board board;
   board.title = "How well every place fits the memory (figure 27)";
-  board.subtitle =
-      formatted("E8, seed %llu: after looking about and half a metre of way; beside it the last image alone",
-                static_cast<unsigned long long>(options.seed));
+  board.subtitle = "E8, seed " + std::to_string(options.seed) +
+                   ": after looking about and half a metre of way; beside it the last image alone";
   nlohmann::json json;
   for (const bool occluded : {false, true}) {
     const char* variant = occluded ? "occlusion" : "normal";

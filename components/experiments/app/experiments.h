@@ -30,6 +30,8 @@ struct ExperimentOptions {
   TrialSource source;                ///< of E5 and E6: who runs the trials; empty: this process
 
   bool wants(const std::string& name) const { return variant.empty() || variant == name; }
+  /// For the title of a figure: "default mode, seed 1".
+  std::string modeAndSeed() const { return mode + " mode, seed " + std::to_string(seed); }
 };
 
 struct Experiment {

@@ -4,14 +4,15 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <random>
 #include <stdexcept>
 #include <utility>
 
 #include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/kinematics/kinematics.h"
+#include "common/visual_memory/overlay.h"
 #include "experiments/app/score_json.h"
+#include "localization/core/random_engine.h"
 
 namespace vismem {
 namespace {
@@ -125,13 +126,15 @@ Pose2 placeWithFreeWay(const World& world, double way_m, const std::function<Pos
 }
 
 Pose2 startNearMiddle(const World& world, std::uint64_t seed) {
-  std::mt19937_64 random(seed * 7919 + 17);
-  const auto draw = [&](double low, double high) {
-    return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1.0p-53);
-  };
+  RandomEngine random(seed * 7919 + 17);
   return placeWithFreeWay(world, LookAroundWay{}.way_m, [&] {
-    return Pose2{draw(-0.6, 0.6), draw(-0.3, 0.3), draw(-std::numbers::pi, std::numbers::pi)};
+    return Pose2{uniform(random, -0.6, 0.6), uniform(random, -0.3, 0.3),
+                 uniform(random, -std::numbers::pi, std::numbers::pi)};
   });
+}
+
+BoardPanel imagePanel(const ExperimentRun& run, std::string title) {
+  return {std::move(title), {}, drawAnalysis(run.lastImage()->image, run.analysis(), 2), {}};
 }
 
 BoardPanel scorePanel(const ExperimentRun& run, const MemoryScore& score, std::string title) {
@@ -139,10 +142,7 @@ BoardPanel scorePanel(const ExperimentRun& run, const MemoryScore& score, std::s
   panel.title = std::move(title);
   panel.plan = planOfScore(score, rememberedIn(run.snapshot(), run.trueRobot()), run.truth().edges());
   panel.plan->robot = run.trueRobot();
-  const ImageAnalysis& analysis = run.analysis();
-  const Eigen::Vector3d axis = analysis.T_robot_camera.linear().col(2);
-  panel.plan->view = ViewCone{run.trueRobot().theta + std::atan2(axis.y(), axis.x()),
-                              2.0 * std::atan(0.5 * analysis.intrinsics.width / analysis.intrinsics.fx), 4.0};
+  panel.plan->view = viewOf(run.trueRobot(), run.analysis(), 4.0);
   panel.caption = {
       formatted("%d right, %d on an edge with a wrong end, %d false; %d not confirmed", score.right,
                 score.partial, score.wrong, score.unconfirmed),

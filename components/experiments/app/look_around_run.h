@@ -49,6 +49,9 @@ Pose2 placeWithFreeWay(const World& world, double way_m, const std::function<Pos
 /// place.
 Pose2 startNearMiddle(const World& world, std::uint64_t seed);
 
+/// The last image against the memory.
+BoardPanel imagePanel(const ExperimentRun& run, std::string title);
+
 /// The memory over the true edges, with the robot and its view; the figures below.
 BoardPanel scorePanel(const ExperimentRun& run, const MemoryScore& score, std::string title);
 

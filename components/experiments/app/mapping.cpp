@@ -205,7 +205,7 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
                    formatted("precision %.3f, recall of edges of 10 px or more %.3f", score.edges.precision(),
                              score.edges.recallResolved())};
   Board board{std::string("A map from one drive: ") + variant.name,
-              formatted("seed %llu", static_cast<unsigned long long>(options.seed)),
+              "seed " + std::to_string(options.seed),
               {{std::move(panel)}},
               legendOfScore()};
   writeImageFile(drawBoard(board, kPanel_px), options.out / (std::string("map_") + variant.name + ".png"));

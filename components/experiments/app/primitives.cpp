@@ -261,8 +261,6 @@ nlohmann::json runVariant(bool corner_hidden, const ExperimentOptions& options, 
   BoardPanel plan = planOf(run, truth, judged);
   plan.caption = {formatted("%d of %d shown shapes found, %d false", json["all"]["found"].get<int>(),
                             json["all"]["shown"].get<int>(), json["all"]["false"].get<int>())};
-  const std::string subtitle =
-      formatted("%s mode, seed %llu", options.mode.c_str(), static_cast<unsigned long long>(options.seed));
   if (occluder) {
     const auto completed = std::find_if(judged.begin(), judged.end(), [&](const JudgedShape& j) {
       return j.true_shape == static_cast<int>(occluder->shape);
@@ -277,7 +275,7 @@ nlohmann::json runVariant(bool corner_hidden, const ExperimentOptions& options, 
                         {"three_corners_seen", other_corners_seen == 3},
                         {"outline_seen", truth.seenShare(occluder->shape)},
                         {"completed", completed != judged.end()}};
-    Board board{"Shapes completed behind an object (figure 7)", subtitle, {}, legend()};
+    Board board{"Shapes completed behind an object (figure 7)", options.modeAndSeed(), {}, legend()};
     board.rows.emplace_back();
     for (const cv::Mat& picture : images.pictures()) {
       board.rows.back().push_back({"an image of the occluded shape", {}, picture, {}});
@@ -287,7 +285,7 @@ nlohmann::json runVariant(bool corner_hidden, const ExperimentOptions& options, 
     board.rows.push_back({std::move(plan)});
     writeImageFile(drawBoard(board, kPanel_px), options.out / "figure7.png");
   } else {
-    const Board board{"The shapes of the room", subtitle, {{std::move(plan)}}, legend()};
+    const Board board{"The shapes of the room", options.modeAndSeed(), {{std::move(plan)}}, legend()};
     writeImageFile(drawBoard(board, 2 * kPanel_px), options.out / "shapes_open.png");
   }
   return json;
