@@ -4,11 +4,11 @@
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
 #include "common/config/text_format.h"
+#include "common/geometry/angles.h"
 #include "common/vision/app/image_file.h"
 #include "evaluation/figures/canvas.h"
 #include "evaluation/figures/error_figure.h"
@@ -16,8 +16,6 @@
 
 namespace vismem {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 nlohmann::json finite(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
@@ -120,7 +118,7 @@ nlohmann::json toJson(const TrialSummary& summary) {
                       {"p90_s", toJson(summary.p90_s)},
                       {"position_error_m", toJson(summary.position_error_m)},
                       {"median_position_error_m", toJson(summary.median_position_error_m)},
-                      {"heading_error_deg", toJson(summary.heading_error_rad, kDegrees)},
+                      {"heading_error_deg", toJson(summary.heading_error_rad, radToDeg(1.0))},
                       {"inside_reported_95_share", toJson(summary.inside_reported)},
                       {"error_over_reported", toJson(summary.error_over_reported)},
                       {"wrong_at_end_share", summary.wrong_at_end}};
@@ -170,7 +168,7 @@ nlohmann::json Comparison::write(const std::filesystem::path& out, const Summary
       csv += formatted("%s,%llu,%d,%s,%s,%s,%d,%s,%s,%s,%s\n", record.name.c_str(),
                        static_cast<unsigned long long>(event.seed), event.event,
                        number(event.settled_after_s).c_str(), number(event.position_error_m).c_str(),
-                       number(event.heading_error_rad, kDegrees).c_str(), event.right_at_end ? 1 : 0,
+                       number(event.heading_error_rad, radToDeg(1.0)).c_str(), event.right_at_end ? 1 : 0,
                        number(event.true_alive).c_str(), number(event.evidence_after_s).c_str(),
                        number(event.inside_reported).c_str(), number(event.error_over_reported).c_str());
     }
@@ -198,17 +196,18 @@ nlohmann::json Comparison::report(const std::filesystem::path& out, const Summar
   }
   for (const MethodRecord& record : records_) {
     const TrialSummary summary = summarize(record.events, params);
-    rows.push_back(
-        {record.name,
-         formatted("%d/%d ", summary.recovered, summary.events) +
-             shown(summary.recovered_share, 100.0, "%.1f"),
-         shown(summary.median_s, 1.0, "%.1f"), shown(summary.p90_s, 1.0, "%.1f"),
-         shown(summary.position_error_m, 100.0, "%.1f"),
-         shown(summary.median_position_error_m, 100.0, "%.1f"),
-         shown(summary.heading_error_rad, kDegrees, "%.2f"), shown(summary.inside_reported, 100.0, "%.1f"),
-         shown(summary.error_over_reported, 1.0, "%.2f"), formatted("%.1f %%", 100.0 * summary.wrong_at_end),
-         formatted("%.2f, %.2f", json[record.name]["cpu_ms_mean"].get<double>(),
-                   json[record.name]["cpu_ms_p99"].get<double>())});
+    rows.push_back({record.name,
+                    formatted("%d/%d ", summary.recovered, summary.events) +
+                        shown(summary.recovered_share, 100.0, "%.1f"),
+                    shown(summary.median_s, 1.0, "%.1f"), shown(summary.p90_s, 1.0, "%.1f"),
+                    shown(summary.position_error_m, 100.0, "%.1f"),
+                    shown(summary.median_position_error_m, 100.0, "%.1f"),
+                    shown(summary.heading_error_rad, radToDeg(1.0), "%.2f"),
+                    shown(summary.inside_reported, 100.0, "%.1f"),
+                    shown(summary.error_over_reported, 1.0, "%.2f"),
+                    formatted("%.1f %%", 100.0 * summary.wrong_at_end),
+                    formatted("%.2f, %.2f", json[record.name]["cpu_ms_mean"].get<double>(),
+                              json[record.name]["cpu_ms_p99"].get<double>())});
     if (twins) {
       rows.back().push_back(summary.true_alive ? formatted("%.1f %%", 100.0 * *summary.true_alive) : "-");
       rows.back().push_back(shown(summary.right_after_evidence, 100.0, "%.1f"));

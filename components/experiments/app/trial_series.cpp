@@ -11,17 +11,14 @@
 #include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "experiments/trials/twin_evidence.h"
+#include "localization/core/likelihood/robust_likelihood.h"
 
 namespace vismem {
 namespace {
 
 std::vector<std::optional<double>> evidenceOf(const Trial& trial, const SegmentMap& map_edges,
                                               const LocalizerParams& ours) {
-  MapIndex::Params index;
-  index.cell_m = ours.map.cell_m;
-  index.direction_gate_rad = ours.robust.likelihood.direction_gate_rad;
-  index.minimum_plan_length_m = 0.03;
-  const MapIndex map(map_edges, index);
+  const MapIndex map(map_edges, robustIndex(ours.robust.likelihood, ours.map));
   const Pose2 half_turn{0.0, 0.0, std::numbers::pi};
   std::vector<std::optional<double>> all;
   for (std::size_t event = 0; event < trial.events_us.size(); ++event) {

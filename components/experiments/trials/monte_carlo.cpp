@@ -8,28 +8,16 @@
 
 #include "common/geometry/angles.h"
 #include "experiments/trials/gaussian.h"
+#include "localization/core/hypotheses/explorers.h"
 #include "localization/core/likelihood/robust_likelihood.h"
-#include "localization/core/localizer.h"
 
 namespace vismem {
 namespace {
 
-constexpr double kTruncation_m = 1.0;          // as the default mode's
-constexpr double kMinimumPlanLength_m = 0.03;  // likewise
 constexpr double kStartStd_m = 0.1;
 constexpr double kStartStd_rad = 0.1;
 /// Shorter motions have no direction.
 constexpr double kLeastWay_m = 0.01;
-
-MapIndex::Params indexParams() {
-  const LocalizerParams ours;
-  MapIndex::Params index;
-  index.cell_m = ours.map.cell_m;
-  index.reach_m = kTruncation_m;
-  index.direction_gate_rad = ours.robust.likelihood.direction_gate_rad;
-  index.minimum_plan_length_m = kMinimumPlanLength_m;
-  return index;
-}
 
 /// A bin of the histogram, packed into a number that a hash table takes.
 using BinKey = std::int64_t;
@@ -83,17 +71,11 @@ double kldParticleCount(int bins, double error, double quantile) {
 }
 
 MonteCarlo::MonteCarlo(const MonteCarloParams& params, const SegmentMap& map_edges, std::uint64_t seed)
-    : params_(params), map_(map_edges, indexParams()), engine_(seed) {
+    : params_(params), map_(map_edges, robustIndex({}, {})), engine_(seed) {
   particles_.resize(static_cast<std::size_t>(params_.most_particles));
   for (Particle& particle : particles_) {
-    particle = {anywhere(), 1.0 / static_cast<double>(particles_.size())};
+    particle = {uniformExplorer(map_, 0.0, engine_), 1.0 / static_cast<double>(particles_.size())};
   }
-}
-
-Pose2 MonteCarlo::anywhere() {
-  const double x = uniform(engine_, map_.low().x(), map_.high().x());
-  const double y = uniform(engine_, map_.low().y(), map_.high().y());
-  return {x, y, wrapAngle(uniform(engine_, -std::numbers::pi, std::numbers::pi))};
 }
 
 void MonteCarlo::setPose(const Pose2& T_world_robot) {
@@ -108,7 +90,7 @@ void MonteCarlo::setPose(const Pose2& T_world_robot) {
   estimate();
 }
 
-PoseEstimate MonteCarlo::step(const MemoryUpdate& update) {
+const PoseEstimate& MonteCarlo::update(const MemoryUpdate& update) {
   const MemorySnapshot& snapshot = *update.snapshot;
   if (has_last_ && snapshot.stamp_us <= last_stamp_us_) return estimate_;
   if (has_last_) move(inverse(last_T_odom_robot_) * snapshot.T_odom_robot);
@@ -223,7 +205,7 @@ void MonteCarlo::resample() {
   while (static_cast<double>(next.size()) < wanted) {
     Pose2 pose;
     if (uniform(engine_, 0.0, 1.0) < injected) {
-      pose = anywhere();
+      pose = uniformExplorer(map_, 0.0, engine_);
     } else {
       const double at = uniform(engine_, 0.0, sum);
       const auto chosen =

@@ -54,7 +54,7 @@ class MonteCarlo {
  public:
   MonteCarlo(const MonteCarloParams& params, const SegmentMap& map_edges, std::uint64_t seed);
 
-  PoseEstimate step(const MemoryUpdate& update);
+  const PoseEstimate& update(const MemoryUpdate& update);
   /// Puts all particles around a known pose.
   void setPose(const Pose2& T_world_robot);
 
@@ -71,7 +71,6 @@ class MonteCarlo {
     int label;
   };
 
-  Pose2 anywhere();
   void move(const Pose2& T_before_now);
   /// @return whether there was an observation to weigh by.
   bool weigh(const MemoryUpdate& update);

@@ -5,40 +5,33 @@
 namespace vismem {
 namespace {
 
-class LocalizerMethod : public TrialMethod {
+/// Localizer or MonteCarlo as a method.
+template <typename Localization>
+class MethodOf : public TrialMethod {
  public:
-  LocalizerMethod(const LocalizerParams& params, const SegmentMap& map_edges, std::uint64_t seed)
-      : localizer_(params, map_edges, seed) {}
-  PoseEstimate step(const MemoryUpdate& update) override { return localizer_.update(update); }
-  void setPose(const Pose2& T_world_robot) override { localizer_.setPose(T_world_robot); }
+  explicit MethodOf(Localization localization) : localization_(std::move(localization)) {}
+  PoseEstimate step(const MemoryUpdate& update) override { return localization_.update(update); }
+  void setPose(const Pose2& T_world_robot) override { localization_.setPose(T_world_robot); }
 
  private:
-  Localizer localizer_;
+  Localization localization_;
 };
 
-class MonteCarloMethod : public TrialMethod {
- public:
-  MonteCarloMethod(const MonteCarloParams& params, const SegmentMap& map_edges, std::uint64_t seed)
-      : monte_carlo_(params, map_edges, seed) {}
-  PoseEstimate step(const MemoryUpdate& update) override { return monte_carlo_.step(update); }
-  void setPose(const Pose2& T_world_robot) override { monte_carlo_.setPose(T_world_robot); }
-
- private:
-  MonteCarlo monte_carlo_;
-};
+template <typename Localization, typename Params>
+MethodMaker makerOf(std::string name, const Params& params) {
+  return {std::move(name), [params](const SegmentMap& map_edges, std::uint64_t seed) {
+            return std::make_unique<MethodOf<Localization>>(Localization(params, map_edges, seed));
+          }};
+}
 
 }  // namespace
 
 MethodMaker localizerMethod(std::string name, const LocalizerParams& params) {
-  return {std::move(name), [params](const SegmentMap& map_edges, std::uint64_t seed) {
-            return std::make_unique<LocalizerMethod>(params, map_edges, seed);
-          }};
+  return makerOf<Localizer>(std::move(name), params);
 }
 
 MethodMaker monteCarloMethod(std::string name, const MonteCarloParams& params) {
-  return {std::move(name), [params](const SegmentMap& map_edges, std::uint64_t seed) {
-            return std::make_unique<MonteCarloMethod>(params, map_edges, seed);
-          }};
+  return makerOf<MonteCarlo>(std::move(name), params);
 }
 
 std::vector<Ablation> ablations(const LocalizerParams& base) {

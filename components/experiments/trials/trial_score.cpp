@@ -60,6 +60,24 @@ void scoreCovariance(const std::vector<PoseEstimate>& estimates, const Trajector
   score.error_over_reported = std::sqrt(*median(squares) / kChiSquare50);
 }
 
+using ValuesBySeed = std::map<std::uint64_t, std::vector<double>>;
+using Statistic = std::function<std::optional<double>(const std::vector<double>&)>;
+
+/// A statistic of the values with its bootstrap over seeds.
+std::optional<Figure> figureOf(const ValuesBySeed& by_seed, const Statistic& statistic,
+                               const SummaryParams& params) {
+  std::vector<std::vector<double>> groups;
+  std::vector<double> all;
+  for (const auto& [seed, values] : by_seed) {
+    groups.push_back(values);
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  const auto value = statistic(all);
+  const auto interval = bootstrapInterval(groups, statistic, params.seed);
+  if (!value || !interval) return std::nullopt;
+  return Figure{*value, *interval};
+}
+
 /// Infinite for an event that did not recover.
 double recoveryTime(const EventScore& event, double within_s) {
   const bool recovered = event.settled_after_s && *event.settled_after_s <= within_s;
@@ -121,7 +139,7 @@ std::vector<EventScore> scoreEvents(const Trial& trial, const std::vector<PoseEs
 std::optional<Figure> ratioOfQuantiles(const std::vector<EventScore>& a, const std::vector<EventScore>& b,
                                        double q, const SummaryParams& params) {
   // The bootstrap draws whole groups of one list of numbers: those of `b` have a negative sign.
-  std::map<std::uint64_t, std::vector<double>> pairs;
+  ValuesBySeed pairs;
   const auto add = [&](const std::vector<EventScore>& events, double sign) {
     for (const EventScore& event : events) {
       if (params.kidnaps_only && event.event == 0) continue;
@@ -141,25 +159,12 @@ std::optional<Figure> ratioOfQuantiles(const std::vector<EventScore>& a, const s
     }
     return *above / *below;
   };
-  std::vector<std::vector<double>> groups;
-  std::vector<double> all;
-  for (const auto& [seed, values] : pairs) {
-    groups.push_back(values);
-    all.insert(all.end(), values.begin(), values.end());
-  }
-  const auto value = ratio(all);
-  const auto interval = bootstrapInterval(groups, ratio, params.seed);
-  if (!value || !interval) return std::nullopt;
-  return Figure{*value, *interval};
+  return figureOf(pairs, ratio, params);
 }
 
 TrialSummary summarize(const std::vector<EventScore>& events, const SummaryParams& params) {
   TrialSummary summary;
-  std::map<std::uint64_t, std::vector<double>> times;
-  std::map<std::uint64_t, std::vector<double>> positions;
-  std::map<std::uint64_t, std::vector<double>> headings;
-  std::map<std::uint64_t, std::vector<double>> inside;
-  std::map<std::uint64_t, std::vector<double>> over;
+  ValuesBySeed times, positions, headings, inside, over;
   int wrong = 0;
   int with_evidence = 0;
   int right_in_time = 0;
@@ -190,19 +195,8 @@ TrialSummary summarize(const std::vector<EventScore>& events, const SummaryParam
   if (summary.events == 0) return summary;
   summary.recovered_share = {static_cast<double>(summary.recovered) / summary.events,
                              wilsonInterval(summary.recovered, summary.events)};
-  using Statistic = std::function<std::optional<double>(const std::vector<double>&)>;
-  const auto figure = [&](const std::map<std::uint64_t, std::vector<double>>& by_seed,
-                          const Statistic& statistic) -> std::optional<Figure> {
-    std::vector<std::vector<double>> groups;
-    std::vector<double> all;
-    for (const auto& [seed, values] : by_seed) {
-      groups.push_back(values);
-      all.insert(all.end(), values.begin(), values.end());
-    }
-    const auto value = statistic(all);
-    const auto interval = bootstrapInterval(groups, statistic, params.seed);
-    if (!value || !interval) return std::nullopt;
-    return Figure{*value, *interval};
+  const auto figure = [&](const ValuesBySeed& by_seed, const Statistic& statistic) {
+    return figureOf(by_seed, statistic, params);
   };
   const auto quantileOf = [](double q) {
     return [q](const std::vector<double>& values) { return quantile(values, q); };

@@ -45,11 +45,11 @@ TEST(MonteCarlo, FollowsTheRobotFromAKnownStart) {
   for (const auto& params : {stockMonteCarlo(), smallMonteCarlo()}) {
     CorridorWorld world(CorridorParams{}, 3);
     MonteCarlo filter(params, test::corridorMap(), 1);
-    filter.step(world.next());
+    filter.update(world.next());
     filter.setPose(world.truth());
     double sum = 0.0;
     constexpr int kImages = 150;
-    for (int i = 0; i < kImages; ++i) sum += errorOf(filter.step(world.next()), world.truth());
+    for (int i = 0; i < kImages; ++i) sum += errorOf(filter.update(world.next()), world.truth());
     // The robot drives 4.5 m meanwhile; a filter that lost it is metres away.
     EXPECT_LT(sum / kImages, 0.3);
   }
@@ -62,7 +62,7 @@ TEST(MonteCarlo, FindsTheRobotFromAnywhere) {
     MonteCarlo filter(smallMonteCarlo(), test::corridorMap(), seed);
     bool there = false;
     for (int i = 0; i < 300 && !there; ++i) {
-      const PoseEstimate estimate = filter.step(world.next());
+      const PoseEstimate estimate = filter.update(world.next());
       there = i > 100 && errorOf(estimate, world.truth()) < 0.2;
     }
     if (there) ++found;
@@ -76,10 +76,10 @@ TEST(MonteCarlo, UsesFewerParticlesOnceItKnows) {
   params.alpha_slow = params.alpha_fast = 0.0;  // every random particle would occupy a bin of its own
   MonteCarlo filter(params, test::corridorMap(), 1);
   EXPECT_EQ(filter.particleCount(), 2000u);
-  filter.step(world.next());
+  filter.update(world.next());
   filter.setPose(world.truth());
   // Straight on: a turn spreads the particles, and rightly so.
-  for (int i = 0; i < 40; ++i) filter.step(world.next());
+  for (int i = 0; i < 40; ++i) filter.update(world.next());
   EXPECT_LT(filter.particleCount(), 1200u);
 }
 
@@ -89,7 +89,7 @@ TEST(MonteCarlo, TheSameSeedGivesTheSameEstimates) {
     CorridorWorld world(CorridorParams{}, 2);
     MonteCarlo filter(smallMonteCarlo(), test::corridorMap(), 5);
     for (int i = 0; i < 30; ++i) {
-      const auto estimate = filter.step(world.next());
+      const auto estimate = filter.update(world.next());
       ASSERT_TRUE(estimate.T_world_robot);
       if (run == 0) {
         first.push_back(*estimate.T_world_robot);
@@ -104,13 +104,13 @@ TEST(MonteCarlo, FindsAKidnappedRobotAgain) {
   // Without random particles nothing would be left at the new place.
   CorridorWorld world(CorridorParams{}, 3);
   MonteCarlo filter(smallMonteCarlo(), test::corridorMap(), 1);
-  filter.step(world.next());
+  filter.update(world.next());
   filter.setPose(world.truth());
-  for (int i = 0; i < 100; ++i) filter.step(world.next());
+  for (int i = 0; i < 100; ++i) filter.update(world.next());
   world.kidnap();
   bool there = false;
   for (int i = 0; i < 600 && !there; ++i) {
-    const PoseEstimate estimate = filter.step(world.next());
+    const PoseEstimate estimate = filter.update(world.next());
     there = i > 50 && errorOf(estimate, world.truth()) < 0.3;
   }
   EXPECT_TRUE(there);
