@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "common/routes/route.h"
 #include "support/build_paths.h"
 
 namespace vismem {

@@ -48,7 +48,7 @@ inline WorldDrive driveWorld(const std::string& world, const std::string& setup,
   const EvaluationParams params = loadParams(options, true);
   std::filesystem::path route_file = options.world;
   route_file.replace_extension(".route");
-  Route route = routeFromFile(route_file);
+  Route route = loadRoute(route_file);
   const RouteStart start = startOnRoute(route, seed);
   if (start.backwards) route = reversed(route);
   const auto robot = makeSimulation(options, route, start.T_world_robot);

@@ -16,6 +16,7 @@
 #include "application/app/run_observer.h"
 #include "application/app/status_line.h"
 #include "common/config/config_error.h"
+#include "common/routes/route.h"
 #include "common/segment_map/symmetry.h"
 
 namespace {

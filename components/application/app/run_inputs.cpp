@@ -1,10 +1,6 @@
 #include "application/app/run_inputs.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iostream>
-#include <sstream>
 #include <utility>
 
 #include "common/config/config_error.h"
@@ -13,14 +9,6 @@
 #include "localization/app/config.h"
 
 namespace vismem {
-
-Route loadRoute(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) throw ConfigError({file.string() + ": cannot read it: " + std::strerror(errno)});
-  return parseRoute(text.str(), file.string());
-}
 
 RunMap loadRunMap(const std::filesystem::path& map, const std::filesystem::path& palette) {
   LoadedMap loaded = loadMapEdges(map, palette);

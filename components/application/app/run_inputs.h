@@ -1,17 +1,13 @@
-/// @file The files that a run itself reads: route, map, and the judged images of a recording.
+/// @file The files that a run itself reads: map, and the judged images of a recording.
 #pragma once
 
 #include <filesystem>
 
 #include "application/app/options.h"
-#include "common/routes/route.h"
 #include "evaluation/core/trajectory.h"
 #include "evaluation/report/run_pictures.h"
 
 namespace vismem {
-
-/// @throws ConfigError as parseRoute, also when the file cannot be read.
-Route loadRoute(const std::filesystem::path& file);
 
 /// Prints where map and palette do not fit each other (checkMap), as localization does.
 /// @param palette may be empty.

@@ -8,6 +8,7 @@
 
 #include "common/config/config_error.h"
 #include "common/config/text_fields.h"
+#include "common/config/text_file.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/segment.h"
 
@@ -123,6 +124,10 @@ Route parseRoute(std::string_view text, const std::string& file_name) {
   }
   if (!problems.empty()) throw ConfigError(std::move(problems));
   return route;
+}
+
+Route loadRoute(const std::filesystem::path& file) {
+  return parseRoute(readTextFile(file, "the way-points of a route"), file.string());
 }
 
 RouteStart startOnRoute(const Route& route, std::uint64_t seed) {

@@ -1,7 +1,9 @@
-/// @file A route through a world: way-points, their file format, and the random start of a run. Pure.
+/// @file A route through a world: way-points, their file format, and the random start of a run. Pure except
+/// for reading a file.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +39,8 @@ RoutePlace nearestPlace(const Route& route, const Eigen::Vector2d& position);
 /// comment.
 /// @throws ConfigError with every problem: FILE:LINE, what was found, what was expected.
 Route parseRoute(std::string_view text, const std::string& file_name);
+/// The same from a file. @throws ConfigError also when it cannot be read.
+Route loadRoute(const std::filesystem::path& file);
 
 /// Start of a run: a place of the route and one of its two directions, both drawn from the seed, with small
 /// random offsets of lateral position and heading. The same seed gives the same start on every machine.

@@ -146,7 +146,7 @@ std::optional<Route> findRoute(const EvaluationOptions& options) {
     file.replace_extension(".route");
     if (!fs::exists(file)) return std::nullopt;
   }
-  return routeFromFile(file);
+  return loadRoute(file);
 }
 
 void addProfile(nlohmann::json& json, CpuStages& stages, double wall_s, double robot_s) {

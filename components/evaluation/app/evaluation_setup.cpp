@@ -1,9 +1,7 @@
 #include "evaluation/app/evaluation_setup.h"
 
 #include <algorithm>
-#include <fstream>
 #include <iostream>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +11,7 @@
 #include "common/config/config_reader.h"
 #include "common/config/project_file.h"
 #include "common/config/properties.h"
+#include "common/config/text_file.h"
 #include "common/process/process_keys.h"
 #include "common/routes/route_follower.h"
 #include "localization/app/config.h"
@@ -22,14 +21,6 @@ namespace vismem {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string readText(const fs::path& file) {
-  std::ifstream stream(file);
-  if (!stream) throw ConfigError({file.string() + ": cannot be read"});
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
 
 /// A component's file in the setup. @throws ConfigError for a setup without it.
 fs::path setupFile(const EvaluationOptions& options, const std::string& component) {
@@ -167,10 +158,6 @@ EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt)
   return params;
 }
 
-Route routeFromFile(const fs::path& file) {
-  return parseRoute(readText(file), file.string());
-}
-
 SimulationConfig simulationConfig(const EvaluationOptions& options) {
   Properties properties = Properties::load(setupFile(options, "simulator"));
   properties.set("Simulator.World", options.world.string());
@@ -194,7 +181,7 @@ std::unique_ptr<Simulation> makeSimulation(const EvaluationOptions& options,
 
   Scenario scenario;
   if (!options.scenario.empty()) {
-    scenario = parseScenario(readText(options.scenario), options.scenario.string());
+    scenario = parseScenario(readTextFile(options.scenario, "a scenario"), options.scenario.string());
   }
   const bool drives =
       std::any_of(scenario.events.begin(), scenario.events.end(),

@@ -47,9 +47,6 @@ EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt)
 /// @throws ConfigError.
 void copyConfiguration(const EvaluationOptions& options);
 
-/// Reads a route. @throws ConfigError as parseRoute, also when the file cannot be read.
-Route routeFromFile(const std::filesystem::path& file);
-
 /// The robot of the setup's simulator.cfg in the options' world, with their seed and camera rate.
 /// @throws ConfigError.
 SimulationConfig simulationConfig(const EvaluationOptions& options);

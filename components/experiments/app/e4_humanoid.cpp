@@ -80,7 +80,7 @@ void writeFigure(const std::string& title, const std::string& subtitle, const Sn
 nlohmann::json simulated(const std::string& world, const ExperimentOptions& options, JudgementFiles& files) {
   LookAroundWay way;
   way.speed_mps = 0.2;
-  const Route route = routeFromFile(projectFile("cfg/worlds/" + world + ".route"));
+  const Route route = loadRoute(projectFile("cfg/worlds/" + world + ".route"));
   ExperimentRunOptions run_options;
   run_options.world = world;
   run_options.setup = "humanoid";

@@ -171,7 +171,7 @@ nlohmann::json runVariant(const Variant& variant, const ExperimentOptions& optio
   run_options.setup = variant.setup;
   run_options.mode = options.mode;
   run_options.seed = options.seed;
-  Route route = routeFromFile(projectFile(std::string("cfg/worlds/") + variant.world + ".route"));
+  Route route = loadRoute(projectFile(std::string("cfg/worlds/") + variant.world + ".route"));
   const RouteStart start = startOnRoute(route, options.seed);
   run_options.start = start.T_world_robot;
   if (start.backwards) route = reversed(route);

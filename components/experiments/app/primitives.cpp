@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "common/config/project_file.h"
+#include "common/config/text_file.h"
 #include "common/config/text_format.h"
 #include "common/vision/app/image_file.h"
 #include "common/visual_memory/overlay.h"
@@ -31,9 +29,7 @@ constexpr std::array kKinds{PrimitiveKind::kParallelogram, PrimitiveKind::kTrian
 
 std::vector<TrueShape> loadShapes() {
   const auto file = projectFile("cfg/maps/room.primitives.csv");
-  std::ifstream in(file);
-  if (!in) throw std::runtime_error(file.string() + ": cannot be read");
-  return parseTrueShapes(std::string(std::istreambuf_iterator<char>(in), {}), file.string());
+  return parseTrueShapes(readTextFile(file, "the shapes of the room"), file.string());
 }
 
 /// A box on a corner.

@@ -89,7 +89,7 @@ struct TrialRun::Impl {
   explicit Impl(const TrialOptions& given)
       : options(given),
         params(loadParams(evaluationOptions(given), true)),
-        route(routeFromFile(projectFile("cfg/worlds/" + given.world + ".route"))),
+        route(loadRoute(projectFile("cfg/worlds/" + given.world + ".route"))),
         memory(params.pipeline, params.palette),
         assembler(params.assembler),
         clutter(given.disturbance, params.map_edges),

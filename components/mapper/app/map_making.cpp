@@ -77,7 +77,7 @@ RecordedDrive recordWorld(const MapMakingOptions& options) {
   const EvaluationParams params = loadParams(options.drive, true);
   std::filesystem::path file = options.drive.route;
   if (file.empty()) file = std::filesystem::path(options.drive.world).replace_extension(".route");
-  Route route = routeFromFile(file);
+  Route route = loadRoute(file);
   Pose2 place;
   if (options.drive.start) {
     place = *options.drive.start;

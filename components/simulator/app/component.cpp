@@ -1,10 +1,9 @@
 #include "simulator/app/component.h"
 
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include "common/config/config_error.h"
+#include "common/config/text_file.h"
 #include "common/process/log.h"
 #include "common/process/status.h"
 #include "common/robot_ice/base_ice.h"
@@ -20,14 +19,6 @@
 
 namespace vismem {
 namespace {
-
-std::string readScenario(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw ConfigError({file.string() + ": cannot be read (expected a scenario)"});
-  return text.str();
-}
 
 class SimulatorComponent : public Component {
  public:
@@ -130,7 +121,7 @@ std::unique_ptr<Component> configure(ConfigReader& reader) {
   config.simulation.world = std::move(loaded.world);
   std::optional<Scenario> scenario;
   if (!config.scenario.empty()) {
-    scenario = parseScenario(readScenario(config.scenario), config.scenario.string());
+    scenario = parseScenario(readTextFile(config.scenario, "a scenario"), config.scenario.string());
   }
   try {
     auto component =
