@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <deque>
 #include <iomanip>
-#include <random>
 #include <sstream>
 
 #include "application/app/run_inputs.h"
@@ -13,6 +12,7 @@
 #include "common/process/ready_line.h"
 #include "common/process/setup.h"
 #include "common/recording/bag_advice.h"
+#include "common/robot_ice/lease_ice.h"
 #include "common/routes/route.h"
 #include "gui/server/http_endpoint.h"
 
@@ -41,15 +41,6 @@ bool hasPage(const RunOptions& options) {
   return options.gui && std::filesystem::exists(configOf(options, "gui_server"));
 }
 
-/// 128 bits of the system's randomness in hexadecimal: a secret that no page of another origin can guess.
-std::string makeToken() {
-  std::random_device random;
-  std::ostringstream text;
-  text << std::hex << std::setfill('0');
-  for (int i = 0; i < 4; ++i) text << std::setw(8) << random();
-  return text.str();
-}
-
 /// Adds where the page reaches the recorder; the configuration of its server leaves out what runs on request.
 void addRecorderOfPage(const RunOptions& options, ComponentCommand& page) {
   const Properties properties = Properties::load(configOf(options, "recorder"));
@@ -66,7 +57,7 @@ void addPage(const RunOptions& options, std::vector<ComponentCommand>& commands)
   if (!hasPage(options)) return;
   commands.push_back(commandOf(options, "gui_server"));
   if (options.record) addRecorderOfPage(options, commands.back());
-  const std::string token = makeToken();
+  const std::string token = makeSecret();
   for (auto& command : commands) command.arguments.push_back("--Robot.Token=" + token);
 }
 

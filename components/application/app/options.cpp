@@ -2,12 +2,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
+#include <charconv>
 #include <iostream>
 #include <vector>
 
 #include "common/config/config_reader.h"
 #include "common/config/properties.h"
+#include "common/config/text_fields.h"
 #include "common/process/name_by_date.h"
 #include "common/recording/bag_advice.h"
 
@@ -83,34 +84,20 @@ bool mapHasOwnFrame(const RunOptions& options) {
 }
 
 double parseSeconds(const std::string& text) {
-  std::size_t used = 0;
-  double value = 0.0;
-  try {
-    value = std::stod(text, &used);
-  } catch (const std::exception&) {
-    used = std::string::npos;
-  }
-  if (used != text.size() || !std::isfinite(value) || value <= 0.0) {
-    throw UsageError("--seconds " + text + " (must be a number above 0)");
-  }
-  return value;
+  const auto value = finiteNumber(text);
+  if (!value || *value <= 0.0) throw UsageError("--seconds " + text + " (must be a number above 0)");
+  return *value;
 }
 
 template <typename Integer>
 Integer parseInteger(const std::string& option, const std::string& text, Integer minimum, Integer maximum) {
-  std::size_t used = 0;
-  long long value = 0;
-  try {
-    value = std::stoll(text, &used);
-  } catch (const std::exception&) {
-    used = std::string::npos;
-  }
-  if (used != text.size() || value < static_cast<long long>(minimum) ||
-      value > static_cast<long long>(maximum)) {
+  Integer value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < minimum || value > maximum) {
     throw UsageError(option + " " + text + " (must be a whole number " + std::to_string(minimum) + ".." +
                      std::to_string(maximum) + ")");
   }
-  return static_cast<Integer>(value);
+  return value;
 }
 
 }  // namespace

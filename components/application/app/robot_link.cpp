@@ -14,59 +14,33 @@
 #include "localization/ice/localization_ice.h"
 
 namespace vismem {
-namespace {
-
-/// Makes proxies to the objects of one component.
-class Proxies {
- public:
-  Proxies(Ice::Communicator& communicator, const Launcher& launcher, std::string component)
-      : communicator_(communicator), launcher_(launcher), component_(std::move(component)) {}
-
-  template <typename Prx>
-  std::shared_ptr<Prx> to(const std::string& identity) const {
-    return Ice::uncheckedCast<Prx>(communicator_.stringToProxy(launcher_.proxy(component_, identity)));
-  }
-
- private:
-  Ice::Communicator& communicator_;
-  const Launcher& launcher_;
-  std::string component_;
-};
-
-}  // namespace
 
 RobotLink::RobotLink(const RunOptions& options, const Launcher& launcher)
     : log_("run_application", LogLevel::kWarning), communicator_(makeCommunicator(Properties{}, log_)) {
   const bool simulated = options.setup == Setup::kSimulation;
-  const Proxies robot(*communicator_, launcher, simulated ? "simulator" : "replay_server");
-  camera_ = std::make_unique<RemoteFrameSource>(robot.to<avm::CameraPrx>("cameraA"));
-  base_ = std::make_unique<RemoteMobileBase>(simulated ? robot.to<avm::BasePrx>("Motors") : nullptr,
-                                             robot.to<avm::OdometryPrx>("Encoders"));
+  const std::string robot = simulated ? "simulator" : "replay_server";
+  const std::string memory = "active_visual_memory";
+  const auto proxy = [&](const std::string& component, const std::string& identity) {
+    return communicator_->stringToProxy(launcher.proxy(component, identity));
+  };
+  camera_ = std::make_unique<RemoteFrameSource>(Ice::uncheckedCast<avm::CameraPrx>(proxy(robot, "cameraA")));
+  base_ = std::make_unique<RemoteMobileBase>(
+      simulated ? Ice::uncheckedCast<avm::BasePrx>(proxy(robot, "Motors")) : nullptr,
+      Ice::uncheckedCast<avm::OdometryPrx>(proxy(robot, "Encoders")));
   if (simulated) {
-    simulation_ = std::make_unique<RemoteSimulation>(robot.to<avm::SimulationPrx>("Simulation"));
+    simulation_ = std::make_unique<RemoteSimulation>(
+        Ice::uncheckedCast<avm::SimulationPrx>(proxy(robot, "Simulation")));
   } else {
-    replay_ = std::make_unique<RemoteReplay>(robot.to<avm::ReplayPrx>("Replay"));
+    replay_ = std::make_unique<RemoteReplay>(Ice::uncheckedCast<avm::ReplayPrx>(proxy(robot, "Replay")));
   }
-  const Proxies memory(*communicator_, launcher, "active_visual_memory");
-  memory_ = std::make_unique<VisualMemoryClient>(memory.to<avm::VisualMemoryPrx>("VisualMemory"));
-  gaze_ = std::make_unique<RemoteGaze>(memory.to<avm::GazePrx>("Gaze"));
-  const Proxies localization(*communicator_, launcher, "localization");
-  localization_ = std::make_unique<RemoteLocalization>(localization.to<avm::LocalizationPrx>("Localization"));
+  memory_ = std::make_unique<VisualMemoryClient>(
+      Ice::uncheckedCast<avm::VisualMemoryPrx>(proxy(memory, "VisualMemory")));
+  gaze_ = std::make_unique<RemoteGaze>(Ice::uncheckedCast<avm::GazePrx>(proxy(memory, "Gaze")));
+  localization_ = std::make_unique<RemoteLocalization>(
+      Ice::uncheckedCast<avm::LocalizationPrx>(proxy("localization", "Localization")));
   std::vector<std::string> names{"active_visual_memory", "localization"};
   if (options.record) names.emplace_back("recorder");
   for (const std::string& name : names) status_proxies_.push_back(launcher.proxy(name, name + "/component"));
-}
-
-RobotLink::~RobotLink() {
-  // Ports first: their pending requests hold on to the communicator.
-  camera_.reset();
-  base_.reset();
-  memory_.reset();
-  gaze_.reset();
-  localization_.reset();
-  simulation_.reset();
-  replay_.reset();
-  communicator_->destroy();
 }
 
 std::string RobotLink::waitForPeers(std::chrono::seconds timeout, const std::function<bool()>& interrupted) {

@@ -23,9 +23,6 @@ class RobotLink {
  public:
   /// @param launcher its components must be ready.
   RobotLink(const RunOptions& options, const Launcher& launcher);
-  ~RobotLink();
-  RobotLink(const RobotLink&) = delete;
-  RobotLink& operator=(const RobotLink&) = delete;
 
   FrameSource& camera() { return *camera_; }
   MobileBase& base() { return *base_; }
@@ -41,7 +38,7 @@ class RobotLink {
 
  private:
   Logger log_;
-  std::shared_ptr<Ice::Communicator> communicator_;
+  Ice::CommunicatorHolder communicator_;  ///< ends after the ports, whose pending requests hold on to it
   std::vector<std::string> status_proxies_;
   std::unique_ptr<FrameSource> camera_;
   std::unique_ptr<MobileBase> base_;

@@ -2,10 +2,9 @@
 
 #include <Ice/Ice.h>
 
-#include <array>
-#include <cstdio>
 #include <random>
 
+#include "common/config/text_format.h"
 #include "common/robot_ice/conversions.h"
 
 namespace vismem {
@@ -27,15 +26,11 @@ void requireClient(const std::string& client) {
 
 }  // namespace
 
-std::string makeLeaseId() {
+std::string makeSecret() {
   std::random_device random;
-  std::string id;
-  for (int i = 0; i < 4; ++i) {
-    std::array<char, 9> digits{};
-    std::snprintf(digits.data(), digits.size(), "%08x", random());
-    id += digits.data();
-  }
-  return id;
+  std::string digits;
+  for (int i = 0; i < 4; ++i) digits += formatted("%08x", random());
+  return digits;
 }
 
 std::string connectionOf(const Ice::Current& current) {

@@ -16,8 +16,9 @@ namespace vismem {
 /// Entry of a call's context that holds the id of a lease.
 inline constexpr const char* kLeaseContext = "lease";
 
-/// A new id of 128 random bits, as 32 hexadecimal digits.
-std::string makeLeaseId();
+/// 128 bits of the system's randomness as 32 hexadecimal digits, which nobody can guess: a lease's id, the
+/// token of a robot's page.
+std::string makeSecret();
 
 /// The caller's address, "127.0.0.1:41233"; of a gateway's client the one that the gateway reports (entries
 /// _con.remoteAddress and _con.remotePort of the context). "this process" for a call without a connection.
@@ -28,7 +29,7 @@ class LeaseGuard {
  public:
   using Now = std::function<std::chrono::steady_clock::time_point()>;
 
-  explicit LeaseGuard(Now now = std::chrono::steady_clock::now) : now_(std::move(now)), lease_(makeLeaseId) {}
+  explicit LeaseGuard(Now now = std::chrono::steady_clock::now) : now_(std::move(now)), lease_(makeSecret) {}
 
   /// @throws avm::InvalidArgument naming the argument, avm::LeaseRefused.
   avm::Lease acquire(const std::string& client, int priority, double timeout_s, const Ice::Current& current);
