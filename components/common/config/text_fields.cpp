@@ -9,13 +9,13 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
 
+}  // namespace
+
 std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(kBlanks);
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
-
-}  // namespace
 
 std::string_view contentOf(std::string_view line) {
   return trimmed(line.substr(0, line.find('#')));
@@ -27,6 +27,13 @@ std::optional<double> finiteNumber(std::string_view word) {
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value)) return std::nullopt;
   return value;
+}
+
+bool isName(std::string_view text) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return !text.empty() && letter(text.front()) && std::all_of(text.begin(), text.end(), [&](char c) {
+    return letter(c) || (c >= '0' && c <= '9') || c == '_';
+  });
 }
 
 std::vector<std::string_view> splitAt(std::string_view text, char separator) {

@@ -28,38 +28,22 @@ struct Cell {
   std::size_t column = 1;  // of its first character, counted from 1
 };
 
-Cell trimmed(Cell cell) {
-  constexpr std::string_view kBlank = " \t\r";
-  const auto first = cell.text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {{}, cell.column};
-  const auto last = cell.text.find_last_not_of(kBlank);
-  return {cell.text.substr(first, last - first + 1), cell.column + first};
+Cell trimmedCell(Cell cell) {
+  const std::string_view text = trimmed(cell.text);
+  if (text.empty()) return {{}, cell.column};
+  return {text, cell.column + static_cast<std::size_t>(text.data() - cell.text.data())};
 }
 
 std::vector<Cell> split(std::string_view line) {
   std::vector<Cell> cells;
-  std::size_t begin = 0;
-  while (true) {
-    const auto comma = std::min(line.find(',', begin), line.size());
-    cells.push_back(trimmed({line.substr(begin, comma - begin), begin + 1}));
-    if (comma == line.size()) return cells;
-    begin = comma + 1;
+  for (const std::string_view part : splitAt(line, ',')) {
+    cells.push_back(trimmedCell({part, 1 + static_cast<std::size_t>(part.data() - line.data())}));
   }
+  return cells;
 }
 
 std::optional<double> number(std::string_view text) {
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);  // from_chars does not take it
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
-bool isLabel(std::string_view text) {
-  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-  return !text.empty() && letter(text.front()) && std::all_of(text.begin(), text.end(), [&](char c) {
-    return letter(c) || (c >= '0' && c <= '9') || c == '_';
-  });
+  return finiteNumber(text.substr(text.starts_with('+') ? 1 : 0));
 }
 
 class Reader {
@@ -96,7 +80,7 @@ class Reader {
 
   void readLine(std::string_view text) {
     text = text.substr(0, text.find('#'));
-    const Cell whole = trimmed({text, 1});
+    const Cell whole = trimmedCell({text, 1});
     if (whole.text.empty()) return;
     if (columns_ == 0) {
       readHeader(whole);
@@ -134,7 +118,7 @@ class Reader {
       }
     }
     const Cell& label = cells[kLabelColumn];
-    if (!isLabel(label.text)) {
+    if (!isName(label.text)) {
       problem(label.column,
               describe(kLabelColumn, label) + " (must be letters, digits and _, beginning with a letter)");
     } else if (label.text == kUnknownLabel) {

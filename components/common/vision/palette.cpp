@@ -1,13 +1,13 @@
 #include "common/vision/palette.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <set>
 #include <sstream>
 
 #include "common/config/config_error.h"
+#include "common/config/text_fields.h"
 #include "common/config/text_file.h"
 #include "common/config/text_format.h"
 
@@ -18,43 +18,12 @@ constexpr int kCells = 64;  // of the table, per channel
 constexpr int kSide = 4;    // levels of a channel in a cell
 constexpr std::size_t kMaxClasses = 64;
 
-std::string_view trim(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const auto first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-std::vector<std::string_view> words(std::string_view text) {
-  std::vector<std::string_view> out;
-  for (text = trim(text); !text.empty(); text = trim(text)) {
-    const auto end = std::min(text.find_first_of(" \t"), text.size());
-    out.push_back(text.substr(0, end));
-    text.remove_prefix(end);
-  }
-  return out;
-}
-
-bool isName(std::string_view text) {
-  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-  return !text.empty() && letter(text.front()) && std::all_of(text.begin(), text.end(), [&](char c) {
-    return letter(c) || (c >= '0' && c <= '9') || c == '_';
-  });
-}
-
-std::optional<double> number(std::string_view text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 /// "LO..HI"; the dots are found first, because "340." would be a number too.
 std::optional<ColorRange> range(std::string_view text) {
   const auto dots = text.find("..");
   if (dots == std::string_view::npos) return std::nullopt;
-  const auto low = number(text.substr(0, dots));
-  const auto high = number(text.substr(dots + 2));
+  const auto low = finiteNumber(text.substr(0, dots));
+  const auto high = finiteNumber(text.substr(dots + 2));
   if (!low || !high) return std::nullopt;
   return ColorRange{*low, *high};
 }
@@ -112,7 +81,7 @@ class Reader {
 
  private:
   void readLine(int line, std::string_view text) {
-    text = trim(text.substr(0, text.find('#')));
+    text = contentOf(text);
     if (text.empty()) return;
     const auto equals = text.find('=');
     if (equals == std::string_view::npos) {
@@ -120,8 +89,8 @@ class Reader {
                          "\" (must be KEY = VALUE)");
       return;
     }
-    const std::string_view key = trim(text.substr(0, equals));
-    const std::string_view value = trim(text.substr(equals + 1));
+    const std::string_view key = trimmed(text.substr(0, equals));
+    const std::string_view value = trimmed(text.substr(equals + 1));
     const auto dot = key.find('.');
     const std::string_view kind = key.substr(0, dot);
     // Classes have regions, labels pairs, as many as they need; the same one twice is a mistake.

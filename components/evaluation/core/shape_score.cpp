@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
 
 #include "common/config/config_error.h"
+#include "common/config/text_fields.h"
 
 namespace vismem {
 namespace {
@@ -17,26 +17,6 @@ constexpr const char* kHeader =
     "kind,name,on,width_m,outer_radius_m,inner_radius_m,x1_m,y1_m,x2_m,y2_m,x3_m,y3_m,x4_m,y4_m";
 constexpr std::size_t kFields = 14;
 constexpr std::size_t kFirstPoint = 6;
-
-std::vector<std::string> split(std::string_view line, char at) {
-  std::vector<std::string> parts(1);
-  for (const char c : line) {
-    if (c == at) {
-      parts.emplace_back();
-    } else if (c != '\r') {
-      parts.back() += c;
-    }
-  }
-  return parts;
-}
-
-std::optional<double> number(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (*end != '\0' || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
 
 /// Both ends of the middle line of a long parallelogram.
 std::vector<Eigen::Vector2d> middleLine(const std::vector<Eigen::Vector2d>& v) {
@@ -47,10 +27,11 @@ std::vector<Eigen::Vector2d> middleLine(const std::vector<Eigen::Vector2d>& v) {
 
 /// Reads one row.
 /// @return what is wrong with it; empty: nothing.
-std::string readShape(const std::vector<std::string>& fields, TrueShape& shape) {
-  if (fields.size() != kFields) {
-    return std::to_string(fields.size()) + " fields (expected " + std::to_string(kFields) + ")";
+std::string readShape(const std::vector<std::string_view>& cells, TrueShape& shape) {
+  if (cells.size() != kFields) {
+    return std::to_string(cells.size()) + " fields (expected " + std::to_string(kFields) + ")";
   }
+  const std::vector<std::string> fields(cells.begin(), cells.end());
   static const std::vector<std::pair<std::string, std::pair<PrimitiveKind, std::size_t>>> kinds{
       {"parallelogram", {PrimitiveKind::kParallelogram, 4}},
       {"triangle", {PrimitiveKind::kTriangle, 3}},
@@ -65,14 +46,14 @@ std::string readShape(const std::vector<std::string>& fields, TrueShape& shape) 
   shape.name = fields[1];
   shape.painted = fields[2] != "box";
   for (std::size_t i = 0; i < kind->second.second; ++i) {
-    const auto x = number(fields[kFirstPoint + 2 * i]);
-    const auto y = number(fields[kFirstPoint + 2 * i + 1]);
+    const auto x = finiteNumber(fields[kFirstPoint + 2 * i]);
+    const auto y = finiteNumber(fields[kFirstPoint + 2 * i + 1]);
     if (!x || !y) return "point " + std::to_string(i + 1) + " of a " + fields[0] + " (expected two numbers)";
     shape.vertices.emplace_back(*x, *y);
   }
   if (shape.kind == PrimitiveKind::kCircle) {
-    const auto outer = number(fields[4]);
-    shape.inner_radius_m = number(fields[5]).value_or(0.0);
+    const auto outer = finiteNumber(fields[4]);
+    shape.inner_radius_m = finiteNumber(fields[5]).value_or(0.0);
     if (!outer || *outer <= 0.0 || shape.inner_radius_m < 0.0 || shape.inner_radius_m >= *outer) {
       return "radii \"" + fields[4] + "\" and \"" + fields[5] + "\" (expected outer > inner >= 0)";
     }
@@ -81,7 +62,7 @@ std::string readShape(const std::vector<std::string>& fields, TrueShape& shape) 
     shape.vertices.clear();
     return {};
   }
-  shape.width_m = number(fields[3]).value_or(0.0);
+  shape.width_m = finiteNumber(fields[3]).value_or(0.0);
   // The file has the tail first, Primitive the tip.
   if (shape.kind == PrimitiveKind::kArrow) std::swap(shape.vertices[0], shape.vertices[1]);
   if (fields[2] == "stripe") {
@@ -136,8 +117,9 @@ std::vector<TrueShape> parseTrueShapes(std::string_view text, const std::string&
   std::vector<std::string> problems;
   bool header = false;
   int row = 0;
-  for (const std::string& line : split(text, '\n')) {
+  for (const std::string_view part : splitAt(text, '\n')) {
     ++row;
+    const std::string line(trimmed(part));
     if (line.empty() || line.front() == '#') continue;
     const std::string where = file_name + ":" + std::to_string(row) + ": ";
     if (!header) {
@@ -146,7 +128,7 @@ std::vector<TrueShape> parseTrueShapes(std::string_view text, const std::string&
       continue;
     }
     TrueShape shape;
-    const std::string problem = readShape(split(line, ','), shape);
+    const std::string problem = readShape(splitAt(line, ','), shape);
     if (problem.empty()) {
       shapes.push_back(std::move(shape));
     } else {

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "common/config/config_error.h"
+#include "common/config/text_fields.h"
+#include "common/config/text_format.h"
 
 namespace vismem {
 namespace {
@@ -16,27 +16,10 @@ namespace {
 constexpr std::array<std::string_view, 4> kColumns{"t_s", "x_m", "y_m", "theta_rad"};
 constexpr const char* kExpected = "expected numbers t_s,x_m,y_m,theta_rad, later than the line before";
 
-std::string_view trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(" \t\r");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
-}
-
 std::vector<std::string_view> cellsOf(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const std::size_t comma = std::min(line.find(','), line.size());
-    cells.push_back(trimmed(line.substr(0, comma)));
-    if (comma == line.size()) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-std::optional<double> cellValue(std::string_view cell) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc{} || end != cell.data() + cell.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
+  std::vector<std::string_view> cells = splitAt(line, ',');
+  for (std::string_view& cell : cells) cell = trimmed(cell);
+  return cells;
 }
 
 /// Where the four columns stand; filled by the header.
@@ -45,19 +28,19 @@ struct Columns {
 
   /// @return empty, or the names that are missing.
   std::string read(const std::vector<std::string_view>& header) {
-    std::string missing;
+    std::vector<std::string_view> missing;
     for (std::size_t i = 0; i < kColumns.size(); ++i) {
       const auto found = std::find(header.begin(), header.end(), kColumns[i]);
-      if (found == header.end()) missing += (missing.empty() ? "" : ", ") + std::string(kColumns[i]);
+      if (found == header.end()) missing.push_back(kColumns[i]);
       at[i] = static_cast<std::size_t>(found - header.begin());
     }
-    return missing;
+    return joined(missing, ", ");
   }
 
   std::optional<std::array<double, 4>> valuesOf(const std::vector<std::string_view>& cells) const {
     std::array<double, 4> values{};
     for (std::size_t i = 0; i < at.size(); ++i) {
-      const auto value = at[i] < cells.size() ? cellValue(cells[at[i]]) : std::nullopt;
+      const auto value = at[i] < cells.size() ? finiteNumber(cells[at[i]]) : std::nullopt;
       if (!value) return std::nullopt;
       values[i] = *value;
     }
@@ -78,10 +61,10 @@ Trajectory parseTruth(std::string_view text, const std::string& file_name) {
   std::vector<std::string> problems;
   Columns columns;
   bool any_line = false;
-  for (int number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = trimmed(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
+  int number = 0;
+  for (const std::string_view row : splitAt(text, '\n')) {
+    ++number;
+    const std::string_view line = trimmed(row);
     if (line.empty() || line.front() == '#') continue;
     const std::string where = file_name + ":" + std::to_string(number) + ": ";
     const auto cells = cellsOf(line);

@@ -1,7 +1,8 @@
 #include "replay_server/app/config.h"
 
 #include <filesystem>
-#include <sstream>
+
+#include "common/config/text_fields.h"
 
 namespace vismem {
 
@@ -14,12 +15,10 @@ void readFiles(ConfigReader& reader, ReplayServerConfig& config) {
   constexpr const char* kExpected = "a recording: ROS 1 bag";
   const std::string named = reader.isSet("File") ? reader.text("File", "") : "";
   if (named.find(',') != std::string::npos) {
-    std::istringstream names(named);
-    for (std::string name; std::getline(names, name, ',');) {
-      const auto begin = name.find_first_not_of(' ');
-      const auto end = name.find_last_not_of(' ');
-      if (begin == std::string::npos) continue;
-      config.files.push_back(reader.locate("File", name.substr(begin, end - begin + 1)).string());
+    for (const std::string_view part : splitAt(named, ',')) {
+      const std::string name(trimmed(part));
+      if (name.empty()) continue;
+      config.files.push_back(reader.locate("File", name).string());
       std::error_code error;
       if (!fs::exists(config.files.back(), error)) {
         reader.problem("File", "no such file or folder: " + config.files.back());

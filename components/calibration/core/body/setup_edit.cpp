@@ -4,6 +4,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "common/config/text_fields.h"
+
 namespace vismem {
 namespace {
 
@@ -11,12 +13,6 @@ struct Line {
   std::string text;
   std::size_t number = 0;  ///< in the old text; 0: new
 };
-
-std::string_view trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(" \t\r");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
-}
 
 /// The key that a line sets; empty for comments and others.
 std::string_view keyOf(std::string_view line) {
