@@ -40,7 +40,7 @@ class RoomRun {
         memory_(MemoryPipelineParams::standard(), palette_),
         localizer_(localizerPreset(LocalizationMode::kDefault),
                    loadSegmentMap(kProject + "/cfg/maps/room.csv"), seed),
-        run_(simulation_, assembler(simulation_), memory_, localizer_),
+        run_(simulation_, assembler(simulation_), memory_, &localizer_),
         operator_(roomRoute(), {}) {
     run_.setDriver([this](MobileBase& base) {
       if (!driving_) return;

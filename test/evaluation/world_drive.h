@@ -54,7 +54,7 @@ inline WorldDrive driveWorld(const std::string& world, const std::string& setup,
   const auto robot = makeSimulation(options, route, start.T_world_robot);
   MemoryPipeline memory(params.pipeline, params.palette);
   Localizer localizer(params.localizer, params.map_edges, seed);
-  Lockstep run(*robot, params.assembler, memory, localizer);
+  Lockstep run(*robot, params.assembler, memory, &localizer);
 
   WorldDrive drive;
   Trajectory truth;

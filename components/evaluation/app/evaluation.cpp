@@ -114,7 +114,7 @@ nlohmann::json evaluateBag(const EvaluationOptions& options) {
   KnownStart start(localizer, options.start);
   CalibratedRobot calibrated(robot, params.joints, params.wheels);
   PerturbedRobot perturbed(calibrated, options.perturbation);
-  Lockstep run(perturbed, params.assembler, memory, localizer);
+  Lockstep run(perturbed, params.assembler, memory, &localizer);
   const std::vector<StampUs>& stamps = robot.log().frameStamps();
   const StampUs whole_us = stamps.empty() ? 0 : stamps.back() - stamps.front();
   DriveProgress progress(stamps.empty() ? 0 : stamps.front(),
@@ -246,7 +246,7 @@ nlohmann::json evaluateWorld(const EvaluationOptions& options) {
   MemoryPipeline memory(params.pipeline, params.palette);
   Localizer localizer(params.localizer, params.map_edges, options.seed);
   KnownStart start(localizer, options.start);
-  Lockstep run(stepped, params.assembler, memory, localizer);
+  Lockstep run(stepped, params.assembler, memory, &localizer);
   std::optional<StillScene> still;
   if (!options.scenario.empty()) still.emplace(world.simulation());
   std::shared_ptr<const MemorySnapshot> last_memory;

@@ -50,12 +50,6 @@ void finish(const ConfigReader& config) {
   for (const auto& renamed : config.renamedKeys()) std::cerr << renamed.text() << "\n";
 }
 
-struct MemorySettings {
-  ActiveVisualMemoryConfig component;
-  fs::path palette_file;  ///< of the options, else the one beside the map, else the configuration's
-  std::shared_ptr<const Palette> palette;
-};
-
 /// The palette of the options, else the one beside the map; empty: neither.
 fs::path paletteOf(const EvaluationOptions& options) {
   if (!options.palette.empty() || options.map.empty()) return options.palette;
@@ -64,7 +58,9 @@ fs::path paletteOf(const EvaluationOptions& options) {
   return fs::exists(beside) ? beside : fs::path();
 }
 
-MemorySettings readMemory(const EvaluationOptions& options, bool has_pan_tilt) {
+/// Reads the keys of the memory and its palette: of the options, else beside the map, else the
+/// configuration's.
+void readMemory(const EvaluationOptions& options, bool has_pan_tilt, EvaluationParams& params) {
   Properties properties = Properties::load(configFile(options, "active_visual_memory"));
   // The component's peers are in this process; all its other keys apply.
   properties.set("ActiveVisualMemory.Camera.Proxy", "here");
@@ -75,26 +71,26 @@ MemorySettings readMemory(const EvaluationOptions& options, bool has_pan_tilt) {
   config.known("Localization.*");
   ConfigReader reader = config.group("ActiveVisualMemory");
   knowProcessKeys(config, "ActiveVisualMemory");
-  MemorySettings settings{readActiveVisualMemoryConfig(reader), paletteOf(options), nullptr};
+  const ActiveVisualMemoryConfig component = readActiveVisualMemoryConfig(reader);
   finish(config);
-  if (settings.palette_file.empty()) settings.palette_file = settings.component.palette;
-  if (settings.palette_file.empty()) {
+  params.pipeline = component.pipeline;
+  params.pipeline.memory.attention.seed = options.seed;
+  params.assembler = component.assembler;
+  params.joints = component.joints;
+  params.wheels = component.wheels;
+  params.palette_file = paletteOf(options);
+  if (params.palette_file.empty()) params.palette_file = component.palette;
+  if (params.palette_file.empty()) {
     throw ConfigError(
         {(options.map.empty() ? "" : options.map.string() + ": ") +
          "no palette: expected --palette, a file beside the map, or ActiveVisualMemory.Palette in " +
          configFile(options, "active_visual_memory").string()});
   }
-  settings.palette =
-      config.loading([&] { return std::make_shared<const Palette>(loadPalette(settings.palette_file)); });
-  return settings;
+  params.palette =
+      config.loading([&] { return std::make_shared<const Palette>(loadPalette(params.palette_file)); });
 }
 
-struct LocalizationSettings {
-  LocalizerParams localizer;
-  GazePlannerParams gaze;
-};
-
-LocalizationSettings readLocalization(const EvaluationOptions& options) {
+void readLocalization(const EvaluationOptions& options, EvaluationParams& params) {
   Properties properties = Properties::load(configFile(options, "localization"));
   if (!options.mode.empty()) properties.set("Localization.Mode", options.mode);
   ConfigReader config(properties);
@@ -106,9 +102,9 @@ LocalizationSettings readLocalization(const EvaluationOptions& options) {
        {"VisualMemory.Proxy", "Map", "Palette", "Seed", "Start.*", "Pose3D.*", "Gaze.Proxy"}) {
     reader.known(key);
   }
-  const LocalizationSettings settings{readLocalizerParams(reader), readGazePlannerParams(reader)};
+  params.localizer = readLocalizerParams(reader);
+  params.gaze = readGazePlannerParams(reader);
   finish(config);
-  return settings;
 }
 
 }  // namespace
@@ -137,19 +133,9 @@ void copyConfiguration(const EvaluationOptions& options) {
 }
 
 EvaluationParams loadParams(const EvaluationOptions& options, bool has_pan_tilt) {
-  const MemorySettings memory = readMemory(options, has_pan_tilt);
-  const ActiveVisualMemoryConfig& component = memory.component;
   EvaluationParams params;
-  params.pipeline = component.pipeline;
-  params.pipeline.memory.attention.seed = options.seed;
-  params.assembler = component.assembler;
-  params.joints = component.joints;
-  params.wheels = component.wheels;
-  const LocalizationSettings localization = readLocalization(options);
-  params.localizer = localization.localizer;
-  params.gaze = localization.gaze;
-  params.palette_file = memory.palette_file;
-  params.palette = memory.palette;
+  readMemory(options, has_pan_tilt, params);
+  readLocalization(options, params);
   if (options.map.empty()) return params;
   LoadedMap map = loadMapEdges(options.map, params.palette_file);
   for (const std::string& warning : map.warnings) std::cerr << "warning: " << warning << "\n";

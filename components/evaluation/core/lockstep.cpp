@@ -13,19 +13,11 @@ constexpr StampUs kNever_us = std::numeric_limits<StampUs>::min() / 2;
 }  // namespace
 
 Lockstep::Lockstep(SteppedRobot& robot, const ObservationAssembler::Params& assembler, MemoryPipeline& memory,
-                   Localizer& localizer)
+                   Localizer* localizer)
     : robot_(robot),
       assembler_(assembler),
       memory_(memory),
-      localizer_(&localizer),
-      newest_pan_tilt_us_(kNever_us),
-      newest_odometry_us_(kNever_us) {}
-
-Lockstep::Lockstep(SteppedRobot& robot, const ObservationAssembler::Params& assembler, MemoryPipeline& memory)
-    : robot_(robot),
-      assembler_(assembler),
-      memory_(memory),
-      localizer_(nullptr),
+      localizer_(localizer),
       newest_pan_tilt_us_(kNever_us),
       newest_odometry_us_(kNever_us) {}
 

@@ -30,10 +30,9 @@ class Lockstep {
   /// Drives the robot: called before each frame's time step.
   using Driver = std::function<void(MobileBase&)>;
 
+  /// @param localizer null: estimates are empty.
   Lockstep(SteppedRobot& robot, const ObservationAssembler::Params& assembler, MemoryPipeline& memory,
-           Localizer& localizer);
-  /// Without localization: estimates are empty.
-  Lockstep(SteppedRobot& robot, const ObservationAssembler::Params& assembler, MemoryPipeline& memory);
+           Localizer* localizer = nullptr);
 
   /// Receives the stages "motion", "render", "assemble", those of MemoryPipeline and "localization".
   /// @param probe must outlive this.

@@ -1,5 +1,6 @@
 #include "evaluation/figures/top_view.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -23,26 +24,6 @@ constexpr double kJump_m = 0.5;
 constexpr StampUs kRecentlySeen_us = 3 * kSecondUs;
 /// Of the memory's colour where a segment was not seen lately.
 constexpr double kPale = 0.45;
-
-class Box {
- public:
-  void add(const Eigen::Vector2d& p) {
-    low_ = any_ ? low_.cwiseMin(p).eval() : p;
-    high_ = any_ ? high_.cwiseMax(p).eval() : p;
-    any_ = true;
-  }
-  void add(const Trajectory& trajectory) {
-    for (const StampedPose& p : trajectory) add(p.pose.position());
-  }
-  bool any() const { return any_; }
-  const Eigen::Vector2d& low() const { return low_; }
-  const Eigen::Vector2d& high() const { return high_; }
-
- private:
-  bool any_ = false;
-  Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
-  Eigen::Vector2d high_ = Eigen::Vector2d::Ones();
-};
 
 double gridStep(double px_per_m) {
   for (const double step : {0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0}) {
@@ -246,24 +227,22 @@ void drawLegend(Canvas& canvas, const TopViewFrame& frame, const TopView& view,
 }  // namespace
 
 TopViewFrame topViewFrame(const TopView& view) {
-  Box map;
-  for (const MapSegment& s : view.map.segments) {
-    map.add(s.world.a.head<2>());
-    map.add(s.world.b.head<2>());
+  Eigen::AlignedBox2d all;
+  const auto add = [&](const Segment3& s) { all.extend(s.floor().a).extend(s.floor().b); };
+  const auto addPath = [&](const Trajectory& path) {
+    for (const StampedPose& p : path) all.extend(p.pose.position());
+  };
+  for (const MapSegment& s : view.map.segments) add(s.world);
+  addPath(view.truth);
+  if (view.map.segments.empty()) {
+    addPath(view.odometry);
+    addPath(view.estimate);
+    for (const LabelledSegment& s : view.memory) add(s.world);
   }
-  Box all = map;
-  all.add(view.truth);
-  if (!map.any()) {
-    all.add(view.odometry);
-    all.add(view.estimate);
-    for (const LabelledSegment& s : view.memory) {
-      all.add(s.world.a.head<2>());
-      all.add(s.world.b.head<2>());
-    }
-  }
-  const double border = map.any() ? 0.6 : 0.3;
-  const Eigen::Vector2d low = all.low() - Eigen::Vector2d::Constant(border);
-  const Eigen::Vector2d size = all.high() - all.low() + Eigen::Vector2d::Constant(2.0 * border);
+  if (all.isEmpty()) all = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Ones()};
+  const double border = view.map.segments.empty() ? 0.3 : 0.6;
+  const Eigen::Vector2d low = all.min() - Eigen::Vector2d::Constant(border);
+  const Eigen::Vector2d size = all.max() - all.min() + Eigen::Vector2d::Constant(2.0 * border);
   TopViewFrame frame;
   frame.px_per_m = std::min(kPlotWidth_px / size.x(), kPlotHeight_px / size.y());
   frame.low_world = low;

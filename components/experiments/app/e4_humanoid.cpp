@@ -144,7 +144,7 @@ nlohmann::json recorded(const fs::path& folder, const ExperimentOptions& options
   const EvaluationParams params = loadParams(evaluation, !robot.log().knowsCameraPose());
   MemoryPipeline memory(params.pipeline, params.palette);
   Localizer localizer(params.localizer, params.map_edges, options.seed);
-  Lockstep run(robot, params.assembler, memory, localizer);
+  Lockstep run(robot, params.assembler, memory, &localizer);
   std::vector<RecordedMoment> moments;
   Snapshots snapshots;
   bool over = false;
