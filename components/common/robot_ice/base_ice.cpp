@@ -144,18 +144,7 @@ void OdometryServant::samplesSinceAsync(Ice::Long after_us,
                                         std::function<void(const avm::OdometryBatch&)> response,
                                         std::function<void(std::exception_ptr)> exception,
                                         const Ice::Current&) {
-  samples_.whenAfter(after_us, kLongPollWait,
-                     [response = std::move(response), exception = std::move(exception)](const auto& batch) {
-                       try {
-                         avm::OdometryBatch answer{toIce(batch.state), batch.message, {}};
-                         answer.samples.reserve(batch.samples.size());
-                         for (const OdometrySample& sample : batch.samples)
-                           answer.samples.push_back(toIce(sample));
-                         response(answer);
-                       } catch (...) {
-                         exception(std::current_exception());
-                       }
-                     });
+  answerSamples(samples_, after_us, std::move(response), std::move(exception));
 }
 
 std::shared_ptr<jderobot::EncodersData> OdometryServant::getEncodersData(const Ice::Current&) {
@@ -178,34 +167,21 @@ RemoteMobileBase::RemoteMobileBase(const std::shared_ptr<avm::BasePrx>& motors,
     : motors_(boundedProxy(motors, kCommandTimeout_ms)),
       encoders_(boundedProxy(encoders, kInvocationTimeout_ms)),
       samples_(encoders_, std::move(encoders_report)),
-      asked_limits_(motors_) {}
-
-std::string RemoteMobileBase::askLimits(std::chrono::milliseconds timeout) const {
-  const auto outcome = asked_limits_.wait(
-      [this](auto done, auto failed) { motors_->getLimitsAsync(std::move(done), std::move(failed)); },
-      timeout);
-  if (outcome.result) {
-    const std::lock_guard lock(mutex_);
-    limits_ = fromIce(*outcome.result);
-  }
-  return outcome.failure;
-}
+      limits_(motors_, [this](auto done, auto failed) {
+        motors_->getLimitsAsync(std::move(done), std::move(failed));
+      }) {}
 
 BaseLimits RemoteMobileBase::limits() const {
-  {
-    const std::lock_guard lock(mutex_);
-    if (limits_) return *limits_;
-  }
-  askLimits(std::chrono::milliseconds(0));
-  const std::lock_guard lock(mutex_);
-  return limits_.value_or(BaseLimits{});
+  if (!limits_.last()) limits_.ask(std::chrono::milliseconds(0));
+  const auto known = limits_.last();
+  return known ? fromIce(*known) : BaseLimits{};
 }
 
 PortReply RemoteMobileBase::start() {
   samples_.allow();
-  asked_limits_.allow();
+  limits_.allow();
   if (!motors_) return PortReply::accepted();
-  const std::string failure = askLimits(kLongPollWait);
+  const std::string failure = limits_.ask(kLongPollWait);
   return failure.empty() ? PortReply::accepted() : PortReply::adjusted("waiting for the motors: " + failure);
 }
 
@@ -219,7 +195,7 @@ PortReply RemoteMobileBase::setVelocity(double v_mps, double w_radps) {
 
 void RemoteMobileBase::stop() {
   samples_.interrupt();
-  asked_limits_.interrupt();
+  limits_.interrupt();
   if (driving_) setVelocity(0.0, 0.0);
 }
 

@@ -124,14 +124,10 @@ class RemoteMobileBase : public MobileBase {
   void stop() override;
 
  private:
-  std::string askLimits(std::chrono::milliseconds timeout) const;
-
   std::shared_ptr<avm::BasePrx> motors_;
   std::shared_ptr<avm::OdometryPrx> encoders_;
   PendingCall<avm::OdometryBatch> samples_;
-  mutable PendingCall<avm::BaseLimits> asked_limits_;
-  mutable std::mutex mutex_;
-  mutable std::optional<BaseLimits> limits_;
+  mutable AskedValue<avm::BaseLimits> limits_;
   std::atomic<bool> driving_ = false;  ///< by this client's last command
 };
 

@@ -217,23 +217,14 @@ RemoteFrameSource::RemoteFrameSource(const std::shared_ptr<avm::CameraPrx>& prox
     : proxy_(boundedProxy(proxy, kInvocationTimeout_ms)),
       format_(format),
       frames_(proxy_, std::move(report)),
-      infos_(proxy_) {}
-
-std::string RemoteFrameSource::askInfo(std::chrono::milliseconds timeout) const {
-  auto outcome = infos_.wait(
-      [this](auto done, auto failed) { proxy_->getInfoAsync(std::move(done), std::move(failed)); }, timeout);
-  if (outcome.result) {
-    const std::lock_guard lock(mutex_);
-    info_ = std::move(*outcome.result);
-  }
-  return outcome.failure;
-}
+      info_(proxy_,
+            [this](auto done, auto failed) { proxy_->getInfoAsync(std::move(done), std::move(failed)); }) {}
 
 FrameCapabilities RemoteFrameSource::capabilities() const {
-  askInfo(std::chrono::milliseconds(0));
-  const std::lock_guard lock(mutex_);
-  if (!info_) return {proxy_ ? proxy_->ice_toString() : "no camera", 0, 0, 0.0, false};
-  return {info_->name, info_->width, info_->height, info_->rateHz, info_->knowsCameraPose};
+  info_.ask(std::chrono::milliseconds(0));
+  const auto info = info_.last();
+  if (!info) return {proxy_ ? proxy_->ice_toString() : "no camera", 0, 0, 0.0, false};
+  return {info->name, info->width, info->height, info->rateHz, info->knowsCameraPose};
 }
 
 PortReply RemoteFrameSource::configure(const FrameRequest& request) {
@@ -252,7 +243,7 @@ PortReply RemoteFrameSource::configure(const FrameRequest& request) {
 PortReply RemoteFrameSource::start() {
   if (!proxy_) return PortReply::rejected("no camera is configured");
   stopped_ = false;
-  const std::string failure = askInfo(kLongPollWait);
+  const std::string failure = info_.ask(kLongPollWait);
   return failure.empty() ? PortReply::accepted() : PortReply::adjusted("waiting for the camera: " + failure);
 }
 

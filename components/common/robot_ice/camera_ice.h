@@ -130,17 +130,13 @@ class RemoteFrameSource : public FrameSource {
   void stop() override { stopped_ = true; }
 
  private:
-  std::string askInfo(std::chrono::milliseconds timeout) const;
-
   std::shared_ptr<avm::CameraPrx> proxy_;
   FrameFormat format_;
   std::int64_t last_seq_ = -1;
   std::atomic<bool> stopped_ = false;
   std::string nothing_yet_ = "no frame yet";  ///< the last reason from the server
   PendingCall<avm::FrameResult> frames_;
-  mutable PendingCall<avm::CameraInfo> infos_;
-  mutable std::mutex mutex_;
-  mutable std::optional<avm::CameraInfo> info_;
+  mutable AskedValue<avm::CameraInfo> info_;
 };
 
 }  // namespace vismem

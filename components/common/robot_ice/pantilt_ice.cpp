@@ -120,18 +120,7 @@ void PanTiltServant::samplesSinceAsync(Ice::Long after_us,
                                        std::function<void(const avm::PanTiltBatch&)> response,
                                        std::function<void(std::exception_ptr)> exception,
                                        const Ice::Current&) {
-  samples_.whenAfter(after_us, kLongPollWait,
-                     [response = std::move(response), exception = std::move(exception)](const auto& batch) {
-                       try {
-                         avm::PanTiltBatch answer{toIce(batch.state), batch.message, {}};
-                         answer.samples.reserve(batch.samples.size());
-                         for (const PanTiltSample& sample : batch.samples)
-                           answer.samples.push_back(toIce(sample));
-                         response(answer);
-                       } catch (...) {
-                         exception(std::current_exception());
-                       }
-                     });
+  answerSamples(samples_, after_us, std::move(response), std::move(exception));
 }
 
 int PanTiltServant::setPTMotorsData(std::shared_ptr<jderobot::PTMotorsData> data,
@@ -214,34 +203,21 @@ RemotePanTiltUnit::RemotePanTiltUnit(const std::shared_ptr<avm::PanTiltPrx>& pro
     : proxy_(boundedProxy(proxy, kInvocationTimeout_ms)),
       commands_(boundedProxy(proxy, kCommandTimeout_ms)),
       samples_(proxy_, std::move(report)),
-      asked_limits_(proxy_) {}
-
-std::string RemotePanTiltUnit::askLimits(std::chrono::milliseconds timeout) const {
-  const auto outcome = asked_limits_.wait(
-      [this](auto done, auto failed) { proxy_->getLimitsAsync(std::move(done), std::move(failed)); },
-      timeout);
-  if (outcome.result) {
-    const std::lock_guard lock(mutex_);
-    limits_ = fromIce(*outcome.result);
-  }
-  return outcome.failure;
-}
+      limits_(proxy_, [this](auto done, auto failed) {
+        proxy_->getLimitsAsync(std::move(done), std::move(failed));
+      }) {}
 
 PanTiltLimits RemotePanTiltUnit::limits() const {
-  {
-    const std::lock_guard lock(mutex_);
-    if (limits_) return *limits_;
-  }
-  askLimits(std::chrono::milliseconds(0));
-  const std::lock_guard lock(mutex_);
-  return limits_.value_or(PanTiltLimits{});
+  if (!limits_.last()) limits_.ask(std::chrono::milliseconds(0));
+  const auto known = limits_.last();
+  return known ? fromIce(*known) : PanTiltLimits{};
 }
 
 PortReply RemotePanTiltUnit::start() {
   if (!proxy_) return PortReply::rejected("no pan-tilt unit is configured");
   samples_.allow();
-  asked_limits_.allow();
-  const std::string failure = askLimits(kLongPollWait);
+  limits_.allow();
+  const std::string failure = limits_.ask(kLongPollWait);
   return failure.empty() ? PortReply::accepted()
                          : PortReply::adjusted("waiting for the pan-tilt unit: " + failure);
 }
@@ -262,7 +238,7 @@ PortReply RemotePanTiltUnit::command(const PanTiltCommand& command) {
 
 void RemotePanTiltUnit::stop() {
   samples_.interrupt();
-  asked_limits_.interrupt();
+  limits_.interrupt();
   if (turning_) command({PanTiltCommand::Kind::kVelocity, 0.0, 0.0, 0.0, 0.0});
 }
 

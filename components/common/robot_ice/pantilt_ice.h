@@ -23,9 +23,9 @@ PanTiltSample fromIce(const avm::PanTiltSample& sample);
 avm::PanTiltLimits toIce(const PanTiltLimits& limits);
 PanTiltLimits fromIce(const avm::PanTiltLimits& limits);
 
-/// Serves avm::PanTilt and with it jderobot::PTMotors, PTEncoders, Pose3DMotors, Pose3DEncoders and the lease.
-/// *Thread-safe* for a unit that accepts commands while samplesSince waits; commands exclude each other here.
-/// The unit must be started and outlive stop() and the adapter.
+/// Serves avm::PanTilt and with it jderobot::PTMotors, PTEncoders, Pose3DMotors, Pose3DEncoders and the
+/// lease. *Thread-safe* for a unit that accepts commands while samplesSince waits; commands exclude each
+/// other here. The unit must be started and outlive stop() and the adapter.
 class PanTiltServant : public LeasedServant<avm::PanTilt> {
  public:
   using Samples = SampleBroadcaster<PanTiltSample>;
@@ -98,14 +98,10 @@ class RemotePanTiltUnit : public PanTiltUnit {
   void stop() override;
 
  private:
-  std::string askLimits(std::chrono::milliseconds timeout) const;
-
   std::shared_ptr<avm::PanTiltPrx> proxy_;
   std::shared_ptr<avm::PanTiltPrx> commands_;
   PendingCall<avm::PanTiltBatch> samples_;
-  mutable PendingCall<avm::PanTiltLimits> asked_limits_;
-  mutable std::mutex mutex_;
-  mutable std::optional<PanTiltLimits> limits_;
+  mutable AskedValue<avm::PanTiltLimits> limits_;
   std::atomic<bool> turning_ = false;  ///< by this client's last command
 };
 

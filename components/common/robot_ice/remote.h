@@ -187,6 +187,37 @@ class PendingCall {
   std::string failure_;  ///< of the last request that ended; empty when it succeeded
 };
 
+/// What a server says of itself, such as the limits of a device; the last answer is kept. *Thread-safe*.
+template <typename Result>
+class AskedValue {
+ public:
+  using Send = typename PendingCall<Result>::Send;
+  AskedValue(std::shared_ptr<Ice::ObjectPrx> proxy, Send send)
+      : send_(std::move(send)), call_(std::move(proxy)) {}
+
+  /// Waits at most `timeout` for an answer.
+  /// @return why there is none; empty when it came, or while it is pending.
+  std::string ask(std::chrono::milliseconds timeout) {
+    auto outcome = call_.wait(send_, timeout);
+    const std::lock_guard lock(mutex_);
+    if (outcome.result) last_ = std::move(outcome.result);
+    return outcome.failure;
+  }
+  std::optional<Result> last() const {
+    const std::lock_guard lock(mutex_);
+    return last_;
+  }
+  /// Of PendingCall.
+  void interrupt() { call_.interrupt(); }
+  void allow() { call_.allow(); }
+
+ private:
+  const Send send_;
+  PendingCall<Result> call_;
+  mutable std::mutex mutex_;
+  std::optional<Result> last_;
+};
+
 /// One wait of a client's samplesSince: samples newer than requested, or all samples of the server when its
 /// time went back. `call` must belong to this stream alone; `convert` converts one sample from the wire.
 template <typename Sample, typename IceBatch, typename Convert>

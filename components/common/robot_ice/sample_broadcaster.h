@@ -168,6 +168,25 @@ class SampleBroadcaster {
   std::jthread thread_;  ///< last member: joined before the others are destroyed
 };
 
+/// Answers a long-poll for samples on the wire, here or later on another thread.
+template <typename Sample, typename IceBatch>
+void answerSamples(SampleBroadcaster<Sample>& samples, StampUs after_us,
+                   std::function<void(const IceBatch&)> response,
+                   std::function<void(std::exception_ptr)> exception) {
+  samples.whenAfter(
+      after_us, kLongPollWait,
+      [response = std::move(response), exception = std::move(exception)](const SampleBatch<Sample>& batch) {
+        try {
+          IceBatch answer{toIce(batch.state), batch.message, {}};
+          answer.samples.reserve(batch.samples.size());
+          for (const Sample& sample : batch.samples) answer.samples.push_back(toIce(sample));
+          response(answer);
+        } catch (...) {
+          exception(std::current_exception());
+        }
+      });
+}
+
 /// The samples of a batch that are newer than `after_us`; all samples when the source's time went back.
 template <typename Sample>
 std::vector<Sample> newerThan(std::vector<Sample> samples, StampUs after_us) {

@@ -84,18 +84,7 @@ void SimulationServant::truthSinceAsync(Ice::Long after_us,
                                         std::function<void(const avm::TruthBatch&)> response,
                                         std::function<void(std::exception_ptr)> exception,
                                         const Ice::Current&) {
-  truth_.whenAfter(after_us, kLongPollWait,
-                   [response = std::move(response), exception = std::move(exception)](const auto& batch) {
-                     try {
-                       avm::TruthBatch answer{toIce(batch.state), batch.message, {}};
-                       answer.samples.reserve(batch.samples.size());
-                       for (const TruthSample& sample : batch.samples)
-                         answer.samples.push_back(toIce(sample));
-                       response(answer);
-                     } catch (...) {
-                       exception(std::current_exception());
-                     }
-                   });
+  answerSamples(truth_, after_us, std::move(response), std::move(exception));
 }
 
 avm::CommandReply SimulationServant::kidnap(avm::Pose2 T_world_robot, const Ice::Current&) {
