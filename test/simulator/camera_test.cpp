@@ -12,33 +12,14 @@
 #include "simulator/core/image_errors.h"
 #include "simulator/core/simulation.h"
 #include "simulator/core/truth_frames.h"
-#include "support/build_paths.h"
+#include "simulator/corridor.h"
 
 namespace vismem {
 namespace {
 
+using namespace test;
+
 using testing::HasSubstr;
-
-const World& corridor() {
-  static const World world = loadWorld(VISMEM_SOURCE_DIR "/cfg/worlds/corridor.world").world;
-  return world;
-}
-
-SimulationConfig inCorridor() {
-  SimulationConfig config;
-  config.world = corridor();
-  config.start = {-3.0, 2.25, 0.0};
-  config.cameras.front().rate_hz = 10.0;
-  return config;
-}
-
-std::uint64_t hashOf(const cv::Mat& image) {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (const std::uint8_t* p = image.data; p != image.data + image.total() * image.elemSize(); ++p) {
-    hash = (hash ^ *p) * 0x100000001b3ULL;
-  }
-  return hash;
-}
 
 struct Statistics {
   double mean = 0.0;

@@ -7,15 +7,12 @@
 #include <cmath>
 
 #include "simulator/core/simulation.h"
-#include "support/build_paths.h"
+#include "simulator/corridor.h"
 
 namespace vismem {
 namespace {
 
-const World& corridor() {
-  static const World world = loadWorld(VISMEM_SOURCE_DIR "/cfg/worlds/corridor.world").world;
-  return world;
-}
+using namespace test;
 
 SimulationConfig humanoid() {
   SimulationConfig config = humanoidSimulation();
@@ -23,13 +20,6 @@ SimulationConfig humanoid() {
   config.start = {-3.0, 2.25, 0.0};
   config.cameras.front().rate_hz = 20.0;
   return config;
-}
-
-void walk(Simulation& simulation, double seconds, double v, double w) {
-  for (const StampUs until = simulation.now() + toStampUs(seconds); simulation.now() < until;) {
-    simulation.base().setVelocity(v, w);
-    simulation.step();
-  }
 }
 
 TEST(HumanoidWalk, GoesInStepsThatCoverTheWantedWay) {
@@ -88,7 +78,7 @@ TEST(HumanoidWalk, SwaysByItsAmplitudesToBothSides) {
 
 TEST(Humanoid, StandsWithinHalfASecondWhenItsCommanderVanishes) {
   Simulation simulation(humanoid());
-  walk(simulation, 3.0, 0.25, 0.5);
+  drive(simulation, 3.0, 0.25, 0.5);
   EXPECT_GT(simulation.truth().T_world_robot.x, -2.9);
   simulation.advance(500'000);
   const Pose2 there = simulation.truth().T_world_robot;

@@ -8,41 +8,14 @@
 #include <limits>
 
 #include "simulator/core/renderer.h"
-#include "support/build_paths.h"
+#include "simulator/corridor.h"
 
 namespace vismem {
 namespace {
 
+using namespace test;
+
 using namespace std::chrono_literals;
-
-const World& corridor() {
-  static const World world = loadWorld(VISMEM_SOURCE_DIR "/cfg/worlds/corridor.world").world;
-  return world;
-}
-
-SimulationConfig inCorridor() {
-  SimulationConfig config;
-  config.world = corridor();
-  config.start = {-3.0, 2.25, 0.0};
-  config.cameras.front().rate_hz = 10.0;
-  return config;
-}
-
-/// Drives a while with a curve at its end.
-void drive(Simulation& simulation, double seconds, double v, double w) {
-  for (const StampUs until = simulation.now() + toStampUs(seconds); simulation.now() < until;) {
-    simulation.base().setVelocity(v, w);
-    simulation.step();
-  }
-}
-
-std::uint64_t hashOf(const cv::Mat& image) {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (const std::uint8_t* p = image.data; p != image.data + image.total() * image.elemSize(); ++p) {
-    hash = (hash ^ *p) * 0x100000001b3ULL;
-  }
-  return hash;
-}
 
 TEST(ArcMotion, QuarterCircleOfOneMetre) {
   // v = w = pi/2 for 1 s: a quarter of the circle of radius 1 about (0, 1).

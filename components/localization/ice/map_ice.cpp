@@ -1,47 +1,32 @@
 #include "localization/ice/map_ice.h"
 
-#include <array>
 #include <cstdint>
-#include <cstdio>
-#include <cstring>
 #include <string_view>
 
+#include "common/config/text_format.h"
+#include "common/kinematics/random_stream.h"
 #include "common/robot_ice/conversions.h"
 
 namespace vismem {
 namespace {
 
-class Fnv1a {
- public:
-  void add(std::string_view bytes) {
-    for (const char byte : bytes) hash_ = (hash_ ^ static_cast<unsigned char>(byte)) * 0x100000001b3ULL;
-  }
-  void add(double value) {
-    std::array<char, sizeof value> bytes{};
-    std::memcpy(bytes.data(), &value, sizeof value);
-    add(std::string_view(bytes.data(), bytes.size()));
-  }
-  std::uint64_t value() const { return hash_; }
-
- private:
-  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
-};
+std::string_view bytesOf(const double& value) {
+  return {reinterpret_cast<const char*>(&value), sizeof value};
+}
 
 }  // namespace
 
 std::string mapId(const SegmentMap& map) {
-  Fnv1a hash;
+  std::uint64_t hash = fnv1a("");
   for (const MapSegment& segment : map.segments) {
     for (const Eigen::Vector3d& end : {segment.world.a, segment.world.b}) {
-      for (int i = 0; i < 3; ++i) hash.add(end[i]);
+      for (int i = 0; i < 3; ++i) hash = fnv1a(bytesOf(end[i]), hash);
     }
-    hash.add(segment.width_m);
-    hash.add(segment.label);
-    hash.add(std::string_view("\0", 1));  // the end of the label
+    hash = fnv1a(bytesOf(segment.width_m), hash);
+    hash = fnv1a(segment.label, hash);
+    hash = fnv1a(std::string_view("\0", 1), hash);  // the end of the label
   }
-  std::array<char, 17> digits{};
-  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash.value()));
-  return digits.data();
+  return formatted("%016llx", static_cast<unsigned long long>(hash));
 }
 
 avm::MapContents toIce(const SegmentMap& map, const std::string& name) {
