@@ -255,9 +255,9 @@ TEST_F(BagReaderTest, KeepsSmallStampsAndOrder) {
   BagFile bag(save(sink.bytes_));
   const auto samples = bag.odometry("/odom");
   ASSERT_EQ(samples.size(), 3u);
-  EXPECT_EQ(samples[0].stamp_us, 0);
-  EXPECT_EQ(samples[1].x, 10.0);
-  EXPECT_EQ(samples[2].stamp_us, 5'000) << "in the order of recording";
+  EXPECT_EQ(samples[0].header.stamp_us, 0);
+  EXPECT_EQ(samples[1].pose.position.x, 10.0);
+  EXPECT_EQ(samples[2].header.stamp_us, 5'000) << "in the order of recording";
   EXPECT_EQ(sink.syncs, 2) << "after the chunk and after the index";
 }
 

@@ -21,35 +21,19 @@ std::string frameName(const std::string& name) {
   return !name.empty() && name.front() == '/' ? name.substr(1) : name;
 }
 
-RosPoseWithCovariance parseAnyPose(const std::string& type, ByteView bytes) {
-  if (type == kPlainPoseType) return parsePose(bytes);
-  if (type != kOdometryType) return parsePoseWithCovariance(bytes);
-  const RosOdometry odometry = parseOdometry(bytes);
-  return {odometry.header, odometry.pose, odometry.pose_covariance};
-}
-
-std::int64_t stampOr(std::int64_t header_us, std::int64_t recorded_ns) {
-  return header_us == 0 ? toStampOfTime(recorded_ns) : header_us;
+RosHeader completed(const RosHeader& header, std::int64_t recorded_ns) {
+  return {header.stamp_us == 0 ? toStampOfTime(recorded_ns) : header.stamp_us, frameName(header.frame_id)};
 }
 
 BagImageHeader headerOf(const RosCompressedImage& message, std::int64_t recorded_ns) {
-  BagImageHeader header;
-  header.stamp_us = stampOr(message.header.stamp_us, recorded_ns);
-  header.frame_id = frameName(message.header.frame_id);
-  header.encoding = message.format;
-  header.compressed = true;
-  return header;
+  return {completed(message.header, recorded_ns), message.format, /*compressed=*/true};
 }
 
 BagImageHeader headerOf(const RosImage& message, std::int64_t recorded_ns) {
-  BagImageHeader header;
-  header.stamp_us = stampOr(message.header.stamp_us, recorded_ns);
-  header.frame_id = frameName(message.header.frame_id);
-  header.encoding = message.encoding;
   // A side that is no int is absurd, and said to be so where sizes are checked.
-  header.width = static_cast<int>(std::min<std::uint32_t>(message.width, 1u << 30));
-  header.height = static_cast<int>(std::min<std::uint32_t>(message.height, 1u << 30));
-  return header;
+  return {completed(message.header, recorded_ns), message.encoding, /*compressed=*/false,
+          static_cast<int>(std::min<std::uint32_t>(message.width, 1u << 30)),
+          static_cast<int>(std::min<std::uint32_t>(message.height, 1u << 30))};
 }
 
 }  // namespace
@@ -112,6 +96,18 @@ struct BagFile::Impl {
       note(file + ": topic " + topic + ": " + std::to_string(left_out) + " of " +
            std::to_string(list.size()) + " messages are damaged and left out (" + why + ")");
     }
+  }
+
+  template <typename Message>
+  std::vector<Message> messages(const std::string& topic, const std::string& type,
+                                Message (*parse)(ByteView)) {
+    std::vector<Message> all;
+    forEach(topic, type, [&](const Place& place) {
+      Message message = parse(read(place));
+      message.header = completed(message.header, place.entry.time_ns);
+      all.push_back(std::move(message));
+    });
+    return all;
   }
 };
 
@@ -268,54 +264,27 @@ BagImage BagFile::readImage(const std::string& topic, std::size_t index) {
   }
 }
 
-std::vector<BagCameraInfo> BagFile::cameraInfos(const std::string& topic) {
-  std::vector<BagCameraInfo> infos;
-  impl_->forEach(topic, kCameraInfoType, [&](const Impl::Place& place) {
-    const RosCameraInfo message = parseCameraInfo(impl_->read(place));
-    BagCameraInfo info;
-    info.stamp_us = stampOr(message.header.stamp_us, place.entry.time_ns);
-    info.width = static_cast<int>(std::min<std::uint32_t>(message.width, 1u << 30));
-    info.height = static_cast<int>(std::min<std::uint32_t>(message.height, 1u << 30));
-    info.model = message.distortion_model;
-    info.d = message.d;
-    std::copy(message.k.begin(), message.k.end(), info.k);
-    infos.push_back(std::move(info));
-  });
-  return infos;
+std::vector<RosCameraInfo> BagFile::cameraInfos(const std::string& topic) {
+  return impl_->messages(topic, kCameraInfoType, parseCameraInfo);
 }
 
-std::vector<BagOdometry> BagFile::odometry(const std::string& topic) {
-  std::vector<BagOdometry> samples;
-  impl_->forEach(topic, kOdometryType, [&](const Impl::Place& place) {
-    const RosOdometry message = parseOdometry(impl_->read(place));
-    const RosQuaternion& q = message.pose.orientation;
-    samples.push_back({stampOr(message.header.stamp_us, place.entry.time_ns), message.pose.position.x,
-                       message.pose.position.y, q.x, q.y, q.z, q.w, message.v_mps, message.w_radps,
-                       frameName(message.header.frame_id), frameName(message.child_frame_id)});
-  });
+std::vector<RosOdometry> BagFile::odometry(const std::string& topic) {
+  auto samples = impl_->messages(topic, kOdometryType, parseOdometry);
+  for (RosOdometry& sample : samples) sample.child_frame_id = frameName(sample.child_frame_id);
   return samples;
 }
 
-std::vector<BagJoints> BagFile::joints(const std::string& topic) {
-  std::vector<BagJoints> samples;
-  impl_->forEach(topic, kJointStateType, [&](const Impl::Place& place) {
-    RosJointState message = parseJointState(impl_->read(place));
-    samples.push_back({stampOr(message.header.stamp_us, place.entry.time_ns), std::move(message.names),
-                       std::move(message.positions)});
-  });
-  return samples;
+std::vector<RosJointState> BagFile::joints(const std::string& topic) {
+  return impl_->messages(topic, kJointStateType, parseJointState);
 }
 
 std::vector<RosPoseWithCovariance> BagFile::poses(const std::string& topic) {
+  const std::string& type = impl_->topicOf(topic).type;
+  if (type == kPlainPoseType) return impl_->messages(topic, type, parsePose);
+  if (type != kOdometryType) return impl_->messages(topic, kPoseType, parsePoseWithCovariance);
   std::vector<RosPoseWithCovariance> poses;
-  std::string type = kPoseType;
-  for (const BagTopic& known : impl_->topics) {
-    if (known.name == topic && isPoseType(known.type)) type = known.type;
-  }
-  impl_->forEach(topic, type, [&](const Impl::Place& place) {
-    poses.push_back(parseAnyPose(type, impl_->read(place)));
-    poses.back().header.stamp_us = stampOr(poses.back().header.stamp_us, place.entry.time_ns);
-  });
+  for (const RosOdometry& sample : odometry(topic))
+    poses.push_back({sample.header, sample.pose, sample.pose_covariance});
   return poses;
 }
 
@@ -333,11 +302,9 @@ std::vector<BagTransform> BagFile::transforms() {
     const bool is_static = topic.name.find("tf_static") != std::string::npos;
     impl_->forEach(topic.name, topic.type, [&](const Impl::Place& place) {
       for (const RosTransform& item : parseTransforms(impl_->read(place))) {
-        const RosPoint& p = item.pose.position;
-        const RosQuaternion& q = item.pose.orientation;
-        transforms.push_back({stampOr(item.header.stamp_us, place.entry.time_ns),
-                              frameName(item.header.frame_id), frameName(item.child_frame_id), p.x, p.y, p.z,
-                              q.x, q.y, q.z, q.w, is_static});
+        transforms.push_back(
+            {{completed(item.header, place.entry.time_ns), frameName(item.child_frame_id), item.pose},
+             is_static});
       }
     });
   }

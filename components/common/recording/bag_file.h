@@ -19,10 +19,7 @@ struct BagTopic {
   std::size_t messages = 0;
 };
 
-/// All stamps are those of the messages' headers [us], or the time of recording where a header has none (0).
-struct BagImageHeader {
-  std::int64_t stamp_us = 0;
-  std::string frame_id;
+struct BagImageHeader : RosHeader {
   std::string encoding;  ///< raw: "rgb8"; compressed: the field `format`, "jpeg"
   bool compressed = false;
   int width = 0;  ///< 0 when compressed: not known before decoding
@@ -35,37 +32,7 @@ struct BagImage {
   std::vector<std::uint8_t> data;
 };
 
-struct BagCameraInfo {
-  std::int64_t stamp_us = 0;
-  int width = 0;
-  int height = 0;
-  std::string model;      ///< of the distortion: "plumb_bob"; may be empty
-  std::vector<double> d;  ///< distortion parameters, any number
-  double k[9] = {};       ///< camera matrix, row by row
-};
-
-struct BagOdometry {
-  std::int64_t stamp_us = 0;
-  double x = 0.0, y = 0.0;  ///< [m]
-  double qx = 0.0, qy = 0.0, qz = 0.0, qw = 0.0;
-  double v_mps = 0.0, w_radps = 0.0;
-  std::string parent;  ///< frames, without a leading slash
-  std::string child;
-};
-
-struct BagJoints {
-  std::int64_t stamp_us = 0;
-  std::vector<std::string> names;
-  std::vector<double> positions;  ///< [rad]; may be shorter than names
-};
-
-/// The pose of `child` in `parent`.
-struct BagTransform {
-  std::int64_t stamp_us = 0;
-  std::string parent;  ///< without a leading slash
-  std::string child;
-  double x = 0.0, y = 0.0, z = 0.0;  ///< [m]
-  double qx = 0.0, qy = 0.0, qz = 0.0, qw = 0.0;
+struct BagTransform : RosTransform {
   bool is_static = false;  ///< from a topic called tf_static: holds at any time
 };
 
@@ -94,7 +61,8 @@ class BagFile {
   std::vector<std::string> compressions() const;  ///< "none", "bz2", "lz4"
 
   // Messages in the order in which they were recorded. One that is damaged is left out and noted. All throw
-  // RecordingError for a topic of another type, or when no message of a topic that has some can be read.
+  // RecordingError for a topic of another type, or when no message of a topic that has some can be read. A
+  // header without a stamp (0) gets the time of recording; frames have no leading slash.
 
   /// Of a topic of type sensor_msgs/Image or sensor_msgs/CompressedImage: of every message only its beginning
   /// is read where the bag is not compressed.
@@ -102,9 +70,9 @@ class BagFile {
   /// @param index into imageHeaders(topic), which was called before. @throws RecordingError when it is
   /// damaged.
   BagImage readImage(const std::string& topic, std::size_t index);
-  std::vector<BagCameraInfo> cameraInfos(const std::string& topic);
-  std::vector<BagOdometry> odometry(const std::string& topic);
-  std::vector<BagJoints> joints(const std::string& topic);
+  std::vector<RosCameraInfo> cameraInfos(const std::string& topic);
+  std::vector<RosOdometry> odometry(const std::string& topic);
+  std::vector<RosJointState> joints(const std::string& topic);
   /// Of a topic of type geometry_msgs/PoseWithCovarianceStamped, geometry_msgs/PoseStamped (its covariance is
   /// 0) or nav_msgs/Odometry.
   std::vector<RosPoseWithCovariance> poses(const std::string& topic);

@@ -1,10 +1,10 @@
 #include "common/recording/log_topics.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
+#include <optional>
 
 #include "common/config/text_format.h"
+#include "common/recording/recorded_rows.h"
 
 namespace vismem {
 
@@ -36,14 +36,8 @@ std::vector<TruePose> readTruth(BagFile& bag, const std::string& named) {
   const std::string topic = truthTopic(bag, named);
   if (topic.empty()) return truth;
   for (const RosPoseWithCovariance& recorded : bag.poses(topic)) {
-    const RosPoint& p = recorded.pose.position;
-    const RosQuaternion& q = recorded.pose.orientation;
-    const Eigen::Quaterniond rotation(q.w, q.x, q.y, q.z);
-    if (!std::isfinite(rotation.squaredNorm()) || rotation.squaredNorm() < 1e-6) continue;
-    Pose3 pose = Pose3::Identity();
-    pose.translation() << p.x, p.y, p.z;
-    pose.linear() = rotation.normalized().toRotationMatrix();
-    if (pose.matrix().allFinite()) truth.push_back({recorded.header.stamp_us, toPose2(pose)});
+    const std::optional<Pose3> pose = toPose3(recorded.pose);
+    if (pose && pose->matrix().allFinite()) truth.push_back({recorded.header.stamp_us, toPose2(*pose)});
   }
   std::stable_sort(truth.begin(), truth.end(),
                    [](const TruePose& a, const TruePose& b) { return a.stamp_us < b.stamp_us; });
@@ -55,7 +49,8 @@ std::vector<OdometryTopic> odometryTopics(BagFile& bag, const std::string& truth
   for (const BagTopic& topic : bag.topics()) {
     if (topic.type != kOdometryType || topic.messages == 0 || topic.name == truth_topic) continue;
     const auto samples = bag.odometry(topic.name);
-    if (!samples.empty()) topics.push_back({topic.name, samples.front().parent, samples.front().child});
+    if (!samples.empty())
+      topics.push_back({topic.name, samples.front().header.frame_id, samples.front().child_frame_id});
   }
   return topics;
 }

@@ -2,28 +2,44 @@
 /// stamps.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/geometry/camera.h"
+#include "common/geometry/pose.h"
 #include "common/recording/bag_file.h"
 #include "common/robot/samples.h"
 
 namespace vismem {
 
+/// @return nothing for an orientation that is no rotation.
+inline std::optional<Pose3> toPose3(const RosPose& recorded) {
+  const RosQuaternion& q = recorded.orientation;
+  const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+  if (!std::isfinite(norm) || norm <= 1e-6) return std::nullopt;
+  Pose3 pose = Pose3::Identity();
+  pose.translation() << recorded.position.x, recorded.position.y, recorded.position.z;
+  pose.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+  return pose;
+}
+
 /// @return empty, or why this is no calibration of a pinhole camera with the distortion of plumb_bob.
-inline std::string readCalibration(const BagCameraInfo& info, CameraIntrinsics& intrinsics) {
+inline std::string readCalibration(const RosCameraInfo& info, CameraIntrinsics& intrinsics) {
   const bool all_zero = std::all_of(info.d.begin(), info.d.end(), [](double d) { return d == 0.0; });
-  if (!all_zero && info.model != "plumb_bob") {
-    return "distortion model \"" + info.model + "\" (expected plumb_bob)";
+  if (!all_zero && info.distortion_model != "plumb_bob") {
+    return "distortion model \"" + info.distortion_model + "\" (expected plumb_bob)";
   }
   if (!all_zero && info.d.size() != 4 && info.d.size() != 5) {
     return std::to_string(info.d.size()) + " distortion parameters (expected 4 or 5 for plumb_bob)";
   }
-  intrinsics.width = info.width;
-  intrinsics.height = info.height;
+  intrinsics.width = static_cast<int>(std::min<std::uint32_t>(info.width, 1u << 30));
+  intrinsics.height = static_cast<int>(std::min<std::uint32_t>(info.height, 1u << 30));
   intrinsics.fx = info.k[0];
   intrinsics.fy = info.k[4];
   intrinsics.cx = info.k[2];

@@ -40,18 +40,6 @@ std::string infoBeside(std::string image_topic) {
   return (slash == std::string::npos ? "" : image_topic.substr(0, slash + 1)) + "camera_info";
 }
 
-Pose3 toPose(const BagTransform& t) {
-  Pose3 pose = Pose3::Identity();
-  pose.translation() << t.x, t.y, t.z;
-  pose.linear() = Eigen::Quaterniond(t.qw, t.qx, t.qy, t.qz).normalized().toRotationMatrix();
-  return pose;
-}
-
-bool isRotation(double qx, double qy, double qz, double qw) {
-  const double norm = qx * qx + qy * qy + qz * qz + qw * qw;
-  return std::isfinite(norm) && norm > 1e-6;
-}
-
 }  // namespace
 
 struct RobotLog::Impl {
@@ -118,7 +106,7 @@ struct RobotLog::Impl {
   void useFieldOfView(double fov_rad);
   void findOdometry(const RobotLogOptions& options);
   void readOdometry(const RobotLogOptions& options);
-  std::vector<BagOdometry> recordedOdometry(const RobotLogOptions& options);
+  std::vector<RosOdometry> recordedOdometry(const RobotLogOptions& options);
   void readJoints(const RobotLogOptions& options);
   void readTransforms(const RobotLogOptions& options, const std::string& images_frame);
   std::string images_frame;
@@ -175,11 +163,11 @@ void RobotLog::Impl::readIntrinsics(const RobotLogOptions& options) {
                  kCameraInfoType + ", or the camera's field of view: key Camera.FieldOfView_deg)");
   }
   std::map<StampUs, CameraIntrinsics> by_stamp;
-  for (const BagCameraInfo& info : bag.cameraInfos(topics.camera_info)) {
+  for (const RosCameraInfo& info : bag.cameraInfos(topics.camera_info)) {
     CameraIntrinsics intrinsics;
     const std::string wrong = readCalibration(info, intrinsics);
     if (!wrong.empty()) fail(topics.camera_info, wrong);
-    by_stamp.insert_or_assign(info.stamp_us, intrinsics);
+    by_stamp.insert_or_assign(info.header.stamp_us, intrinsics);
   }
   if (by_stamp.empty()) fail(topics.camera_info, "has no messages (expected the camera's calibration)");
   for (Shot& shot : shots) {
@@ -213,16 +201,16 @@ void RobotLog::Impl::findOdometry(const RobotLogOptions& options) {
 }
 
 /// Of its own topic, else from the transforms odom -> robot.
-std::vector<BagOdometry> RobotLog::Impl::recordedOdometry(const RobotLogOptions& options) {
+std::vector<RosOdometry> RobotLog::Impl::recordedOdometry(const RobotLogOptions& options) {
   if (!topics.odometry.empty()) return bag.odometry(topics.odometry);
   const std::string odom = options.odom_frame.empty() ? "odom" : options.odom_frame;
-  std::vector<BagOdometry> samples;
+  std::vector<RosOdometry> samples;
   for (const BagTransform& t : bag.transforms()) {
     const bool robot = options.robot_frame.empty() ? std::find(kRobotFrames.begin(), kRobotFrames.end(),
-                                                               t.child) != kRobotFrames.end()
-                                                   : t.child == options.robot_frame;
-    if (t.is_static || t.parent != odom || !robot) continue;
-    samples.push_back({t.stamp_us, t.x, t.y, t.qx, t.qy, t.qz, t.qw, 0.0, 0.0, t.parent, t.child});
+                                                               t.child_frame_id) != kRobotFrames.end()
+                                                   : t.child_frame_id == options.robot_frame;
+    if (t.is_static || t.header.frame_id != odom || !robot) continue;
+    samples.push_back({t.header, t.child_frame_id, t.pose});
   }
   if (samples.empty()) {
     fail("", "no odometry: found " + listOf(bag.topics()) + " (expected a topic of type " + kOdometryType +
@@ -234,20 +222,18 @@ std::vector<BagOdometry> RobotLog::Impl::recordedOdometry(const RobotLogOptions&
 
 void RobotLog::Impl::readOdometry(const RobotLogOptions& options) {
   findOdometry(options);
-  for (const BagOdometry& raw : recordedOdometry(options)) {
+  for (const RosOdometry& raw : recordedOdometry(options)) {
     OdometrySample sample;
-    sample.stamp_us = raw.stamp_us;
-    Pose3 pose = Pose3::Identity();
-    pose.translation() << raw.x, raw.y, 0.0;
-    if (!isRotation(raw.qx, raw.qy, raw.qz, raw.qw)) {
-      fail(topics.odometry, "the orientation at " + std::to_string(toSeconds(raw.stamp_us)) +
+    sample.stamp_us = raw.header.stamp_us;
+    const std::optional<Pose3> pose = toPose3(raw.pose);
+    if (!pose) {
+      fail(topics.odometry, "the orientation at " + std::to_string(toSeconds(sample.stamp_us)) +
                                 " s is no rotation (expected a quaternion that is not zero)");
     }
-    pose.linear() = Eigen::Quaterniond(raw.qw, raw.qx, raw.qy, raw.qz).normalized().toRotationMatrix();
-    sample.T_odom_robot = toPose2(pose);
+    sample.T_odom_robot = toPose2(*pose);
     if (!isFinite(sample.T_odom_robot)) {
       fail(topics.odometry,
-           "the position at " + std::to_string(toSeconds(raw.stamp_us)) + " s is not finite");
+           "the position at " + std::to_string(toSeconds(sample.stamp_us)) + " s is not finite");
     }
     sample.v_mps = raw.v_mps;
     sample.w_radps = raw.w_radps;
@@ -275,7 +261,7 @@ void RobotLog::Impl::readJoints(const RobotLogOptions& options) {
   }
   const auto recorded = bag.joints(topics.joints);
   std::map<std::string, int> names;
-  for (const BagJoints& sample : recorded) {
+  for (const RosJointState& sample : recorded) {
     for (const std::string& name : sample.names) ++names[name];
   }
   const auto pick = [&](const std::string& wanted, const std::array<std::string, 2>& known) -> std::string {
@@ -300,7 +286,7 @@ void RobotLog::Impl::readJoints(const RobotLogOptions& options) {
     return;
   }
   const int sign = options.tilt_sign != 0 ? options.tilt_sign : (topics.tilt_joint == "head_pitch" ? -1 : 1);
-  for (const BagJoints& sample : recorded) {
+  for (const RosJointState& sample : recorded) {
     std::optional<double> pan;
     std::optional<double> tilt;
     for (std::size_t i = 0; i < std::min(sample.names.size(), sample.positions.size()); ++i) {
@@ -310,9 +296,10 @@ void RobotLog::Impl::readJoints(const RobotLogOptions& options) {
     // Robots publish groups of joints in turn: messages without the head's joints are normal.
     if (!pan || !tilt) continue;
     if (!std::isfinite(*pan) || !std::isfinite(*tilt)) {
-      fail(topics.joints, "an angle at " + std::to_string(toSeconds(sample.stamp_us)) + " s is not finite");
+      fail(topics.joints,
+           "an angle at " + std::to_string(toSeconds(sample.header.stamp_us)) + " s is not finite");
     }
-    joints.push_back({sample.stamp_us, 0, *pan, sign * *tilt});
+    joints.push_back({sample.header.stamp_us, 0, *pan, sign * *tilt});
   }
   keepFirstEpoch(topics.joints, joints);
   makeIncreasing(joints);
@@ -323,24 +310,25 @@ void RobotLog::Impl::readTransforms(const RobotLogOptions& options, const std::s
   std::map<std::string, StampUs> newest_us;  // by child: others may publish later
   std::size_t left_out = 0;
   for (const BagTransform& transform : bag.transforms()) {
+    const auto& [stamp_us, parent] = transform.header;
+    const std::string& child = transform.child_frame_id;
     if (!transform.is_static) {
-      StampUs& newest = newest_us.try_emplace(transform.child, transform.stamp_us).first->second;
-      if (transform.stamp_us < newest - kClockBackUs) {
+      StampUs& newest = newest_us.try_emplace(child, stamp_us).first->second;
+      if (stamp_us < newest - kClockBackUs) {
         ++left_out;
         continue;
       }
-      newest = std::max(newest, transform.stamp_us);
+      newest = std::max(newest, stamp_us);
     }
-    const Pose3 pose = isRotation(transform.qx, transform.qy, transform.qz, transform.qw) ? toPose(transform)
-                                                                                          : Pose3::Identity();
-    if (!isRotation(transform.qx, transform.qy, transform.qz, transform.qw) || !pose.matrix().allFinite()) {
-      fail("", "the transform " + transform.parent + " -> " + transform.child + " at " +
-                   std::to_string(toSeconds(transform.stamp_us)) + " s is not a finite pose");
+    const std::optional<Pose3> pose = toPose3(transform.pose);
+    if (!pose || !pose->matrix().allFinite()) {
+      fail("", "the transform " + parent + " -> " + child + " at " + std::to_string(toSeconds(stamp_us)) +
+                   " s is not a finite pose");
     }
     if (transform.is_static) {
-      tree.addStatic(transform.parent, transform.child, pose);
+      tree.addStatic(parent, child, *pose);
     } else {
-      tree.add(transform.parent, transform.child, transform.stamp_us, pose);
+      tree.add(parent, child, stamp_us, *pose);
     }
   }
   if (left_out > 0) {
