@@ -1,9 +1,7 @@
 /// @file run_application: the main job. See options.h for its command line.
-#include <signal.h>
 #include <unistd.h>
 
 #include <chrono>
-#include <ctime>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -18,6 +16,7 @@
 #include "common/config/config_error.h"
 #include "common/routes/route.h"
 #include "common/segment_map/symmetry.h"
+#include "common/tool/end_signals.h"
 
 namespace {
 
@@ -29,28 +28,6 @@ constexpr std::chrono::seconds kPeersWithin{10};
 constexpr std::chrono::seconds kSilence{15};
 /// Longest time from a recording's last image to its last estimate.
 constexpr std::chrono::seconds kDrain{3};
-
-/// Polls SIGINT, SIGTERM and SIGHUP. They are blocked in all threads, so construct it before the first
-/// thread.
-class StopSignals {
- public:
-  StopSignals() {
-    sigemptyset(&set_);
-    for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set_, number);
-    pthread_sigmask(SIG_BLOCK, &set_, nullptr);
-  }
-  /// Waits at most this long.
-  /// @return whether a stop was requested, now or before.
-  bool wait(std::chrono::milliseconds timeout) {
-    const timespec limit{timeout.count() / 1000, timeout.count() % 1000 * 1'000'000};
-    if (!asked_ && sigtimedwait(&set_, nullptr, &limit) > 0) asked_ = true;
-    return asked_;
-  }
-
- private:
-  sigset_t set_{};
-  bool asked_ = false;
-};
 
 /// Detects that a recording has ended and its last estimate has arrived.
 class ReplayEnd {
@@ -68,9 +45,9 @@ class ReplayEnd {
 
 /// Shows the live status until the run ends: by time, by the recording's end, or by a signal.
 void watch(const RunOptions& options, const Launcher& launcher, RobotLink& link, const RunObserver& observer,
-           StopSignals& signals, StatusLine& status) {
+           EndSignals& signals, StatusLine& status) {
   ReplayEnd replay_end;
-  while (!signals.wait(std::chrono::milliseconds(50))) {
+  while (!signals.wait(0.05)) {
     launcher.checkAlive();
     const LiveState live = observer.live();
     const auto now = std::chrono::steady_clock::now();
@@ -121,10 +98,10 @@ struct RecordedRun {
 /// Runs the components until the end.
 /// @param files made once the robot's time begins.
 /// @return empty: stopped before that.
-std::optional<RecordedRun> record(const RunOptions& options, StopSignals& signals, const RunInputs& inputs,
+std::optional<RecordedRun> record(const RunOptions& options, EndSignals& signals, const RunInputs& inputs,
                                   std::optional<RunFiles>& files) {
   StatusLine status(std::cerr, isatty(STDERR_FILENO) == 1);
-  const auto interrupted = [&] { return signals.wait(std::chrono::milliseconds(0)); };
+  const auto interrupted = [&] { return signals.arrived(); };
   Launcher launcher(options, commandsOf(options));
   if (!launcher.waitUntilReady(kReadyWithin, interrupted)) return std::nullopt;
   if (const auto page = pageAddressOf(options); !page.empty())
@@ -151,7 +128,7 @@ std::optional<RecordedRun> record(const RunOptions& options, StopSignals& signal
   return RecordedRun{observer.takeRecord(), std::move(failure)};
 }
 
-int run(const RunOptions& options, StopSignals& signals) {
+int run(const RunOptions& options, EndSignals& signals) {
   OutFolder folder(options.out);
   const RunInputs inputs = loadInputs(options);
   std::cerr << "run_application: setup " << options.folder << ", seed " << options.seed << ", results in "
@@ -190,7 +167,7 @@ int run(const RunOptions& options, StopSignals& signals) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  StopSignals signals;
+  EndSignals signals{SIGINT, SIGTERM, SIGHUP};
   try {
     const std::optional<RunOptions> options = parseOptions(argc, argv);
     return options ? run(*options, signals) : 0;
