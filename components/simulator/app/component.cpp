@@ -112,10 +112,8 @@ class SimulatorComponent : public Component {
 std::unique_ptr<Component> configure(ConfigReader& reader) {
   SimulatorConfig config = readSimulatorConfig(reader);
   if (!reader.good()) return nullptr;
-  std::vector<std::string> folders;
-  for (const auto& folder : config.model_paths) folders.push_back(folder.string());
   ProgressLine progress("models of " + config.world_file.string());
-  LoadedWorld loaded = loadWorld(config.world_file, modelPaths(folders),
+  LoadedWorld loaded = loadWorld(config.world_file, modelPaths(config.model_paths),
                                  [&](std::size_t done, std::size_t all) { progress.show(done, all); });
   const std::string summary = config.world_file.string() + ": " + loaded.summary();
   config.simulation.world = std::move(loaded.world);

@@ -28,7 +28,7 @@ struct Arguments {
   std::string input;
   std::string palette_file;
   std::string out;
-  std::vector<std::string> model_paths;
+  std::vector<std::filesystem::path> model_paths;
   bool allow_partial = false;
   vismem::MapBuilderParams params;
   vismem::SvgMapParams drawing;
@@ -72,7 +72,8 @@ struct Made {
   bool is_whole = true;  ///< false: some of them are left out
 };
 
-vismem::LoadedWorld loadShowingProgress(const std::string& file, const std::vector<std::string>& folders) {
+vismem::LoadedWorld loadShowingProgress(const std::string& file,
+                                        const std::vector<std::filesystem::path>& folders) {
   vismem::ProgressLine line("models of " + file);
   return vismem::loadWorld(file, vismem::modelPaths(folders),
                            [&](std::size_t done, std::size_t all) { line.show(done, all); });

@@ -2,11 +2,11 @@
 
 #include <cstdlib>
 #include <sstream>
+#include <string>
 
 namespace vismem {
 
-std::vector<std::filesystem::path> modelPaths(const std::vector<std::string>& given) {
-  std::vector<std::filesystem::path> paths(given.begin(), given.end());
+std::vector<std::filesystem::path> modelPaths(std::vector<std::filesystem::path> paths) {
   for (const char* variable : {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH"}) {
     const char* value = std::getenv(variable);
     std::istringstream folders(value == nullptr ? "" : value);

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <vector>
 
 namespace vismem {
 
-/// The folders given first, then those of the variables GAZEBO_MODEL_PATH and GZ_SIM_RESOURCE_PATH.
-std::vector<std::filesystem::path> modelPaths(const std::vector<std::string>& given);
+/// These folders first, then those of the variables GAZEBO_MODEL_PATH and GZ_SIM_RESOURCE_PATH.
+std::vector<std::filesystem::path> modelPaths(std::vector<std::filesystem::path> paths);
 
 }  // namespace vismem

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -96,7 +97,7 @@ struct RenderRequest {
   double pan_deg = 0.0;
   double tilt_deg = 0.0;
   bool top = false;
-  std::vector<std::string> model_paths;
+  std::vector<std::filesystem::path> model_paths;
 };
 
 void writePicture(const std::string& file, const cv::Mat& picture) {
