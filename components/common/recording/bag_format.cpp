@@ -104,7 +104,7 @@ std::optional<BagRecord> readRecord(ByteView bytes, std::size_t offset) {
   if (data_size > bytes.size() - data_at) return std::nullopt;
   auto fields = RecordFields::parse(bytes.subspan(header_at, header_size));
   if (!fields) return std::nullopt;
-  return BagRecord{std::move(*fields), bytes.subspan(data_at, data_size), data_at, data_at + data_size};
+  return BagRecord{std::move(*fields), bytes.subspan(data_at, data_size), data_at + data_size};
 }
 
 RecordHeader::RecordHeader(BagOp op) {

@@ -65,8 +65,7 @@ class RecordFields {
 struct BagRecord {
   RecordFields fields;
   ByteView data;
-  std::size_t data_offset = 0;  ///< of `data` in the bytes
-  std::size_t end = 0;          ///< offset of what follows
+  std::size_t end = 0;  ///< offset of what follows
 };
 
 /// @param offset of the record in the bytes. @return empty when no whole record is there.

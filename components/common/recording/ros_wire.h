@@ -39,7 +39,6 @@ class RosReader {
     if (length > (bytes_.size() - at_) / item_size) overrun();
     return length;
   }
-  bool atEnd() const { return at_ == bytes_.size(); }
 
  private:
   [[noreturn]] void overrun() const {

@@ -44,8 +44,6 @@ class ObservationAssembler {
   /// one by one (logs, lock-step).
   std::optional<RobotObservation> take(bool every_frame = false);
 
-  /// Robot pose at a stamp, if known.
-  std::optional<Pose2> odometryAt(StampUs stamp_us) const { return odometry_.at(stamp_us); }
   std::uint64_t droppedFrames() const { return dropped_frames_; }
   /// A new epoch begins when a source's time went back by over 1 s (restart, loop, seek), or odometry jumped
   /// or restarted (its sequence numbers went back). A restart that appears in several streams, one after the

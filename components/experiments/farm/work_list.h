@@ -33,7 +33,6 @@ class WorkList {
   /// @throws std::runtime_error naming the task at the kMostLosses-th time.
   void lose(const std::string& name);
 
-  bool hasAll() const { return open_.empty(); }  ///< every task is finished
   std::size_t waiting() const { return queue_.size(); }
   int losses() const { return losses_; }
 

@@ -11,8 +11,6 @@ namespace vismem {
 struct Interval {
   double low = 0.0;
   double high = 0.0;
-
-  bool overlaps(const Interval& other) const { return low <= other.high && other.low <= high; }
 };
 
 /// Wilson's score interval of a share, 95 %.

@@ -185,7 +185,7 @@ std::optional<GeometryReader::Shape> GeometryReader::readMesh(const std::string&
     warn_("\"" + name + "\": a mesh scale that is zero, too large or not finite: left out");
     return std::nullopt;
   }
-  Shape shape{known->second->parts, false, true};
+  Shape shape{known->second->parts, false};
   for (auto& part : shape.parts) transformMesh(part.mesh, Eigen::Affine3d(Eigen::Scaling(scale)));
   return shape;
 }

@@ -23,8 +23,7 @@ class GeometryReader {
 
   struct Shape {
     std::vector<MeshPart> parts;
-    bool solid = true;      ///< convex, or nearly
-    bool has_look = false;  ///< its file defines its material
+    bool solid = true;  ///< convex, or nearly
   };
   /// @param name of the visual or collision, for warnings.
   /// @return empty without a usable shape.

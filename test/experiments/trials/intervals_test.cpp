@@ -77,10 +77,5 @@ TEST(Bootstrap, SaysNothingOfNothing) {
   EXPECT_FALSE(bootstrapInterval({}, mean, 1));
 }
 
-TEST(Interval, OverlapsWhereBothHavePoints) {
-  EXPECT_TRUE((Interval{0.0, 1.0}.overlaps({1.0, 2.0})));
-  EXPECT_FALSE((Interval{0.0, 0.9}.overlaps({1.0, 2.0})));
-}
-
 }  // namespace
 }  // namespace vismem
