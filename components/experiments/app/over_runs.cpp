@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 namespace vismem {
 namespace {
@@ -9,13 +10,9 @@ namespace {
 nlohmann::json sumUp(const std::vector<const nlohmann::json*>& values) {
   if (values.front()->is_object()) {
     nlohmann::json all = nlohmann::json::object();
-    std::vector<std::string> keys;
-    for (const nlohmann::json* value : values) {
-      for (const auto& [key, unused] : value->items()) {
-        if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
-      }
-    }
-    for (const std::string& key : keys) {
+    nlohmann::json any = nlohmann::json::object();
+    for (const nlohmann::json* value : values) any.update(*value);
+    for (const auto& [key, unused] : any.items()) {
       std::vector<const nlohmann::json*> inner;
       for (const nlohmann::json* value : values) {
         if (value->contains(key) && !value->at(key).is_null()) inner.push_back(&value->at(key));
@@ -26,20 +23,18 @@ nlohmann::json sumUp(const std::vector<const nlohmann::json*>& values) {
     }
     return all.empty() ? nlohmann::json() : all;
   }
-  double total = 0.0;
-  double least = 0.0;
-  double most = 0.0;
-  int count = 0;
+  std::vector<double> numbers;
   for (const nlohmann::json* value : values) {
-    if (!value->is_number() && !value->is_boolean()) continue;
-    const double number = value->is_boolean() ? (value->get<bool>() ? 1.0 : 0.0) : value->get<double>();
-    least = count == 0 ? number : std::min(least, number);
-    most = count == 0 ? number : std::max(most, number);
-    total += number;
-    ++count;
+    if (value->is_boolean()) numbers.push_back(value->get<bool>() ? 1.0 : 0.0);
+    if (value->is_number()) numbers.push_back(value->get<double>());
   }
-  if (count == 0) return {};
-  return {{"mean", total / count}, {"min", least}, {"max", most}, {"runs", count}};
+  if (numbers.empty()) return {};
+  const auto [least, most] = std::minmax_element(numbers.begin(), numbers.end());
+  const double total = std::accumulate(numbers.begin(), numbers.end(), 0.0);
+  return {{"mean", total / static_cast<double>(numbers.size())},
+          {"min", *least},
+          {"max", *most},
+          {"runs", numbers.size()}};
 }
 
 }  // namespace
