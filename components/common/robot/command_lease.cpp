@@ -11,8 +11,8 @@ std::string CommandLease::busy(Time now) const {
   if (current->priority > kMaximumPriority) {
     return formatted("stopped: no command for another %.1f s", remaining_s);
   }
-  return current->client +
-         formatted(" holds the lease (priority %d, %.1f s more)", current->priority, remaining_s);
+  // Without the time that remains: a refused command is repeated, and a status logs each change of a reason.
+  return current->client + " holds the lease (priority " + std::to_string(current->priority) + ")";
 }
 
 bool CommandLease::isHeldBy(const std::string& id, Time now) const {
