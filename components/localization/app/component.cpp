@@ -13,6 +13,7 @@
 #include "localization/app/config.h"
 #include "localization/app/gaze_sender.h"
 #include "localization/app/health_map_worker.h"
+#include "localization/app/label_watch.h"
 #include "localization/app/localization_loop.h"
 #include "localization/app/map_watch.h"
 #include "localization/core/likelihood/camera_calibration.h"
@@ -46,7 +47,8 @@ class LocalizationComponent final : public Component, public PoseCommands {
         map_(std::move(map)),
         localizer_(config_.params, map_.edges, config_.seed),
         gaze_params_(config_.gaze),
-        watch_({config_.map, config_.palette}) {
+        watch_({config_.map, config_.palette}),
+        labels_(map_.edges) {
     if (!config_.start) return;
     if (const std::string problem = localizer_.problemOf(*config_.start); !problem.empty())
       throw ConfigError({"Localization.Start.Position_m: " + problem});
@@ -105,6 +107,7 @@ class LocalizationComponent final : public Component, public PoseCommands {
         [this, &host] {
           host.status().alive("localization");
           if (gaze_) gaze_->keepInTouch();
+          checkLabels(host.status());
           if (watch_.hasChanged(MapWatch::Clock::now())) reloadMap(host);
         });
   }
@@ -126,6 +129,14 @@ class LocalizationComponent final : public Component, public PoseCommands {
 
   std::string mapName() const { return config_.map.filename().string(); }
 
+  /// In the loop's thread.
+  void checkLabels(StatusBoard& status) {
+    const auto memory = loop_->newest().snapshot;
+    if (!memory) return;
+    const std::string why = labels_.update(*memory);
+    why.empty() ? status.healthy("labels") : status.fault("labels", why);
+  }
+
   /// In the loop's thread. A map that cannot be used changes nothing.
   void reloadMap(ComponentHost& host) {
     try {
@@ -134,6 +145,7 @@ class LocalizationComponent final : public Component, public PoseCommands {
       loop_->replaceMap(Localizer(config_.params, loaded.edges, config_.seed),
                         gaze_ ? std::optional<GazePlanner>(makePlanner(loaded.edges)) : std::nullopt);
       health_maps_->setMap(loaded.edges);
+      labels_ = LabelWatch(loaded.edges);
       servant_->setMap(toIce(loaded.rows, mapName()));
       host.status().healthy("map");
       host.log().info("the map " + mapName() + " has changed: localizing with it");
@@ -168,6 +180,7 @@ class LocalizationComponent final : public Component, public PoseCommands {
   Localizer localizer_;            ///< until start(), then the loop's
   GazePlannerParams gaze_params_;  ///< as changed at run time; the loop's thread after start()
   MapWatch watch_;                 ///< the loop's thread after start()
+  LabelWatch labels_;              ///< the loop's thread after start()
   CameraAlarm camera_alarm_;       ///< the loop's thread after start()
   LatestEstimate estimates_{"no estimate yet"};
   std::unique_ptr<VisualMemoryClient> memory_;
