@@ -156,6 +156,28 @@ TEST_F(RecorderCoreTest, SplitsByTimeAndWhenTheClockJumpsBack) {
   EXPECT_THAT(third.strings("/notes"), ElementsAre("3", "4", "a little late"));
 }
 
+// A recorder that connects to a running robot gets the samples of the servers' last seconds after newer
+// images.
+TEST_F(RecorderCoreTest, AStreamThatLagsIsOfTheSameEpoch) {
+  RecorderParams params;
+  params.ring_us = 5 * kSecondUs;
+  RecorderCore core(params, store_);
+  const auto lagging = makeTopic("/odom_note", "std_msgs/String", false, false);
+  core.start("run");
+  core.take(note(10 * kSecondUs, "image"), 0);
+  core.take(textMessage(lagging, 8 * kSecondUs, "odometry"), 0);
+  core.take(note(10 * kSecondUs + kFrame, "next image"), 0);
+  core.take(textMessage(lagging, 10 * kSecondUs, "newer odometry"), 0);
+  core.saveRing("ring");
+  core.stop();
+  for (const char* name : {"run", "ring"}) {
+    ASSERT_THAT(store_.recordings.at(name), SizeIs(1)) << name;
+    BagFile bag = open(*store_.recordings.at(name)[0]);
+    EXPECT_THAT(bag.strings("/notes"), ElementsAre("image", "next image")) << name;
+    EXPECT_THAT(bag.strings("/odom_note"), ElementsAre("odometry", "newer odometry")) << name;
+  }
+}
+
 TEST_F(RecorderCoreTest, KeepsTheLastSecondsAndSavesThemOnDemand) {
   RecorderParams params;
   params.ring_us = 2 * kSecondUs;

@@ -48,7 +48,7 @@ void BagRecording::openPart() {
   sink_ = store_.open(part_);
   encoder_ = std::make_unique<BagEncoder>(*sink_, params_.compression);
   part_begin_us_.reset();
-  newest_us_.reset();
+  clocks_.clear();
   chunk_opened_us_.reset();
 }
 
@@ -62,8 +62,8 @@ void BagRecording::closePart() {
 }
 
 bool BagRecording::isFull(const RecordedMessage& next) const {
-  if (!newest_us_ || next.topic->latched) return false;
-  if (next.stamp_us < *newest_us_ - kClockBackUs) return true;
+  if (!part_begin_us_ || next.topic->latched) return false;
+  if (clocks_.goesBack(next)) return true;
   if (params_.split_us > 0 && next.stamp_us - *part_begin_us_ >= params_.split_us) return true;
   return params_.split_bytes > 0 && encoder_->bytesWritten() + encoder_->openBytes() >= params_.split_bytes;
 }
@@ -95,7 +95,7 @@ void BagRecording::add(const RecordedMessage& message, StampUs clock_us) {
     put(message, clock_us);
     if (!message.topic->latched) {
       if (!part_begin_us_) part_begin_us_ = message.stamp_us;
-      newest_us_ = newest_us_ ? std::max(*newest_us_, message.stamp_us) : message.stamp_us;
+      clocks_.add(message);
       if (!begin_us_) begin_us_ = message.stamp_us;
       end_us_ = message.stamp_us;
     }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "recorder/core/log_message.h"
+#include "recorder/core/stream_clocks.h"
 
 namespace vismem {
 
@@ -30,8 +31,8 @@ struct BagRecordingParams {
   StampUs split_us = 0;           ///< and when it is so long; 0: never
 };
 
-/// Invariant: what was written before the open chunk can be read whatever happens next. Stamps that go back
-/// by over a second begin a new part: a bag holds one epoch. *Single-threaded.*
+/// Invariant: what was written before the open chunk can be read whatever happens next. Stamps of a
+/// stream that go back by over a second begin a new part: a bag holds one epoch. *Single-threaded.*
 class BagRecording {
  public:
   /// Opens the first part. @param store must outlive it. @throws RecordingError.
@@ -73,7 +74,7 @@ class BagRecording {
   std::map<std::string, RecordedMessage> latched_;
   std::optional<StampUs> chunk_opened_us_;  ///< by the clock
   std::optional<StampUs> part_begin_us_;
-  std::optional<StampUs> newest_us_;  ///< of this part
+  StreamClocks clocks_;  ///< of this part
   std::optional<StampUs> begin_us_;
   std::optional<StampUs> end_us_;
   std::uint64_t closed_bytes_ = 0;

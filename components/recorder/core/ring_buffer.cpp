@@ -9,10 +9,13 @@ void RingBuffer::add(const RecordedMessage& message) {
     latched_[message.topic->channel.topic] = message;
     return;
   }
-  if (!messages_.empty() && message.stamp_us < newest_us_ - kClockBackUs) {
+  if (clocks_.goesBack(message)) {
     messages_.clear();
+    clocks_.clear();
     bytes_ = 0;
   }
+  clocks_.add(message);
+  if (!messages_.empty() && message.stamp_us < newest_us_ - length_us_) return;
   newest_us_ = messages_.empty() ? message.stamp_us : std::max(newest_us_, message.stamp_us);
   messages_.push_back(message);
   bytes_ += message.size();

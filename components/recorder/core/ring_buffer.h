@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "recorder/core/log_message.h"
+#include "recorder/core/stream_clocks.h"
 
 namespace vismem {
 
@@ -17,7 +18,7 @@ class RingBuffer {
   /// @param length_us 0: keeps nothing.
   RingBuffer(StampUs length_us, std::size_t max_bytes) : length_us_(length_us), max_bytes_(max_bytes) {}
 
-  /// A stamp that goes back by over a second begins anew: what was before belongs to another epoch.
+  /// A stream whose stamp goes back by over a second begins anew: what was before belongs to another epoch.
   void add(const RecordedMessage& message);
   /// The last latched messages, then all others in the order in which they came.
   std::vector<RecordedMessage> contents() const;
@@ -33,6 +34,7 @@ class RingBuffer {
   const std::size_t max_bytes_;
   std::size_t bytes_ = 0;
   StampUs newest_us_ = 0;
+  StreamClocks clocks_;
   std::deque<RecordedMessage> messages_;
   std::map<std::string, RecordedMessage> latched_;
 };
