@@ -8,10 +8,14 @@ each new estimate (Localization::next answers within a second), and goes on afte
 """
 import argparse
 import math
+import os
 import sys
 import time
 
 import Ice
+
+# Of the sources, else of the package vismem-dev.
+SLICES = [os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "interfaces"), "/usr/share/vismem/slice"]
 
 
 def load_slices(folder):
@@ -23,7 +27,7 @@ def load_slices(folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--slices", default="/usr/share/vismem/slice", metavar="DIR")
+    parser.add_argument("--slices", default=next((s for s in SLICES if os.path.isdir(s)), SLICES[-1]), metavar="DIR")
     parser.add_argument("--proxy", default="Localization:tcp -h 127.0.0.1 -p 9971", metavar="TEXT")
     parser.add_argument("--seconds", type=float, default=math.inf, metavar="S")
     options = parser.parse_args()
