@@ -69,6 +69,21 @@ TEST(DriverRegistry, NamesTheKnownDriversWhenNoneIsNamed) {
               ElementsAre("a.cfg: missing key \"House.Lamp.Driver\" (must be a driver: candle, led)"));
 }
 
+TEST(DriverRegistry, ListsTheDriversAndTheKeysOfTheNamedOne) {
+  const auto keysOf = [](const std::string& text) {
+    const auto properties = Properties::parse(text, "a.cfg");
+    ConfigReader config(properties);
+    ConfigReader group = config.group("House.Lamp");
+    lamps().make(group);
+    std::vector<std::string> lines;
+    for (const KeyDescription& key : config.keys()) lines.push_back(key.key + ": " + key.range);
+    return lines;
+  };
+  EXPECT_THAT(keysOf(""), ElementsAre("House.Lamp.Driver: a driver: candle, led"));
+  EXPECT_THAT(keysOf("House.Lamp.Driver=led\n"),
+              ElementsAre("House.Lamp.Driver: a driver: candle, led", "House.Lamp.Brightness: 0..10"));
+}
+
 TEST(DriverRegistry, LeavesADriversProblemsInTheReader) {
   EXPECT_THAT(make("House.Lamp.Driver=led\nHouse.Lamp.Brightness=11\nHouse.Lamp.Colour=red\n").problems,
               ElementsAre("a.cfg:2: House.Lamp.Brightness = 11 (must be 0..10)",

@@ -16,6 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string kConfig = "--Ice.Config=" VISMEM_SOURCE_DIR "/cfg/files/pantilt_server.cfg";
 const std::string kEndpoint = "--PanTiltServer.Endpoints=tcp -h 127.0.0.1 -p 0";
@@ -47,6 +48,18 @@ TEST(PanTiltServer, TurnsReportsItsStatusAndEndsOnSigterm) {
   EXPECT_EQ(status.rates[0].name, "samples");
   ASSERT_TRUE(server.signal(SIGTERM));
   EXPECT_EQ(server.waitForExit(kPatience), 0) << server.error();
+}
+
+TEST(PanTiltServer, HelpListsTheDriversAndTheKeysOfTheNamedOne) {
+  ComponentProcess any("pantilt_server", {"--help"});
+  EXPECT_EQ(any.waitForExit(kPatience), 0);
+  EXPECT_THAT(any.out(), HasSubstr("PanTiltServer.Driver =    # a driver: " VISMEM_PANTILT_DRIVERS));
+  EXPECT_THAT(any.out(), Not(HasSubstr("PanTiltServer.Pan.")));
+  for (const std::string& named : {kConfig, std::string("--PanTiltServer.Driver=simulated")}) {
+    ComponentProcess one("pantilt_server", {"--help", named});
+    EXPECT_EQ(one.waitForExit(kPatience), 0);
+    EXPECT_THAT(one.out(), HasSubstr("PanTiltServer.Pan.Minimum_deg = -159   # -180..0"));
+  }
 }
 
 TEST(PanTiltServer, NamesWhatIsWrongWithItsConfiguration) {

@@ -41,6 +41,18 @@ CameraIntrinsics readLensKeys(ConfigReader lens) {
   return k;
 }
 
+/// The keys that every camera has, for the listings.
+void describeKeys(ConfigReader& group) {
+  for (const Key& key :
+       {basic("Width_px", "asked of the camera; 0: its own choice"), basic("Height_px", "as Width_px"),
+        basic("Rate_hz", "as Width_px"), expert("JpegQuality", "of images that the server encodes"),
+        expert("Rotate_deg", "clockwise"), expert("Mirror", "left and right, after the rotation"),
+        basic("Calibration", "the lens: a camera_info file of ROS"),
+        basic("HorizontalView_deg", "angle of view of a lens without distortion, in place of Calibration")}) {
+    group.describe(key);
+  }
+}
+
 /// @param file_problems receives the problems of the calibration file, so that the other keys are read too.
 Lens readLens(ConfigReader& group, std::vector<std::string>& file_problems) {
   Lens lens;
@@ -72,6 +84,7 @@ ServedCamera readCamera(ConfigReader group, const std::string& identity,
                         const DriverRegistry<FrameSource>& drivers, std::vector<std::string>& file_problems) {
   ServedCamera served;
   served.identity = identity;
+  describeKeys(group);
   served.request.width = static_cast<int>(group.integer("Width_px", 0, 0, kMaxImageSide_px));
   served.request.height = static_cast<int>(group.integer("Height_px", 0, 0, kMaxImageSide_px));
   served.request.rate_hz = group.real("Rate_hz", 0.0, 0.0, 1000.0);

@@ -296,7 +296,7 @@ std::string ConfigReader::text(std::string_view name, std::string fallback) {
 }
 
 std::string ConfigReader::requiredText(std::string_view name, std::string_view expected) {
-  const auto* set = entry(name, "");
+  const auto* set = entry(name, "", std::string(expected));
   if (set == nullptr) {
     missing(name, expected);
     return "";

@@ -49,6 +49,7 @@ class DriverRegistry {
   /// @return nullptr with a problem in the reader that lists the known drivers if the key is absent or
   /// unknown. The group's other keys then count as known, because only the driver could check them.
   std::unique_ptr<Port> make(ConfigReader& group, std::string_view key = "Driver") const {
+    group.describe(basic(key, "--help lists its keys when it is named, too"));
     const std::string name = group.requiredText(key, "a driver: " + namesText());
     const auto driver = drivers_.find(name);
     if (driver != drivers_.end()) return driver->second.factory(group);

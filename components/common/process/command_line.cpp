@@ -13,7 +13,7 @@ CommandLine parseCommandLine(const std::vector<std::string>& arguments,
   for (const auto& argument : arguments) {
     if (argument == "--help" || argument == "-h") {
       result.action = CommandLine::Action::kHelp;
-      return result;
+      continue;
     }
     if (argument == "--list-keys") {
       result.action = CommandLine::Action::kListKeys;
@@ -31,7 +31,8 @@ CommandLine parseCommandLine(const std::vector<std::string>& arguments,
       files.push_back(argument);
     }
   }
-  if (files.empty() && !environment_config.empty()) files.push_back(environment_config);
+  const bool is_run = result.action == CommandLine::Action::kRun;
+  if (is_run && files.empty() && !environment_config.empty()) files.push_back(environment_config);
   if (!files.empty()) result.properties = Properties::load(files.front());
   if (files.size() > 1) {
     result.properties.addProblem(

@@ -305,7 +305,7 @@ int runComponent(int argc, char** argv, const ComponentSpec& spec) {
         printKeys(spec);
         return kExitClean;
       case CommandLine::Action::kHelp:
-        printHelp(spec);
+        printHelp(spec, line.properties);
         return kExitClean;
       case CommandLine::Action::kVersion:
         std::cout << spec.name << " " << VISMEM_VERSION << std::endl;

@@ -31,7 +31,7 @@ void concealSecrets(std::vector<Problem>& problems, const Properties& properties
   }
 }
 
-/// Declares every key to a reader of an empty configuration.
+/// Declares every key to a reader, whatever is wrong.
 void declareKeys(ConfigReader& config, const ComponentSpec& spec) {
   readProcessKeys(config, spec);
   try {
@@ -162,13 +162,13 @@ void printKeys(const ComponentSpec& spec) {
   }
 }
 
-void printHelp(const ComponentSpec& spec) {
-  const Properties none;
-  ConfigReader config(none);
+void printHelp(const ComponentSpec& spec, const Properties& properties) {
+  ConfigReader config(properties);
   declareKeys(config, spec);
   std::cout << spec.name << ": " << spec.summary << "\n\n"
             << "usage: " << spec.name << " [--Ice.Config=FILE | FILE] [--Key=Value ...]\n"
-            << "       " << spec.name << " --help | --list-keys | --version\n\n"
+            << "       " << spec.name << " [FILE] [--Key=Value ...] --help\n"
+            << "       " << spec.name << " --list-keys | --version\n\n"
             << "Without a file the one named by the environment variable ICE_CONFIG is read.\n"
             << "Exit code: 0 after SIGINT or SIGTERM, 1 on a failure, 2 on a wrong configuration.\n\n"
             << "Keys and their defaults:\n";

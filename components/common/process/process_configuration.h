@@ -55,6 +55,7 @@ std::string configurationText(const std::vector<Setting>& settings);
 
 /// Prints the component's own keys, one a line: key, level, default, range, meaning, separated by tabs.
 void printKeys(const ComponentSpec& spec);
-void printHelp(const ComponentSpec& spec);
+/// @param properties keys that bring others, such as the name of a driver.
+void printHelp(const ComponentSpec& spec, const Properties& properties);
 
 }  // namespace vismem

@@ -61,6 +61,7 @@ class PanTiltServer : public Component {
 std::unique_ptr<Component> configure(ConfigReader& reader,
                                      const std::function<void(DriverRegistry<PanTiltUnit>&)>& more) {
   ConfigReader config = reader.group("PanTiltServer");
+  config.describe(basic("Position_m", "crossing of the axes on the robot, for JdeRobot's clients"));
   const auto axes = config.reals("Position_m", {0.0, 0.0, 0.0}, -10.0, 10.0);
   DriverRegistry<PanTiltUnit> drivers;
   registerPanTiltDrivers(drivers);
