@@ -201,6 +201,24 @@ TEST_F(BagAdviceTest, ReadsTopicsFromTheCommandLine) {
   EXPECT_THAT(applyTopics("image=", options), HasSubstr("\"image=\" (must be"));
 }
 
+TEST_F(BagAdviceTest, TakesWhatTheBagLacksOfItsCameraFromTheCommandLine) {
+  RobotLogOptions options;
+  EXPECT_EQ(applyTopics("fov=62.5,image=/a,fixed=yes", options), "");
+  EXPECT_NEAR(radToDeg(options.fov_rad), 62.5, 1e-9);
+  EXPECT_TRUE(options.fixed_camera);
+  EXPECT_THAT(replayArguments(options),
+              ElementsAre("--ReplayServer.Topics.Image=/a", "--ReplayServer.Camera.FieldOfView_deg=62.5",
+                          "--ReplayServer.Camera.Fixed=yes"));
+  EXPECT_EQ(topicsText(options), "image=/a,fov=62.5,fixed=yes");
+  EXPECT_EQ(topicsText({}), "");
+  for (const char* wrong : {"fov=", "fov=0.5", "fov=180", "fov=60x", "fov=nan"}) {
+    EXPECT_THAT(applyTopics(wrong, options),
+                HasSubstr("\" (must be the camera's horizontal field of view, 1..179 degrees)"))
+        << wrong;
+  }
+  EXPECT_THAT(applyTopics("fixed=maybe", options), HasSubstr("\"fixed=maybe\" (must be fixed=yes"));
+}
+
 class JdeRobotLogTest : public ::testing::Test {
  protected:
   JdeRobotLogTest() {

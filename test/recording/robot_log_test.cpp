@@ -314,6 +314,18 @@ TEST_F(RobotLogTest, TakesAFieldOfViewInPlaceOfAMissingCalibration) {
   EXPECT_NEAR(RobotLog::open(file, options).intrinsics(0).fx, 8.0, 1e-9);
 }
 
+TEST_F(RobotLogTest, NotesImagesThatTheOdometryDoesNotCover) {
+  const auto noteOf = [](StampUs begin_us, StampUs end_us) {
+    return coverageNote("odometry", begin_us, end_us, {10'000'000, 11'000'000, 12'000'000, 13'500'000});
+  };
+  EXPECT_EQ(noteOf(10'000'000, 12'000'000),
+            "1 of 4 images cannot be used: odometry at 10.000..12.000 s, images at 10.000..13.500 s");
+  EXPECT_EQ(noteOf(9'000'000, 12'600'000), "") << "the recording ends";
+  EXPECT_EQ(noteOf(1'000'000, 4'000'000),
+            "4 of 4 images cannot be used: odometry at 1.000..4.000 s, images at 10.000..13.500 s")
+      << "another clock";
+}
+
 TEST_F(RobotLogTest, JoinsTheBagsOfAFolder) {
   fs::create_directories(path("parts"));
   const auto part = [&](const std::string& name, std::int64_t offset_us) {

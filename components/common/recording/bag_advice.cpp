@@ -1,12 +1,14 @@
 #include "common/recording/bag_advice.h"
 
 #include <algorithm>
+#include <charconv>
 #include <optional>
 #include <set>
 #include <sstream>
 #include <utility>
 
 #include "common/config/text_format.h"
+#include "common/geometry/angles.h"
 
 namespace vismem {
 namespace {
@@ -26,6 +28,19 @@ constexpr RoleName kRoles[] = {{"image", &RobotLogOptions::image_topic, "Topics.
                                {"odom", &RobotLogOptions::odom_frame, "Frames.Odom"},
                                {"pan", &RobotLogOptions::pan_joint, "Joints.Pan"},
                                {"tilt", &RobotLogOptions::tilt_joint, "Joints.Tilt"}};
+
+/// Roles of --topics that name no topic but say what a bag lacks.
+constexpr const char* kFieldOfView = "fov";
+constexpr const char* kFixed = "fixed";
+constexpr double kMinimumView_deg = 1.0;
+constexpr double kMaximumView_deg = 179.0;
+
+/// As people write it: "60".
+std::string degrees(double angle_rad) {
+  std::ostringstream text;
+  text << radToDeg(angle_rad);
+  return text.str();
+}
 
 std::string listed(const std::vector<std::string>& items) {
   return items.empty() ? "none" : joined(items, ", ");
@@ -78,8 +93,8 @@ void chooseImages(BagAdvice& advice, const BagFile& bag) {
 
 void chooseCalibration(BagAdvice& advice, const BagFile& bag) {
   BagRole role{"calibration", "", topicsOf(bag, {kCameraInfoType}), "ReplayServer.Topics.CameraInfo",
-               "a topic of type sensor_msgs/CameraInfo, or the camera's horizontal field of view in the key "
-               "ReplayServer.Camera.FieldOfView_deg"};
+               "a topic of type sensor_msgs/CameraInfo, or the camera's horizontal field of view: --topics "
+               "fov=DEGREES, key ReplayServer.Camera.FieldOfView_deg"};
   // The one beside the images is found by itself.
   std::string beside = advice.roles.front().topic;
   if (beside.ends_with("/compressed")) beside.resize(beside.size() - 11);
@@ -153,7 +168,7 @@ BagAdvice adviseOn(const std::vector<std::string>& files, const RobotLogOptions&
       "transforms that join the robot's frame and the images' (keys ReplayServer.Frames.Robot and .Camera), "
       "or joints "
       "called head_yaw and head_pitch or pan and tilt (keys ReplayServer.Joints.Pan and .Tilt), or "
-      "ReplayServer.Camera.Fixed=yes for a camera that does not turn";
+      "--topics fixed=yes, key ReplayServer.Camera.Fixed=yes, for a camera that does not turn";
   auto joints = topicsOf(bag, {kJointStateType});
   BagRole pose{"camera pose", transforms.empty() ? "" : transforms.front(), transforms,
                "ReplayServer.Frames.Camera", transforms.empty() ? pose_needed : ""};
@@ -191,17 +206,47 @@ BagAdvice adviseOn(const std::vector<std::string>& files, const RobotLogOptions&
   return advice;
 }
 
+namespace {
+
+/// @return whether the role is one of the camera; then it was applied, or `wrong` says why not.
+bool applyCamera(const std::string& role, const std::string& value, RobotLogOptions& options,
+                 std::string& wrong) {
+  if (role == kFixed) {
+    if (value != "yes") wrong = "(must be fixed=yes, for a camera that does not turn)";
+    options.fixed_camera = value == "yes";
+    return true;
+  }
+  if (role != kFieldOfView) return false;
+  double view_deg = 0.0;
+  const char* end = value.data() + value.size();
+  const auto read = std::from_chars(value.data(), end, view_deg);
+  const bool good = read.ec == std::errc() && read.ptr == end && view_deg >= kMinimumView_deg &&
+                    view_deg <= kMaximumView_deg;
+  if (!good) wrong = "(must be the camera's horizontal field of view, 1..179 degrees)";
+  options.fov_rad = good ? degToRad(view_deg) : 0.0;
+  return true;
+}
+
+}  // namespace
+
 std::string applyTopics(const std::string& text, RobotLogOptions& options) {
   std::istringstream items(text);
   for (std::string item; std::getline(items, item, ',');) {
     const auto equals = item.find('=');
     const std::string role = item.substr(0, equals);
+    std::string wrong;
+    if (equals != std::string::npos && applyCamera(role, item.substr(equals + 1), options, wrong)) {
+      if (!wrong.empty()) return "\"" + item + "\" " + wrong;
+      continue;
+    }
     const auto known = std::find_if(std::begin(kRoles), std::end(kRoles), [&](const RoleName& r) {
       return role == r.name || (role == "images" && r.option == &RobotLogOptions::image_topic);
     });
     if (equals == std::string::npos || equals + 1 == item.size() || known == std::end(kRoles)) {
-      return "\"" + item + "\" (must be ROLE=/topic with a role of " + joined(kRoles, ", ", &RoleName::name) +
-             ")";
+      std::vector<std::string> names;
+      for (const RoleName& r : kRoles) names.emplace_back(r.name);
+      names.insert(names.end(), {kFieldOfView, kFixed});
+      return "\"" + item + "\" (must be ROLE=/topic with a role of " + joined(names, ", ") + ")";
     }
     options.*(known->option) = item.substr(equals + 1);
   }
@@ -215,7 +260,21 @@ std::vector<std::string> replayArguments(const RobotLogOptions& options) {
     if (!value.empty() && *role.key != '\0')
       arguments.push_back("--ReplayServer." + std::string(role.key) + "=" + value);
   }
+  if (options.fov_rad > 0.0)
+    arguments.push_back("--ReplayServer.Camera.FieldOfView_deg=" + degrees(options.fov_rad));
+  if (options.fixed_camera) arguments.emplace_back("--ReplayServer.Camera.Fixed=yes");
   return arguments;
+}
+
+std::string topicsText(const RobotLogOptions& options) {
+  std::string text;
+  const auto add = [&text](const std::string& role, const std::string& value) {
+    if (!value.empty()) text += (text.empty() ? "" : ",") + role + "=" + value;
+  };
+  for (const RoleName& role : kRoles) add(role.name, options.*role.option);
+  add(kFieldOfView, options.fov_rad > 0.0 ? degrees(options.fov_rad) : "");
+  add(kFixed, options.fixed_camera ? "yes" : "");
+  return text;
 }
 
 }  // namespace vismem

@@ -33,9 +33,13 @@ struct BagAdvice {
 BagAdvice adviseOn(const std::vector<std::string>& files, const RobotLogOptions& wanted);
 
 /// Reads "image=/front/image_raw,odometry=/odom": roles image (or images), camera_info, odometry, joints,
-/// truth, and robot, camera, odom (frames), pan, tilt (names of joints). @return empty, or what is wrong:
-/// role and those that exist.
+/// truth, and robot, camera, odom (frames), pan, tilt (names of joints); fov=60 [deg] and fixed=yes stand for
+/// a calibration and a camera's pose that the bag lacks. @return empty, or what is wrong: role and those that
+/// exist.
 std::string applyTopics(const std::string& text, RobotLogOptions& options);
+
+/// What applyTopics reads; empty for options that name nothing.
+std::string topicsText(const RobotLogOptions& options);
 
 /// The names as keys of replay_server: "--ReplayServer.Topics.Image=/front/image_raw". The truth has none.
 std::vector<std::string> replayArguments(const RobotLogOptions& options);

@@ -44,6 +44,17 @@ std::vector<TruePose> readTruth(BagFile& bag, const std::string& named) {
   return truth;
 }
 
+std::string coverageNote(const std::string& what, StampUs begin_us, StampUs end_us,
+                         const std::vector<StampUs>& images) {
+  if (images.front() >= begin_us - kClockBackUs && images.back() <= end_us + kClockBackUs) return {};
+  const auto outside = std::count_if(images.begin(), images.end(), [&](StampUs stamp_us) {
+    return stamp_us < begin_us || stamp_us > end_us;
+  });
+  return formatted("%d of %zu images cannot be used: %s at %.3f..%.3f s, images at %.3f..%.3f s",
+                   static_cast<int>(outside), images.size(), what.c_str(), toSeconds(begin_us),
+                   toSeconds(end_us), toSeconds(images.front()), toSeconds(images.back()));
+}
+
 std::vector<OdometryTopic> odometryTopics(BagFile& bag, const std::string& truth_topic) {
   std::vector<OdometryTopic> topics;
   for (const BagTopic& topic : bag.topics()) {

@@ -25,6 +25,13 @@ std::string truthTopic(const BagFile& bag, const std::string& named);
 /// @param named as for truthTopic. @return empty without a truth. @throws RecordingError.
 std::vector<TruePose> readTruth(BagFile& bag, const std::string& named);
 
+/// For people: how many images lie outside samples of odometry or joints, and both ranges.
+/// @param what "odometry". @param begin_us, end_us of the samples. @param images stamps, rising, not empty.
+/// @return empty while no image lies over a second outside: a recording that is switched off loses the last
+/// samples of one topic or another.
+std::string coverageNote(const std::string& what, StampUs begin_us, StampUs end_us,
+                         const std::vector<StampUs>& images);
+
 /// A topic that may be the odometry, with the frames of its first message.
 struct OdometryTopic {
   std::string name;

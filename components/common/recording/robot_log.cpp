@@ -61,6 +61,13 @@ struct RobotLog::Impl {
   std::size_t without_pose = 0;
   mutable std::vector<std::string> notes;
 
+  template <typename Sample>
+  void noteCoverage(const char* what, const std::vector<Sample>& samples) {
+    if (samples.empty()) return;
+    const auto note = coverageNote(what, samples.front().stamp_us, samples.back().stamp_us, stamps);
+    if (!note.empty()) notes.push_back(bag.file() + ": " + note);
+  }
+
   /// Leaves out what was recorded after the clock jumped back, and says so.
   template <typename Item>
   void keepFirstEpoch(const std::string& topic, std::vector<Item>& items) {
@@ -160,7 +167,7 @@ void RobotLog::Impl::readIntrinsics(const RobotLogOptions& options) {
   if (topics.camera_info.empty()) {
     if (options.fov_rad > 0.0) return useFieldOfView(options.fov_rad);
     fail("", "no calibration of the camera: found " + listOf(bag.topics()) + " (expected a topic of type " +
-                 kCameraInfoType + ", or the camera's field of view: key Camera.FieldOfView_deg)");
+                 kCameraInfoType + ", or --topics fov=DEGREES, key ReplayServer.Camera.FieldOfView_deg)");
   }
   std::map<StampUs, CameraIntrinsics> by_stamp;
   for (const RosCameraInfo& info : bag.cameraInfos(topics.camera_info)) {
@@ -401,6 +408,8 @@ RobotLog RobotLog::open(const std::vector<std::string>& paths, const RobotLogOpt
   auto impl = std::make_unique<Impl>(BagFile(files));
   impl->readAll(options);
   for (const Impl::Shot& shot : impl->shots) impl->stamps.push_back(shot.stamp_us);
+  impl->noteCoverage("odometry", impl->odometry);
+  impl->noteCoverage("joint angles", impl->joints);
   RobotLog log(std::move(impl));
   // Reports a problem of all images at the opening.
   log.readFrame(0);

@@ -69,13 +69,15 @@ void printAdvice(const BagAdvice& advice, const std::vector<std::string>& files)
                 files.front().c_str(), files.front().c_str());
     return;
   }
-  std::printf("It can be replayed:\n  scripts/start replay '--ReplayServer.File=%s'",
-              joined(files, ",").c_str());
-  for (const std::string& argument : advice.arguments) std::printf(" %s", argument.c_str());
+  const std::string file = joined(files, ",");
+  std::printf("It can be replayed:\n  scripts/start replay '--ReplayServer.File=%s'", file.c_str());
+  for (const std::string& argument : replayArguments(advice.options)) std::printf(" %s", argument.c_str());
   std::printf(
       " --ActiveVisualMemory.Palette=MAP.palette --Localization.Map=MAP.csv "
       "--Localization.Palette=MAP.palette\n");
-  std::printf("It can be evaluated:\n  evaluate --bag %s --map MAP.csv --out DIR\n", files.front().c_str());
+  const std::string topics = topicsText(advice.options);
+  std::printf("It can be evaluated:\n  evaluate --bag '%s'%s --map MAP.csv --out DIR\n", file.c_str(),
+              topics.empty() ? "" : (" --topics " + topics).c_str());
 }
 
 }  // namespace
@@ -93,7 +95,7 @@ int main(int argc, char** argv) {
   app.add_option(
       "--topics", topics,
       "ROLE=/topic,...: image, camera_info, odometry, joints, truth; robot, camera, odom (frames); pan, "
-      "tilt (joints)");
+      "tilt (joints); fov=DEGREES, fixed=yes");
   app.add_option("--fov", fov_deg, "horizontal field of view of a camera without calibration [deg]")
       ->check(CLI::Range(1.0, 179.0));
   app.add_flag("--fixed", options.fixed_camera, "the camera does not turn, and its place is configured");
@@ -102,7 +104,7 @@ int main(int argc, char** argv) {
     std::cerr << "--topics " << wrong << "\n";
     return kExitUsage;
   }
-  options.fov_rad = degToRad(fov_deg);
+  if (fov_deg > 0.0) options.fov_rad = degToRad(fov_deg);
   try {
     std::vector<std::string> bags;
     for (const std::string& file : files) {
@@ -111,15 +113,16 @@ int main(int argc, char** argv) {
     }
     const BagFile bag(bags);
     printContents(bag);
-    BagAdvice advice = adviseOn(files, options);
-    if (fov_deg > 0.0)
-      advice.arguments.push_back("--ReplayServer.Camera.FieldOfView_deg=" + std::to_string(fov_deg));
-    if (options.fixed_camera) advice.arguments.emplace_back("--ReplayServer.Camera.Fixed=yes");
+    const BagAdvice advice = adviseOn(files, options);
     printAdvice(advice, files);
-    nlohmann::json summary{
-        {"file", files.front()}, {"playable", advice.playable}, {"arguments", advice.arguments}};
+    nlohmann::json summary{{"file", files.front()},
+                           {"playable", advice.playable},
+                           {"arguments", replayArguments(advice.options)}};
     if (advice.playable) {
-      describe(RobotLog::open(files, advice.options), summary);
+      const RobotLog log = RobotLog::open(files, advice.options);
+      for (std::size_t i = bag.notes().size(); i < log.notes().size(); ++i)
+        std::printf("note: %s\n", log.notes()[i].c_str());
+      describe(log, summary);
     } else {
       summary["problem"] = advice.problem;
     }
