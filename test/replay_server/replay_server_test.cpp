@@ -139,6 +139,18 @@ TEST_F(ReplayServerTest, PlaysWhatIsLeftOfABagThatWasCutOff) {
   EXPECT_THAT(server->error(), HasSubstr("indexed again"));
 }
 
+TEST_F(ReplayServerTest, NamesEachThingThatARecordingLacksInALineOfItsOwn) {
+  {
+    BagWriter bag(file_.string());
+    bag.image("/camera/image_raw", 1'000'000, "mono8", 16, 16, std::vector<std::uint8_t>(256, 7));
+    bag.close();
+  }
+  const auto server = serve();
+  EXPECT_EQ(server->waitForExit(kPatience), 2);
+  EXPECT_THAT(server->error(), AllOf(HasSubstr("\n" + file_.string() + ": no calibration of the camera"),
+                                     HasSubstr("\n" + file_.string() + ": no odometry")));
+}
+
 TEST_F(ReplayServerTest, SaysWhatIsWrongWithItsRecordingAndEnds) {
   std::filesystem::resize_file(file_, 4200);
   const auto server = serve();

@@ -1,8 +1,10 @@
 #include "replay_server/app/replay_component.h"
 
 #include <memory>
+#include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/config/config_error.h"
 #include "common/process/log.h"
@@ -98,7 +100,11 @@ std::unique_ptr<Component> configure(ConfigReader& config) {
   try {
     return std::make_unique<ReplayComponent>(RobotLog::open(settings.files, settings.log), settings.player);
   } catch (const RecordingError& error) {
-    throw ConfigError({error.what()});
+    // A line for each thing that is missing.
+    std::vector<std::string> problems;
+    std::istringstream lines(error.what());
+    for (std::string line; std::getline(lines, line);) problems.push_back(line);
+    throw ConfigError(problems);
   }
 }
 
