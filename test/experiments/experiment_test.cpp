@@ -14,6 +14,17 @@ TEST_F(ExperimentProgram, NamesWhatIsWrongWithItsArguments) {
   EXPECT_THAT(content("stdout"), HasSubstr("E9  Canny+Hough beside Solis"));
 }
 
+TEST_F(ExperimentProgram, RefusesOptionsThatTheExperimentDoesNotRead) {
+  const auto refusal = [this](const std::string& arguments) {
+    EXPECT_EQ(run(arguments), 2) << arguments;
+    return content("stderr");
+  };
+  EXPECT_THAT(refusal("E1 --trials 3"), HasSubstr("--trials: E1 has no trials (must be E5 or E6 or map)"));
+  EXPECT_THAT(refusal("E5 --gaze both"), HasSubstr("--gaze: E5 has no gaze policies (must be E6)"));
+  EXPECT_THAT(refusal("map --methods default"), HasSubstr("--methods: map has no methods to compare"));
+  EXPECT_THAT(refusal("E7 --variants x"), HasSubstr("--variants: E7 has no file of variants"));
+}
+
 TEST_F(ExperimentProgram, ResultsNameCommitAndCommand) {
   const std::string out = (folder_ / "e9").string();
   ASSERT_EQ(run("E9 --seed 3 --data=/nowhere --out " + out + " --commit abc1234 --mode chapter"), 0);

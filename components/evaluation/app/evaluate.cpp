@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/config/config_error.h"
 #include "common/tool/command_line_tool.h"
 #include "evaluation/app/evaluation.h"
 
@@ -125,6 +126,9 @@ int main(int argc, char** argv) {
     for (const auto& problem : summary["problems"])
       std::cerr << "evaluate: " << problem.get<std::string>() << "\n";
     return 1;
+  } catch (const vismem::ConfigError& error) {
+    std::cerr << error.what() << "\n";
+    return vismem::kExitUsage;
   } catch (const std::exception& error) {
     std::cerr << error.what() << "\n";
     return 1;

@@ -167,6 +167,30 @@ void declare(CLI::App& app, const std::vector<std::string>& names, Arguments& ar
       "folder of recordings and photographs (default: AVM_DATA, else ../shared/data beside the project)");
 }
 
+/// An option that the experiment does not read is a mistake.
+/// @throws ConfigError.
+void refuseUnused(const CLI::App& app, const std::string& experiment) {
+  struct Use {
+    const char* option;
+    const char* lacks;
+    std::vector<std::string> experiments;
+  };
+  static const std::vector<Use> kUses{{"--workers", "trials", {"E5", "E6"}},
+                                      {"--variants", "file of variants", {"E5", "E6"}},
+                                      {"--methods", "methods to compare", {"E5", "E6"}},
+                                      {"--trials", "trials", {"E5", "E6", "map"}},
+                                      {"--gaze", "gaze policies", {"E6"}}};
+  for (const Use& use : kUses) {
+    const auto& names = use.experiments;
+    if (app.count(use.option) == 0 || std::find(names.begin(), names.end(), experiment) != names.end())
+      continue;
+    std::string list;
+    for (const std::string& name : names) list += (list.empty() ? "" : " or ") + name;
+    throw ConfigError(
+        {std::string(use.option) + ": " + experiment + " has no " + use.lacks + " (must be " + list + ")"});
+  }
+}
+
 /// Where recordings and photographs lie when the command line does not name it.
 std::filesystem::path defaultData() {
   const char* data = std::getenv("AVM_DATA");
@@ -197,10 +221,8 @@ int main(int argc, char** argv) {
         std::find_if(experiments().begin(), experiments().end(),
                      [&](const Experiment& experiment) { return experiment.name == arguments.name; });
     if (options.out.empty()) options.out = std::filesystem::path("out") / chosen->name;
+    refuseUnused(app, chosen->name);
     if (!arguments.workers.empty()) {
-      if (chosen->name != "E5" && chosen->name != "E6") {
-        throw ConfigError({"--workers: " + chosen->name + " has no trials (must be E5 or E6)"});
-      }
       // Only programs of the same build give the same results, whatever --commit says.
       options.source = [farm = std::make_shared<TrialFarm>(options.out / "trials", commitId(),
                                                            arguments.workers, arguments.locator)](
