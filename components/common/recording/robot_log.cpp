@@ -143,7 +143,7 @@ void RobotLog::Impl::openImages(const RobotLogOptions& options) {
     }
     Shot shot;
     shot.index = i;
-    shot.stamp_us = header.stamp_us;
+    shot.stamp_us = header.stamp_us + toStampUs(options.late_s);
     shots.push_back(shot);
   }
   keepFirstEpoch(topics.image, shots);

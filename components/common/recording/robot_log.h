@@ -29,6 +29,8 @@ struct RobotLogOptions {
   /// +1: the recorded tilt is positive looking up; -1: looking down, as a Nao's head_pitch. 0: -1 for a joint
   /// called head_pitch, else +1.
   int tilt_sign = 0;
+  /// Added to the stamps of images [s]: the camera's pose and the odometry are then those of the later time.
+  double late_s = 0.0;
   StampUs max_gap_us = 500'000;  ///< transforms further apart than this are not interpolated between
   /// Horizontal field of view of a camera whose calibration the bag lacks [rad]; 0: that is an error.
   double fov_rad = 0.0;

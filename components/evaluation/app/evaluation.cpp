@@ -91,6 +91,9 @@ nlohmann::json evaluateBag(const EvaluationOptions& options) {
   if (const std::string wrong = applyTopics(options.topics, log); !wrong.empty()) {
     throw ConfigError({"--topics " + wrong});
   }
+  // A late stamp is compared with the transforms of its time, too, so that the log must know it.
+  Perturbation perturbation = options.perturbation;
+  log.late_s = std::exchange(perturbation.late_s, 0.0);
   SteppedLog robot(RobotLog::open(options.bag.string(), log));
   for (const std::string& note : robot.log().notes()) std::cerr << "note: " << note << "\n";
   const EvaluationParams params = loadParams(options, !robot.log().knowsCameraPose());
@@ -113,7 +116,7 @@ nlohmann::json evaluateBag(const EvaluationOptions& options) {
   Localizer localizer(params.localizer, params.map_edges, options.seed);
   KnownStart start(localizer, options.start);
   CalibratedRobot calibrated(robot, params.joints, params.wheels);
-  PerturbedRobot perturbed(calibrated, options.perturbation);
+  PerturbedRobot perturbed(calibrated, perturbation);
   Lockstep run(perturbed, params.assembler, memory, &localizer);
   const std::vector<StampUs>& stamps = robot.log().frameStamps();
   const StampUs whole_us = stamps.empty() ? 0 : stamps.back() - stamps.front();
