@@ -148,6 +148,14 @@ TEST_F(RobotLogTest, ComposesTransformsAndInterpolatesThemAtTheImage) {
   EXPECT_NEAR((second.translation() - Eigen::Vector3d(0.7 - 1.0, 0.0, 0.5)).norm(), 0.0, 1e-9);
 }
 
+TEST_F(RobotLogTest, GivesALateImageTheTransformsOfItsStamp) {
+  RobotLogOptions options;
+  options.late_s = 0.05;
+  const Frame first = RobotLog::open(write(writeRawImages), options).readFrame(0);
+  EXPECT_EQ(first.stamp_us, 1'050'000);
+  EXPECT_NEAR(first.T_robot_camera->translation().x(), 0.25, 1e-9);
+}
+
 TEST_F(RobotLogTest, KeepsOdometryAndJointsAtTheirOwnStamps) {
   const RobotLog log = RobotLog::open(write(writeRawImages));
   ASSERT_EQ(log.odometry().size(), 2u);

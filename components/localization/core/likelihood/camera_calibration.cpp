@@ -23,8 +23,13 @@ constexpr double kCameraBlur_m = 0.05;  // a wrong camera moves points by more t
 constexpr int kSteps = 3;
 /// Information about the lasting tilt of a race, which is one of the errors here.
 constexpr double kFixedTilt = 1e8;
-/// Prior log odds of an error against none: 1 to 20.
-const double kLogOdds = std::log(0.05);
+/// Prior odds of an error against none, in the order of CameraErrors::Error. A camera that was calibrated
+/// stays so, but stamps of images are seldom those of the exposure.
+const CameraVector kLogOdds{{std::log(0.05), std::log(0.05), std::log(0.05), std::log(0.05), std::log(0.05),
+                             std::log(0.05), std::log(1.0)}};
+/// The blurred points fit better than their blur. The pose's covariance shrinks by as much, but not below
+/// this.
+constexpr double kLeastVarianceFactor = 0.01;
 /// An error is found from this probability on, and given up below the other one.
 constexpr double kFound = 0.95;
 constexpr double kGivenUp = 0.5;
@@ -105,8 +110,12 @@ void CameraCalibration::learn(const ImageAnalysis& analysis, const Pose2& T_worl
   information_ = kept * information_ + kIndependent * evidence.information;
   information_vector_ =
       kept * information_vector_ + kIndependent * (evidence.information * errors_.errors - evidence.gradient);
-  const FittedPose fitted{analysis.stamp_us, analysis.T_odom_robot, refined.placement.T_world_robot,
-                          evidence.d_pose,   evidence.P_pose,       errors_.errors};
+  const FittedPose fitted{analysis.stamp_us,
+                          analysis.T_odom_robot,
+                          refined.placement.T_world_robot,
+                          evidence.d_pose,
+                          std::max(kLeastVarianceFactor, refined.rating.variance_factor) * evidence.P_pose,
+                          errors_.errors};
   if (fitted_ && since_before_s_ > 0.0) compareMotion(*fitted_, fitted);
   fitted_ = fitted;
   estimate();
@@ -157,7 +166,7 @@ void CameraCalibration::estimate() {
     const CameraMatrix P = lu.solve(CameraMatrix(variance.asDiagonal()));
     const CameraVector errors = P * information_vector_;
     const double log_evidence =
-        0.5 * (information_vector_.dot(errors) - std::log(lu.determinant())) + kLogOdds * is_included.sum();
+        0.5 * (information_vector_.dot(errors) - std::log(lu.determinant())) + kLogOdds.dot(is_included);
     if (sum == 0.0) fullest = log_evidence;
     const double probability = std::exp(log_evidence - fullest);
     sum += probability;
