@@ -1,6 +1,7 @@
 /// @file Making of texts: lists, and numbers as by printf. Pure.
 #pragma once
 
+#include <cstdarg>
 #include <cstddef>
 #include <cstdio>
 #include <functional>
@@ -21,10 +22,16 @@ std::string joined(const Items& items, std::string_view separator, TextOf text_o
   return all;
 }
 
-/// As printf.
-std::string formatted(const char* pattern, auto... values) {
-  std::string text(static_cast<std::size_t>(std::snprintf(nullptr, 0, pattern, values...)), '\0');
-  std::snprintf(text.data(), text.size() + 1, pattern, values...);
+/// As printf: the compiler checks the values against the pattern.
+[[gnu::format(printf, 1, 2)]] inline std::string formatted(const char* pattern, ...) {
+  std::va_list values;
+  va_start(values, pattern);
+  std::va_list measured;
+  va_copy(measured, values);
+  std::string text(static_cast<std::size_t>(std::vsnprintf(nullptr, 0, pattern, measured)), '\0');
+  va_end(measured);
+  std::vsnprintf(text.data(), text.size() + 1, pattern, values);
+  va_end(values);
   return text;
 }
 
