@@ -15,7 +15,7 @@ constexpr std::uint64_t fnv1a(std::string_view bytes, std::uint64_t hash = 0xcbf
 
 /// Seed of one named random stream: adding or using a stream changes no other.
 constexpr std::uint64_t subStream(std::uint64_t seed, std::string_view name) {
-  // The splitmix64 finaliser over both.
+  // The splitmix64 finaliser over the name's hash and the seed.
   std::uint64_t z = fnv1a(name) + seed * 0x9e3779b97f4a7c15ULL;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;

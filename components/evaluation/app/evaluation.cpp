@@ -91,7 +91,7 @@ nlohmann::json evaluateBag(const EvaluationOptions& options) {
   if (const std::string wrong = applyTopics(options.topics, log); !wrong.empty()) {
     throw ConfigError({"--topics " + wrong});
   }
-  // A late stamp is compared with the transforms of its time, too, so that the log must know it.
+  // The log looks up the camera's pose at the late stamp, so it makes the stamps late itself.
   Perturbation perturbation = options.perturbation;
   log.late_s = std::exchange(perturbation.late_s, 0.0);
   SteppedLog robot(RobotLog::open(options.bag.string(), log));

@@ -23,12 +23,12 @@ constexpr double kCameraBlur_m = 0.05;  // a wrong camera moves points by more t
 constexpr int kSteps = 3;
 /// Information about the lasting tilt of a race, which is one of the errors here.
 constexpr double kFixedTilt = 1e8;
-/// Prior odds of an error against none, in the order of CameraErrors::Error. A camera that was calibrated
-/// stays so, but stamps of images are seldom those of the exposure.
+/// Prior log odds of an error against none, in the order of CameraErrors::Error. 1 to 20: a calibrated camera
+/// rarely changes. Of a delay 1 to 1: the stamp of an image is rarely that of its exposure.
 const CameraVector kLogOdds{{std::log(0.05), std::log(0.05), std::log(0.05), std::log(0.05), std::log(0.05),
                              std::log(0.05), std::log(1.0)}};
-/// The blurred points fit better than their blur. The pose's covariance shrinks by as much, but not below
-/// this.
+/// Least factor of a fitted pose's covariance. The factor is the mean of d²/sigma² of its points, because
+/// their errors are far smaller than the blur.
 constexpr double kLeastVarianceFactor = 0.01;
 /// An error is found from this probability on, and given up below the other one.
 constexpr double kFound = 0.95;
