@@ -37,10 +37,10 @@ void readAll(const std::string& file) {
 }
 
 void play(const std::string& file) {
-  BagAdvice advice = adviseOn({file}, {});
-  if (!advice.playable) return;
+  BagAdvice advice = adviseOn(BagFile(file), {});
+  if (!advice.log) return;
   JumpingClock clock;
-  LogPlayer player(RobotLog::open(file, advice.options), {1000.0, false, ReplayState::kPlaying}, clock);
+  LogPlayer player(std::move(*advice.log), {1000.0, false, ReplayState::kPlaying}, clock);
   constexpr std::chrono::milliseconds kWait{100};
   for (int i = 0; i < 6; ++i) {
     player.camera().next(kWait);

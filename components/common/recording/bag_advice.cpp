@@ -146,15 +146,9 @@ void chooseOdometryRole(BagAdvice& advice, BagFile& bag, const std::vector<std::
 
 }  // namespace
 
-BagAdvice adviseOn(const std::vector<std::string>& files, const RobotLogOptions& wanted) {
+BagAdvice adviseOn(BagFile bag, const RobotLogOptions& wanted) {
   BagAdvice advice;
   advice.options = wanted;
-  std::vector<std::string> bags;
-  for (const std::string& file : files) {
-    const auto some = bagsOf(file);
-    bags.insert(bags.end(), some.begin(), some.end());
-  }
-  BagFile bag(bags);
   chooseImages(advice, bag);
   chooseCalibration(advice, bag);
   try {
@@ -192,10 +186,10 @@ BagAdvice adviseOn(const std::vector<std::string>& files, const RobotLogOptions&
   }
   if (!advice.problem.empty()) return advice;
   try {
-    const RobotLog log = RobotLog::open(files, advice.options);
-    advice.playable = true;
+    advice.log = RobotLog::open(std::move(bag), advice.options);
     // Transforms of other parts do not place the camera.
-    if (!log.knowsCameraPose() && !log.joints().empty()) advice.roles.back().topic = log.topics().joints;
+    if (!advice.log->knowsCameraPose() && !advice.log->joints().empty())
+      advice.roles.back().topic = advice.log->topics().joints;
   } catch (const RecordingError& error) {
     advice.problem = error.what();
     if (advice.problem.find("camera's pose is unknown") != std::string::npos) {

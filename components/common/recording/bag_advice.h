@@ -1,6 +1,7 @@
 /// @file Which parts of a robot a bag can play, and what is needed for those it cannot. See C1.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,8 @@ struct BagRole {
 
 struct BagAdvice {
   std::vector<BagRole> roles;
-  bool playable = false;
-  std::string problem;                 ///< why it is not: all roles that are missing, a line each
+  std::optional<RobotLog> log;         ///< the recording, opened; empty when it cannot be played
+  std::string problem;                 ///< why it cannot: all roles that are missing, a line each
   std::string truth;                   ///< topic of the true poses; empty: none
   std::vector<std::string> arguments;  ///< for replay_server: "--ReplayServer.Topics.Image=/front/image_raw"
   RobotLogOptions options;             ///< the same
@@ -29,8 +30,8 @@ struct BagAdvice {
 
 /// Tries to open the bag as replay_server would. Where several topics fit, takes the one with most messages;
 /// of odometries the one that alone is in its frame, else none.
-/// @param wanted what the user has said already. @throws RecordingError when the bag itself cannot be opened.
-BagAdvice adviseOn(const std::vector<std::string>& files, const RobotLogOptions& wanted);
+/// @param wanted what the user has said already.
+BagAdvice adviseOn(BagFile bag, const RobotLogOptions& wanted);
 
 /// Reads "image=/front/image_raw,odometry=/odom": roles image (or images), camera_info, odometry, joints,
 /// truth, and robot, camera, odom (frames), pan, tilt (names of joints); fov=60 [deg] and fixed=yes stand for

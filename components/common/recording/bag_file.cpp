@@ -311,18 +311,23 @@ std::vector<BagTransform> BagFile::transforms() {
   return transforms;
 }
 
+std::vector<std::string> bagsOf(const std::vector<std::string>& paths) {
+  std::vector<std::string> files;
+  for (const std::string& path : paths) {
+    const auto some = bagsOf(path);
+    files.insert(files.end(), some.begin(), some.end());
+  }
+  return files;
+}
+
 std::vector<std::string> bagsOf(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
-  std::vector<std::string> files;
   const std::size_t comma = path.find(',');
   if (comma != std::string::npos && !fs::exists(path, error)) {
-    for (const std::string& part : {path.substr(0, comma), path.substr(comma + 1)}) {
-      const auto some = bagsOf(part);
-      files.insert(files.end(), some.begin(), some.end());
-    }
-    return files;
+    return bagsOf(std::vector{path.substr(0, comma), path.substr(comma + 1)});
   }
+  std::vector<std::string> files;
   if (!fs::is_directory(path, error)) return {path};
   for (const auto& item : fs::directory_iterator(path, error)) {
     const std::string name = item.path().filename().string();

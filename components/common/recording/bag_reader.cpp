@@ -260,7 +260,9 @@ std::uint64_t BagReader::Impl::scanChunk(std::uint64_t pos, const FileRecord& re
   chunk->size = static_cast<std::uint32_t>(data->size());
   chunks.push_back(*chunk);
   compressions.insert(chunk->compression);
-  const auto [found, good] = scanMessages(*data, static_cast<std::uint32_t>(chunks.size() - 1));
+  const auto number = static_cast<std::uint32_t>(chunks.size() - 1);
+  const auto [found, good] = scanMessages(*data, number);
+  if (!plain) keepBegins(number, *data);
   if (good < data->size() || cut_off) {
     ++damage.chunks_lost;
     damage.bytes_lost += data->size() - good;

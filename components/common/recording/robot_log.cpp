@@ -396,16 +396,15 @@ RobotLog::RobotLog(RobotLog&&) noexcept = default;
 RobotLog& RobotLog::operator=(RobotLog&&) noexcept = default;
 
 RobotLog RobotLog::open(const std::string& path, const RobotLogOptions& options) {
-  return open(std::vector<std::string>{path}, options);
+  return open(BagFile(bagsOf(path)), options);
 }
 
 RobotLog RobotLog::open(const std::vector<std::string>& paths, const RobotLogOptions& options) {
-  std::vector<std::string> files;
-  for (const std::string& path : paths) {
-    const auto some = bagsOf(path);
-    files.insert(files.end(), some.begin(), some.end());
-  }
-  auto impl = std::make_unique<Impl>(BagFile(files));
+  return open(BagFile(bagsOf(paths)), options);
+}
+
+RobotLog RobotLog::open(BagFile bag, const RobotLogOptions& options) {
+  auto impl = std::make_unique<Impl>(std::move(bag));
   impl->readAll(options);
   for (const Impl::Shot& shot : impl->shots) impl->stamps.push_back(shot.stamp_us);
   impl->noteCoverage("odometry", impl->odometry);

@@ -58,7 +58,7 @@ void printAdvice(const BagAdvice& advice, const std::vector<std::string>& files)
     }
   }
   if (!advice.truth.empty()) std::printf("%-12s %s\n", "truth", advice.truth.c_str());
-  if (!advice.playable) {
+  if (!advice.log) {
     std::printf("It cannot be replayed yet:\n%s\n", advice.problem.c_str());
     return;
   }
@@ -106,23 +106,18 @@ int main(int argc, char** argv) {
   }
   if (fov_deg > 0.0) options.fov_rad = degToRad(fov_deg);
   try {
-    std::vector<std::string> bags;
-    for (const std::string& file : files) {
-      const auto some = bagsOf(file);
-      bags.insert(bags.end(), some.begin(), some.end());
-    }
-    const BagFile bag(bags);
+    BagFile bag(bagsOf(files));
     printContents(bag);
-    const BagAdvice advice = adviseOn(files, options);
+    const std::size_t notes_printed = bag.notes().size();
+    const BagAdvice advice = adviseOn(std::move(bag), options);
     printAdvice(advice, files);
     nlohmann::json summary{{"file", files.front()},
-                           {"playable", advice.playable},
+                           {"playable", advice.log.has_value()},
                            {"arguments", replayArguments(advice.options)}};
-    if (advice.playable) {
-      const RobotLog log = RobotLog::open(files, advice.options);
-      for (std::size_t i = bag.notes().size(); i < log.notes().size(); ++i)
-        std::printf("note: %s\n", log.notes()[i].c_str());
-      describe(log, summary);
+    if (advice.log) {
+      for (std::size_t i = notes_printed; i < advice.log->notes().size(); ++i)
+        std::printf("note: %s\n", advice.log->notes()[i].c_str());
+      describe(*advice.log, summary);
     } else {
       summary["problem"] = advice.problem;
     }
