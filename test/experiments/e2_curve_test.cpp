@@ -15,7 +15,7 @@ TEST_F(ExperimentProgram, E2TakesTheCurveByTheMemoryWhichHoldsMoreThanTheImage) 
   EXPECT_GT(memory["inner_only_remembered_m"].get<double>(), memory["inner_in_image_m"].get<double>())
       << memory;
   EXPECT_FALSE(cv::imread(out + "/memory.png").empty());
-  EXPECT_EQ(run("E2 --variant nowhere --out " + out), 1);
+  EXPECT_EQ(run("E2 --variant nowhere --out " + out), 2);
   EXPECT_THAT(content("stderr"), HasSubstr("E2 has no variant \"nowhere\""));
 }
 

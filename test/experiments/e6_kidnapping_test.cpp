@@ -20,14 +20,14 @@ TEST_F(ExperimentProgram, E6GivesTheRecordToTheMethodsThatWereAskedForAlone) {
 
 TEST_F(ExperimentProgram, E6NamesTheMethodsAndVariantsThatItLacks) {
   const std::string out = (folder_ / "e6").string();
-  EXPECT_EQ(run("E6 --variant rendered_room --trials 1 --methods default,mcl --out " + out), 1);
+  EXPECT_EQ(run("E6 --variant rendered_room --trials 1 --methods default,mcl --out " + out), 2);
   EXPECT_THAT(content("stderr"),
               HasSubstr("no method \"mcl\" here (there are default, mcl_stock, mcl_tuned)"));
-  EXPECT_EQ(run("E6 --variant aliased --out " + out), 1);
+  EXPECT_EQ(run("E6 --variant aliased --out " + out), 2);
   EXPECT_THAT(content("stderr"), HasSubstr("E6 has no variant \"aliased\""));
   const std::string file = (folder_ / "own.variants").string();
   std::ofstream(file) << "E6.Variant.own.Title = mine\nE6.Variant.own.World = nowhere\n";
-  EXPECT_EQ(run("E6 --variant other --variants " + file + " --out " + out), 1);
+  EXPECT_EQ(run("E6 --variant other --variants " + file + " --out " + out), 2);
   EXPECT_THAT(content("stderr"), HasSubstr("E6 has no variant \"other\" (there are own)"));
   std::ofstream(file) << "E6.Variant.own.Titel = mine\n";
   EXPECT_EQ(run("E6 --variants " + file + " --out " + out), 2);

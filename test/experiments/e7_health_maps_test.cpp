@@ -38,7 +38,7 @@ TEST_F(ExperimentProgram, E8FindsTheTruePlaceFromTheMemoryBehindAnOcclusion) {
             scene["memory_likelihood"]["best_off_m"].get<double>())
       << "one image with a robot in it misleads";
   EXPECT_FALSE(cv::imread(out + "/figure27.png").empty());
-  EXPECT_EQ(run("E8 --variant nowhere --out " + out), 1);
+  EXPECT_EQ(run("E8 --variant nowhere --out " + out), 2);
   EXPECT_THAT(content("stderr"), HasSubstr("E8 has no variant \"nowhere\""));
 }
 

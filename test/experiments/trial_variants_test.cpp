@@ -79,7 +79,7 @@ TEST(TrialVariants, TheOptionsChooseVariantTrialsAndMethods) {
   try {
     chosenTrialVariants("E6", options);
     ADD_FAILURE() << "no such variant";
-  } catch (const std::invalid_argument& error) {
+  } catch (const ConfigError& error) {
     EXPECT_THAT(error.what(),
                 HasSubstr("E6 has no variant \"aliased\" (there are rendered, rendered_ablation"));
   }

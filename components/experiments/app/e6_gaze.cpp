@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "common/config/config_error.h"
 #include "common/config/text_format.h"
 #include "experiments/app/trial_variants.h"
 
@@ -42,7 +43,7 @@ nlohmann::json ratios(const Comparison& comparison, std::size_t policy, const Su
 }  // namespace
 
 std::vector<TrialVariant> gazeVariants(const ExperimentOptions& options) {
-  if (!options.methods.empty()) throw std::invalid_argument("E6 --gaze compares gaze: it has no --methods");
+  if (!options.methods.empty()) throw ConfigError({"E6 --gaze compares gaze: it has no --methods"});
   auto variants = chosenTrialVariants(kGazeExperiment, options);
   for (TrialVariant& variant : variants) {
     TrialSeries& series = variant.series;

@@ -13,7 +13,7 @@ inline constexpr const char* kGazeExperiment = "E6_gaze";
 
 /// The chosen variants: each policy is a method with records of its own.
 /// @param options its gaze is not empty.
-/// @throws std::invalid_argument for an unknown variant.
+/// @throws ConfigError for an unknown variant.
 std::vector<TrialVariant> gazeVariants(const ExperimentOptions& options);
 
 /// Runs them.

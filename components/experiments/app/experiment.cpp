@@ -54,7 +54,7 @@ nlohmann::json runOnce(const Experiment& experiment, const ExperimentOptions& op
                         {"seed", options.seed},          {"out", options.out.string()}};
   const nlohmann::json figures = experiment.run(options);
   if (figures.empty()) {
-    throw std::invalid_argument(experiment.name + " has no variant \"" + options.variant + "\"");
+    throw ConfigError({experiment.name + " has no variant \"" + options.variant + "\""});
   }
   result.update(figures);
   replaceFile(options.out / "result.json", result.dump(2) + "\n");

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "common/config/config_error.h"
 #include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "experiments/trials/twin_evidence.h"
@@ -45,8 +46,8 @@ std::vector<MethodMaker> chosen(std::vector<MethodMaker> methods, const std::vec
     const auto found = std::find_if(methods.begin(), methods.end(),
                                     [&](const MethodMaker& method) { return method.name == name; });
     if (found == methods.end()) {
-      throw std::invalid_argument("no method \"" + name + "\" here (there are " +
-                                  joined(methods, ", ", &MethodMaker::name) + ")");
+      throw ConfigError(
+          {"no method \"" + name + "\" here (there are " + joined(methods, ", ", &MethodMaker::name) + ")"});
     }
     kept.push_back(*found);
   }

@@ -66,7 +66,7 @@ TrialOutcome runTrial(const TrialSeries& series, std::uint64_t seed, TrialOutcom
 /// @param source empty: this process runs the trials.
 /// @param add_figures adds the figures of this series only to the JSON at the end; may be empty.
 /// @return the figures, with "seeds" and "took_s".
-/// @throws std::invalid_argument when `only` names an unknown method.
+/// @throws ConfigError when `only` names an unknown method.
 nlohmann::json runSeries(const TrialSeries& series, const std::filesystem::path& out,
                          const TrialSource& source = {},
                          const std::function<void(const Comparison&, nlohmann::json&)>& add_figures = {});

@@ -130,8 +130,7 @@ std::vector<TrialVariant> chosenTrialVariants(const std::string& experiment,
     std::erase_if(variants, [&](const TrialVariant& one) { return one.name != options.variant; });
   }
   if (variants.empty()) {
-    throw std::invalid_argument(experiment + " has no variant \"" + options.variant + "\" (there are " +
-                                known + ")");
+    throw ConfigError({experiment + " has no variant \"" + options.variant + "\" (there are " + known + ")"});
   }
   for (TrialVariant& variant : variants) {
     variant.series.seed = options.seed;

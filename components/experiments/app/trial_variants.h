@@ -24,7 +24,7 @@ std::vector<TrialVariant> readTrialVariants(const Properties& properties, const 
 
 /// The variants that the options select, of their file or of cfg/experiments/EXPERIMENT.variants, with the
 /// options' seed, methods and number of trials.
-/// @throws ConfigError; std::invalid_argument naming the variants that there are.
+/// @throws ConfigError, for an unknown variant naming those that there are.
 std::vector<TrialVariant> chosenTrialVariants(const std::string& experiment,
                                               const ExperimentOptions& options);
 
