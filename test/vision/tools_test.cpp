@@ -77,7 +77,7 @@ TEST_F(Tools, DetectSegmentsNamesWhatItCannotReadAndDoesTheOthers) {
                 " " + file("square.png")),
             1);
   EXPECT_THAT(content("err"), HasSubstr(file("broken.png") + ": not an image that can be read"));
-  EXPECT_THAT(content("err"), HasSubstr(file("none.png") + ": not an image that can be read"));
+  EXPECT_THAT(content("err"), HasSubstr(file("none.png") + ": cannot be opened (No such file or directory)"));
   EXPECT_THAT(content("s.csv"), HasSubstr("square.png,"));
 }
 
@@ -221,6 +221,9 @@ TEST_F(Tools, LabelPaletteShowsClassesAndLabels) {
 
   EXPECT_EQ(run("label_palette " + file("broken.png") + options + file("x.png")), 1);
   EXPECT_THAT(content("err"), HasSubstr("broken.png: not an image that can be read"));
+  EXPECT_EQ(run("label_palette " + file("none.png") + options + file("x.png")), 1);
+  EXPECT_EQ(content("err"),
+            "label_palette: " + file("none.png") + ": cannot be opened (No such file or directory)\n");
   EXPECT_EQ(run("label_palette " + file("field.png") + options + file("x.unknown")), 1);
   EXPECT_THAT(content("err"), HasSubstr("x.unknown: cannot be written (its ending must be that of an image"));
   EXPECT_EQ(run("label_palette " + file("field.png") + " --palette /nowhere.palette --out " + file("x.png")),

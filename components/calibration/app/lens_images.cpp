@@ -38,7 +38,13 @@ class FolderImages : public ImageStream {
   std::optional<StampedImage> next() override {
     if (next_ == files_.size()) return std::nullopt;
     const auto& file = files_[next_++];
-    return StampedImage{static_cast<std::int64_t>(next_), file.filename().string(), readImageFile(file)};
+    StampedImage image{static_cast<std::int64_t>(next_), file.filename().string(), {}};
+    try {
+      image.image = readImageFile(file);
+    } catch (const std::runtime_error&) {
+      // One image of many: who reads them counts it.
+    }
+    return image;
   }
   bool isContinuous() const override { return false; }
   std::size_t count() const override { return files_.size(); }

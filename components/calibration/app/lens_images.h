@@ -14,7 +14,7 @@ namespace vismem {
 struct StampedImage {
   std::int64_t stamp_us = 0;
   std::string name;  ///< for messages: a file, or a time
-  cv::Mat image;     ///< R, G, B or grey
+  cv::Mat image;     ///< R, G, B or grey; empty: it cannot be read
 };
 
 /// *Single-threaded.*

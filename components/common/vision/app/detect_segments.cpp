@@ -82,9 +82,11 @@ class Run {
   }
 
   void process(const std::string& name, std::ostream* csv) {
-    cv::Mat image = vismem::readImageFile(name);
-    if (image.empty()) {
-      std::cerr << "detect_segments: " << name << ": not an image that can be read\n";
+    cv::Mat image;
+    try {
+      image = vismem::readImageFile(name);
+    } catch (const std::exception& error) {
+      fail(error.what());
       ++unreadable_;
       return;
     }

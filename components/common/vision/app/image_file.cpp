@@ -1,5 +1,9 @@
 #include "common/vision/app/image_file.h"
 
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -9,13 +13,16 @@
 namespace vismem {
 
 cv::Mat readImageFile(const std::filesystem::path& file) {
+  if (::access(file.c_str(), R_OK) != 0)
+    throw std::runtime_error(file.string() + ": cannot be opened (" + std::strerror(errno) + ")");
   cv::Mat image;
   try {
     image = cv::imread(file.string(), cv::IMREAD_COLOR);
   } catch (const cv::Exception&) {
-    return {};  // a header with more pixels than OpenCV accepts
+    image.release();  // a header with more pixels than OpenCV accepts
   }
-  if (!image.empty()) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
+  if (image.empty()) throw std::runtime_error(file.string() + ": not an image that can be read");
+  cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
   return image;
 }
 

@@ -6,8 +6,8 @@
 
 namespace vismem {
 
-/// @return CV_8UC3 (R, G, B), rotated by the file's orientation tag; empty for a file that OpenCV cannot
-/// read.
+/// @return CV_8UC3 (R, G, B), rotated by the file's orientation tag; not empty.
+/// @throws std::runtime_error "FILE: cannot be opened (REASON)" or "FILE: not an image that can be read".
 cv::Mat readImageFile(const std::filesystem::path& file);
 
 /// Creates a missing folder; the file's ending selects the format.

@@ -67,10 +67,6 @@ struct Options {
 int run(const Options& options) {
   const auto palette = std::make_shared<const Palette>(loadPalette(options.palette));
   const cv::Mat image = readImageFile(options.image);
-  if (image.empty()) {
-    std::cerr << "label_palette: " << options.image << ": not an image that can be read\n";
-    return 1;
-  }
   for (const std::string& warning : palette->warnings()) std::cerr << "warning: " << warning << '\n';
   const nlohmann::json places = placesJson(image, options.places, *palette, options.palette);
   const auto intrinsics = intrinsicsFromFieldOfView(image.cols, image.rows, 1.0);  // no distortion: as seen
