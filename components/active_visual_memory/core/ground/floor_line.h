@@ -109,8 +109,6 @@ class FloorLine {
 
   /// Replaces an end by a place further in, where the line was seen to stop.
   void shorten(bool at_b, const ExtentEnd& end);
-  /// Marks an end as split: observations beyond it belong to another element.
-  void markSplit(bool at_b) { (at_b ? b_ : a_).split = true; }
 
   /// The line as if it had been observed now.
   FloorSegment asObservation() const;

@@ -154,9 +154,6 @@ class SegmentMemory {
   /// Collects votes for gaps between pieces, or inside one, and splits the element at a gap with enough.
   void updateGaps(MemoryElement& element, std::span<const FloorSegment* const> seen,
                   const std::vector<ImageSegment>& observed, const View& view);
-  /// Marks the facing ends of two edges in one line as split if each was seen often enough: a blurred view
-  /// across both does not merge them.
-  void preventMerge(std::span<const int> cached);
   /// @return whether the element was split.
   bool voteForGap(MemoryElement& element, const Interruption& seen, const View& view);
   bool isNewHere(const MemoryElement& element, StampUs stamp_us) const;

@@ -20,8 +20,6 @@ constexpr std::size_t kMaxGaps = 8;  // gaps of one line with votes
 // Only straight lines are split: pieces of a chord over a curve turn with it.
 constexpr double kMinSplitLength_m = 0.5;
 constexpr double kStraight_rad = 0.1;
-// Pieces further behind are associated separately.
-constexpr double kMaxSplitGap_m = 0.3;
 // An occluder at one place of a line, seen from directions that differ by this, stands there.
 constexpr double kStandsThere_rad = 0.2;
 
@@ -179,30 +177,6 @@ void SegmentMemory::updateGaps(MemoryElement& element, std::span<const FloorSegm
             [&](const FloorSegment& a, const FloorSegment& b) { return u.dot(a.a.p) < u.dot(b.a.p); });
   for (const Interruption& gap : interruptionsOf(element, pieces, observed, view)) {
     if (voteForGap(element, gap, view)) return;
-  }
-}
-
-void SegmentMemory::preventMerge(std::span<const int> cached) {
-  if (params_.gap_votes <= 0) return;
-  const auto isKnown = [&](const ExtentEnd& end) { return !end.censored && end.views >= params_.gap_votes; };
-  for (const int i : cached) {
-    MemoryElement& one = elements_[i];
-    if (one.sighting != Sighting::kObserved || !isKnown(one.line.endB()) || one.line.endB().split) continue;
-    const Segment2 before = one.line.segment();
-    for (const int k : cached) {
-      MemoryElement& other = elements_[k];
-      // Edges of one polarity have one direction: the next one begins behind the end of this one.
-      if (k == i || !isKnown(other.line.endA())) continue;
-      if (one.line.along().dot(other.line.along()) < std::cos(kStraight_rad)) continue;
-      const Segment2 behind = other.line.segment();
-      const double gap = one.line.along().dot(behind.a - before.b);
-      if (gap < params_.line.end_gate_m || gap > kMaxSplitGap_m) continue;
-      if (gap * gap < one.line.endB().best_m2 + other.line.endA().best_m2) continue;
-      if (distanceToLine(behind.a, before) > params_.gates.near_distance_m) continue;
-      if (!labelsCompatible(one.value.label, other.value.label)) continue;
-      one.line.markSplit(true);
-      other.line.markSplit(false);
-    }
   }
 }
 

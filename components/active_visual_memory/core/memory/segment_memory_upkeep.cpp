@@ -64,9 +64,7 @@ void SegmentMemory::complete(std::span<const SideCompletion> sides) {
 
 void SegmentMemory::merge(const View& view) {
   if (view.turn_rate > kMaxMappingTurn_radps) return;
-  const std::pmr::vector<int> cached = cache(view.observation.T_odom_robot);
-  preventMerge(cached);
-  mergeDuplicates(cached);
+  mergeDuplicates(cache(view.observation.T_odom_robot));
 }
 
 bool SegmentMemory::areDuplicates(const MemoryElement& a, const MemoryElement& b, double reach_m) {

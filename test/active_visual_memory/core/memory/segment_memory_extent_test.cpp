@@ -93,21 +93,6 @@ TEST(SegmentMemoryExtent, SplitsALineAtEachOfItsGaps) {
   }
 }
 
-TEST(SegmentMemoryExtent, PreventsTheMergeOfTwoEdgesThatABlurredImageRunsTogether) {
-  const std::vector<Segment3> whole{{{1.0, -0.3, 0}, {1.0, 0.3, 0}}};
-  const std::vector<Segment3> two{{{1.0, -0.3, 0}, {1.0, 0.0, 0}}, {{1.0, 0.08, 0}, {1.0, 0.3, 0}}};
-  for (const int votes : {0, 3}) {
-    AttentiveVisualMemoryParams params = standard();
-    params.memory.gap_votes = votes;
-    AttentiveVisualMemory memory(params);
-    for (int i = 0; i < 15; ++i) {
-      const auto o = at(i * 33'333);
-      memory.update(o, images(o, i < 10 ? two : whole));
-    }
-    EXPECT_EQ(memory.elements().size(), votes > 0 ? 2U : 1U) << votes;
-  }
-}
-
 // Fusion moves the origin of a line's coordinate to its middle.
 TEST(SegmentMemoryExtent, ShortensALineThatGrowsAtItsOtherEnd) {
   AttentiveVisualMemory memory(standard());
