@@ -14,15 +14,12 @@ std::optional<FloorEdge> makeFloorEdge(const Segment2& line, std::string_view la
   return FloorEdge{line, (line.b - line.a) / length, length, label, width_m, segments};
 }
 
-FloorEdges floorEdges(std::span<const MemorySegment> segments, Trust least,
+FloorEdges floorEdges(std::span<const MemorySegment> segments, bool confirmed_only,
                       std::pmr::memory_resource* scratch) {
   FloorEdges edges(scratch);
   edges.reserve(segments.size());
   for (const MemorySegment& segment : segments) {
-    const Trust trust = segment.confirmed                ? Trust::kConfirmed
-                        : segment.label != kUnknownLabel ? Trust::kLabelledOrConfirmed
-                                                         : Trust::kAny;
-    if (trust < least) continue;
+    if (confirmed_only && !segment.confirmed) continue;
     if (auto edge = makeFloorEdge(segment.odom.floor(), segment.label, {&segment.id, 1})) {
       edges.push_back(*edge);
     }

@@ -40,9 +40,8 @@ using FloorEdges = std::pmr::vector<FloorEdge>;
 std::optional<FloorEdge> makeFloorEdge(const Segment2& line, std::string_view label, SegmentIds segments,
                                        double width_m = 0.0);
 
-enum class Trust { kAny, kLabelledOrConfirmed, kConfirmed };
-/// Remembered segments, in their order. @param least  leaves out those of less trust.
-FloorEdges floorEdges(std::span<const MemorySegment> segments, Trust least,
+/// Remembered segments, in their order. @param confirmed_only  leaves out the unconfirmed ones.
+FloorEdges floorEdges(std::span<const MemorySegment> segments, bool confirmed_only,
                       std::pmr::memory_resource* scratch);
 
 /// Sorted union of two sorted lists, in scratch memory.

@@ -52,37 +52,6 @@ double sizeOf(const Primitive& primitive) {
   return size;
 }
 
-/// Confirmed share of the length of the segments of a shape.
-double confirmedShare(const Primitive& shape, std::span<const MemorySegment> segments) {
-  double confirmed = 0.0;
-  double all = 0.0;
-  for (const MemorySegment& segment : segments) {
-    if (!std::binary_search(shape.segments.begin(), shape.segments.end(), segment.id)) continue;
-    const double length = segment.odom.floor().length();
-    all += length;
-    if (segment.confirmed) confirmed += length;
-  }
-  return all > 0.0 ? confirmed / all : 0.0;
-}
-
-Shapes findAmong(const FloorEdges& edges, const PrimitiveParams& params) {
-  std::pmr::memory_resource* const scratch = edges.get_allocator().resource();
-  Shapes found(scratch);
-  choose(findCircles(edges, params.circles, scratch), 0, params, found);
-  const FloorEdges straight = without(edges, found);
-  const FloorEdges stripes = findStripes(straight, params.stripes, scratch);
-  const FloorEdges single = without(straight, stripes);
-  FloorEdges strokes(stripes, scratch);
-  strokes.insert(strokes.end(), single.begin(), single.end());
-  choose(findArrows(strokes, params.arrows, params.polygons.max_side_m, scratch), 0, params, found);
-  const FloorEdges lines = without(stripes, found);
-  FloorEdges sides = without(single, found);
-  sides.insert(sides.end(), lines.begin(), lines.end());
-  choose(findPolygons(sides, params.polygons, scratch), 1, params, found);
-  for (const FloorEdge& stripe : lines) found.push_back(stripePrimitive(stripe));
-  return found;
-}
-
 }  // namespace
 
 bool sameShape(const Primitive& a, const Primitive& b, const PrimitiveParams& params) {
@@ -96,29 +65,20 @@ bool sameShape(const Primitive& a, const Primitive& b, const PrimitiveParams& pa
 
 Shapes findPrimitives(std::span<const MemorySegment> segments, const PrimitiveParams& params,
                       std::pmr::memory_resource* scratch) {
-  const Trust least = params.confirmed_only ? Trust::kConfirmed : Trust::kAny;
-  Shapes found = findAmong(floorEdges(segments, least, scratch), params);
-  if (!params.confirmed_only) return found;
-
-  // An unconfirmed labelled segment may close a shape of confirmed ones: an edge off the floor would not
-  // fit.
-  const auto is_stripe = [](const Primitive& shape) { return shape.kind == PrimitiveKind::kStripe; };
-  Shapes closed(scratch);
-  std::ranges::remove_copy_if(found, std::back_inserter(closed), is_stripe);
-  Shapes more =
-      findAmong(without(floorEdges(segments, Trust::kLabelledOrConfirmed, scratch), closed), params);
-  std::erase_if(more, [&](const Primitive& shape) {
-    const bool known = std::any_of(closed.begin(), closed.end(), [&](const Primitive& better) {
-      return better.kind == shape.kind && (better.centre - shape.centre).norm() <= params.same_place_m;
-    });
-    return is_stripe(shape) || known || confirmedShare(shape, segments) < params.confirmed_share;
-  });
-  std::erase_if(found, [&](const Primitive& shape) {
-    return is_stripe(shape) && std::any_of(more.begin(), more.end(), [&](const Primitive& better) {
-             return shareIds(shape.segments, better.segments);
-           });
-  });
-  found.insert(found.end(), more.begin(), more.end());
+  const FloorEdges edges = floorEdges(segments, params.confirmed_only, scratch);
+  Shapes found(scratch);
+  choose(findCircles(edges, params.circles, scratch), 0, params, found);
+  const FloorEdges straight = without(edges, found);
+  const FloorEdges stripes = findStripes(straight, params.stripes, scratch);
+  const FloorEdges single = without(straight, stripes);
+  FloorEdges strokes(stripes, scratch);
+  strokes.insert(strokes.end(), single.begin(), single.end());
+  choose(findArrows(strokes, params.arrows, params.polygons.max_side_m, scratch), 0, params, found);
+  const FloorEdges lines = without(stripes, found);
+  FloorEdges sides = without(single, found);
+  sides.insert(sides.end(), lines.begin(), lines.end());
+  choose(findPolygons(sides, params.polygons, scratch), 1, params, found);
+  for (const FloorEdge& stripe : lines) found.push_back(stripePrimitive(stripe));
   return found;
 }
 

@@ -12,8 +12,7 @@
 namespace vismem {
 
 struct PrimitiveParams {
-  bool confirmed_only = true;    ///< unconfirmed segments alone make no shape ..
-  double confirmed_share = 0.5;  ///< .. but complete one with this confirmed share of its length
+  bool confirmed_only = true;    ///< unconfirmed segments make no shape
   double same_place_m = 0.12;    ///< two findings of one kind this near are one, if their sizes agree
   double same_size_share = 0.3;  ///< of the larger
   StripeParams stripes;
@@ -23,8 +22,7 @@ struct PrimitiveParams {
 };
 
 /// Shapes without id, life and stamps: circles, then arrows, polygons and stripes of the remaining segments.
-/// Of two readings of the same segments the better one is kept. Confirmed segments come first; labelled
-/// unconfirmed ones may complete a shape.
+/// Of two readings of the same segments the better one is kept.
 Shapes findPrimitives(std::span<const MemorySegment> segments, const PrimitiveParams& params,
                       std::pmr::memory_resource* scratch);
 

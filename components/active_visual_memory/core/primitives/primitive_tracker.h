@@ -28,9 +28,8 @@ class PrimitiveTracker {
     double smoothing = 0.3;  ///< weight of a new finding, once the first few are averaged
 
     void visit(ParameterVisitor& v) {
-      v.flag(
-          expert("ConfirmedOnly", "M8, B6: unconfirmed segments alone make no shape, and no edge of a map"),
-          finder.confirmed_only);
+      v.flag(expert("ConfirmedOnly", "M8, B6: unconfirmed segments make no shape, and no edge of a map"),
+             finder.confirmed_only);
     }
   };
 

@@ -43,7 +43,7 @@ TEST(FloorEdge, IdsAreJoinedSortedAndCompared) {
   EXPECT_FALSE(shareIds({}, two));
 }
 
-TEST(FloorEdge, SegmentsOfLessTrustAreLeftOut) {
+TEST(FloorEdge, UnconfirmedSegmentsAreLeftOut) {
   MemorySegment confirmed;
   confirmed.id = 1;
   confirmed.confirmed = true;
@@ -51,15 +51,11 @@ TEST(FloorEdge, SegmentsOfLessTrustAreLeftOut) {
   MemorySegment other = confirmed;
   other.id = 2;
   other.confirmed = false;
-  MemorySegment labelled = other;
-  labelled.id = 3;
-  labelled.label = "line";
-  const std::vector<MemorySegment> segments{confirmed, other, labelled};
-  const auto kept = [&](Trust least) { return floorEdges(segments, least, scratch()); };
-  EXPECT_EQ(kept(Trust::kConfirmed).size(), 1U);
-  EXPECT_EQ(kept(Trust::kAny).size(), 3U);
-  ASSERT_EQ(kept(Trust::kLabelledOrConfirmed).size(), 2U);
-  EXPECT_EQ(listed(kept(Trust::kLabelledOrConfirmed)[1].segments), (std::vector<std::uint64_t>{3}));
+  const std::vector<MemorySegment> segments{other, confirmed};
+  const auto kept = [&](bool confirmed_only) { return floorEdges(segments, confirmed_only, scratch()); };
+  EXPECT_EQ(kept(false).size(), 2U);
+  ASSERT_EQ(kept(true).size(), 1U);
+  EXPECT_EQ(listed(kept(true)[0].segments), (std::vector<std::uint64_t>{1}));
 }
 
 }  // namespace
