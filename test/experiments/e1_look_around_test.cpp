@@ -21,7 +21,7 @@ TEST_F(ExperimentProgram, E1RemembersTheRoomBetterThanOneImageShowsIt) {
     EXPECT_FALSE(cv::imread(out + "/" + file).empty()) << file;
   }
   EXPECT_THAT(content("e1/seed2/elements.csv"), HasSubstr("\nroom,drive,"));
-  EXPECT_EQ(run("E1 --variant nowhere --out " + out), 1);
+  EXPECT_EQ(run("E1 --variant nowhere --out " + out), 2);
   EXPECT_THAT(content("stderr"), HasSubstr("nowhere"));
   EXPECT_EQ(run("E1 --seeds 3..1 --out " + out), 2);
   EXPECT_EQ(run("E1 --seeds 1..2 --seed 1 --out " + out), 2);

@@ -13,7 +13,7 @@ TEST_F(ExperimentProgram, E7FindsTheDoorAmongSimilarOnes) {
     EXPECT_LT(door[measure]["places_as_good_share"].get<double>(), 0.001) << measure;
   }
   EXPECT_FALSE(cv::imread(out + "/figure22_26.png").empty());
-  EXPECT_EQ(run("E7 --variant nowhere --out " + out), 1);
+  EXPECT_EQ(run("E7 --variant nowhere --out " + out), 2);
 }
 
 TEST_F(ExperimentProgram, E7FalseSegmentsSpreadTheChaptersHealthOverThePlaces) {

@@ -13,7 +13,7 @@ TEST_F(ExperimentProgram, PrimitivesFindsTheShapesOfTheRoom) {
   EXPECT_LE(open["all"]["false"].get<int>(), 1) << open;
   EXPECT_THAT(content("primitives/shapes.csv"), HasSubstr("\nopen,circle,circle,right,"));
   EXPECT_FALSE(cv::imread(out + "/shapes_open.png").empty());
-  EXPECT_EQ(run("primitives --variant nobody --out " + out), 1);
+  EXPECT_EQ(run("primitives --variant nobody --out " + out), 2);
 }
 
 }  // namespace
