@@ -42,7 +42,7 @@ class FolderImages : public ImageStream {
     try {
       image.image = readImageFile(file);
     } catch (const std::runtime_error&) {
-      // One image of many: who reads them counts it.
+      // The image stays empty: whoever reads the folder counts it and goes on.
     }
     return image;
   }

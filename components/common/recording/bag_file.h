@@ -91,7 +91,7 @@ class BagFile {
 /// each.
 /// @throws RecordingError for a folder without any.
 std::vector<std::string> bagsOf(const std::string& path);
-/// Of several paths, in their order.
+/// The bags of several paths, in the order of the paths.
 std::vector<std::string> bagsOf(const std::vector<std::string>& paths);
 
 }  // namespace vismem

@@ -60,7 +60,7 @@ class RobotLog {
   static RobotLog open(const std::string& path, const RobotLogOptions& options = {});
   /// Several bags as one recording.
   static RobotLog open(const std::vector<std::string>& paths, const RobotLogOptions& options);
-  /// What was unpacked of the bag already is not unpacked again.
+  /// A bag that is open already: what it has unpacked is not unpacked again.
   static RobotLog open(BagFile bag, const RobotLogOptions& options);
   ~RobotLog();
   RobotLog(RobotLog&&) noexcept;

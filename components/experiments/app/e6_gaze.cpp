@@ -3,7 +3,6 @@
 #include <array>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "common/config/config_error.h"
 #include "common/config/text_format.h"

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
 
 #include "common/config/config_error.h"
 #include "common/config/text_format.h"
