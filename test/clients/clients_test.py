@@ -42,7 +42,8 @@ class Clients(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = cls.enterClassContext(tempfile.TemporaryDirectory(prefix="vismem_clients_"))
         texts = {name: Path(ROOT, "cfg", "sim", name + ".cfg").read_text() for name in COMPONENTS}
-        cls.offset = free_offset(sorted({port for text in texts.values() for port in ports_of(text)}))
+        cls.ports = sorted({port for text in texts.values() for port in ports_of(text)})
+        cls.offset = free_offset(cls.ports)
         for name, text in texts.items():
             with open(os.path.join(cls.folder, name + ".cfg"), "w") as file:
                 file.write(re.sub(r"-p (\d+)", lambda found: f"-p {int(found[1]) + cls.offset}", text))
@@ -100,7 +101,7 @@ class Clients(unittest.TestCase):
         self.assertIn("nobody has the name cameraB", self.refused("image", "x.jpg", "--camera", "cameraB"))
         self.assertIn("component foo (must be one of", self.refused("status", "foo"))
         self.assertIn("No such file or directory", self.refused("image", os.path.join(self.folder, "no", "x.jpg")))
-        self.assertIn("is the setup started", self.refused("pose", offset=self.offset + 250))
+        self.assertIn("is the setup started", self.refused("pose", offset=free_offset(self.ports)))
 
     def test_the_shortest_client_of_the_page(self):
         with open(os.path.join(ROOT, "docs", "clients.md")) as page:
