@@ -378,8 +378,7 @@ std::vector<BrokenConfig> recordings() {
        r,
        {},
        {of_bag,
-        "log.bag: its index is missing or damaged, and none of its 4109 bytes holds a message (log.bag: 4096 "
-        "bytes "
+        "log.bag: its index is missing or damaged, and none of its 4109 bytes holds a message (4096 bytes "
         "at byte 13 are no record of a bag: left out)"},
        2,
        {},

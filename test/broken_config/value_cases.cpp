@@ -73,7 +73,7 @@ std::vector<BrokenConfig> valuesOfKeys() {
       {"NotTrueOrFalse",
        l,
        {"Localization.Pose3D.MillimetreScale = maybe"},
-       {"broken.cfg:1: Localization.Pose3D.MillimetreScale = maybe (must be true or false)"}},
+       {"broken.cfg:1: Localization.Pose3D.MillimetreScale = maybe (must be yes or no)"}},
       {"NotOneOfTheWords",
        l,
        {"Localization.Mode = Default"},

@@ -177,7 +177,7 @@ TEST(ConfigReader, ReportsAllProblemsInOrderOfTheirLines) {
           "\"Localization.Mutation.Heading_deg\"?)",
           "cfg/sim/localization.cfg:4: Localization.Noise.Position_m = 10cm (must be a number, 0..5)",
           "cfg/sim/localization.cfg:5: Localization.Mode = Chapter (must be one of: default, chapter)",
-          "cfg/sim/localization.cfg:6: Localization.Robust = perhaps (must be true or false)",
+          "cfg/sim/localization.cfg:6: Localization.Robust = perhaps (must be yes or no)",
           "cfg/sim/localization.cfg:7: Localization.Start = 1 2 (must be 3 numbers)"));
 }
 

@@ -106,7 +106,7 @@ TEST(ParameterReader, DescribesItsKeys) {
       lines,
       ElementsAre("Car.Wheel.Radius_m|0.1|0.01..1|of the wheel|basic",
                   "Car.Wheel.Angle_deg|30|-90..90|of its axle", "Car.Doors|4|0..6|number of doors|basic",
-                  "Car.Seats|5|1..9|number of seats", "Car.Open|false|true or false|without a roof",
+                  "Car.Seats|5|1..9|number of seats", "Car.Open|no|yes or no|without a roof",
                   "Car.Colour|blue|one of: red, blue|of the paint", "Car.Names|one two||of the owners"));
 }
 

@@ -237,7 +237,7 @@ TEST_F(EvaluateTest, NamesInputThatIsWrong) {
   EXPECT_THAT([&] { evaluate(options); }, ::testing::ThrowsMessage<ConfigError>(HasSubstr("absent.world")));
   options = EvaluationOptions{};
   options.bag = out_ / "absent.bag";
-  EXPECT_THAT([&] { evaluate(options); }, ::testing::ThrowsMessage<RecordingError>(HasSubstr("absent.bag")));
+  EXPECT_THAT([&] { evaluate(options); }, ::testing::ThrowsMessage<ConfigError>(HasSubstr("absent.bag")));
   EXPECT_FALSE(fs::exists(out_)) << "nothing is written before the input is known to be good";
 }
 

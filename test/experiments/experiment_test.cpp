@@ -23,6 +23,15 @@ TEST_F(ExperimentProgram, RefusesOptionsThatTheExperimentDoesNotRead) {
   EXPECT_THAT(refusal("E5 --gaze both"), HasSubstr("--gaze: E5 has no gaze policies (must be E6)"));
   EXPECT_THAT(refusal("map --methods default"), HasSubstr("--methods: map has no methods to compare"));
   EXPECT_THAT(refusal("E7 --variants x"), HasSubstr("--variants: E7 has no file of variants"));
+  EXPECT_THAT(refusal("E9 --variant room"), HasSubstr("--variant: E9 has no variants"));
+}
+
+TEST_F(ExperimentProgram, LeavesNoFolderOfARefusedVariant) {
+  const std::filesystem::path out = folder_ / "refused";
+  for (const char* name : {"E1", "E5", "E7"}) {
+    EXPECT_EQ(run(std::string(name) + " --variant nowhere --out " + out.string()), 2) << name;
+    EXPECT_FALSE(std::filesystem::exists(out)) << name;
+  }
 }
 
 TEST_F(ExperimentProgram, ResultsNameCommitAndCommand) {

@@ -35,5 +35,30 @@ INSTANTIATE_TEST_SUITE_P(
                     std::vector<std::string>{"simulator", "--render", "x.world"}),
     [](const auto& which) { return which.param[0] + (which.param.size() > 1 ? "_render" : ""); });
 
+class MissingInput : public testing::TestWithParam<std::vector<std::string>> {};
+
+TEST_P(MissingInput, EndsWithCode2AndNamesTheFile) {
+  auto command = GetParam();
+  command[0] = std::string(VISMEM_BIN_DIR) + "/" + command[0];
+  ChildProcess program(command);
+  EXPECT_EQ(program.waitForExit(std::chrono::seconds(20)), 2);
+  EXPECT_THAT(program.error(), testing::HasSubstr("/nowhere"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Programs, MissingInput,
+    testing::Values(
+        std::vector<std::string>{"bag_info", "/nowhere.bag"},
+        std::vector<std::string>{"evaluate", "--bag", "/nowhere.bag", "--map", "m.csv", "--out", "/tmp/x"},
+        std::vector<std::string>{"import_log", "/nowhere", "--out", "/tmp/x.bag", "--fov", "60"},
+        std::vector<std::string>{"label_palette", "/nowhere.png"},
+        std::vector<std::string>{"learn_palette", "--bag", "/nowhere.bag", "--out", "/tmp/x.palette"},
+        std::vector<std::string>{"make_map", "/nowhere.world", "--palette", "cfg/maps/room.palette", "-o",
+                                 "/tmp/x.csv"},
+        std::vector<std::string>{"map_from_drive", "--bag", "/nowhere.bag", "--palette",
+                                 "cfg/maps/room.palette", "--out", "/tmp/x"},
+        std::vector<std::string>{"update_map", "/nowhere.csv", "/nowhere.changes", "--out", "/tmp/x"}),
+    [](const auto& which) { return which.param[0]; });
+
 }  // namespace
 }  // namespace vismem

@@ -169,6 +169,14 @@ TEST_F(Parameters, MustBeListedOnceAndStartInTheirRange) {
   EXPECT_THROW(table.add({"New", "", 0.0, 3.0, false, 4.0, ""}, nothing), std::logic_error);
 }
 
+TEST(RobotIdentity, EachKeyHasAMeaning) {
+  const Properties none;
+  ConfigReader config(none);
+  readRobotKeys(config);
+  EXPECT_EQ(config.keys().size(), 3u);
+  for (const KeyDescription& one : config.keys()) EXPECT_FALSE(one.meaning.empty()) << one.key;
+}
+
 RobotKeys read(const std::string& text, std::string* problems = nullptr) {
   const Properties properties = Properties::parse(text, "x.cfg");
   ConfigReader config(properties);

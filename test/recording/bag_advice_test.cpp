@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/config/config_error.h"
 #include "common/geometry/angles.h"
 #include "common/recording/jderobot_log.h"
 #include "recording/bag_writer.h"
@@ -281,7 +282,7 @@ TEST_F(JdeRobotLogTest, SaysWhatIsMissing) {
   try {
     readJdeRobotLog(root(), 2);
     FAIL() << "there is no camera 2";
-  } catch (const RecordingError& error) {
+  } catch (const ConfigError& error) {
     EXPECT_THAT(error.what(), HasSubstr("images/camera2/cameraData.jde"));
   }
   fs::remove_all(root() / "encoders");

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "common/config/config_error.h"
 #include "common/recording/bag_encoder.h"
 #include "common/recording/bag_file.h"
 #include "common/recording/file_sink.h"
@@ -218,6 +219,9 @@ TEST_F(BagReaderTest, SaysWhyNothingCanBeRead) {
   const Bytes whole = notes(BagCompression::kNone);
   EXPECT_THAT(errorOf(Bytes(whole.begin(), whole.begin() + 4200)),
               AllOf(HasSubstr("its index is missing or damaged"), HasSubstr("4200 bytes")));
+  const std::string tiny = errorOf(Bytes(whole.begin(), whole.begin() + 5000));
+  EXPECT_THAT(tiny, HasSubstr("(chunk at byte "));
+  EXPECT_EQ(tiny.find("log.bag"), tiny.rfind("log.bag")) << "names the file once: " << tiny;
   EXPECT_THAT(errorOf({'h', 'i'}), HasSubstr("not a ROS 1 bag: begins with \"hi\""));
   EXPECT_THROW(BagReader{folder_.path().string()}, RecordingError);
 }
@@ -288,8 +292,9 @@ TEST(BagsOf, AFileAFolderOrSeveralWithCommasBetween) {
                                        path + "/drive/c.bag.active"};
   EXPECT_EQ(bagsOf(path + "/drive"), parts);
   EXPECT_EQ(bagsOf(parts[0] + "," + parts[1] + "," + parts[2]), parts);
-  EXPECT_EQ(bagsOf("none.bag," + path + "/drive"),
-            (std::vector<std::string>{"none.bag", parts[0], parts[1], parts[2]}));
+  EXPECT_EQ(bagsOf(parts[2] + "," + path + "/drive"),
+            (std::vector<std::string>{parts[2], parts[0], parts[1], parts[2]}));
+  EXPECT_THROW(bagsOf(path + "/none.bag," + path + "/drive"), ConfigError);
   EXPECT_EQ(bagsOf(path + "/x,y.bag"), std::vector<std::string>{path + "/x,y.bag"});
 }
 

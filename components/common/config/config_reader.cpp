@@ -278,7 +278,7 @@ long ConfigReader::integer(std::string_view name, long fallback, long minimum, l
 }
 
 bool ConfigReader::boolean(std::string_view name, bool fallback) {
-  const auto* set = entry(name, fallback ? "true" : "false", "true or false");
+  const auto* set = entry(name, fallback ? "yes" : "no", "yes or no");
   if (set == nullptr) return fallback;
   for (const char* word : {"true", "yes", "on", "1"}) {
     if (set->value == word) return true;
@@ -286,7 +286,7 @@ bool ConfigReader::boolean(std::string_view name, bool fallback) {
   for (const char* word : {"false", "no", "off", "0"}) {
     if (set->value == word) return false;
   }
-  reject(name, *set, "must be true or false");
+  reject(name, *set, "must be yes or no");
   return fallback;
 }
 

@@ -70,7 +70,7 @@ class ConfigReader {
   std::vector<double> reals(std::string_view name, std::vector<double> fallback, double minimum,
                             double maximum);
   long integer(std::string_view name, long fallback, long minimum, long maximum);
-  /// true, yes, on, 1 or false, no, off, 0.
+  /// yes, true, on, 1 or no, false, off, 0.
   bool boolean(std::string_view name, bool fallback);
   std::string text(std::string_view name, std::string fallback);
   /// A required text.

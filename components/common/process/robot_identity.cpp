@@ -17,8 +17,9 @@ bool isPlain(const std::string& text) {
   });
 }
 
-std::string readToken(ConfigReader& robot, const std::string& name) {
-  const std::string token = robot.text(name, "");
+std::string readToken(ConfigReader& robot, const Key& key) {
+  const std::string name(key.name);
+  const std::string token = robot.describe(key).text(name, "");
   if (token.empty()) return token;
   if (token.size() >= kShortestToken && token.size() <= kLongestToken && isPlain(token)) return token;
   robot.problem(name, "must be " + std::to_string(kShortestToken) + ".." + std::to_string(kLongestToken) +
@@ -31,13 +32,14 @@ std::string readToken(ConfigReader& robot, const std::string& name) {
 RobotKeys readRobotKeys(ConfigReader& root) {
   ConfigReader robot = root.group("Robot");
   RobotKeys keys;
+  robot.describe(expert("Name", "before each identity, as in NAME/Localization; empty: none"));
   keys.name = robot.text("Name", "");
   if (keys.name.size() > kLongestName || !isPlain(keys.name)) {
     robot.problem("Name", "must be 1.." + std::to_string(kLongestName) + " letters, digits, '-' or '_'");
     keys.name.clear();
   }
-  keys.token = readToken(robot, "Token");
-  keys.view_token = readToken(robot, "ViewToken");
+  keys.token = readToken(robot, expert("Token", "secret of operators, in the identities of web endpoints"));
+  keys.view_token = readToken(robot, expert("ViewToken", "secret of readers, whose objects change nothing"));
   if (!keys.view_token.empty() && keys.view_token == keys.token)
     robot.problem("ViewToken", "must differ from Robot.Token");
   return keys;

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "common/config/config_error.h"
 #include "common/recording/bag_reader.h"
 #include "common/recording/ros_types.h"
 
@@ -328,12 +329,13 @@ std::vector<std::string> bagsOf(const std::string& path) {
     return bagsOf(std::vector{path.substr(0, comma), path.substr(comma + 1)});
   }
   std::vector<std::string> files;
+  if (!fs::exists(path, error)) throw ConfigError({path + ": no such file or folder (must be a ROS 1 bag)"});
   if (!fs::is_directory(path, error)) return {path};
   for (const auto& item : fs::directory_iterator(path, error)) {
     const std::string name = item.path().filename().string();
     if (name.ends_with(".bag") || name.ends_with(".bag.active")) files.push_back(item.path().string());
   }
-  if (files.empty()) throw RecordingError(path + ": a folder without a recording (expected NAME.bag in it)");
+  if (files.empty()) throw ConfigError({path + ": a folder without a recording (must hold NAME.bag)"});
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -89,7 +89,7 @@ class BagFile {
 /// The bags that a path means: a file itself, or those of a folder, sorted by name (a session's parts, also
 /// the one that was being written when the power failed); of several paths with commas between, those of
 /// each.
-/// @throws RecordingError for a folder without any.
+/// @throws ConfigError for a path that is not there, and for a folder without any.
 std::vector<std::string> bagsOf(const std::string& path);
 /// The bags of several paths, in the order of the paths.
 std::vector<std::string> bagsOf(const std::vector<std::string>& paths);

@@ -379,9 +379,11 @@ BagReader::BagReader(const std::string& file) : impl_(std::make_unique<Impl>(fil
     std::size_t messages = 0;
     for (const auto& list : impl_->entries) messages += list.size();
     if (messages == 0) {
+      // A note begins with the name of the file, as does what fail() throws.
+      const std::vector<std::string>& notes = impl_->damage.notes;
+      const std::string why = notes.empty() ? "" : " (" + notes.front().substr(file.size() + 2) + ")";
       impl_->fail("its index is missing or damaged, and none of its " + std::to_string(impl_->bytes.size()) +
-                  " bytes holds a message" +
-                  (impl_->damage.notes.empty() ? "" : " (" + impl_->damage.notes.front() + ")"));
+                  " bytes holds a message" + why);
     }
     impl_->damage.notes.insert(impl_->damage.notes.begin(),
                                file +

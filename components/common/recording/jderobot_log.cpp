@@ -11,6 +11,8 @@
 #include <optional>
 #include <sstream>
 
+#include "common/config/config_error.h"
+
 namespace vismem {
 namespace {
 
@@ -128,8 +130,8 @@ JdeRobotLog readJdeRobotLog(const fs::path& folder, int camera) {
   const fs::path images = folder / "images" / ("camera" + std::to_string(camera));
   std::error_code error;
   if (!fs::is_regular_file(images / "cameraData.jde", error)) {
-    throw RecordingError(folder.string() + ": no log of JdeRobot's recorder: found no " +
-                         (images / "cameraData.jde").string());
+    throw ConfigError({folder.string() + ": no log of JdeRobot's recorder: found no " +
+                       (images / "cameraData.jde").string()});
   }
   JdeRobotLog log;
   readImages(images, log);

@@ -6,7 +6,9 @@
 
 namespace vismem {
 
-/// Exit code for a wrong command line or configuration, as of components; CLI11's own codes begin at 100.
+/// Exit code for a wrong command line or configuration, as of components, and for an input named there that
+/// is missing or has mistakes (ConfigError); CLI11's own codes begin at 100. A recording, image or device
+/// that turns out to be damaged, and an output that cannot be written, are failures: 1.
 inline constexpr int kExitUsage = 2;
 
 /// Parses the command line; prints help or the problem.

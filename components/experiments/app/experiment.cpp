@@ -48,12 +48,21 @@ std::string commandOf(int argc, char** argv) {
 }
 
 nlohmann::json runOnce(const Experiment& experiment, const ExperimentOptions& options, const Origin& origin) {
-  std::filesystem::create_directories(options.out);
+  const bool is_new = std::filesystem::create_directories(options.out);
   nlohmann::json result{{"experiment", experiment.name}, {"commit", origin.commit},
                         {"command", origin.command},     {"mode", options.mode},
                         {"seed", options.seed},          {"out", options.out.string()}};
-  const nlohmann::json figures = experiment.run(options);
+  // What is refused leaves no new folder; what failed later keeps its files.
+  std::error_code ignored;
+  nlohmann::json figures;
+  try {
+    figures = experiment.run(options);
+  } catch (const ConfigError&) {
+    if (is_new) std::filesystem::remove(options.out, ignored);
+    throw;
+  }
   if (figures.empty()) {
+    if (is_new) std::filesystem::remove_all(options.out, ignored);
     throw ConfigError({experiment.name + " has no variant \"" + options.variant + "\""});
   }
   result.update(figures);
@@ -175,11 +184,13 @@ void refuseUnused(const CLI::App& app, const std::string& experiment) {
     const char* lacks;
     std::vector<std::string> experiments;
   };
-  static const std::vector<Use> kUses{{"--workers", "trials", {"E5", "E6"}},
-                                      {"--variants", "file of variants", {"E5", "E6"}},
-                                      {"--methods", "methods to compare", {"E5", "E6"}},
-                                      {"--trials", "trials", {"E5", "E6", "map"}},
-                                      {"--gaze", "gaze policies", {"E6"}}};
+  static const std::vector<Use> kUses{
+      {"--workers", "trials", {"E5", "E6"}},
+      {"--variants", "file of variants", {"E5", "E6"}},
+      {"--variant", "variants", {"E1", "E2", "E3", "E4", "E5", "E6", "E7", "E8", "map", "primitives"}},
+      {"--methods", "methods to compare", {"E5", "E6"}},
+      {"--trials", "trials", {"E5", "E6", "map"}},
+      {"--gaze", "gaze policies", {"E6"}}};
   for (const Use& use : kUses) {
     const auto& names = use.experiments;
     if (app.count(use.option) == 0 || std::find(names.begin(), names.end(), experiment) != names.end())

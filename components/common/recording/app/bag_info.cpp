@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/config/config_error.h"
 #include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "common/recording/bag_advice.h"
@@ -123,6 +124,9 @@ int main(int argc, char** argv) {
     }
     std::fflush(stdout);
     std::cout << summary.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+  } catch (const ConfigError& error) {
+    std::cerr << error.what() << "\n";
+    return kExitUsage;
   } catch (const std::exception& error) {
     std::fflush(stdout);
     std::cerr << error.what() << "\n";

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 
+#include "common/config/config_error.h"
 #include "common/geometry/angles.h"
 #include "common/geometry/camera.h"
 #include "common/recording/bag_encoder.h"
@@ -125,6 +126,9 @@ int main(int argc, char** argv) {
   if (const auto code = parseTool(app, argc, argv)) return *code;
   try {
     return import(options);
+  } catch (const ConfigError& error) {
+    std::cerr << error.what() << "\n";
+    return kExitUsage;
   } catch (const std::exception& error) {
     std::cerr << error.what() << "\n";
     return 1;

@@ -10,11 +10,13 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "common/config/config_error.h"
+
 namespace vismem {
 
 cv::Mat readImageFile(const std::filesystem::path& file) {
   if (::access(file.c_str(), R_OK) != 0)
-    throw std::runtime_error(file.string() + ": cannot be opened (" + std::strerror(errno) + ")");
+    throw ConfigError({file.string() + ": cannot be opened (" + std::strerror(errno) + ")"});
   cv::Mat image;
   try {
     image = cv::imread(file.string(), cv::IMREAD_COLOR);

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "common/config/config_error.h"
 #include "common/config/project_file.h"
 #include "common/tool/command_line_tool.h"
 #include "common/vision/app/image_file.h"
@@ -47,9 +48,8 @@ nlohmann::json placesJson(const cv::Mat& image, const std::vector<std::pair<int,
   nlohmann::json result = nlohmann::json::array();
   for (const auto& [u, v] : places) {
     if (u < 0 || v < 0 || u >= image.cols || v >= image.rows) {
-      throw std::runtime_error("--at " + std::to_string(u) + " " + std::to_string(v) +
-                               " (must be within 0.." + std::to_string(image.cols - 1) + " and 0.." +
-                               std::to_string(image.rows - 1) + ")");
+      throw ConfigError({"--at " + std::to_string(u) + " " + std::to_string(v) + " (must be within 0.." +
+                         std::to_string(image.cols - 1) + " and 0.." + std::to_string(image.rows - 1) + ")"});
     }
     result.push_back(placeJson(image, {u, v}, palette, file));
   }
@@ -126,6 +126,9 @@ int main(int argc, char** argv) {
   if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   try {
     return run(options);
+  } catch (const vismem::ConfigError& error) {
+    std::cerr << error.what() << '\n';
+    return vismem::kExitUsage;
   } catch (const std::exception& error) {
     std::cerr << "label_palette: " << error.what() << '\n';
     return 1;
