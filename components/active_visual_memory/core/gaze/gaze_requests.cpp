@@ -37,6 +37,10 @@ PortReply GazeRequestQueue::fixate(const Eigen::Vector3d& p_odom) {
 PortReply GazeRequestQueue::request(const GazeRequest& request) {
   std::string problem = checkGazeRequest(request);
   if (problem.empty() && request.p_odom) problem = problemOf(*request.p_odom);
+  if (problem.empty() && status_ && request.deadline_us < status_->stamp_us) {
+    problem = "deadlineUs = " + std::to_string(request.deadline_us) + " has passed (the newest image has " +
+              std::to_string(status_->stamp_us) + ")";
+  }
   if (!problem.empty()) return PortReply::rejected(problem);
   push([request](GazeController&, AttentionPool& pool) { pool.request(request); });
   return PortReply::accepted();

@@ -25,6 +25,21 @@ TEST(GazeRequestQueue, RejectsInvalidRequestsWithTheReason) {
   EXPECT_TRUE(queue.take().empty());
 }
 
+TEST(GazeRequestQueue, RejectsADeadlineThatHasPassed) {
+  GazeRequestQueue queue;
+  GazeRequest request;
+  request.client = "test";
+  request.direction = PanTilt{};
+  EXPECT_TRUE(queue.request(request).ok()) << "no image yet: nothing is past";
+  GazeStatus status;
+  status.stamp_us = 2'000'000;
+  queue.publish(status, {0, 0});
+  request.deadline_us = 1'999'999;
+  EXPECT_EQ(queue.request(request).message, "deadlineUs = 1999999 has passed (the newest image has 2000000)");
+  request.deadline_us = 2'000'000;
+  EXPECT_TRUE(queue.request(request).ok());
+}
+
 TEST(GazeRequestQueue, RejectsPlacesThatAreFarFromTheRobot) {
   GazeRequestQueue queue;
   EXPECT_EQ(queue.fixate({1500, 0, 0}).message,
