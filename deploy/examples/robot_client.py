@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""robot_client.py [--robot NAME] [--port-offset N] [--slices DIR] COMMAND ...: a client of a running robot, to use and to copy from.
+"""robot_client.py [--robot NAME] [--port-offset N] [--proxy TEXT] [--slices DIR] COMMAND ...: a client of a running robot, to use
+and to copy from.
 
   pose [--seconds S]           the pose, one line an estimate: stamp [s], x [m], y [m], heading [deg], reliability 0..1
   memory                       the remembered segments: id, label, ends in odom [m], confirmed or not
@@ -11,7 +12,8 @@
   set COMPONENT NAME VALUE     changes one of them until the component ends
   status COMPONENT             state, reason, peers, rates
 
---port-offset is that of scripts/start. Exit code: 0, 1 with the reason, 2 for a wrong command line.
+--port-offset is that of scripts/start. --proxy names the object of the command whole, as for another machine, a gateway or
+WebSocket: robot.TOKEN/Localization:ws -h 10.0.0.7 -p 11005. Exit code: 0, 1 with the reason, 2 for a wrong command line.
 """
 import argparse
 import math
@@ -58,9 +60,13 @@ class Robot:
         return self._cast(avm.ComponentPrx, identity, COMPONENT_PORTS[name] + self.options.port_offset)
 
     def _cast(self, prx, identity, port):
-        proxy = prx.checkedCast(self.communicator.stringToProxy(f"{identity}:tcp -h 127.0.0.1 -p {port}"))
+        text = self.options.proxy or f"{identity}:tcp -h 127.0.0.1 -p {port}"
+        try:
+            proxy = prx.checkedCast(self.communicator.stringToProxy(text))
+        except (Ice.ProxyParseException, Ice.EndpointParseException, Ice.IdentityParseException) as failure:
+            raise SystemExit(f"--proxy {text}: {failure.str}")
         if proxy is None:
-            raise SystemExit(f"{identity} at port {port} is no {prx.ice_staticId()}")
+            raise SystemExit(f"{text} is no {prx.ice_staticId()}")
         return proxy
 
 
@@ -156,6 +162,7 @@ def parse():
     parser.add_argument("--slices", default=next((s for s in SLICES if os.path.isdir(s)), SLICES[-1]), metavar="DIR")
     parser.add_argument("--robot", default="", metavar="NAME", help="Robot.Name of the components, where it is set")
     parser.add_argument("--port-offset", type=int, default=0, metavar="N")
+    parser.add_argument("--proxy", default="", metavar="TEXT", help="of the object, in place of its name and port")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
 
     def command(name, function, *arguments):

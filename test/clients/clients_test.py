@@ -125,12 +125,13 @@ class Clients(unittest.TestCase):
         done = subprocess.run([program, "2", str(self.offset + 250)], capture_output=True, text=True, timeout=START_S)
         self.assertEqual(done.returncode, 1)
 
-    def test_the_older_example(self):
-        done = subprocess.run(["/usr/bin/python3", os.path.join(EXAMPLES, "show_pose.py"), "--seconds", "2", "--proxy",
-                               f"Localization:tcp -h 127.0.0.1 -p {9971 + self.offset}"], capture_output=True, text=True,
-                              timeout=START_S)
+    def test_a_whole_proxy_in_place_of_name_and_port(self):
+        proxy = f"Localization:tcp -h 127.0.0.1 -p {9971 + self.offset}"
+        done = self.client("--proxy", proxy, "pose", "--seconds", "2", offset=self.offset + 250)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreater(len(done.stdout.splitlines()), 1)
+        self.assertIn("nobody has the name", self.refused("--proxy", proxy.replace("Localization", "Nobody"), "pose"))
+        self.assertIn("--proxy", self.refused("--proxy", "Localization:tcp -p x", "pose"))
 
 
 if __name__ == "__main__":

@@ -159,10 +159,13 @@ class InContainer(unittest.TestCase):
         self.wait_for(lambda: self.container.property(unit("localization"), "StatusText") == "running", 3,
                       "the state in `systemctl status`")
 
+    def pose(self, *options):
+        return self.container.run("/usr/bin/python3", os.path.join(self.dev, "share/doc/vismem-dev/examples/robot_client.py"),
+                                  "--slices", os.path.join(self.dev, "share/vismem/slice"), *options, "pose", "--seconds", "1",
+                                  only_network=True)
+
     def test_03_the_clients_of_the_packages_work(self):
-        pose = self.container.run("/usr/bin/python3",
-                                  os.path.join(self.dev, "share/doc/vismem-dev/examples/show_pose.py"), "--slices",
-                                  os.path.join(self.dev, "share/vismem/slice"), "--seconds", "1", only_network=True)
+        pose = self.pose()
         self.assertGreater(len(pose.stdout.splitlines()), 5, pose.stdout)
         status = self.container.run("vismem", "status", SETUP, "--json")
         self.assertEqual(status.stdout.count('"state":"running"'), len(PORTS), status.stdout)
@@ -183,10 +186,7 @@ class InContainer(unittest.TestCase):
         proxy = self.container.run("/usr/bin/python3", "-c", script, only_network=True).stdout.strip()
         self.assertRegex(proxy, r"^robot\.[0-9a-f]{32}/Localization:ws ")
         token = proxy.split("/")[0].split(".")[1]
-        pose = self.container.run("/usr/bin/python3",
-                                  os.path.join(self.dev, "share/doc/vismem-dev/examples/show_pose.py"), "--slices",
-                                  os.path.join(self.dev, "share/vismem/slice"), "--seconds", "1", "--proxy", proxy,
-                                  only_network=True)
+        pose = self.pose("--proxy", proxy)
         self.assertGreater(len(pose.stdout.splitlines()), 5, pose.stdout)
         for name in PORTS:
             with open(f"/proc/{self.container.process_of(unit(name))}/cmdline") as file:
