@@ -136,6 +136,26 @@ async function compareImages(moments, path) {
 
 function longOf(value) { return new Ice.Long(Math.floor(value / 4294967296), value % 4294967296 >>> 0); }
 
+/** Paused and at the end nothing is said to be wrong, and no age counts the pause. */
+async function stands(page, robot, length) {
+  const group = page.locator("fieldset:has(legend:text-is('replay'))"), press = name => group.locator(`button:text-is('${name}')`).click();
+  const state = async name => (await robot.replay.info()).state.name === name;
+  await press("pause");
+  await sleep(4000);
+  assert.equal(await text(page, ".problems"), "all running", "who waits for the images of a paused replay has no problem");
+  const at = (await robot.replay.info()).stampUs.toNumber();
+  await press("+1 image");
+  await eventually("one image on", async () => (await robot.replay.info()).stampUs.toNumber() > at);
+  await press("play");
+  await eventually("it plays", () => state("PLAYING"));
+  await sleep(1500);
+  const age = Number(/age (\d+) ms/.exec(await text(page, ".pane-camera .stamp"))?.[1]);
+  assert.ok(age < 1500, `age ${age} ms after a pause of 4 s`);
+  await page.locator(".log-seek").evaluate((bar, seconds) => { bar.value = String(seconds); bar.dispatchEvent(new Event("change")); }, length - 0.5);
+  await press("play again");
+  await eventually("it plays again", () => state("PLAYING"));
+}
+
 /** A recording of another robot: its bar seeks, forward and back, and the page shows that place. */
 export async function replay() {
   const data = process.env.AVM_DATA ?? join(root, "../shared/data");
@@ -157,6 +177,7 @@ export async function replay() {
     await eventually("without a truth the first plot is the position's sigma", async () => /^position sigma \(m\)sigma [\d.]+$/.test(await text(page, ".plot figcaption")));
     await sleep(3000);
     await page.screenshot({path: join(pictures, "replay_recording.png")});
+    await stands(page, robot, length);
     page.checkErrors();
     await page.context().close();
   } finally {

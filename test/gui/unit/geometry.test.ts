@@ -66,6 +66,19 @@ test("age is over the best, whatever the clocks", () => {
   near(age.ageMs, 2, 1e-6);
 });
 
+test("age of a source at another speed, and after its time stood", () => {
+  const age = new AgeMeter();
+  for (let i = 0; i <= 200; ++i) age.add(i * 33, i * 8250, 0.25);
+  near(age.ageMs, 0, 1e-6);
+  for (let i = 1; i <= 200; ++i) age.add(6600 + i * 8.25, 1_650_000 + i * 33_000, 4);
+  near(age.ageMs, 0, 1e-6);
+  age.restart();
+  age.add(20_000, 8_283_000, 1);
+  near(age.ageMs, 0, 1e-6);
+  age.add(20_043, 8_316_000, 1);
+  near(age.ageMs, 10, 1e-6);
+});
+
 test("rates over two seconds", () => {
   const rate = new RateMeter();
   for (let t = 0; t < 4000; t += 40) rate.count(t);

@@ -1,9 +1,9 @@
 // The sentences of the lost panel: each cause alone, and their order.
 import assert from "node:assert/strict";
 import {test} from "node:test";
-import {causesOf, CauseWatch, fitShare, meanResultant, verdictOf} from "@gui/why/rules";
+import {causesOf, CauseWatch, fitShare, isProblem, meanResultant, verdictOf} from "@gui/why/rules";
 import type {Signals} from "@gui/why/rules";
-import {emptyMoment, rowSize} from "@gui/shared/state";
+import {emptyMoment, rowSize, timeStands} from "@gui/shared/state";
 import type {AnalysisState, ComponentInfo, EstimateState, MapState, MemoryState} from "@gui/shared/state";
 
 const lens = {width: 320, height: 240, fx: 277, fy: 277, cx: 159.5, cy: 119.5, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0};
@@ -54,6 +54,23 @@ test("no images for three seconds, with the camera's reason", () => {
   s.links = [{name: "Camera", connected: false, message: "connection refused", since: now - 3000}];
   assert.match(causesOf(s)[0]!.text, /No images for 3 s: the camera does not answer \(connection refused\)/);
   assert.deepEqual(ids({...s, paused: true}), [], "a paused simulation gives none on purpose");
+});
+
+test("a paused replay is no problem of those who wait for its images", () => {
+  const waits: ComponentInfo = {name: "localization", alive: true, message: "", since: now - 4000, state: "Degraded", reason: "no update", version: "0.2.0", uptimeS: 9, peers: [], rates: [], latencies: [], gauges: [], errors: []};
+  const moment = {...emptyMoment, t: now, estimate: {...estimate, t: now - 9000}};
+  assert.deepEqual(ids(signals({components: [waits], moment, paused: true})), []);
+  assert.deepEqual(ids(signals({components: [waits], moment})), ["degraded localization", "estimate late"]);
+  assert.ok(isProblem(waits, false) && !isProblem(waits, true));
+  assert.ok(isProblem({...waits, alive: false}, true), "one that is gone");
+  assert.ok(isProblem({...waits, peers: [{name: "memory", connected: false, message: "", proxy: ""}]}, true), "one that has lost a peer");
+});
+
+test("time stands while a replay that answers is paused or at its end", () => {
+  const replay = {state: "FINISHED", file: "", firstUs: 0, lastUs: 1, stampUs: 1, rate: 1, loop: false};
+  assert.ok(timeStands(() => true, null, replay));
+  assert.ok(!timeStands(() => false, null, replay), "its server is gone");
+  assert.ok(!timeStands(() => true, null, {...replay, state: "PLAYING"}));
 });
 
 test("a plain wall", () => assert.deepEqual(ids(signals({moment: {...emptyMoment, t: now, analysis: analysisOf(1, 0, 0)}})), ["nothing seen"]));

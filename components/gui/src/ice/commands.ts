@@ -46,6 +46,7 @@ export function makeCommands(link: Link, streams: Streams): Record<string, Comma
     saveRing: async () => ({adjusted: false, message: await proxy("Recorder").saveRing("")}),
 
     pauseReplay: call("Replay", "setPaused"),
+    stepReplay: call("Replay", "step"),
     seek: async (stampUs: number) => replyOf(await proxy("Replay").seek(longOf(stampUs))),
     rateReplay: call("Replay", "setRate"),
     loopReplay: call("Replay", "setLoop"),

@@ -22,7 +22,9 @@ export class AgeMeter {
   roundTripMs = 0;
   private differences: {t: number; value: number}[] = [];
   private roundTrips: number[] = [];
-  private lastStampUs = -Infinity;
+  private lastStampUs: number | null = null;
+  /** When the last stamp is due [ms], in a clock of this source's speed. */
+  private due = 0;
 
   addRoundTrip(ms: number): void {
     this.roundTrips.push(ms);
@@ -30,15 +32,21 @@ export class AgeMeter {
     this.roundTripMs = Math.min(...this.roundTrips);
   }
 
-  /** @param speed simulated seconds per second; 1 for real clocks. */
+  /** The source's time stood still, or its speed was changed: what was the best before says nothing now. */
+  restart(): void {
+    this.differences = [];
+    this.ageMs = 0;
+  }
+
+  /** @param speed source seconds per second; 1 for real clocks. */
   add(now: number, stampUs: number, speed: number): void {
-    // Time went back, or the source's speed is unknown: begin anew.
-    if (stampUs < this.lastStampUs) this.differences = [];
+    if (this.lastStampUs !== null && stampUs < this.lastStampUs) this.restart();
+    this.due += (stampUs - (this.lastStampUs ?? stampUs)) / 1000 / speed;
     this.lastStampUs = stampUs;
-    if (Math.abs(speed - 1) > 0.2) this.differences = this.differences.filter(d => now - d.t < 1000);
-    const value = now - stampUs / 1000;
+    // A speed that is measured is never exact: a long window would add its error up.
+    const window = speed === 1 ? 30_000 : 3000, value = now - this.due;
     this.differences.push({t: now, value});
-    if (this.differences.length % 64 === 0 || now - this.differences[0]!.t > 31_000) this.differences = this.differences.filter(d => now - d.t <= 30_000);
+    if (this.differences.length % 64 === 0 || now - this.differences[0]!.t > window + 1000) this.differences = this.differences.filter(d => now - d.t <= window);
     let best = Infinity;
     for (const d of this.differences) best = Math.min(best, d.value);
     this.ageMs = value - best + this.roundTripMs / 2;

@@ -2,8 +2,8 @@
 /* eslint-disable @typescript-eslint/no-explicit-any */
 import {defaultOverlays, nowMs} from "../shared/messages";
 import type {FromWorker, GuiConfig, OverlayOptions} from "../shared/messages";
-import {emptyMoment} from "../shared/state";
-import type {AnalysisState, ComponentInfo, FrameState, Moment, VideoInfo} from "../shared/state";
+import {emptyMoment, timeStands} from "../shared/state";
+import type {AnalysisState, ComponentInfo, FrameState, Moment, ReplayInfo, SimulationInfo, VideoInfo} from "../shared/state";
 import {History} from "../state/history";
 import type {StoredImage} from "../state/image_ring";
 import {
@@ -49,10 +49,12 @@ export class Streams {
   private waiting: StoredImage | null = null;
   private drawing = false;
   private readonly sourceRate = new RateMeter();
+  private simulation: SimulationInfo | null = null;
+  private replay: ReplayInfo | null = null;
   private videoInfo: VideoInfo = {fps: 0, sourceFps: 0, ageMs: 0, roundTripMs: 0, stampUs: 0, width: 0, height: 0, brightness: null, state: "Waiting", message: "no image yet", last: 0};
   private readonly components = new Map<string, ComponentInfo>();
   private analysisArrived: (() => void) | null = null;
-  private realSpeed = 1;
+  private speed = 1;
 
   constructor(private readonly config: GuiConfig, private readonly link: Link, private readonly publish: (message: FromWorker, transfer?: Transferable[]) => void) {}
 
@@ -116,7 +118,7 @@ export class Streams {
     const jpeg = new Uint8Array(image.pixels);
     const stored = this.history.addImage({t, stampUs, seq, width: image.width, height: image.height, jpeg});
     if (this.driver) this.driver.lastFrame = t;
-    this.age.add(t, stampUs, this.realSpeed);
+    this.age.add(t, stampUs, this.speed);
     Object.assign(this.videoInfo, {last: t, stampUs, width: image.width, height: image.height, ageMs: this.age.ageMs, roundTripMs: this.age.roundTripMs});
     this.live.frame = frameOf(stored);
     this.announce({frame: this.live.frame});
@@ -270,17 +272,25 @@ export class Streams {
         models = await status.proxy.models();
         nextModels = performance.now() + 2000;
       }
-      const state = simulationOf(await status.proxy.status(), models);
-      this.realSpeed = state.realSpeed;
-      this.publish({kind: "simulation", simulation: state});
+      this.simulation = simulationOf(await status.proxy.status(), models);
+      const {paused, speed, realSpeed, lockStep} = this.simulation;
+      this.setSpeed(paused ? 0 : lockStep === 0 && Math.abs(realSpeed / speed - 1) < 0.05 ? speed : realSpeed);
+      this.publish({kind: "simulation", simulation: this.simulation});
       await sleep(500);
     });
   }
 
+  /** @param speed source seconds per second; 0: its time stands. */
+  private setSpeed(speed: number): void {
+    if (speed <= 0 || Math.abs(speed / this.speed - 1) > 0.2) this.age.restart();
+    if (speed > 0) this.speed = speed;
+  }
+
   private startReplay(peer: Peer): void {
     void this.link.loop(peer, async () => {
-      const info = replayOf(await peer.proxy.info());
-      this.publish({kind: "replay", replay: info});
+      this.replay = replayOf(await peer.proxy.info());
+      this.setSpeed(this.replay.state === "PLAYING" ? this.replay.rate : 0);
+      this.publish({kind: "replay", replay: this.replay});
       await sleep(200);
     });
   }
@@ -344,8 +354,9 @@ export class Streams {
 
   private everyHalfSecond(): void {
     const now = nowMs();
+    const stands = timeStands(name => this.link.peers.get(name)?.info.connected === true, this.simulation, this.replay);
     if (this.past === null && this.videoInfo.last > 0 && now - this.videoInfo.last > 1500 && this.cameraVisible)
-      this.video.note(`no image for ${((now - this.videoInfo.last) / 1000).toFixed(0)} s`);
+      this.video.note(stands ? "" : `no image for ${((now - this.videoInfo.last) / 1000).toFixed(0)} s`);
     this.publishVideo(now);
     this.publish({kind: "components", components: [...this.components.values()]});
     const timeline = this.history.timeline(now);

@@ -4,7 +4,7 @@ import {nowMs} from "../shared/messages";
 import {button, fileButton, fixed, h, holderOf, saveFile, say, select} from "../panes/dom";
 import {keepText, keptAsText} from "../state/store";
 import type {Store} from "../state/store";
-import {verdictOf} from "../why/rules";
+import {isProblem, verdictOf} from "../why/rules";
 import type {Dock, MoveTo} from "./dock";
 import {presetNames} from "./presets";
 import type {PresetName} from "./presets";
@@ -33,14 +33,14 @@ export class TopBar {
     });
     let slowSince = Infinity;
     effect(() => {
-      const v = store.video.value, behind = v && v.sourceFps > 1 && v.fps < 0.7 * v.sourceFps;
+      const v = store.video.value, behind = v && !store.stands && v.sourceFps > 1 && v.fps < 0.7 * v.sourceFps;
       // A page that was busy for a moment catches up: only what lasts is the link's.
       slowSince = behind ? Math.min(slowSince, nowMs()) : Infinity;
       const slow = v && nowMs() - slowSince > 2500;
-      say(link, !v || v.last === 0 ? "no video" : store.past.value !== null ? `keeps ${fixed(v.sourceFps, 0)} fps` : slow ? `${fixed(v.fps, 0)} of ${fixed(v.sourceFps, 0)} fps, link slow` : `${fixed(v.fps, 0)} fps  ${fixed(v.ageMs, 0)} ms`);
+      say(link, !v || v.last === 0 ? "no video" : store.past.value !== null ? `keeps ${fixed(v.sourceFps, 0)} fps` : slow ? `${fixed(v.fps, 0)} of ${fixed(v.sourceFps, 0)} fps, link slow` : `${fixed(v.fps, 0)} fps${store.stands ? "" : `  ${fixed(v.ageMs, 0)} ms`}`);
     });
     effect(() => {
-      const bad = store.components.value.filter(c => !c.alive || c.state !== "Running");
+      const bad = store.components.value.filter(c => isProblem(c, store.stands));
       if (store.components.value.length === 0) return say(problems, "connecting");
       say(problems, bad.length === 0 ? "all running" : `${bad.length} ${bad.length === 1 ? "problem" : "problems"}: ${bad.map(c => c.name).join(", ")}`);
       problems.dataset.level = bad.length === 0 ? "good" : bad.some(c => !c.alive) ? "bad" : "warning";

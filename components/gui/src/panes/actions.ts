@@ -61,19 +61,21 @@ export class ActionsPane extends Pane {
   }
 
   private replay(): HTMLElement {
-    const {store} = this, state = h("div", {class: "note"});
-    const pause = button("pause", "the log stands still", () => { const paused = store.replay.value?.state === "PAUSED"; void store.act(paused ? "replay goes on" : "replay paused", "pauseReplay", !paused); });
+    const {store} = this;
+    const state = h("div", {class: "note"}), stands = () => ["PAUSED", "FINISHED"].includes(store.replay.value?.state ?? "");
+    const pause = button("pause", "the log stands still", () => { const on = stands(); void store.act(on ? "replay goes on" : "replay paused", "pauseReplay", !on); });
     const rate = select("log seconds per second", ["0.1", "0.25", "0.5", "1", "2", "4"].map(v => [v, `rate ${v}`] as const), "1", v => void store.act(`rate ${v}`, "rateReplay", Number(v)));
     const loop = button("loop", "whether it begins again at the end", () => { const on = !(store.replay.value?.loop ?? false); void store.act(on ? "the log repeats" : "the log ends at its end", "loopReplay", on); });
     this.follow(() => {
       const r = store.replay.value;
       if (!r) return say(state, "the replay has not answered yet");
-      say(pause, r.state === "PAUSED" ? "play" : "pause");
+      say(pause, r.state === "FINISHED" ? "play again" : stands() ? "play" : "pause");
       showChoice(rate, r.rate, "rate");
       say(loop, r.loop ? "do not loop" : "loop");
       say(state, `${r.file.split("/").pop()}: ${fixed((r.stampUs - r.firstUs) / 1e6, 1)} of ${fixed((r.lastUs - r.firstUs) / 1e6, 1)} s, ${r.state.toLowerCase()}`);
     });
-    return this.group("replay", state, pause, rate,
+    const step = (images: number) => void store.act(`${images > 0 ? "one image on" : "one image back"}, paused`, "stepReplay", images);
+    return this.group("replay", state, pause, button("-1 image", "pauses at the image before", () => step(-1)), button("+1 image", "pauses at the next image", () => step(1)), rate,
       button("-5 s", "back", () => this.jump(-5)), button("+5 s", "on", () => this.jump(5)), button("to the start", "", () => this.jump(-Infinity)), loop);
   }
 

@@ -62,7 +62,7 @@ export class CameraPane extends Pane {
     if (!video) return;
     if (!moment.live) return say(this.stamp, `${stampText(moment.frame?.stampUs)}, ${fixed(((moment.frame?.t ?? moment.t) - moment.t) / 1000, 2)} s from this moment`);
     const a = moment.analysis;
-    say(this.stamp, `${stampText(video.stampUs)}  age ${fixed(video.ageMs, 0)} ms  ${fixed(video.fps, 0)} fps  ${video.width}x${video.height}` +
+    say(this.stamp, `${stampText(video.stampUs)}${this.store.stands ? "" : `  age ${fixed(video.ageMs, 0)} ms`}  ${fixed(video.fps, 0)} fps  ${video.width}x${video.height}` +
         (a ? `  ${a.observedLabels.length} observed, ${a.predictedIds.length} predicted, ${a.matches.length / 2} matched` : ""));
   }
 }

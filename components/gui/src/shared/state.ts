@@ -172,6 +172,11 @@ export interface ReplayInfo {
   state: string; file: string; firstUs: number; lastUs: number; stampUs: number; rate: number; loop: boolean;
 }
 
+/** Whether the robot's time stands still on purpose. @param answers whether the object of a name does. */
+export function timeStands(answers: (name: string) => boolean, simulation: SimulationInfo | null, replay: ReplayInfo | null): boolean {
+  return (answers("Simulation") && simulation?.paused === true) || (answers("Replay") && ["PAUSED", "FINISHED"].includes(replay?.state ?? ""));
+}
+
 export interface RecorderInfo {
   state: "Idle" | "Recording" | "Failed"; message: string; path: string; bytes: number; messages: number; seconds: number;
   /** Seconds in the ring buffer. */

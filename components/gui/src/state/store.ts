@@ -3,7 +3,7 @@ import {effect, signal} from "@preact/signals-core";
 import {defaultOverlays, nowMs} from "../shared/messages";
 import type {FromWorker, GuiConfig, ImagePlace, OverlayOptions, SessionInfo, ToWorker} from "../shared/messages";
 import type {Theme} from "../shared/palette";
-import {emptyMoment} from "../shared/state";
+import {emptyMoment, timeStands} from "../shared/state";
 import type {
   ComponentInfo, HealthGrid, LeaseInfo, LinkInfo, LogLine, MapState, Moment, RecorderInfo, ReplayInfo, SimulationInfo, TimelineInfo, VideoInfo,
 } from "../shared/state";
@@ -102,8 +102,7 @@ export class Store {
 
   /** Whether the robot's time stands still on purpose. */
   get stands(): boolean {
-    const answers = (name: string) => this.links.value.some(l => l.name === name && l.connected);
-    return (answers("Simulation") && this.simulation.value?.paused === true) || (answers("Replay") && ["PAUSED", "FINISHED"].includes(this.replay.value?.state ?? ""));
+    return timeStands(name => this.links.value.some(l => l.name === name && l.connected), this.simulation.value, this.replay.value);
   }
 
   send(message: ToWorker, transfer: Transferable[] = []): void { this.worker.postMessage(message, transfer); }

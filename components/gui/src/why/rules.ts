@@ -45,6 +45,11 @@ export function causesOf(s: Signals): Cause[] {
   return [...componentCauses(s), ...cameraCauses(s), ...viewCauses(s), ...mapCauses(s), ...poseCauses(s)];
 }
 
+/** @param stands the robot's time is paused, or its recording is at the end: who waits for images then does what it should. */
+export function isProblem(c: ComponentInfo, stands: boolean): boolean {
+  return !c.alive || (c.state !== "Running" && !(stands && c.state === "Degraded" && c.peers.every(p => p.connected)));
+}
+
 function componentCauses(s: Signals): Cause[] {
   const causes: Cause[] = [], dead = s.components.filter(c => !c.alive && c.version !== "");
   if (dead.length > 1 && dead.length === s.components.length)
@@ -57,7 +62,7 @@ function componentCauses(s: Signals): Cause[] {
     for (const p of c.alive ? c.peers : []) {
       if (!p.connected) causes.push({id: `peer ${c.name} ${p.name}`, weight: 0.994, text: `${c.name} has lost ${p.name} (${p.message}).`, advice: "It is asked again by itself; see the pane components."});
     }
-    if (c.alive && c.state === "Degraded" && c.peers.every(p => p.connected))
+    if (c.alive && c.state === "Degraded" && isProblem(c, s.paused) && c.peers.every(p => p.connected))
       causes.push({id: `degraded ${c.name}`, weight: 0.9, text: `${c.name}: ${c.reason}.`, advice: "See the log of that component."});
   }
   return causes;
@@ -145,7 +150,7 @@ function poseCauses(s: Signals): Cause[] {
   const causes: Cause[] = [], {moment: m, map} = s, e = m.estimate;
   if (!e) return causes;
   const late = m.t - e.t;
-  if (late > poseIsOldMs && m.live) causes.push({id: "estimate late", weight: 0.65, text: `The last pose is ${seconds(late)} old.`, advice: "Is the visual memory running?"});
+  if (late > poseIsOldMs && m.live && !s.paused) causes.push({id: "estimate late", weight: 0.65, text: `The last pose is ${seconds(late)} old.`, advice: "Is the visual memory running?"});
   if (!e.hasPose && e.races.length === 0) causes.push({id: "no pose", weight: 0.5, text: "Searching everywhere: no place is good enough to follow yet.", advice: "Let the robot look round or drive a little."});
   const sorted = [...e.races].sort((a, b) => b.weight - a.weight), [first, second] = sorted;
   if (first && second && e.reliability < sure && second.weight > 0.2 && Math.hypot(first.pose.x - second.pose.x, first.pose.y - second.pose.y) > 1)
