@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "application/app/out_folder.h"
+#include "common/config/config_error.h"
 #include "support/build_paths.h"
 
 namespace vismem {
@@ -111,6 +112,20 @@ TEST_F(Options, OfOneSetupAreErrorsInAnother) {
               HasSubstr("--setup replay needs --map FILE"));
   EXPECT_THAT(failure({"--setup", "replay", "--world", "a.world"}),
               HasSubstr("--world is for simulated setups"));
+}
+
+TEST_F(Options, TakeABagAFolderOrSeveral) {
+  const auto bagOf = [this](const std::string& bag) {
+    const auto map = (std::filesystem::path(VISMEM_SOURCE_DIR) / "cfg/maps/room.csv").string();
+    return parse({"--setup", "replay", "--bag", bag, "--map", map})->bag.string();
+  };
+  const std::string folder = (out_ / "drive").string();
+  std::filesystem::create_directories(folder);
+  for (const char* name : {"/a.bag", "/b.bag"}) std::ofstream(folder + name) << "-";
+  EXPECT_EQ(bagOf(folder + "/a.bag"), folder + "/a.bag");
+  EXPECT_EQ(bagOf(folder + "/"), folder);
+  EXPECT_EQ(bagOf(folder + "/b.bag," + folder), folder + "/b.bag," + folder);
+  EXPECT_THROW(bagOf(folder + "/a.bag," + folder + "/c.bag"), ConfigError);
 }
 
 std::string failureOfFolder(const std::filesystem::path& folder) {

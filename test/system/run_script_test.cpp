@@ -67,6 +67,7 @@ TEST_F(RunScript, RefusesWrongOptionsWithoutABuild) {
        "--setup nowhere (must be a folder of cfg/ with a simulator or a replay server: sim;"},
       {{"--setup", "robot"}, "scripts/start runs other robots"},
       {{"--bag", "absent.bag"}, "--bag absent.bag: no such file"},
+      {{"--bag", "/tmp,absent.bag"}, "--bag absent.bag: no such file or folder"},
   };
   for (const auto& [arguments, message] : cases) {
     const Answer answer = run(arguments);

@@ -11,6 +11,7 @@
 #include "common/config/text_fields.h"
 #include "common/process/name_by_date.h"
 #include "common/recording/bag_advice.h"
+#include "common/recording/bag_file.h"
 
 namespace vismem {
 namespace {
@@ -75,6 +76,20 @@ Setup kindOf(const fs::path& cfg, const std::string& setup) {
                    " with a simulator or a replay server: " + names + ")");
 }
 
+/// A bag, a folder of some, or several with commas between: the components have another working directory.
+/// @throws ConfigError for what is not there.
+fs::path requireBags(const std::string& text) {
+  bagsOf(text);
+  std::string absolute;
+  for (const std::string_view part :
+       fs::exists(text) ? std::vector<std::string_view>{text} : splitAt(text, ',')) {
+    fs::path path = fs::absolute(part).lexically_normal();
+    if (!path.has_filename()) path = path.parent_path();
+    absolute += (absolute.empty() ? "" : ",") + path.string();
+  }
+  return absolute;
+}
+
 /// Whether the setup says that its map has a frame of its own, as one from a drive.
 bool mapHasOwnFrame(const RunOptions& options) {
   const fs::path file = options.root / "cfg" / options.folder / "gui_server.cfg";
@@ -126,7 +141,8 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
   app.add_option("--seconds", seconds,
                  "length in the robot's time; without it until Ctrl-C or the recording's end");
   app.add_option("--seed", seed, "of the start and of all chance (default 1)");
-  app.add_option("--bag", bag, "replay: the recording, a ROS 1 bag");
+  app.add_option("--bag", bag,
+                 "replay: the recording: a ROS 1 bag, a folder of some, or several with commas between");
   app.add_option(
       "--session", session,
       "replay: a folder that the recorder made; bags, map and configurations are taken from there");
@@ -198,7 +214,7 @@ std::optional<RunOptions> parseOptions(int argc, char** argv) {
     } else if (bag.empty()) {
       throw UsageError("--setup " + setup + " needs --bag FILE");
     } else {
-      options.bag = requireFile(bag, "--bag", "must be a ROS 1 bag");
+      options.bag = requireBags(bag);
     }
     if (map.empty()) throw UsageError("--setup " + setup + " needs --map FILE");
     RobotLogOptions roles;

@@ -71,14 +71,10 @@ void printAdvice(const BagAdvice& advice, const std::vector<std::string>& files)
     return;
   }
   const std::string file = joined(files, ",");
-  std::printf("It can be replayed:\n  scripts/start replay '--ReplayServer.File=%s'", file.c_str());
-  for (const std::string& argument : replayArguments(advice.options)) std::printf(" %s", argument.c_str());
-  std::printf(
-      " --ActiveVisualMemory.Palette=MAP.palette --Localization.Map=MAP.csv "
-      "--Localization.Palette=MAP.palette\n");
   const std::string topics = topicsText(advice.options);
-  std::printf("It can be evaluated:\n  evaluate --bag '%s'%s --map MAP.csv --out DIR\n", file.c_str(),
-              topics.empty() ? "" : (" --topics " + topics).c_str());
+  const std::string recording = "--bag '" + file + "'" + (topics.empty() ? "" : " --topics " + topics);
+  std::printf("It can be replayed:\n  scripts/run --setup replay %s --map MAP.csv\n", recording.c_str());
+  std::printf("It can be evaluated:\n  evaluate %s --map MAP.csv --out DIR\n", recording.c_str());
 }
 
 }  // namespace
