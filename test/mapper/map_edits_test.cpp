@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "common/config/config_error.h"
 #include "mapper/core/drive_mapper.h"
@@ -120,6 +121,65 @@ TEST(MapEdits, SplitLeavesAStretchFreeAndJoinClosesIt) {
   EXPECT_NEAR(find(joined, id)->segment().length(), length, 0.05);
 }
 
+TEST(MapEdits, SplitTakesAFreeIdAndStaysOnTheEdge) {
+  const SyntheticDrive drive = hall();
+  const auto id = doors(mapDrive(drive.record, {}, params())).front();
+  const std::string name = std::to_string(id);
+  const DriveMap twice = mapWith(drive.record, "split " + name + " 0.6 0.7\nsplit " + name + " 0.2 0.4");
+  std::set<std::uint64_t> ids;
+  for (const LineLandmark& landmark : twice.state.landmarks) {
+    EXPECT_TRUE(ids.insert(landmark.id).second) << landmark.id << " names two edges";
+  }
+  EXPECT_TRUE(ids.contains(id + 1) && ids.contains(id + 2));
+  const DriveMap beyond = mapWith(drive.record, "split " + name + " 5 6");
+  EXPECT_THAT(beyond.notes, testing::Contains(HasSubstr("it has no stretch from 5.00 m on")));
+  EXPECT_LT(find(beyond, id)->segment().length(), 2.0);
+}
+
+TEST(MapEdits, EdgesThatDoNotFitStayAndSaySo) {
+  const SyntheticDrive drive = hall();
+  const DriveMap first = mapDrive(drive.record, {}, params());
+  const auto ids = doors(first);
+  ASSERT_GE(ids.size(), 2u);
+  const DriveMap edited =
+      mapWith(drive.record, "square " + std::to_string(ids[0]) + " " + std::to_string(ids[1]));
+  EXPECT_THAT(edited.notes, testing::Contains(HasSubstr("(must be within 30 of a right angle)")));
+  for (const auto id : ids) {
+    const Segment2 before = first.state.worldSegment(*find(first, id));
+    EXPECT_LT((edited.state.worldSegment(*find(edited, id)).a - before.a).norm(), 0.001);
+  }
+}
+
+/// Deletes the edges along the longest one that are longer than all across it: the longest edge is then
+/// another way round.
+TEST(MapEdits, LeaveTheFrameAsItWas) {
+  const SyntheticDrive ring = drive(ringOfCorridors(), ringWay(30.0), {});
+  const DriveMap first = mapDrive(ring.record, {}, params());
+  const auto isAcross = [&](const LineLandmark& landmark) {
+    return std::abs(std::sin(
+               (first.T_map_world * Pose2{0.0, 0.0, first.state.worldSegment(landmark).direction()}).theta)) >
+           0.7;
+  };
+  double across_m = 0.0;
+  for (const LineLandmark& landmark : first.state.landmarks) {
+    if (isAcross(landmark)) across_m = std::max(across_m, landmark.segment().length());
+  }
+  std::string edits;
+  for (const LineLandmark& landmark : first.state.landmarks) {
+    if (!isAcross(landmark) && landmark.segment().length() > across_m - 0.05)
+      edits += "delete " + std::to_string(landmark.id) + "\n";
+  }
+  ASSERT_NE(edits, "");
+  const DriveMap edited = mapWith(ring.record, edits);
+  for (const LineLandmark& landmark : edited.state.landmarks) {
+    const LineLandmark* before = find(first, landmark.id);
+    ASSERT_NE(before, nullptr);
+    const Eigen::Vector2d was = transform(first.T_map_world, first.state.worldSegment(*before)).middle();
+    EXPECT_LT((transform(edited.T_map_world, edited.state.worldSegment(landmark)).middle() - was).norm(),
+              0.1);
+  }
+}
+
 TEST(MapEdits, MoveSetsAnEndOfTheFinishedMap) {
   std::vector<MappedRow> rows(1);
   rows[0].id = 700;
@@ -142,6 +202,8 @@ TEST(MapEdits, NamesWhatIsWrong) {
   EXPECT_THAT(problem("\nlength 12"), HasSubstr("map.edits:2: the line ends before a length"));
   EXPECT_THAT(problem("move 12 c 1 2"), HasSubstr("\"c\" (must be a or b)"));
   EXPECT_THAT(problem("join 12 x"), HasSubstr("\"x\" (must be the id of an edge)"));
+  EXPECT_THAT(problem("split 12 0.9 0.2"), HasSubstr("\"0.2\" (must be its end in metres, 0.9..100000)"));
+  EXPECT_THAT(problem("length 12 -1"), HasSubstr("\"-1\" (must be a length in metres, 0.001..100000)"));
   EXPECT_THAT(problem("delete 12 13"), HasSubstr("\"13\" is one word too many"));
 }
 

@@ -34,7 +34,7 @@ struct Output {
 Output outputOf(const RecordedDrive& drive, const DriveMap& map) {
   Output output;
   const MapOutputParams params;
-  output.T_map_world = mapFrameOf(map.state);
+  output.T_map_world = map.T_map_world;
   output.rows = rowsOf(map.state, output.T_map_world, params);
   addStripeEnds(output.rows, params);
   applyMoves(drive.params.edits, output.rows);

@@ -20,6 +20,7 @@ struct RecordedDrive {
   std::vector<Closing> closings;  ///< of a saved drive
   Trajectory truth;               ///< empty: not known
   std::filesystem::path palette_file;
+  std::vector<Label> labels;       ///< of edges, by the palette
   std::map<Label, Label> stripes;  ///< of the palette
   DriveMapperParams params;        ///< by the configuration
   bool broken = false;             ///< the odometry jumped: the record ends there

@@ -130,6 +130,8 @@ int main(int argc, char** argv) {
         arguments.live.empty()
             ? vismem::makeMapFromDrive(options)
             : vismem::makeLiveMap(arguments.live, app.count("--name") > 0 ? options.files.name : "");
+    for (const auto& note : summary.value("notes", nlohmann::json::array()))
+      std::cerr << "map_from_drive: " << note.get<std::string>() << "\n";
     std::cout << summary.dump() << std::endl;
     if (!summary.contains("problems")) return 0;
     for (const auto& problem : summary["problems"]) {

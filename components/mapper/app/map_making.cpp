@@ -1,10 +1,12 @@
 #include "mapper/app/map_making.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/config/config_error.h"
 #include "common/config/text_file.h"
+#include "common/config/text_format.h"
 #include "common/kinematics/calibrated_ports.h"
 #include "common/recording/bag_advice.h"
 #include "common/tool/progress_line.h"
@@ -23,6 +25,7 @@ constexpr double kSlowest_mps = 0.03;
 RecordedDrive emptyDrive(const EvaluationParams& params) {
   RecordedDrive drive;
   drive.palette_file = params.palette_file;
+  drive.labels = params.palette->labels();
   drive.stripes = params.palette->stripes();
   drive.params = DriveMapperParams::of(params.pipeline.memory, params.localizer);
   return drive;
@@ -125,6 +128,21 @@ RecordedDrive readSavedDrive(const MapMakingOptions& options) {
   return drive;
 }
 
+/// @throws ConfigError for an edit's label that no image gives an edge.
+void checkLabels(const RecordedDrive& drive) {
+  std::vector<std::string> problems;
+  for (const MapEdit& edit : drive.params.edits) {
+    const auto& labels = drive.labels;
+    if (edit.kind != MapEdit::Kind::kRelabel ||
+        std::find(labels.begin(), labels.end(), edit.label) != labels.end()) {
+      continue;
+    }
+    problems.push_back(edit.where + ": label \"" + edit.label + "\" (must be one of " +
+                       drive.palette_file.string() + ": " + joined(labels, ", ") + ")");
+  }
+  if (!problems.empty()) throw ConfigError(problems);
+}
+
 MapFilesOptions filesOf(const MapMakingOptions& options) {
   std::filesystem::path source = options.drive.bag.empty() ? options.drive.world : options.drive.bag;
   if (!options.saved_drive.empty()) source = options.saved_drive;
@@ -149,6 +167,7 @@ nlohmann::json makeMapFromDrive(const MapMakingOptions& options) {
   drive.params.seed = options.drive.seed;
   if (!options.edits.empty()) {
     drive.params.edits = parseMapEdits(readTextFile(options.edits, "edits of a map"), options.edits.string());
+    checkLabels(drive);
   }
   const MapFilesOptions files = filesOf(options);
   if (!options.saved_drive.empty()) {

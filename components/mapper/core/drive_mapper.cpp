@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "mapper/core/map_output.h"
+
 namespace vismem {
 
 DriveMapperParams DriveMapperParams::of(const AttentiveVisualMemoryParams& memory,
@@ -79,7 +81,14 @@ class Mapping {
     takeCircles(record_, params_.circles, map_.state);
     if (!solve({.kernel = params_.kernel})) return std::move(map_);
     updateEnds(record_, params_.ends, map_.state);
-    finish();
+    const DriveMap unfinished = map_;
+    finish({});
+    map_.T_map_world = mapFrameOf(map_.state);
+    if (params_.edits.empty()) return std::move(map_);
+    const Pose2 T_start_map = inverse(map_.T_map_world * map_.state.poses.front());
+    map_ = unfinished;
+    finish(params_.edits);
+    map_.T_map_world = inverse(map_.state.poses.front() * T_start_map);
     return std::move(map_);
   }
 
@@ -120,12 +129,11 @@ class Mapping {
   }
 
   /// Circles, right angles, a person's edits, corners.
-  void finish() {
+  void finish(const std::vector<MapEdit>& edits) {
     map_.circles = joinCircles(record_, params_.circles, map_.state);
-    for (std::string& missing : applyEdits(params_.edits, map_.state))
-      map_.notes.push_back(std::move(missing));
+    for (std::string& missing : applyEdits(edits, map_.state)) map_.notes.push_back(std::move(missing));
     SolveStage last{.kernel = params_.kernel, .right_angles = params_.right_angles, .tolerance = 1e-6};
-    last.constraints = constraintsOf(params_.edits, map_.state);
+    last.constraints = constraintsOf(edits, map_.state);
     CornerJoinParams corners = params_.corners;
     for (const LineConstraint& constraint : last.constraints) {
       if (constraint.kind == LineConstraint::Kind::kLength) {

@@ -43,6 +43,7 @@ struct DriveMapperParams {
 
 struct DriveMap {
   MapState state;
+  Pose2 T_map_world;  ///< mapFrameOf the map before edits: they leave the places of all else as they were
   int merged = 0;
   int dropped = 0;
   int cut = 0;

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <optional>
 #include <sstream>
 
 #include "common/config/config_error.h"
+#include "common/geometry/angles.h"
 
 namespace vismem {
 namespace {
@@ -61,18 +63,18 @@ class Line {
         while (next_ < words_.size());
         break;
       case Kind::kLength:
-        edit.from_m = metres(1e-3);
+        edit.from_m = metres("a length", 1e-3);
         break;
       case Kind::kSplit:
-        edit.from_m = metres(0.0);
-        edit.to_m = metres(edit.from_m);
+        edit.from_m = metres("the beginning of the stretch", 0.0);
+        edit.to_m = metres("its end", edit.from_m);
         break;
       case Kind::kMove: {
         const std::string end = word("a or b");
         if (end != "a" && end != "b") fail("\"" + end + "\" (must be a or b)");
         edit.at_b = end == "b";
-        edit.place.x() = metres(-kFarthest_m);
-        edit.place.y() = metres(-kFarthest_m);
+        edit.place.x() = metres("x", -kFarthest_m);
+        edit.place.y() = metres("y", -kFarthest_m);
         break;
       }
     }
@@ -94,11 +96,13 @@ class Line {
     if (!value || *value == 0) fail("\"" + text + "\" (must be the id of an edge)");
     return *value;
   }
-  double metres(double least) {
-    const std::string text = word("a length");
+  double metres(const char* what, double least) {
+    const std::string text = word(what);
     const auto value = numberOf<double>(text);
-    if (!value || !(*value >= least) || *value > kFarthest_m) fail("\"" + text + "\" (must be metres)");
-    return *value;
+    if (value && *value >= least && *value <= kFarthest_m) return *value;
+    std::ostringstream rule;
+    rule << "(must be " << what << " in metres, " << least << ".." << kFarthest_m << ")";
+    fail("\"" + text + "\" " + rule.str());
   }
 
   std::vector<std::string> words_;
@@ -135,17 +139,61 @@ void join(MapState& state, std::size_t into, std::size_t other) {
 
 void split(MapState& state, std::size_t index, double from_m, double to_m) {
   const LineLandmark whole = state.landmarks[index];
+  // A line that was cut before has pieces with the next ids.
+  std::uint64_t id = whole.id;
+  while (indexOf(state, id)) ++id;
   LineLandmark before = whole;
   before.b = {whole.a.t_m + from_m, true};
   LineLandmark behind = whole;
   behind.a = {whole.a.t_m + to_m, true};
-  ++behind.id;
+  behind.id = id;
   state.landmarks.erase(state.landmarks.begin() + static_cast<std::ptrdiff_t>(index));
   for (LineLandmark* piece : {&before, &behind}) {
     if (piece->b.t_m <= piece->a.t_m) continue;
     piece->recentre();
     state.landmarks.push_back(*piece);
   }
+}
+
+/// Between the lines of two edges, 0..90.
+double degreesBetween(const MapState& state, std::size_t one, std::size_t other) {
+  const double turn = state.worldSegment(state.landmarks[one]).direction() -
+                      state.worldSegment(state.landmarks[other]).direction();
+  return radToDeg(std::atan2(std::abs(std::sin(turn)), std::abs(std::cos(turn))));
+}
+
+/// Edges that are not about in one line, or about at right angles, would pull the whole map out of shape.
+bool fitsTogether(MapEdit::Kind kind, const MapState& state, std::size_t one, std::size_t other) {
+  constexpr double kMostAsideDeg = 30.0;
+  if (kind != Kind::kJoin && kind != Kind::kStraighten && kind != Kind::kSquare) return true;
+  const double angle = degreesBetween(state, one, other);
+  return kind == Kind::kSquare ? angle >= 90.0 - kMostAsideDeg : angle <= kMostAsideDeg;
+}
+
+/// Why an edit cannot be made of these edges; empty: it can.
+std::string obstacleTo(const MapEdit& edit, const MapState& state, const std::vector<std::size_t>& indices) {
+  const auto is_chord = [&](std::size_t i) { return state.landmarks[i].isChord(); };
+  if (edit.kind != Kind::kDelete && edit.kind != Kind::kRelabel &&
+      std::any_of(indices.begin(), indices.end(), is_chord)) {
+    return "chords of a circle can be deleted and relabelled only";
+  }
+  char text[160];
+  for (std::size_t i = 1; i < indices.size(); ++i) {
+    if (fitsTogether(edit.kind, state, indices[0], indices[i])) continue;
+    std::snprintf(text, sizeof text,
+                  "edges %llu and %llu are at %.0f degrees (must be within 30 of %s): they stay as they are",
+                  static_cast<unsigned long long>(edit.ids[0]), static_cast<unsigned long long>(edit.ids[i]),
+                  degreesBetween(state, indices[0], indices[i]),
+                  edit.kind == Kind::kSquare ? "a right angle" : "one line");
+    return text;
+  }
+  const double length_m = state.landmarks[indices[0]].segment().length();
+  if (edit.kind == Kind::kSplit && edit.from_m >= length_m) {
+    std::snprintf(text, sizeof text, "edge %llu is %.2f m long: it has no stretch from %.2f m on",
+                  static_cast<unsigned long long>(edit.ids[0]), length_m, edit.from_m);
+    return text;
+  }
+  return {};
 }
 
 }  // namespace
@@ -185,10 +233,8 @@ std::vector<std::string> applyEdits(const std::vector<MapEdit>& edits, MapState&
       }
     }
     if (indices.size() < edit.ids.size()) continue;
-    const bool has_chord = std::any_of(indices.begin(), indices.end(),
-                                       [&](std::size_t i) { return state.landmarks[i].isChord(); });
-    if (has_chord && edit.kind != Kind::kDelete && edit.kind != Kind::kRelabel) {
-      missing.push_back(edit.where + ": chords of a circle can be deleted and relabelled only");
+    if (const std::string obstacle = obstacleTo(edit, state, indices); !obstacle.empty()) {
+      missing.push_back(edit.where + ": " + obstacle);
       continue;
     }
     switch (edit.kind) {
@@ -226,6 +272,7 @@ std::vector<LineConstraint> constraintsOf(const std::vector<MapEdit>& edits, con
     for (std::size_t i = 1; i < edit.ids.size(); ++i) {
       const auto other = indexOf(state, edit.ids[i]);
       if (!other || *other == *first || state.landmarks[*other].isChord()) continue;
+      if (!fitsTogether(edit.kind, state, *first, *other)) continue;
       constraints.push_back(
           {edit.kind == Kind::kSquare ? LineConstraint::Kind::kSquare : LineConstraint::Kind::kStraight,
            *first, *other, 0.0});

@@ -39,11 +39,11 @@ struct MapEdit {
 std::vector<MapEdit> parseMapEdits(std::string_view text, const std::string& file_name);
 
 /// delete, relabel, join and split, in their order.
-/// @return one line for each edit whose edges are not there.
+/// @return one line for each edit without effect: its edges are not there, or do not fit it.
 std::vector<std::string> applyEdits(const std::vector<MapEdit>& edits, MapState& state);
 
-/// straighten, square and length as constraints of the next solve. Edges that are not there are left out:
-/// applyEdits reported them.
+/// straighten, square and length as constraints of the next solve. Edges that are not there or do not fit are
+/// left out: applyEdits reported them.
 std::vector<LineConstraint> constraintsOf(const std::vector<MapEdit>& edits, const MapState& state);
 
 /// move, on the finished rows.
