@@ -100,8 +100,11 @@ TEST_F(StartStop, ASetupInTheBackgroundOneComponentReplacedAndItsEnd) {
   const auto victim = processes()["localization"];
   kill(victim, SIGKILL);
   EXPECT_EQ(status()->exitCode(), 1);
-  const auto replaced = start({"localization"});
+  // As status and stop name it; with the key that it had.
+  const auto replaced = run("start", {setup_, "localization", "--no-build", "--preset", preset_});
   ASSERT_EQ(replaced->exitCode(), 0) << replaced->error();
+  const auto shown = run("status", {setup_, "--configuration", "localization"});
+  EXPECT_THAT(shown->out(), HasSubstr("Localization.Seed = 7")) << shown->error();
   EXPECT_THAT(replaced->out(), AllOf(HasSubstr("localization ready: "), Not(HasSubstr("simulator"))));
   EXPECT_TRUE(wholeWithin(20s)) << status()->out();
   EXPECT_EQ(processes().size(), 4u);

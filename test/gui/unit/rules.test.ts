@@ -48,6 +48,15 @@ test("a component that ended is the first cause, by its name", () => {
   assert.match(causes[0]!.cause.advice, /scripts\/start sim base_server/);
 });
 
+test("a component that hangs is no component that ended", () => {
+  const silent: ComponentInfo = {name: "base_server", alive: false, message: "no answer in time", since: now - 4000, state: "", reason: "", version: "0.1.0", uptimeS: 0, peers: [], rates: [], latencies: [], gauges: [], errors: []};
+  const [cause] = causesOf(signals({components: [silent, {...silent, name: "simulator", alive: true}]}));
+  assert.match(cause!.text, /base_server hangs, or the network to it is lost/);
+  assert.match(cause!.advice, /scripts\/stop sim base_server; scripts\/start sim base_server/, "start alone refuses what runs");
+  const [all] = causesOf(signals({components: [silent, {...silent, name: "simulator"}]}));
+  assert.match(all!.advice, /Is the network there/);
+});
+
 test("no images for three seconds, with the camera's reason", () => {
   const s = signals({});
   s.video = {...s.video!, last: now - 3200};

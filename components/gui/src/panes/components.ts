@@ -2,6 +2,7 @@
 import {nowMs} from "../shared/messages";
 import type {ComponentInfo} from "../shared/state";
 import type {Store} from "../state/store";
+import {isSilent} from "../why/rules";
 import {button, clockText, fixed, h, readable, say} from "./dom";
 import {Pane} from "./pane";
 
@@ -26,7 +27,7 @@ class Card {
     const level = !c.alive ? "bad" : c.state === "Running" ? "good" : "warning", cpu = c.gauges.find(g => g.name === "cpu");
     this.state.className = `state ${level}`;
     this.details.dataset.alive = String(c.alive);
-    say(this.state, !c.alive ? `gone for ${((nowMs() - c.since) / 1000).toFixed(0)} s: ${c.message}` : c.state.toLowerCase() + (c.reason ? `: ${c.reason}` : ""));
+    say(this.state, !c.alive ? `${isSilent(c) ? "silent" : "gone"} for ${((nowMs() - c.since) / 1000).toFixed(0)} s: ${c.message}` : c.state.toLowerCase() + (c.reason ? `: ${c.reason}` : ""));
     say(this.numbers, c.alive ? `${cpu ? `${fixed(cpu.value, 0)} % cpu, ` : ""}${c.rates.map(r => `${r.name} ${fixed(r.hz, 1)}/s`).join(", ")}` : "");
     this.drawBody();
   }

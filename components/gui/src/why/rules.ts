@@ -50,15 +50,21 @@ export function isProblem(c: ComponentInfo, stands: boolean): boolean {
   return !c.alive || (c.state !== "Running" && !(stands && c.state === "Degraded" && c.peers.every(p => p.connected)));
 }
 
+/** Nothing came back, not even a refusal: a process that hangs, or a network that drops all. */
+export const isSilent = (c: ComponentInfo) => c.message === "no answer in time";
+
 function componentCauses(s: Signals): Cause[] {
-  const causes: Cause[] = [], dead = s.components.filter(c => !c.alive && c.version !== "");
+  const causes: Cause[] = [], dead = s.components.filter(c => !c.alive && c.version !== ""), setup = s.setup || "SETUP";
   if (dead.length > 1 && dead.length === s.components.length)
-    return [{id: "all dead", weight: 1, text: `The robot is gone: none of its ${dead.length} components answers (${dead[0]!.message}).`, advice: `Start it again: scripts/start ${s.setup || "SETUP"}`}];
+    return [{id: "all dead", weight: 1, text: `The robot is gone: none of its ${dead.length} components answers (${dead[0]!.message}).`,
+      advice: dead.every(isSilent) ? "Is the network there, and the robot's computer on?" : `Start it again: scripts/start ${setup}`}];
   for (const c of s.components) {
-    if (!c.alive && c.version !== "")
-      causes.push({id: `dead ${c.name}`, weight: 1, text: `${c.name} is gone (${c.message}).`, advice: `Start it again: scripts/start ${s.setup || "SETUP"} ${c.name}`});
+    if (!c.alive && c.version !== "" && isSilent(c))
+      causes.push({id: `dead ${c.name}`, weight: 1, text: `${c.name} hangs, or the network to it is lost (${c.message}).`, advice: `If it hangs: scripts/stop ${setup} ${c.name}; scripts/start ${setup} ${c.name}`});
+    else if (!c.alive && c.version !== "")
+      causes.push({id: `dead ${c.name}`, weight: 1, text: `${c.name} is gone (${c.message}).`, advice: `Start it again: scripts/start ${setup} ${c.name}`});
     else if (!c.alive && s.now - c.since > 2000)
-      causes.push({id: `absent ${c.name}`, weight: 0.996, text: `${c.name} does not answer (${c.message}).`, advice: `Is it started? scripts/status ${s.setup || "SETUP"} shows what runs.`});
+      causes.push({id: `absent ${c.name}`, weight: 0.996, text: `${c.name} does not answer (${c.message}).`, advice: `Is it started? scripts/status ${setup} shows what runs.`});
     for (const p of c.alive ? c.peers : []) {
       if (!p.connected) causes.push({id: `peer ${c.name} ${p.name}`, weight: 0.994, text: `${c.name} has lost ${p.name} (${p.message}).`, advice: "It is asked again by itself; see the pane components."});
     }
