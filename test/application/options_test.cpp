@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "application/app/out_folder.h"
-#include "common/config/config_error.h"
 #include "support/build_paths.h"
 
 namespace vismem {
@@ -125,7 +124,7 @@ TEST_F(Options, TakeABagAFolderOrSeveral) {
   EXPECT_EQ(bagOf(folder + "/a.bag"), folder + "/a.bag");
   EXPECT_EQ(bagOf(folder + "/"), folder);
   EXPECT_EQ(bagOf(folder + "/b.bag," + folder), folder + "/b.bag," + folder);
-  EXPECT_THROW(bagOf(folder + "/a.bag," + folder + "/c.bag"), ConfigError);
+  EXPECT_THROW(bagOf(folder + "/a.bag," + folder + "/c.bag"), UsageError);
 }
 
 std::string failureOfFolder(const std::filesystem::path& folder) {

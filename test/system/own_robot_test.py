@@ -126,7 +126,7 @@ class WrongInput(Wizard):
 
     def test_files_that_cannot_be_used_change_nothing(self):
         self.write("wrong", "a wrong file\n")
-        self.assertIn('wrong:1: "a wrong file" (must be KEY = VALUE)', self.step("colours", "--palette", "wrong", code=1))
+        self.assertIn('wrong:1: "a wrong file" (must be KEY = VALUE)', self.step("colours", "--palette", "wrong", code=2))
         self.assertEqual(self.step("drive", "--bag", "wrong", code=1).count("wrong: not a ROS 1 bag"), 1, "by the name that was given, once")
         self.assertFalse(os.path.exists(self.path("out/own_robot/mine/drives")))
         self.assertEqual(self.steps_done(), set())

@@ -77,9 +77,13 @@ Setup kindOf(const fs::path& cfg, const std::string& setup) {
 }
 
 /// A bag, a folder of some, or several with commas between: the components have another working directory.
-/// @throws ConfigError for what is not there.
+/// @throws UsageError for what is not there.
 fs::path requireBags(const std::string& text) {
-  bagsOf(text);
+  try {
+    bagsOf(text);
+  } catch (const ConfigError& error) {
+    throw UsageError("--bag " + std::string(error.what()));
+  }
   std::string absolute;
   for (const std::string_view part :
        fs::exists(text) ? std::vector<std::string_view>{text} : splitAt(text, ',')) {
