@@ -93,11 +93,18 @@ export async function tablet(robot) {
       await sleep(700);
       await checkLayout(page, `tablet ${preset} ${width}x${height}`);
     }
-    const small = await page.evaluate(() => [...document.querySelectorAll(".top-bar .button, .time-bar .button, .toolbar .button")].filter(e => e.offsetHeight > 0 && e.offsetHeight < 44).map(e => e.textContent));
+    const small = await page.evaluate(() => [...document.querySelectorAll(".top-bar .button, .time-bar .button, .toolbar .button, .dv-tab")].filter(e => e.offsetHeight > 0 && e.offsetHeight < 44).map(e => e.textContent));
     assert.deepEqual(small, [], "controls of less than 44 px");
     await page.locator(".presets button:has-text('watch')").tap();
     await sleep(500);
     await page.screenshot({path: join(pictures, `tablet_${width}.png`)});
+    for (const menu of ["panes", "layers"]) {
+      const summary = page.locator(`summary:text-is("${menu}")`).first();
+      await summary.tap();
+      const [left, right] = await page.locator(".menu[open] .menu-list").evaluate(e => [e.getBoundingClientRect().left, innerWidth - e.getBoundingClientRect().right]);
+      assert.ok(left >= 0 && right >= 0, `menu ${menu} leaves the page of ${width}x${height}: ${left}, ${right}`);
+      await summary.tap();
+    }
     await page.locator(".presets button:has-text('tune')").tap();
     const hidden = await eventually("parameters", () => page.evaluate(() => {
       const list = document.querySelector(".pane-settings .scroll");
