@@ -85,7 +85,7 @@ function layoutProblems(page) {
 
 /** A tablet held either way, and a telephone: controls are large enough for fingers, and nothing overlaps. */
 export async function tablet(robot) {
-  for (const [width, height] of [[1024, 768], [768, 1024], [390, 844]]) {
+  for (const [width, height] of [[1024, 768], [768, 1024], [390, 844], [844, 390]]) {
     const page = await openPage(robot, {width, height, touch: true});
     await waitForVideo(page);
     for (const preset of ["watch", "tune", "replay"]) {
@@ -97,6 +97,8 @@ export async function tablet(robot) {
     assert.deepEqual(small, [], "controls of less than 44 px");
     await page.locator(".presets button:has-text('watch')").tap();
     await sleep(500);
+    const seen = await page.locator(".pane-camera .canvas-frame").evaluate(e => e.clientHeight);
+    assert.ok(seen > 80, `the picture has ${seen} pixels of ${width}x${height}`);
     await page.screenshot({path: join(pictures, `tablet_${width}.png`)});
     for (const menu of ["panes", "layers"]) {
       const summary = page.locator(`summary:text-is("${menu}")`).first();

@@ -2,8 +2,8 @@
 import {createDockview} from "dockview-core";
 import type {AddPanelOptions, DockviewApi, IContentRenderer, IDockviewPanel, ITabRenderer} from "dockview-core";
 import type {Pane} from "../panes/pane";
-import {partOf} from "./presets";
-import type {Part, PresetName} from "./presets";
+import {partOf, shapeOf} from "./presets";
+import type {Part, PresetName, Shape} from "./presets";
 
 export type PaneMaker = () => Pane;
 export type MoveTo = "left" | "right" | "above" | "below" | "within";
@@ -34,6 +34,7 @@ export class Dock {
   /** A pane lives as long as the page: the camera's canvas belongs to the worker and cannot be made again. */
   private readonly contents = new Map<string, Content>();
   private preset: PresetName = "watch";
+  private shape: Shape = "wide";
   private saving = true;
 
   constructor(private readonly host: HTMLElement, private readonly makers: Record<string, PaneMaker>, private readonly titles: Record<string, string>) {
@@ -46,6 +47,7 @@ export class Dock {
       defaultRenderer: "always",
     });
     this.api.onDidLayoutChange(() => this.keep());
+    matchMedia("(orientation: landscape)").addEventListener("change", () => setTimeout(() => this.turned(), 200));
   }
 
   private contentOf(name: string): Content {
@@ -58,11 +60,17 @@ export class Dock {
     return content;
   }
 
-  private key(): string { return `avm.layout.${this.preset}.${this.host.clientWidth < 900 ? "narrow" : "wide"}`; }
+  private key(): string { return `avm.layout.${this.preset}.${this.shape}`; }
+
+  /** A telephone that is turned gets the arrangement of its other shape, but not while somebody types: a keyboard on the screen takes height, too. */
+  private turned(): void {
+    if (shapeOf(this.host.clientWidth, this.host.clientHeight) !== this.shape && !document.activeElement?.matches("input, textarea, select")) this.load(this.preset);
+  }
 
   /** The kept layout of a preset, else the preset as it is. */
   load(preset: PresetName, anew = false): void {
     this.preset = preset;
+    this.shape = shapeOf(this.host.clientWidth, this.host.clientHeight);
     this.saving = false;
     if (anew) localStorage.removeItem(this.key());
     const kept = localStorage.getItem(this.key());
@@ -73,8 +81,9 @@ export class Dock {
       this.api.clear();
       // The first load comes before dockview has seen its own size: shares of nothing would become halves.
       this.api.layout(this.host.clientWidth, this.host.clientHeight);
-      this.build(partOf(preset, this.host.clientWidth), null, undefined);
-      this.resize(partOf(preset, this.host.clientWidth), this.host.clientWidth, this.host.clientHeight);
+      const part = partOf(preset, this.shape);
+      this.build(part, null, undefined);
+      this.resize(part, this.host.clientWidth, this.host.clientHeight);
     }
     setTimeout(() => { this.saving = true; }, 300);
   }

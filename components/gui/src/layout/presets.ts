@@ -23,6 +23,12 @@ const narrow: Record<PresetName, Part> = {
   replay: column(1, tabs(0.5, "camera", "actions"), tabs(0.5, "world", "plots", "log", "why", "attention", "details", "components", "settings", "drive")),
 };
 
-export function partOf(preset: PresetName, width: number): Part {
-  return (width < 900 ? narrow : wide)[preset];
+/** flat: a telephone held across, where panes one below the other would have no height. */
+export type Shape = "wide" | "narrow" | "flat";
+
+export function shapeOf(width: number, height: number): Shape { return width >= 900 ? "wide" : width > 1.5 * height ? "flat" : "narrow"; }
+
+export function partOf(preset: PresetName, shape: Shape): Part {
+  const part = (shape === "wide" ? wide : narrow)[preset];
+  return shape === "flat" && "split" in part ? {...part, split: "row"} : part;
 }
