@@ -1,5 +1,6 @@
 #include "common/geometry/angles.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace vismem {
@@ -8,7 +9,6 @@ namespace {
 // Up to here one turn more or less is enough, and the subtraction is exact. std::remainder would dominate the
 // time of comparing thousands of points.
 constexpr double kNearTurns_rad = 9.0;
-constexpr double kNearHalfTurns_rad = 4.0;
 
 }  // namespace
 
@@ -26,10 +26,8 @@ double angleDifference(double to_rad, double from_rad) {
 }
 
 double lineAngleDifference(double a_rad, double b_rad) {
-  const double turn = std::abs(a_rad - b_rad);
-  if (turn <= 0.5 * std::numbers::pi) return turn;
-  if (turn < kNearHalfTurns_rad) return std::abs(turn - std::numbers::pi);
-  return std::abs(std::remainder(turn, std::numbers::pi));
+  const double turn = std::abs(angleDifference(a_rad, b_rad));
+  return std::min(turn, std::numbers::pi - turn);
 }
 
 double circularMean(std::span<const double> angles_rad) {

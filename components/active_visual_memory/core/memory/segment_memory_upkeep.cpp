@@ -5,6 +5,7 @@
 
 #include "active_visual_memory/core/memory/duplicates.h"
 #include "active_visual_memory/core/memory/segment_memory_view.h"
+#include "common/geometry/plane.h"
 #include "common/visual_memory/labels.h"
 
 namespace vismem {
@@ -68,7 +69,8 @@ void SegmentMemory::merge(const View& view) {
 }
 
 bool SegmentMemory::areDuplicates(const MemoryElement& a, const MemoryElement& b, double reach_m) {
-  if (!labelsCompatible(a.value.label, b.value.label)) return false;
+  const double turned = std::abs(cross2(a.line.along(), b.line.along()));  // a sine
+  if (turned > std::sin(kNearAngle_rad) || !labelsCompatible(a.value.label, b.value.label)) return false;
   const auto goesBeyond = [](const MemoryElement& one, const MemoryElement& other) {
     if (!one.plane.isVerified() || !other.plane.mayBeVertical()) return false;
     const Segment2 s = other.line.segment();
@@ -86,8 +88,8 @@ bool SegmentMemory::areDuplicates(const MemoryElement& a, const MemoryElement& b
   const double sigma = std::sqrt(a.line.offsetVariance(0.0) + b.line.offsetVariance(0.0));
   if (near.distance_m > std::min(reach_m, 0.02 + 3.0 * sigma)) return false;
   // Pieces that only touch end to end must have nearly one direction.
-  const double most_rad = (near.gap_m <= 0.0 ? 1.0 : kDuplicateGateShare) * kNearAngle_rad;
-  return lineAngle(sa, sb) <= most_rad && !areSplit(a.line, b.line);
+  if (near.gap_m > 0.0 && turned > std::sin(kDuplicateGateShare * kNearAngle_rad)) return false;
+  return !areSplit(a.line, b.line);
 }
 
 void SegmentMemory::mergeDuplicates(std::span<const int> cached) {
