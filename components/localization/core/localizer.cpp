@@ -94,7 +94,7 @@ const PoseEstimate& Localizer::update(const MemoryUpdate& update) {
   epoch_ = snapshot.epoch;
   last_stamp_us_ = snapshot.stamp_us;
   last_T_odom_robot_ = snapshot.T_odom_robot;
-  if (update.analysis) strategy_->beginImage(*update.analysis);
+  if (update.analysis) strategy_->beginImage(*update.analysis, table_);
   const auto tick_us = static_cast<StampUs>(params_.tick_s * kSecondUs);
   if (!last_tick_us_ || snapshot.stamp_us >= *last_tick_us_ + tick_us) {
     // Ticks stay on their grid while images come often enough: 30 Hz gives 5 ticks per second.
@@ -166,7 +166,7 @@ void Localizer::select(const Race& before, bool is_inconsistent) {
     support_ *= std::max(0.0, 1.0 - jump / kFullJump_m);
   }
   estimate_.reliability = strategy_->reliability(table_, support_);
-  if (is_same && support_ >= kTrust && is_unambiguous) strategy_->learnCamera(*winner);
+  if (winner) strategy_->fitCamera(table_, is_same && support_ >= kTrust && is_unambiguous);
 }
 
 void Localizer::beginEpoch() {

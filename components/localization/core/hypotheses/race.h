@@ -66,6 +66,8 @@ struct Race {
   /// Default mode: number of the newest scores since the robot jumped to this race; kMostScores or more: it
   /// was here all the time.
   int scores_since_jump = kMostScores;
+
+  Placement placement() const { return {T_world_robot, camera_tilt}; }
 };
 
 /// True if two poses count as one place: x, y and heading (on the circle) each within their limit.

@@ -19,7 +19,7 @@ class RaceStrategy {
   virtual ~RaceStrategy() = default;
 
   /// Takes the camera of each image, also between iterations.
-  virtual void beginImage(const ImageAnalysis& /*analysis*/) {}
+  virtual void beginImage(const ImageAnalysis& /*analysis*/, RaceTable& /*table*/) {}
   /// Takes the observation of an update.
   /// @return false without evidence; the races stay unchanged then.
   virtual bool observe(const MemoryUpdate& update) = 0;
@@ -52,8 +52,10 @@ class RaceStrategy {
   virtual double updatedSupport(double last, const RaceTable& table, double elapsed_s) const = 0;
   /// Reliability that is published, 0..1; 0 without a winner.
   virtual double reliability(const RaceTable& table, double support) const = 0;
-  /// Learns the camera's errors from the last observation at a pose that is trusted.
-  virtual void learnCamera(const Race& /*trusted*/) {}
+  /// Fits the camera to the last observation at the winner's pose, and learns its errors where that is
+  /// trusted.
+  /// @param table with a winner.
+  virtual void fitCamera(RaceTable& /*table*/, bool /*is_trusted*/) {}
   /// Covariance of a race's pose (x, y, theta).
   virtual Eigen::Matrix3d covariance(const Race& race) const { return race.P_reported.topLeftCorner<3, 3>(); }
   virtual std::optional<CameraErrors> cameraErrors() const { return std::nullopt; }

@@ -31,7 +31,7 @@ constexpr double kUnambiguous = 0.8;  // share of belief
 /// Unexplained share of the evidence of a robot at a place that no race holds. Winners in mirrored maps have
 /// 0.35 to 0.55, right ones at most 0.25 in nearly all recordings and simulations, more where the map lacks
 /// lines.
-constexpr double kNoneUnexplained = 0.40;
+constexpr double kNoneUnexplained = 0.39;
 /// Factor on the evidence against that hypothesis: what it predicts errs in all observations alike, so that
 /// their mean counts as half an observation.
 constexpr double kNoneScale = 0.5;
@@ -49,13 +49,15 @@ constexpr double kLegged_rad = degToRad(0.5);
 constexpr StampUs kJustSeen_us = kSecondUs / 2;
 /// Random walk of the tilt bias per square root of an iteration: a quarter of a degree in ten minutes.
 constexpr double kTiltWalk_rad = 1e-4;
+/// Prior standard deviation of x, y and theta of a pose that must not move [m, rad].
+constexpr double kGivenStd = 1e-4;
 
-/// Information matrix of the prior that all races share.
-Matrix5d broadPrior(const LikelihoodParams& params) {
-  const double bias = std::max(params.tilt_bias_rad, kLeastTilt_rad);
-  Vector5d std;
-  std << kLargestStd_m, kLargestStd_m, kLargestStd_rad, bias, bias;
-  return std.cwiseProduct(std).cwiseInverse().asDiagonal();
+/// Information matrix of a prior of the pose, without the tilt.
+Matrix5d posePrior(double position_std_m, double heading_std_rad) {
+  Vector5d information = Vector5d::Zero();
+  information.head<2>().setConstant(1.0 / (position_std_m * position_std_m));
+  information[2] = 1.0 / (heading_std_rad * heading_std_rad);
+  return information.asDiagonal();
 }
 
 class RobustRaces : public RaceStrategy {
@@ -68,15 +70,26 @@ class RobustRaces : public RaceStrategy {
         constructed_(map_),
         likelihood_(map_, params_.likelihood),
         history_(likelihood_, params.history),
-        broad_prior_(broadPrior(params.likelihood)),
         uniform_share_(uniformShare(map_, explorers.margin_m, params.explorers.uniform_area_m2)) {
     odometry_.P = params.filter.odometry_bias.cwiseAbs2().asDiagonal();
+    updateTiltPrior();
   }
 
-  void beginImage(const ImageAnalysis& analysis) override { camera_.begin(analysis); }
+  /// A tilt of the camera on the head turns with the head, one of the robot does not.
+  void beginImage(const ImageAnalysis& analysis, RaceTable& table) override {
+    camera_.begin(analysis);
+    const auto& axes = analysis.T_robot_camera.linear();
+    const double heading = std::atan2(axes(1, 0), axes(0, 0));
+    const double turn = angleDifference(heading, std::exchange(camera_heading_, heading));
+    const double variance = turn * turn / tilt_.wideInformation();
+    for (Race& race : table.races()) {
+      for (Matrix5d* P : {&race.P, &race.P_reported}) P->diagonal().tail<2>().array() += variance;
+    }
+  }
 
   bool observe(const MemoryUpdate& update) override {
     analysis_ = update.analysis;
+    updateTiltPrior();
     const auto view = analysis_ ? camera_.corrected() : std::nullopt;
     observation_ =
         vismem::observe(update, map_, params_.observation, view ? &*view : nullptr, std::move(observation_));
@@ -128,7 +141,7 @@ class RobustRaces : public RaceStrategy {
   }
 
   void weight(Race& race) const override {
-    const Rating rating = likelihood_.rate(observation_, {race.T_world_robot, race.camera_tilt});
+    const Rating rating = likelihood_.rate(observation_, race.placement());
     race.health = rating.explained;
     race.log_likelihood = rating.log_likelihood;
   }
@@ -139,7 +152,7 @@ class RobustRaces : public RaceStrategy {
     keepBestPlaces(places_, params_.explorers.refined_explorers, explorers_.list_health, table.params());
     for (Individual& one : places_) {
       const auto refined = likelihood_.refine(few_, {one.T_world_robot}, broad_prior_, 1.0, kRefinementSteps,
-                                              kRefinementBlur_m);
+                                              kRefinementBlur_m, tilt_);
       one = {refined.placement.T_world_robot, refined.rating.explained};
     }
     keepBestPlaces(places_, explorers_.candidates, explorers_.list_health, table.params());
@@ -147,9 +160,9 @@ class RobustRaces : public RaceStrategy {
     for (const Individual& place : places_) {
       const Placement refined = likelihood_
                                     .refine(observation_, {place.T_world_robot}, broad_prior_, 1.0,
-                                            kRefinementSteps, kRefinementBlur_m)
+                                            kRefinementSteps, kRefinementBlur_m, tilt_)
                                     .placement;
-      candidates_.push_back(ratedAt(refined.T_world_robot));
+      candidates_.push_back(ratedAt(refined));
     }
     double most_health = 0.0;
     for (const Race& race : candidates_) most_health = std::max(most_health, race.health);
@@ -167,13 +180,18 @@ class RobustRaces : public RaceStrategy {
   }
 
   Race createAt(const Pose2& T_world_robot, RandomEngine&) const override {
-    Race race = ratedAt(T_world_robot);
+    // The camera's tilt must not make a given pose look wrong.
+    const Placement refined = likelihood_
+                                  .refine(observation_, {T_world_robot}, posePrior(kGivenStd, kGivenStd), 1.0,
+                                          kRefinementSteps, kRefinementBlur_m, tilt_)
+                                  .placement;
+    Race race = ratedAt({T_world_robot, refined.tilt_bias});
     complete(race);
     return race;
   }
 
   double sparedEvidence(const RaceTable& table) const override {
-    return bestEvidence(table) - params_.evidence.lead;
+    return bestPosterior(table) - params_.evidence.lead;
   }
 
   void refine(Race& race, RandomEngine&) const override {
@@ -182,12 +200,14 @@ class RobustRaces : public RaceStrategy {
     walk << filter.walk_m, filter.walk_m, filter.walk_rad, kTiltWalk_rad, kTiltWalk_rad;
     race.P.diagonal() += walk.cwiseProduct(walk);
     const Matrix5d prior = race.P.inverse() + broad_prior_;
-    const Placement start{race.T_world_robot, race.camera_tilt};
+    const Placement start = race.placement();
     // The memory repeats itself from image to image: only a share of it is new to the filter.
     const auto refined = maximizeLikelihood(start, prior, filter.information_share);
     race.T_world_robot = refined.placement.T_world_robot;
     race.camera_tilt = refined.placement.tilt_bias;
-    updateOdometry(race, start, refined.placement, (prior + refined.information).inverse());
+    Matrix5d information = prior + refined.information;
+    information.diagonal().tail<2>().array() += tilt_.information(race.camera_tilt);
+    updateOdometry(race, start, refined.placement, information.inverse());
     updateReported(race, refined, walk);
     race.health = refined.rating.explained;
     race.log_likelihood = refined.rating.log_likelihood;
@@ -198,24 +218,22 @@ class RobustRaces : public RaceStrategy {
   void select(RaceTable& table, double) override {
     const Race* best = nullptr;
     for (const Race& race : table.races()) {
-      if (!best || race.evidence > best->evidence) best = &race;
+      if (!best || posterior(race) > posterior(*best)) best = &race;
     }
     if (!best) return;
     const Race* winner = table.winner();
     // A new race needs the full lead, because it was selected for fitting the present image.
     const double youth = std::exp(-best->age / kSettledAge);
     const double lead = params_.evidence.lead * (kOldLead + (1.0 - kOldLead) * youth);
-    if (!winner || best->evidence > winner->evidence + lead) table.setWinner(best->id);
+    if (!winner || posterior(*best) > posterior(*winner) + lead) table.setWinner(best->id);
     table.recordBest(best->id);
     table.award(table.winner()->id);
     odometry_ = table.winner()->odometry;
   }
 
   double beliefShare(const Race& race, const RaceTable& table) const override {
-    const double best = bestEvidence(table);
-    const double worth =
-        std::max(1.0, params_.evidence.independent_share / (1.0 - params_.history.forgetting));
-    const auto belief = [&](const Race& one) { return std::exp(worth * (one.evidence - best)); };
+    const double best = bestPosterior(table);
+    const auto belief = [&](const Race& one) { return std::exp(worth() * (posterior(one) - best)); };
     double sum = 0.0;
     for (const Race& one : table.races()) sum += belief(one);
     return belief(race) / sum;
@@ -246,13 +264,14 @@ class RobustRaces : public RaceStrategy {
     const double share = winnersShare(table);
     // One more hypothesis in the softmax: the robot is at none of the races' places.
     const double none = kNoneUnexplained * history_.meanWeight() * std::log(params_.likelihood.outlier_share);
-    return share / (1.0 + share * std::exp(kNoneScale * (none - winner->evidence)));
+    const double log_odds = kNoneScale * (none - winner->evidence) - tilt_.logDensity(winner->camera_tilt);
+    return share / (1.0 + share * std::exp(log_odds));
   }
 
-  void learnCamera(const Race& trusted) override {
-    const bool is_legged =
-        std::max(params_.likelihood.frame_tilt_rad, params_.observation.camera_sigma_rad) > kLegged_rad;
-    if (analysis_ && !is_legged) camera_.learn(*analysis_, trusted.T_world_robot);
+  void fitCamera(RaceTable& table, bool is_trusted) override {
+    if (!analysis_ || isLegged()) return;
+    const Eigen::Vector2d learnt = camera_.fit(*analysis_, table.winner()->placement(), is_trusted);
+    for (Race& race : table.races()) race.camera_tilt -= learnt;
   }
 
   Eigen::Matrix3d covariance(const Race& race) const override {
@@ -277,11 +296,11 @@ class RobustRaces : public RaceStrategy {
 
   void discountEvidence(RaceTable& table) override {
     resetHistory(table);
-    const double best = bestEvidence(table);
+    const double best = bestPosterior(table);
     for (Race& race : table.races()) {
       race.scores.resize(0);
       race.scores_since_jump = 0;
-      race.evidence = best - std::min(1.0, best - race.evidence);
+      race.evidence = best - std::min(1.0, best - posterior(race));
       race.victories = std::min(race.victories, 1);
     }
   }
@@ -290,14 +309,19 @@ class RobustRaces : public RaceStrategy {
   /// @param table with a winner.
   double winnersShare(const RaceTable& table) const { return beliefShare(*table.winner(), table); }
 
+  bool isLegged() const {
+    return std::max(params_.likelihood.frame_tilt_rad, params_.observation.camera_sigma_rad) > kLegged_rad;
+  }
+
   static double fitOf(const Race& race) {
     return std::clamp((race.health - kExplainedLow) / (kExplainedHigh - kExplainedLow), 0.0, 1.0);
   }
 
   /// A race with health and likelihood only.
-  Race ratedAt(const Pose2& T_world_robot) const {
+  Race ratedAt(const Placement& placement) const {
     Race race;
-    race.T_world_robot = T_world_robot;
+    race.T_world_robot = placement.T_world_robot;
+    race.camera_tilt = placement.tilt_bias;
     weight(race);
     return race;
   }
@@ -305,21 +329,23 @@ class RobustRaces : public RaceStrategy {
   void complete(Race& race) const {
     race.evidence = race.log_likelihood;
     race.odometry = odometry_;
-    const auto refined = likelihood_.refine(observation_, {race.T_world_robot}, broad_prior_, 1.0, 0, 0.0);
-    race.P = (refined.information + broad_prior_).inverse();
+    const auto refined = likelihood_.refine(observation_, race.placement(), broad_prior_, 1.0, 0, 0.0);
+    const Matrix5d prior = priorAt(race.camera_tilt);
+    race.P = (refined.information + prior).inverse();
     race.variance_factor = refined.rating.variance_factor;
-    race.P_reported = (refined.information / varianceFactor(race) + broad_prior_).inverse();
+    race.P_reported = (refined.information / varianceFactor(race) + prior).inverse();
   }
 
   RobustLikelihood::Refined maximizeLikelihood(const Placement& start, const Matrix5d& prior,
                                                double share) const {
-    auto refined = likelihood_.refine(observation_, start, prior, share, kRefinementSteps, 0.0);
+    auto refined = likelihood_.refine(observation_, start, prior, share, kRefinementSteps, 0.0, tilt_);
     if (refined.rating.explained >= kExplainedLow) return refined;
     // Odometry after a period without observations, or a late image while the head turns, may err by more
     // than the innovation variance.
     const auto wide =
-        likelihood_.refine(observation_, start, prior, share, kRefinementSteps, kExplorerBlur_m);
-    const auto again = likelihood_.refine(observation_, wide.placement, prior, share, kRefinementSteps, 0.0);
+        likelihood_.refine(observation_, start, prior, share, kRefinementSteps, kExplorerBlur_m, tilt_);
+    const auto again =
+        likelihood_.refine(observation_, wide.placement, prior, share, kRefinementSteps, 0.0, tilt_);
     if (again.rating.log_likelihood > refined.rating.log_likelihood) return again;
     return refined;
   }
@@ -339,6 +365,13 @@ class RobustRaces : public RaceStrategy {
     race.P = P_after;
   }
 
+  /// Information matrix of the prior that all races share.
+  Matrix5d priorAt(const Eigen::Vector2d& camera_tilt) const {
+    Matrix5d information = broad_prior_;
+    information.diagonal().tail<2>().array() += tilt_.information(camera_tilt);
+    return information;
+  }
+
   static double varianceFactor(const Race& race) {
     return std::max(kLeastVarianceFactor, race.variance_factor);
   }
@@ -351,7 +384,7 @@ class RobustRaces : public RaceStrategy {
     race.P_reported.diagonal() += growth;
     // Where the image has no points, the repeated memory must not hide the drift of odometry.
     const Matrix5d& observed = is_memory_current_ ? refined.information : refined.image_information;
-    const Matrix5d information = broad_prior_ + observed / varianceFactor(race);
+    const Matrix5d information = priorAt(race.camera_tilt) + observed / varianceFactor(race);
     const Matrix5d P =
         (Matrix5d::Identity() + race.P_reported * information).partialPivLu().solve(race.P_reported);
     race.P_reported = 0.5 * (P + P.transpose());
@@ -378,10 +411,27 @@ class RobustRaces : public RaceStrategy {
     return pose ? *pose : uniformExplorer(map_, explorers_.margin_m, engine);
   }
 
-  double bestEvidence(const RaceTable& table) const {
+  /// Number of independent observations that evidence is the mean of.
+  double worth() const {
+    return std::max(1.0, params_.evidence.independent_share / (1.0 - params_.history.forgetting));
+  }
+
+  /// Evidence with the prior of the camera's tilt.
+  double posterior(const Race& race) const {
+    return race.evidence + tilt_.logDensity(race.camera_tilt) / worth();
+  }
+
+  double bestPosterior(const RaceTable& table) const {
     double best = -1e300;
-    for (const Race& race : table.races()) best = std::max(best, race.evidence);
+    for (const Race& race : table.races()) best = std::max(best, posterior(race));
     return best;
+  }
+
+  /// Calibration says how wrong the tilt of the corrected camera may be. On legs it does not learn.
+  void updateTiltPrior() {
+    const bool is_free = params_.likelihood.tilt_bias_rad > 0.0 && !isLegged();
+    const double calibrated = std::max(params_.likelihood.tilt_bias_rad, kLeastTilt_rad);
+    tilt_ = {calibrated, is_free ? std::hypot(calibrated, camera_.tiltSigma()) : calibrated};
   }
 
   RobustParams params_;
@@ -391,7 +441,9 @@ class RobustRaces : public RaceStrategy {
   RobustLikelihood likelihood_;
   ScoreHistory history_;
   ObservationNovelty novelty_;
-  Matrix5d broad_prior_;
+  double camera_heading_ = 0.0;  ///< of its x axis, in the robot's frame [rad]
+  TiltMixture tilt_;             ///< prior of the races' tilt
+  const Matrix5d broad_prior_ = posePrior(kLargestStd_m, kLargestStd_rad);
   double uniform_share_;   ///< share of the uniform explorers that are sent out
   OdometryBias odometry_;  ///< of the winner, the prior of new races: the same wheels
   /// The last update's image has no points, and its memory was updated just now.

@@ -45,7 +45,7 @@ void ScoreHistory::record(Race& race) const {
   Scores& scores = race.scores;
   if (scores.size() < kMostScores) scores.conservativeResize(scores.size() + 1);
   std::rotate(scores.begin(), std::prev(scores.end()), scores.end());
-  const Placement placement{race.T_world_robot, race.camera_tilt};
+  const Placement placement = race.placement();
   scores[0] = likelihood_.rate(current_.observation, placement, kBlur_m).log_likelihood;
   ++race.scores_since_jump;
 }

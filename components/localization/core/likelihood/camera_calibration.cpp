@@ -39,6 +39,14 @@ constexpr double kStep = 1e-4;  // of the derivatives
 
 }  // namespace
 
+CameraCalibration::CameraCalibration(const RobustLikelihood& likelihood, const MapIndex& map,
+                                     const ObservationParams& params, const OdometryNoise& odometry)
+    : likelihood_(likelihood), map_(map), params_(params), odometry_(odometry) {
+  const CameraVector odds = kLogOdds.array().exp();
+  const CameraVector inclusion = odds.array() / (1.0 + odds.array());
+  P_.diagonal() = inclusion.cwiseProduct(kPrior.cwiseAbs2());
+}
+
 void CameraCalibration::begin(const ImageAnalysis& analysis) {
   const double since_s = static_cast<double>(analysis.stamp_us - stamp_us_) / kSecondUs;
   T_odom_camera_before_ = T_odom_robot_ * configured_.T_robot_camera;
@@ -76,9 +84,9 @@ CameraModel CameraCalibration::view(const CameraVector& errors) const {
 
 /// Derivatives of the observation's points by the errors [m per unit of CameraErrors].
 void CameraCalibration::differentiate(const CameraModel& here) {
-  std::array<CameraModel, kCameraErrors> moved;
+  std::array<CameraModel, kCameraErrors> perturbed;
   for (int i = 0; i < kCameraErrors; ++i) {
-    moved[static_cast<std::size_t>(i)] = view(errors_.errors + kStep * CameraVector::Unit(i));
+    perturbed[static_cast<std::size_t>(i)] = view(errors_.errors + kStep * CameraVector::Unit(i));
   }
   const Pose3 T_camera_robot = here.T_robot_camera.inverse();
   derivatives_.clear();
@@ -88,37 +96,49 @@ void CameraCalibration::differentiate(const CameraModel& here) {
     const auto px = projectToIdeal(here.intrinsics, T_camera_robot * Eigen::Vector3d(p.x(), p.y(), 0.0));
     if (!px) continue;
     for (int i = 0; i < kCameraErrors; ++i) {
-      const CameraModel& there = moved[static_cast<std::size_t>(i)];
+      const CameraModel& there = perturbed[static_cast<std::size_t>(i)];
       const auto floor = backProjectToGround(there.intrinsics, there.T_robot_camera, *px, kFarthest_m);
       if (floor) d.col(i) = (floor->head<2>() - p) / kStep;
     }
   }
 }
 
-void CameraCalibration::learn(const ImageAnalysis& analysis, const Pose2& T_world_robot) {
+Eigen::Vector2d CameraCalibration::fit(const ImageAnalysis& analysis, const Placement& placement,
+                                       bool is_trusted) {
   const CameraModel here = view(errors_.errors);
   seen_ = observeImage(analysis, map_, params_, &here, std::move(seen_));
   observation_ = thinned(seen_, kMaximumPoints, std::move(observation_));
-  if (observation_.points.empty()) return;
+  if (observation_.points.empty()) return Eigen::Vector2d::Zero();
   Matrix5d prior = Matrix5d::Identity();
   prior.diagonal().tail<2>().setConstant(kFixedTilt);
-  const auto refined = likelihood_.refine(observation_, {T_world_robot}, prior, 1.0, kSteps, kCameraBlur_m);
+  const auto refined = likelihood_.refine(observation_, placement, prior, 1.0, kSteps, kCameraBlur_m);
   differentiate(here);
   const CameraEvidence evidence =
       likelihood_.cameraEvidence(observation_, refined.placement, derivatives_, kCameraBlur_m);
+  const FittedPose fitted{analysis.stamp_us,
+                          analysis.T_odom_robot,
+                          moved(refined.placement.T_world_robot, evidence.step),
+                          evidence.d_pose,
+                          std::max(kLeastVarianceFactor, refined.rating.variance_factor) * evidence.P_pose,
+                          errors_.errors,
+                          is_trusted};
+  const auto before = std::exchange(fitted_, fitted);
+  if (!is_trusted) return Eigen::Vector2d::Zero();
   const double kept = 1.0 - 1.0 / kRemembered;
   information_ = kept * information_ + kIndependent * evidence.information;
   information_vector_ =
       kept * information_vector_ + kIndependent * (evidence.information * errors_.errors - evidence.gradient);
-  const FittedPose fitted{analysis.stamp_us,
-                          analysis.T_odom_robot,
-                          refined.placement.T_world_robot,
-                          evidence.d_pose,
-                          std::max(kLeastVarianceFactor, refined.rating.variance_factor) * evidence.P_pose,
-                          errors_.errors};
-  if (fitted_ && since_before_s_ > 0.0) compareMotion(*fitted_, fitted);
-  fitted_ = fitted;
+  if (before && before->is_trusted && since_before_s_ > 0.0) compareMotion(*before, fitted);
   estimate();
+  const Eigen::AngleAxisd turned(view(errors_.errors).T_robot_camera.linear() *
+                                 here.T_robot_camera.linear().transpose());
+  return turned.angle() * Eigen::Vector2d(turned.axis().y(), turned.axis().x());
+}
+
+double CameraCalibration::tiltSigma() const {
+  const CameraVector& sigmas = errors_.sigmas.isZero() ? kPrior : errors_.sigmas;
+  return std::max(std::hypot(sigmas[CameraErrors::kPitch], sigmas[CameraErrors::kMountPitch]),
+                  std::hypot(sigmas[CameraErrors::kRoll], sigmas[CameraErrors::kMountRoll]));
 }
 
 Eigen::Matrix3d CameraCalibration::poseCovariance() const {

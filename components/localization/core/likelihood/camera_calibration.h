@@ -28,21 +28,24 @@ namespace vismem {
 class CameraCalibration {
  public:
   CameraCalibration(const RobustLikelihood& likelihood, const MapIndex& map, const ObservationParams& params,
-                    const OdometryNoise& odometry)
-      : likelihood_(likelihood), map_(map), params_(params), odometry_(odometry) {}
+                    const OdometryNoise& odometry);
 
   /// Begins an image, also one that is not learnt from: its camera as configured, and the camera's motion
   /// since the last image, which a delay needs.
   void begin(const ImageAnalysis& analysis);
   /// The camera of this image, corrected by the mean errors; empty before anything was learnt.
   std::optional<CameraModel> corrected() const;
-  /// Learns from the image that was begun last.
-  /// @param T_world_robot trusted pose at its stamp.
-  void learn(const ImageAnalysis& analysis, const Pose2& T_world_robot);
+  /// Fits the image that was begun last, and learns from it at a trusted pose.
+  /// @param placement pose at its stamp, and camera tilt relative to the corrected camera.
+  /// @return tilt by which the corrected camera turned, as Placement's [rad].
+  Eigen::Vector2d fit(const ImageAnalysis& analysis, const Placement& placement, bool is_trusted);
 
   const CameraErrors& errors() const { return errors_; }
+  /// Standard deviation of the corrected camera's tilt; before anything was learnt that of a tilt error
+  /// [rad].
+  double tiltSigma() const;
   /// Covariance of a pose (x, y, theta) in world that these errors cause, as it was for the last image that
-  /// was learnt from; 0 before.
+  /// was fitted; 0 before.
   Eigen::Matrix3d poseCovariance() const;
 
  private:
@@ -54,6 +57,7 @@ class CameraCalibration {
     PoseJacobian d_errors;
     Eigen::Matrix3d P;    ///< of (x, y, theta) for known errors
     CameraVector errors;  ///< for which T_world_robot was fitted
+    bool is_trusted = false;
   };
 
   CameraModel view(const CameraVector& errors) const;
@@ -73,9 +77,9 @@ class CameraCalibration {
   CameraMatrix information_ = CameraMatrix::Zero();
   CameraVector information_vector_ = CameraVector::Zero();  ///< information times errors
   CameraErrors errors_;
-  CameraMatrix P_ = CameraMatrix::Zero();    ///< posterior covariance of the errors
-  std::optional<FittedPose> fitted_;         ///< of the last image that was learnt from
-  FloorObservation seen_, observation_;      ///< of the last image that was learnt from; all points, and some
+  CameraMatrix P_ = CameraMatrix::Zero();    ///< posterior covariance of the errors, at first the prior's
+  std::optional<FittedPose> fitted_;         ///< of the last image that was fitted
+  FloorObservation seen_, observation_;      ///< of the last image that was fitted; all points, and some
   std::vector<CameraJacobian> derivatives_;  ///< of its points
 };
 

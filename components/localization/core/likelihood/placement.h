@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "common/geometry/angles.h"
 #include "common/geometry/pose.h"
 
 namespace vismem {
@@ -21,5 +22,10 @@ struct Placement {
 
   Eigen::Vector2d tilt() const { return tilt_bias + frame_tilt; }
 };
+
+/// @param step in (x, y, theta).
+inline Pose2 moved(const Pose2& pose, const Eigen::Vector3d& step) {
+  return {pose.x + step.x(), pose.y + step.y(), wrapAngle(pose.theta + step.z())};
+}
 
 }  // namespace vismem

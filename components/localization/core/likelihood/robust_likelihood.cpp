@@ -266,8 +266,8 @@ CameraEvidence RobustLikelihood::cameraEvidence(const FloorObservation& observat
   const Matrix5d P = free.inverse();
   const Eigen::Matrix<double, kCameraErrors, 5> gain = H.topRightCorner<5, kCameraErrors>().transpose() * P;
   return {H.bottomRightCorner<kCameraErrors, kCameraErrors>() - gain * H.topRightCorner<5, kCameraErrors>(),
-          g.tail<kCameraErrors>() - gain * g.head<5>(), -gain.leftCols<3>().transpose(),
-          P.topLeftCorner<3, 3>()};
+          g.tail<kCameraErrors>() - gain * g.head<5>(), -P.topRows<3>() * g.head<5>(),
+          -gain.leftCols<3>().transpose(), P.topLeftCorner<3, 3>()};
 }
 
 /// Marginalizes a common shift and turn of the memory, which bounds its information about the pose.
@@ -286,7 +286,8 @@ void RobustLikelihood::marginalizeMemoryShift(Curvature& memory) const {
 
 RobustLikelihood::Refined RobustLikelihood::refine(const FloorObservation& observation,
                                                    const Placement& start, const Matrix5d& prior_information,
-                                                   double share, int steps, double blur_m) const {
+                                                   double share, int steps, double blur_m,
+                                                   const TiltMixture& tilt) const {
   Refined result{start, Matrix5d::Zero(), Matrix5d::Zero(), {}};
   Placement& at = result.placement;
   const double frame_tilt = std::max(params_.frame_tilt_rad, kFixedTilt_rad);
@@ -297,7 +298,9 @@ RobustLikelihood::Refined RobustLikelihood::refine(const FloorObservation& obser
   Blur blur{blur_m};
   const int wide_steps = steps > 0 && blur_m == 0.0 ? kWideSteps : 0;
   if (wide_steps > 0) {
-    blur.P = (prior_information + kDamping).inverse();
+    Matrix5d prior = prior_information + kDamping;
+    prior.diagonal().tail<2>().array() += tilt.wideInformation();
+    blur.P = prior.inverse();
     blur.P.diagonal().tail<2>().array() += frame_tilt * frame_tilt;
   }
   steps += wide_steps;
@@ -325,22 +328,26 @@ RobustLikelihood::Refined RobustLikelihood::refine(const FloorObservation& obser
     const Eigen::Vector2d frame_tilt_gradient = curve.g.tail<2>() + frame_tilt_information * at.frame_tilt;
     result.information = curve.H - cross * frame_tilt_covariance * cross.transpose();
     if (step == steps) {
-      const Eigen::Matrix<double, 5, 2> tilt = seen.H.rightCols<2>();
-      result.image_information = seen.H - tilt * frameTiltCovariance(seen.H) * tilt.transpose();
+      const Eigen::Matrix<double, 5, 2> by_tilt = seen.H.rightCols<2>();
+      result.image_information = seen.H - by_tilt * frameTiltCovariance(seen.H) * by_tilt.transpose();
       break;
     }
     Vector5d off;
     off << at.T_world_robot.x - start.T_world_robot.x, at.T_world_robot.y - start.T_world_robot.y,
         angleDifference(at.T_world_robot.theta, start.T_world_robot.theta), at.tilt_bias - start.tilt_bias;
-    const Matrix5d A = result.information + prior_information + kDamping;
-    Vector5d move = -A.ldlt().solve(curve.g - cross * frame_tilt_covariance * frame_tilt_gradient +
-                                    prior_information * off);
+    const double tilt_information =
+        step < wide_steps || blur_m > 0.0 ? tilt.wideInformation() : tilt.information(at.tilt_bias);
+    Matrix5d A = result.information + prior_information + kDamping;
+    A.diagonal().tail<2>().array() += tilt_information;
+    Vector5d gradient =
+        curve.g - cross * frame_tilt_covariance * frame_tilt_gradient + prior_information * off;
+    gradient.tail<2>() += tilt_information * at.tilt_bias;
+    Vector5d move = -A.ldlt().solve(gradient);
     const double length = move.head<2>().norm();
     const double shrink = std::min({1.0, kLongestStep_m / std::max(length, 1e-12),
                                     kLongestTurn_rad / std::max(std::abs(move[2]), 1e-12)});
     move *= shrink;
-    const Pose2& pose = at.T_world_robot;
-    at.T_world_robot = {pose.x + move[0], pose.y + move[1], wrapAngle(pose.theta + move[2])};
+    at.T_world_robot = moved(at.T_world_robot, move.head<3>());
     at.tilt_bias += move.tail<2>();
     at.frame_tilt -= frame_tilt_covariance * (shrink * frame_tilt_gradient + cross.transpose() * move);
     const bool is_small = move.head<2>().norm() < kSmallStep_m && std::abs(move[2]) < kSmallStep_rad;

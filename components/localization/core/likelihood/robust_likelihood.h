@@ -12,6 +12,7 @@
 #include "common/geometry/angles.h"
 #include "localization/core/likelihood/individual.h"
 #include "localization/core/likelihood/placement.h"
+#include "localization/core/likelihood/tilt_mixture.h"
 #include "localization/core/map/map_index.h"
 #include "localization/core/observation/floor_observation.h"
 #include "localization/core/pose_estimate.h"
@@ -65,6 +66,7 @@ using PoseJacobian = Eigen::Matrix<double, 3, kCameraErrors>;
 struct CameraEvidence {
   CameraMatrix information = CameraMatrix::Zero();
   CameraVector gradient = CameraVector::Zero();      ///< at the errors that the observation was made with
+  Eigen::Vector3d step = Eigen::Vector3d::Zero();    ///< to the pose (x, y, theta) that fits best
   PoseJacobian d_pose = PoseJacobian::Zero();        ///< of the pose that fits best, by the errors
   Eigen::Matrix3d P_pose = Eigen::Matrix3d::Zero();  ///< of that pose, for known errors
 };
@@ -102,8 +104,10 @@ class RobustLikelihood {
   /// @param share scales the observation.
   /// @param steps 0: only the rating and the curvature at the start.
   /// @param blur_m added to every sigma, for a coarse search.
+  /// @param tilt further prior of the tilt bias, about 0.
   Refined refine(const FloorObservation& observation, const Placement& start,
-                 const Matrix5d& prior_information, double share, int steps, double blur_m) const;
+                 const Matrix5d& prior_information, double share, int steps, double blur_m,
+                 const TiltMixture& tilt = {}) const;
 
   /// What the image's points say about the camera's errors.
   /// @param derivatives of the observation's points from `remembered` on.

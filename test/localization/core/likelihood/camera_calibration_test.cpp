@@ -24,7 +24,8 @@ using testing::HasSubstr;
 struct Misstated {
   double height_m = 0.0;  ///< true minus stated
   double focal_share = 0.0;
-  double pitch_rad = 0.0;  ///< about the camera's x axis
+  double pitch_rad = 0.0;        ///< about the camera's x axis
+  double mount_pitch_rad = 0.0;  ///< about the robot's y axis
   double delay_s = 0.0;
 };
 
@@ -37,7 +38,8 @@ struct Head {
 };
 
 /// A robot that knows its place drives along a corridor and looks around, at five images a second.
-CameraErrors errorsAfterDrive(const Misstated& by, const Head& head = {}) {
+/// @param by_the_way_m largest distance from the true pose, if asked for.
+CameraErrors errorsAfterDrive(const Misstated& by, const Head& head = {}, double* by_the_way_m = nullptr) {
   const SegmentMap map = test::corridorMap();
   Localizer localizer(localizerPreset(LocalizationMode::kDefault), map, 1);
   const auto& [pan, tilt] = head;
@@ -52,6 +54,8 @@ CameraErrors errorsAfterDrive(const Misstated& by, const Head& head = {}) {
     stated.T_robot_camera.translation().z() -= by.height_m;
     stated.T_robot_camera.linear() *=
         Eigen::AngleAxisd(-by.pitch_rad, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    stated.T_robot_camera.linear() =
+        Eigen::AngleAxisd(-by.mount_pitch_rad, Eigen::Vector3d::UnitY()) * stated.T_robot_camera.linear();
     stated.intrinsics.fx /= 1.0 + by.focal_share;
     stated.intrinsics.fy /= 1.0 + by.focal_share;
     stated.T_odom_robot = pose(t_s);
@@ -61,6 +65,9 @@ CameraErrors errorsAfterDrive(const Misstated& by, const Head& head = {}) {
               std::make_shared<const ImageAnalysis>(stated)};
     localizer.update(update);
     if (i == 0) localizer.setPose(pose(t_s));
+    const double error_m =
+        (localizer.latest().T_world_robot.value().position() - pose(t_s).position()).norm();
+    if (by_the_way_m) *by_the_way_m = std::max(*by_the_way_m, error_m);
   }
   return localizer.latest().camera.value();
 }
@@ -95,6 +102,18 @@ TEST(CameraCalibration, FindsATiltedCameraAndNothingElse) {
   EXPECT_EQ(found.found.count(), 1);
 }
 
+TEST(CameraCalibration, KeepsThePoseWhileItLearnsATilt) {
+  const auto isKept = [](const Misstated& by, CameraErrors::Error error, double pitch_rad) {
+    double error_m = 0.0;
+    const CameraErrors found = errorsAfterDrive(by, {}, &error_m);
+    EXPECT_NEAR(found.errors[error], pitch_rad, degToRad(0.15));
+    EXPECT_LT(error_m, 0.05) << radToDeg(pitch_rad) << " degrees: a tilt that is learnt does not count twice";
+  };
+  for (const double pitch_rad : {degToRad(-1.0), degToRad(1.0)}) {
+    isKept({.pitch_rad = pitch_rad}, CameraErrors::kPitch, pitch_rad);
+    isKept({.mount_pitch_rad = pitch_rad}, CameraErrors::kMountPitch, pitch_rad);
+  }
+}
 TEST(CameraCalibration, NamesNeitherCameraNorMountAfterViewsInOneDirection) {
   // A head at rest that looks ahead: camera and mount turn it about the same axis.
   Head ahead;
