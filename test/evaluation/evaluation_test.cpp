@@ -227,6 +227,15 @@ TEST_F(EvaluateTest, FindsItsConfigurationFromAnyFolder) {
   fs::current_path(before);
 }
 
+TEST_F(EvaluateTest, NeedsNoPaletteOfTheMachineThatRecorded) {
+  fs::create_directories(out_);
+  EvaluationOptions options = corridor("moved", 3);
+  options.seconds = 1.0;
+  options.config = out_ / "moved.cfg";
+  std::ofstream(options.config) << "ActiveVisualMemory.Palette = /absent/corridor.palette\n";
+  EXPECT_NO_THROW(evaluate(options)) << "a palette lies beside the map";
+}
+
 TEST_F(EvaluateTest, NamesInputThatIsWrong) {
   EvaluationOptions options = corridor("wrong", 1);
   options.map = out_ / "absent.csv";

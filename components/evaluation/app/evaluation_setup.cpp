@@ -67,6 +67,9 @@ void readMemory(const EvaluationOptions& options, bool has_pan_tilt, EvaluationP
   properties.set("ActiveVisualMemory.Odometry.Proxy", "here");
   properties.set("ActiveVisualMemory.PanTilt.Proxy", has_pan_tilt ? "here" : "");
   if (!options.mode.empty()) properties.set("ActiveVisualMemory.Mode", options.mode);
+  params.palette_file = paletteOf(options);
+  // The configuration of a recording names files of the machine that made it.
+  if (!params.palette_file.empty()) properties.set("ActiveVisualMemory.Palette", "");
   ConfigReader config(properties);
   config.known("Localization.*");
   ConfigReader reader = config.group("ActiveVisualMemory");
@@ -78,7 +81,6 @@ void readMemory(const EvaluationOptions& options, bool has_pan_tilt, EvaluationP
   params.assembler = component.assembler;
   params.joints = component.joints;
   params.wheels = component.wheels;
-  params.palette_file = paletteOf(options);
   if (params.palette_file.empty()) params.palette_file = component.palette;
   if (params.palette_file.empty()) {
     throw ConfigError(
