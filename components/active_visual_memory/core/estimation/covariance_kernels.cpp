@@ -16,7 +16,7 @@ namespace vismem {
 namespace {
 
 using Rows = double __attribute__((vector_size(8 * kKernelRows)));
-constexpr int kColumns = 4;  // of a product at once
+constexpr int kColumns = 4;  // of P at once
 
 VISMEM_INLINE void add(double* to, const Rows& more) {
   Rows rows;
@@ -29,17 +29,6 @@ VISMEM_INLINE void addTo(Rows& sum, double factor, const double* column) {
   Rows rows;
   std::memcpy(&rows, column, sizeof rows);
   sum += factor * rows;
-}
-
-/// The columns of a product: sums[c] = sum over k of factors[k * step + c] * column k of the panel.
-VISMEM_INLINE void multiply(Rows* sums, const double* panel, const double* factors, std::ptrdiff_t step,
-                            int count) {
-  for (int c = 0; c < kColumns; ++c) sums[c] = Rows{};
-  for (int k = 0; k < count; ++k) {
-    Rows rows;
-    std::memcpy(&rows, panel + kKernelRows * k, sizeof rows);
-    for (int c = 0; c < kColumns; ++c) sums[c] += factors[k * step + c] * rows;
-  }
 }
 
 }  // namespace
@@ -62,37 +51,33 @@ VISMEM_ALL_WIDTHS void addColumns(double* to, int rows, const ScaledColumn* colu
   add(to + i, sum);
 }
 
-VISMEM_ALL_WIDTHS void subtractProduct(double* P, const int* columns, int count, const double* M,
-                                       double* workspace, std::ptrdiff_t stride, int n) {
-  // Panels of kKernelRows rows, one behind the other, each column by column: of A, and of A M.
-  const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(kKernelRows) * count;
-  double* const A = workspace;
-  double* const AM = A + paddedRows(n) / kKernelRows * size;
-  Rows sums[kColumns];
+VISMEM_ALL_WIDTHS void subtractSquare(double* P, const double* W, double* panels, std::ptrdiff_t stride,
+                                      int n, int m) {
+  // Blocks of kKernelRows rows of W, one behind the other, each column by column.
+  double* to = panels;
   for (int i = 0; i < n; i += kKernelRows) {
-    double* const panel = A + i / kKernelRows * size;
-    for (int k = 0; k < count; ++k) {
-      double* const to = panel + kKernelRows * k;
-      std::memcpy(to, P + columns[k] * stride + i, sizeof(Rows));
-      for (int r = n - i; r < kKernelRows; ++r) to[r] = 0.0;
-    }
-    for (int j = 0; j < count; j += kColumns) {
-      multiply(sums, panel, M + j, stride, count);
-      std::memcpy(AM + i / kKernelRows * size + kKernelRows * j, sums, sizeof sums);
-    }
+    for (int k = 0; k < m; ++k, to += kKernelRows) std::memcpy(to, W + k * stride + i, sizeof(Rows));
   }
   for (int j = 0; j < n; j += kColumns) {
-    const int diagonal = j / kKernelRows;
-    const double* const factors = A + diagonal * size + j % kKernelRows;
-    for (int i = diagonal; i * kKernelRows < n; ++i) {
-      multiply(sums, AM + i * size, factors, kKernelRows, count);
-      for (int c = 0; c < kColumns; ++c) add(P + (j + c) * stride + i * kKernelRows, -sums[c]);
+    const int diagonal = j - j % kKernelRows;
+    const double* factors = panels + static_cast<std::ptrdiff_t>(diagonal) * m + j % kKernelRows;
+    for (int i = diagonal; i < n; i += kKernelRows) {
+      Rows sums[kColumns] = {};
+      const double* panel = panels + static_cast<std::ptrdiff_t>(i) * m;
+      for (int k = 0; k < m; ++k) {
+        Rows rows;
+        std::memcpy(&rows, panel + kKernelRows * k, sizeof rows);
+        for (int c = 0; c < kColumns; ++c) sums[c] -= factors[kKernelRows * k + c] * rows;
+      }
+      for (int c = 0; c < kColumns; ++c) add(P + (j + c) * stride + i, sums[c]);
     }
   }
   // The upper triangle, in blocks that fit the cache.
   for (int j = 0; j < n; j += kKernelRows) {
-    for (int r = j; r < paddedRows(n); ++r) {
-      for (int c = j; c < std::min(j + kKernelRows, r); ++c) P[r * stride + c] = P[c * stride + r];
+    for (int i = j; i < n; i += kKernelRows) {
+      for (int c = j; c < j + kKernelRows; ++c) {
+        for (int r = std::max(i, c + 1); r < i + kKernelRows; ++r) P[r * stride + c] = P[c * stride + r];
+      }
     }
   }
 }

@@ -23,12 +23,9 @@ struct ScaledColumn {
 /// to += sum of factor * column of `count` columns, over `rows` rows.
 void addColumns(double* to, int rows, const ScaledColumn* columns, int count);
 
-/// P -= A M A^T, where A are columns of P.
-/// @param P          n x n, symmetric; columns `stride` apart, a multiple of kKernelRows and at least n.
-/// @param columns    `count` indices of the columns of A.
-/// @param M          count x count, symmetric; columns `stride` apart, read up to paddedRows(count).
-/// @param workspace  of 2 * stride * (count + kKernelRows).
-void subtractProduct(double* P, const int* columns, int count, const double* M, double* workspace,
-                     std::ptrdiff_t stride, int n);
+/// P -= W W^T. @param P n x n, symmetric. @param W n x m. Both column by column, `stride` apart, a multiple
+/// of kKernelRows and at least n; W is 0 in the rows from n to the next multiple.
+/// @param workspace  as large as m columns of W.
+void subtractSquare(double* P, const double* W, double* workspace, std::ptrdiff_t stride, int n, int m);
 
 }  // namespace vismem

@@ -41,19 +41,15 @@ int MapFilter::State::slotOf(std::uint64_t line) const {
 }
 
 MapFilter::Innovation::Innovation()
-    : P(kStride, kStride),
-      W(kStride, kMaxResiduals),
-      HP(kMaxResiduals + kKernelRows, kStride),
-      spread(kMaxResiduals + kKernelRows, kMaxResiduals),
+    : W(kStride, kMaxResiduals),
+      panels(kStride, kMaxResiduals),
+      spread(kMaxResiduals, kMaxResiduals),
       L(kMaxResiduals + kKernelRows, kMaxResiduals),
-      information(kStride, kStride),
-      workspace(kStride, 2 * kStride),
       R(kMaxResiduals),
       Hx(kMaxResiduals),
       y(kMaxResiduals),
-      x(kStride) {
+      x(kMaxUnknowns) {
   rows.reserve(kMaxResiduals);
-  unknowns.reserve(kMaxUnknowns);
 }
 
 void MapFilter::Row::add(int unknown, double factor) {
@@ -219,42 +215,21 @@ void MapFilter::linearize(State& state, const ImageMeasurements& image, const Pa
   }
 }
 
-void MapFilter::selectUnknowns(const State& state) const {
-  std::vector<int>& unknowns = innovation_.unknowns;
-  unknowns.assign({kFrameTilt, kFrameTilt + 1});
-  std::array<int, kMaxUnknowns> places;
-  places.fill(-1);
-  places[kFrameTilt] = 0;
-  places[kFrameTilt + 1] = 1;
-  for (Row& row : innovation_.rows) {
-    for (int k = 0; k < row.count; ++k) {
-      int& place = places[row.unknowns[k]];
-      if (place < 0) {
-        place = static_cast<int>(unknowns.size());
-        unknowns.push_back(row.unknowns[k]);
-      }
-      row.unknowns[k] = place;
-    }
+void MapFilter::projectCovariance(const State& state) const {
+  const std::vector<Row>& rows = innovation_.rows;
+  const int n = state.size();
+  const int m = static_cast<int>(rows.size());
+  Matrix& PHt = innovation_.W;
+  PHt.leftCols(m).setZero();
+  std::array<ScaledColumn, Row::kMost> columns;
+  for (int j = 0; j < m; ++j) {
+    // Rows of H are sparse.
+    const Row& row = rows[static_cast<std::size_t>(j)];
+    for (int k = 0; k < row.count; ++k) columns[k] = {row.factors[k], state.P.col(row.unknowns[k]).data()};
+    addColumns(PHt.col(j).data(), n, columns.data(), row.count);
+    PHt.col(j).segment<kKernelRows>(n).setZero();
+    for (int i = j; i < m; ++i) innovation_.spread(i, j) = rows[static_cast<std::size_t>(i)].dot(PHt.col(j));
   }
-  for (std::size_t j = 0; j < unknowns.size(); ++j) {
-    for (std::size_t i = 0; i < unknowns.size(); ++i) innovation_.P(i, j) = state.P(unknowns[i], unknowns[j]);
-  }
-}
-
-void MapFilter::projectCovariance() const {
-  const int u = static_cast<int>(innovation_.unknowns.size());
-  const int m = static_cast<int>(innovation_.rows.size());
-  // Column i of `from` H^T, from the row `first` on. Rows of H are sparse.
-  const auto timesRow = [&](const Matrix& from, int i, int first, int rows, Matrix& to) {
-    const Row& row = innovation_.rows[static_cast<std::size_t>(i)];
-    std::array<ScaledColumn, Row::kMost> columns;
-    for (int k = 0; k < row.count; ++k) columns[k] = {row.factors[k], &from(first, row.unknowns[k])};
-    to.col(i).segment(first, paddedRows(rows)).setZero();
-    addColumns(&to(first, i), rows, columns.data(), row.count);
-  };
-  for (int i = 0; i < m; ++i) timesRow(innovation_.P, i, 0, u, innovation_.W);
-  innovation_.HP.topLeftCorner(m, u) = innovation_.W.topLeftCorner(u, m).transpose();
-  for (int i = 0; i < m; ++i) timesRow(innovation_.HP, i, i, m - i, innovation_.spread);
 }
 
 bool MapFilter::factorize() const {
@@ -273,25 +248,13 @@ bool MapFilter::factorize() const {
   return true;
 }
 
-void MapFilter::gatherInformation() const {
-  const std::vector<Row>& rows = innovation_.rows;
-  const int u = static_cast<int>(innovation_.unknowns.size());
-  const int m = static_cast<int>(rows.size());
+void MapFilter::divideByFactor(int first, int end) const {
+  const Matrix& L = innovation_.L;
   std::array<ScaledColumn, kMaxResiduals> columns;
-  // H^T L^-T, column by column.
-  Matrix& W = innovation_.W;
-  W.topLeftCorner(paddedRows(u), m).setZero();
-  for (int j = 0; j < m; ++j) {
-    const Row& row = rows[static_cast<std::size_t>(j)];
-    for (int k = 0; k < row.count; ++k) W(row.unknowns[k], j) = row.factors[k];
-    for (int k = 0; k < j; ++k) columns[k] = {-innovation_.L(j, k), W.col(k).data()};
-    addColumns(W.col(j).data(), u, columns.data(), j);
-    W.col(j).head(u) /= innovation_.L(j, j);
-  }
-  innovation_.information.topLeftCorner(paddedRows(u), u).setZero();
-  for (int j = 0; j < u; ++j) {
-    for (int k = 0; k < m; ++k) columns[k] = {W(j, k), W.col(k).data()};
-    addColumns(innovation_.information.col(j).data(), u, columns.data(), m);
+  for (int j = 0; j < static_cast<int>(innovation_.rows.size()); ++j) {
+    for (int k = 0; k < j; ++k) columns[k] = {-L(j, k), &innovation_.W(first, k)};
+    addColumns(&innovation_.W(first, j), end - first, columns.data(), j);
+    innovation_.W.col(j).segment(first, end - first) /= L(j, j);
   }
 }
 
@@ -301,9 +264,9 @@ std::optional<Correction> MapFilter::solve(State& state, const ImageMeasurements
   linearize(state, image, params);
   const std::vector<Row>& rows = innovation_.rows;
   if (rows.empty()) return std::nullopt;
+  const int n = state.size();
   const int m = static_cast<int>(rows.size());
-  selectUnknowns(state);
-  projectCovariance();
+  projectCovariance(state);
   auto R = innovation_.R.head(m);
   auto y = innovation_.y.head(m);
   auto Hx = innovation_.Hx.head(m);
@@ -330,23 +293,12 @@ std::optional<Correction> MapFilter::solve(State& state, const ImageMeasurements
     L.transpose().solveInPlace(y);
     Hx.noalias() = spread.selfadjointView<Eigen::Lower>() * y;
   }
-  gatherInformation();
-  const std::vector<int>& unknowns = innovation_.unknowns;
-  const int u = static_cast<int>(unknowns.size());
-  std::array<ScaledColumn, kMaxUnknowns> columns;
-  for (int k = 0; k < u; ++k) columns[k] = {0.0, state.P.col(unknowns[k]).data()};
-  for (int j = 0; j < m; ++j) {
-    const Row& row = rows[static_cast<std::size_t>(j)];
-    for (int k = 0; k < row.count; ++k) columns[row.unknowns[k]].factor += row.factors[k] * y[j];
-  }
   Eigen::VectorXd& x = innovation_.x;
-  x.setZero();
-  addColumns(x.data(), state.size(), columns.data(), u);
-  const auto of_frame = innovation_.P.topLeftCorner(2, u);
-  Eigen::Matrix<double, 2, kMaxResiduals> scaled;
-  scaled.leftCols(m) = of_frame.lazyProduct(innovation_.W.topLeftCorner(u, m));
+  x.head(n).noalias() = innovation_.W.topLeftCorner(n, m) * y;
+  divideByFactor(0, kCommon);
+  const auto frame_tilts = innovation_.W.block(kFrameTilt, 0, 2, m);
   state.P_frame_tilt =
-      of_frame.leftCols<2>() - scaled.leftCols(m).lazyProduct(scaled.leftCols(m).transpose());
+      state.P.block<2, 2>(kFrameTilt, kFrameTilt) - frame_tilts.lazyProduct(frame_tilts.transpose());
   return Correction{{image.robot, x.head<2>(), x[kTurn]},
                     x.segment<4>(kTilt),
                     x.segment<2>(kFrameTilt),
@@ -355,8 +307,9 @@ std::optional<Correction> MapFilter::solve(State& state, const ImageMeasurements
 
 void MapFilter::updateCovariance() {
   const int n = state_.size();
-  subtractProduct(state_.P.data(), innovation_.unknowns.data(), static_cast<int>(innovation_.unknowns.size()),
-                  innovation_.information.data(), innovation_.workspace.data(), kStride, n);
+  if (n > kCommon) divideByFactor(kCommon, n);
+  subtractSquare(state_.P.data(), innovation_.W.data(), innovation_.panels.data(), kStride, n,
+                 static_cast<int>(innovation_.rows.size()));
   for (int k = 0; k < n; ++k) state_.P(k, k) = std::max(state_.P(k, k), kLeastVariance);
 }
 

@@ -152,6 +152,7 @@ class MapFilter {
   static constexpr int kMaxUnknowns = kLines + 2 * kMaxLines;
   using Matrix = Eigen::MatrixXd;
   static constexpr int kStride = paddedRows(kMaxUnknowns) + kKernelRows;
+  static constexpr int kCommon = paddedRows(kLines);  ///< rows of W with all unknowns but those of the lines
 
   struct Line {
     std::uint64_t id = 0;
@@ -179,35 +180,34 @@ class MapFilter {
   /// One residual and its sparse row of the measurement matrix.
   struct Row {
     void add(int unknown, double factor);
+    template <typename Vector>
+    double dot(const Vector& v) const {
+      double sum = 0.0;
+      for (int k = 0; k < count; ++k) sum += factors[k] * v[unknowns[k]];
+      return sum;
+    }
 
     static constexpr int kMost = 13;
-    std::array<int, kMost> unknowns{};  ///< after selectUnknowns() their places in Innovation::unknowns
+    std::array<int, kMost> unknowns{};
     std::array<double, kMost> factors{};
     int count = 0;
     double residual = 0.0;
     double variance = 0.0;
   };
 
-  /// Measurements of one image: m rows of H over the u unknowns that they measure, and the update x of all
-  /// n. With S = H P H^T + R, x = P (H^T S^-1 r), and P becomes P - P (H^T S^-1 H) P. The brackets are the
-  /// adjoint variables of G. Bierman, "Fixed interval smoothing with discrete measurements", 1973: they are 0
-  /// but for the u unknowns, so that only these columns of P count. The matrices are as large as they may
-  /// become; their first rows and columns count.
+  /// Measurements of one image: m rows of H over n unknowns, and the update x. The matrices are as
+  /// large as they may become; their first rows and columns count.
   struct Innovation {
     Innovation();
 
     std::vector<Row> rows;
-    std::vector<int> unknowns;  ///< the frame's tilt first
-    Matrix P;                   ///< covariance of these unknowns, u x u
-    Matrix W;                   ///< P H^T, then H^T L^-T, u x m
-    Matrix HP;                  ///< m x u
-    Matrix spread;              ///< H P H^T, m x m, its lower triangle
-    Matrix L;                   ///< Cholesky's factor of S, m x m, its lower triangle
-    Matrix information;         ///< H^T S^-1 H, u x u
-    Matrix workspace;           ///< of subtractProduct
-    Eigen::VectorXd R;          ///< variances with the robust weight, m
+    Matrix W;           ///< P H^T, then P H^T L^-T, n x m
+    Matrix panels;      ///< workspace of subtractSquare
+    Matrix spread;      ///< H P H^T, m x m, its lower triangle
+    Matrix L;           ///< Cholesky's factor of H P H^T + R, m x m, its lower triangle
+    Eigen::VectorXd R;  ///< variances with the robust weight, m
     Eigen::VectorXd Hx;
-    Eigen::VectorXd y;  ///< S^-1 r, m
+    Eigen::VectorXd y;  ///< (H P H^T + R)^-1 residuals, m
     Eigen::VectorXd x;  ///< n
   };
 
@@ -215,17 +215,16 @@ class MapFilter {
   void beginImage(State& state, const ImageMeasurements& image, const Params& params) const;
   /// Linearizes the measurements: sets the rows of `innovation_`.
   void linearize(State& state, const ImageMeasurements& image, const Params& params) const;
-  /// Sets the unknowns that the rows of `innovation_` measure, and their covariance.
-  void selectUnknowns(const State& state) const;
-  /// Sets W to P H^T, HP, and spread.
-  void projectCovariance() const;
-  /// Sets L. @return false where S is not positive definite.
+  /// Sets W to P H^T, and spread.
+  void projectCovariance(const State& state) const;
+  /// Sets L. @return false where H P H^T + R is not positive definite.
   bool factorize() const;
-  /// Sets `information`.
-  void gatherInformation() const;
-  /// Iterated update of the mean. @return empty without information; else `innovation_` is set.
+  /// Multiplies the rows of W from `first` to before `end` by L^-T.
+  void divideByFactor(int first, int end) const;
+  /// Iterated update of the mean. @return empty without information; else `innovation_` is set, W to P H^T
+  /// L^-T in its first kCommon rows and to P H^T in the others.
   std::optional<Correction> solve(State& state, const ImageMeasurements& image, const Params& params) const;
-  /// Covariance update with `innovation_`.
+  /// Covariance update with `innovation_`: P - P H^T (H P H^T + R)^-1 H P = P - W W^T.
   void updateCovariance();
 
   TiltPrior tilt_prior_;
