@@ -300,7 +300,7 @@ class RobustRaces : public RaceStrategy {
     for (Race& race : table.races()) {
       race.scores.resize(0);
       race.scores_since_jump = 0;
-      race.evidence = best - std::min(1.0, best - posterior(race));
+      race.evidence += std::max(0.0, best - 1.0 - posterior(race));
       race.victories = std::min(race.victories, 1);
     }
   }

@@ -175,6 +175,19 @@ TEST_F(RobustRacesTest, ANewRaceNeedsTheFullLeadAnOldOneAThird) {
   EXPECT_EQ(winnerWith(0.55, 1000), 2u);
 }
 
+// A tilted camera is unlikely before calibration has learnt it; a race pays for it once.
+TEST_F(RobustRacesTest, ATiltIsPaidOnceAlsoWhereTheMemoryBeginsAnew) {
+  RaceTable table = tableWith(-4.0, 10);
+  const double upright = races_->beliefShare(*table.find(1), table);
+  table.races()[0].camera_tilt = {degToRad(1.0), 0.0};
+  const double tilted = races_->beliefShare(*table.find(1), table);
+  EXPECT_LT(tilted, upright);
+  EXPECT_GT(tilted, 0.9);
+  races_->discountEvidence(table);
+  // One nat counts as three independent observations: what is left of the lead.
+  EXPECT_NEAR(races_->beliefShare(*table.find(1), table), 1.0 / (1.0 + std::exp(-3.0)), 1e-9);
+}
+
 TEST_F(RobustRacesTest, OneBadImagePrunesOnlyARaceThatIsFarBehind) {
   const auto isKept = [&](double evidence, double health) {
     RaceTable table = tableWith(evidence, 10);
