@@ -18,7 +18,7 @@ class RaceStrategy {
  public:
   virtual ~RaceStrategy() = default;
 
-  /// Takes the camera of each image, also between iterations.
+  /// Takes the camera of each image, also between iterations; its turn makes the tilt of races uncertain.
   virtual void beginImage(const ImageAnalysis& /*analysis*/, RaceTable& /*table*/) {}
   /// Takes the observation of an update.
   /// @return false without evidence; the races stay unchanged then.

@@ -23,10 +23,10 @@ constexpr double kCameraBlur_m = 0.05;  // a wrong camera moves points by more t
 constexpr int kSteps = 3;
 /// Information about the lasting tilt of a race, which is one of the errors here.
 constexpr double kFixedTilt = 1e8;
-/// Prior log odds of an error against none, in the order of CameraErrors::Error. 1 to 20: a calibrated camera
-/// rarely changes. Of a delay 1 to 1: the stamp of an image is rarely that of its exposure.
-const CameraVector kLogOdds{{std::log(0.05), std::log(0.05), std::log(0.05), std::log(0.05), std::log(0.05),
-                             std::log(0.05), std::log(1.0)}};
+/// Prior log odds of an error against none, in the order of CameraErrors::Error. Of a delay 1 to 1: the stamp
+/// of an image is rarely that of its exposure.
+const double kRare = std::log(kUncalibratedOdds);
+const CameraVector kLogOdds{{kRare, kRare, kRare, kRare, kRare, kRare, std::log(1.0)}};
 /// Least factor of a fitted pose's covariance. The factor is the mean of d²/sigma² of its points, because
 /// their errors are far smaller than the blur.
 constexpr double kLeastVarianceFactor = 0.01;

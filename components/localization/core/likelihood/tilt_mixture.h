@@ -7,6 +7,9 @@
 
 namespace vismem {
 
+/// Prior odds of an error of the camera against none: a calibrated camera rarely changes.
+inline constexpr double kUncalibratedOdds = 0.05;
+
 /// Prior of the lasting tilt error (Placement::tilt_bias): the larger of two Gaussians about 0, equal in both
 /// axes (max-mixture: Olson and Agarwal 2013). Most cameras are as calibrated, one in twenty is tilted about
 /// some axis. Flat without standard deviations.
@@ -33,7 +36,6 @@ class TiltMixture {
   double wideInformation() const { return wide_; }
 
  private:
-  static constexpr double kUncalibratedOdds = 0.05;
   double calibratedLog(const Eigen::Vector2d& tilt) const { return -0.5 * calibrated_ * tilt.squaredNorm(); }
   double wideLog(const Eigen::Vector2d& tilt) const { return log_odds_ - 0.5 * wide_ * tilt.squaredNorm(); }
 
