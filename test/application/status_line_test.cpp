@@ -18,6 +18,7 @@ TEST(StatusText, SaysWhatTheRobotKnows) {
                              testing::HasSubstr("42 segments")));
   PoseEstimate estimate;
   estimate.T_world_robot = Pose2{1.25, -0.5, std::numbers::pi / 2};
+  estimate.stamp_us = live.now_us;
   estimate.reliability = 0.75;
   live.estimate = estimate;
   live.error = PoseError{0, 0.1, 0.0, 0.75};
@@ -39,6 +40,32 @@ TEST(StatusText, AGuessIsNotCalledAPose) {
   live.estimate = estimate;
   EXPECT_THAT(statusText(live, std::nullopt),
               testing::StartsWith("   0.0 s | not sure, best guess 4.32 -1.64 m 0 deg, reliability 0.50 |"));
+}
+
+TEST(StatusText, APausedRobotHasNoRates) {
+  LiveState live;
+  live.camera_hz = 30.0;
+  live.memory_hz = 29.5;
+  EXPECT_THAT(statusText(live, std::nullopt), testing::HasSubstr("| camera 30.0 Hz | memory 29.5 Hz, "));
+  live.is_paused = true;
+  EXPECT_THAT(statusText(live, std::nullopt),
+              testing::AllOf(testing::StartsWith("   0.0 s, paused | no pose |"),
+                             testing::HasSubstr("| camera  0.0 Hz | memory  0.0 Hz, ")));
+}
+
+// As of a localization that hangs.
+TEST(StatusText, AnOldPoseHasItsAge) {
+  LiveState live;
+  live.first_us = 0;
+  live.now_us = 12 * kSecondUs;
+  PoseEstimate estimate;
+  estimate.T_world_robot = Pose2{1.25, -0.5, 0.0};
+  estimate.reliability = 0.75;
+  estimate.stamp_us = 11 * kSecondUs;
+  live.estimate = estimate;
+  EXPECT_THAT(statusText(live, std::nullopt), testing::HasSubstr("reliability 0.75 | camera"));
+  live.estimate->stamp_us = 5 * kSecondUs;
+  EXPECT_THAT(statusText(live, std::nullopt), testing::HasSubstr("reliability 0.75 7 s ago | camera"));
 }
 
 TEST(StatusText, ZeroHasNoSign) {

@@ -16,7 +16,7 @@ TEST(SourceRate, CountsWhatWasMadeInTheSourcesTime) {
   rate.add(15, 500'000);
   rate.add(15, 500'000);
   EXPECT_DOUBLE_EQ(rate.hz(), 10.0);
-  EXPECT_DOUBLE_EQ(rate.recentHz(), 10.0);
+  EXPECT_DOUBLE_EQ(rate.recentHz(500'000), 10.0);
 }
 
 TEST(SourceRate, BeginsAnewAfterARestart) {
@@ -27,15 +27,24 @@ TEST(SourceRate, BeginsAnewAfterARestart) {
   rate.add(0, 0);
   rate.add(5, kSecondUs);
   EXPECT_DOUBLE_EQ(rate.hz(), 7.5);
-  EXPECT_DOUBLE_EQ(rate.recentHz(), 5.0);
+  EXPECT_DOUBLE_EQ(rate.recentHz(kSecondUs), 5.0);
 }
 
 TEST(SourceRate, ForgetsOldSamplesForTheRecentRate) {
   SourceRate rate;
   for (int i = 0; i <= 100; ++i) rate.add(i, i * 100'000);                    // 10 Hz
   for (int i = 1; i <= 100; ++i) rate.add(100 + i, 10'000'000 + i * 50'000);  // 20 Hz
-  EXPECT_NEAR(rate.recentHz(), 20.0, 1e-9);
+  EXPECT_NEAR(rate.recentHz(15 * kSecondUs), 20.0, 1e-9);
   EXPECT_NEAR(rate.hz(), 200.0 / 15.0, 1e-9);
+}
+
+// As of a component that hangs while the robot goes on.
+TEST(SourceRate, AStandingSourceHasNoRecentRate) {
+  SourceRate rate;
+  for (int i = 0; i <= 30; ++i) rate.add(i, i * 100'000);  // 10 Hz until 3 s
+  EXPECT_NEAR(rate.recentHz(5 * kSecondUs), 10.0, 1e-9);
+  EXPECT_EQ(rate.recentHz(5 * kSecondUs + 1), 0.0);
+  EXPECT_NEAR(rate.hz(), 10.0, 1e-9);
 }
 
 TEST(ImageRange, CountsFromOne) {

@@ -1,4 +1,6 @@
 /// @file The whole application as its user starts it: real processes over Ice on loopback.
+#include <Ice/Ice.h>
+#include <avm/simulation.h>
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <unistd.h>
@@ -112,6 +114,21 @@ TEST_F(RunApplication, FindsTheSimulatedRobotAndReportsIt) {
   expectFigures();
   EXPECT_THAT(run->error(), testing::HasSubstr("reliability")) << "the live status";
   EXPECT_TRUE(noneLeftWithin(5s));
+}
+
+TEST_F(RunApplication, APausedSimulationIsNoFailureAndAResetOneGoesOn) {
+  const auto run = startSimulation({"--seconds", "6"});
+  ASSERT_TRUE(run->waitForLine("reliability", 60s)) << run->error();
+  const Ice::CommunicatorHolder client{Ice::initialize()};
+  const auto simulation = Ice::uncheckedCast<avm::SimulationPrx>(
+      client->stringToProxy("Simulation:tcp -h 127.0.0.1 -p " + std::to_string(9972 + offset_)));
+  simulation->setPaused(true);
+  EXPECT_TRUE(run->waitForLine(" s, paused |", 10s)) << run->error();
+  EXPECT_TRUE(run->waitForLine("| camera  0.0 Hz | memory  0.0 Hz", 10s)) << run->error();
+  simulation->reset(2);
+  simulation->setPaused(false);
+  ASSERT_EQ(run->waitForExit(60s), 0) << run->error();
+  EXPECT_GE(lastLine(*run)["seconds"].get<double>(), 5.9);
 }
 
 TEST_F(RunApplication, CtrlCEndsWithFiguresAndExitCodeZero) {

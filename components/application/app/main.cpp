@@ -12,6 +12,7 @@
 #include "application/app/robot_link.h"
 #include "application/app/run_inputs.h"
 #include "application/app/run_observer.h"
+#include "application/app/silence.h"
 #include "application/app/status_line.h"
 #include "common/config/config_error.h"
 #include "common/routes/route.h"
@@ -24,8 +25,6 @@ using namespace vismem;
 
 constexpr std::chrono::seconds kReadyWithin{30};
 constexpr std::chrono::seconds kPeersWithin{10};
-/// Longest time without data before the run fails; longer than any pause of a working robot.
-constexpr std::chrono::seconds kSilence{15};
 /// Longest time from a recording's last image to its last estimate.
 constexpr std::chrono::seconds kDrain{3};
 
@@ -43,20 +42,29 @@ class ReplayEnd {
   std::optional<std::chrono::steady_clock::time_point> finished_;
 };
 
+bool isPaused(RobotLink& link) {
+  return link.replay() != nullptr ? link.replay()->status().state == ReplayState::kPaused
+                                  : link.simulation()->status().paused;
+}
+
 /// Shows the live status until the run ends: by time, by the recording's end, or by a signal.
 void watch(const RunOptions& options, const Launcher& launcher, RobotLink& link, const RunObserver& observer,
            EndSignals& signals, StatusLine& status) {
   ReplayEnd replay_end;
+  Silence silence;
+  bool is_paused = false;
   while (!signals.wait(0.05)) {
     launcher.checkAlive();
-    const LiveState live = observer.live();
+    LiveState live = observer.live();
     const auto now = std::chrono::steady_clock::now();
     if (options.seconds && live.elapsed_s() >= *options.seconds) return;
     if (status.due(now)) {
       if (link.replay() != nullptr && replay_end.reached(*link.replay(), live)) return;
+      live.is_paused = is_paused = isPaused(link);
       status.show(statusText(live, link.gaze().status()));
     }
-    if (now - live.last_advance > kSilence && (link.replay() == nullptr || live.elapsed_s() == 0.0)) {
+    if (silence.isTooLong(now, live.last_advance, is_paused) &&
+        (link.replay() == nullptr || live.elapsed_s() == 0.0)) {
       throw ComponentFailure("no " + std::string(link.replay() ? "image" : "simulated time") + " came for " +
                              std::to_string(kSilence.count()) + " s");
     }

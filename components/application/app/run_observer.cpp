@@ -70,14 +70,15 @@ void RunObserver::stop() {
 LiveState RunObserver::live() const {
   const std::lock_guard lock(mutex_);
   LiveState state = live_;
-  state.camera_hz = record_.camera.recentHz();
-  state.memory_hz = record_.iterations.recentHz();
+  state.camera_hz = record_.camera.recentHz(live_.now_us);
+  state.memory_hz = record_.iterations.recentHz(live_.now_us);
   if (record_.memory) state.memory_segments = record_.memory->segments.size();
   if (!record_.estimates.empty()) {
-    state.estimate = record_.estimates.back();
-    state.last_estimate_us = state.estimate->stamp_us;
-    const auto truth = poseAt(record_.truth, state.estimate->stamp_us);
-    if (truth && state.estimate->T_world_robot) {
+    state.last_estimate_us = record_.estimates.back().stamp_us;
+    const auto truth = poseAt(record_.truth, state.last_estimate_us);
+    // After a seek or a reset back in time the record stands until it is reached again.
+    const bool is_recorded = state.estimate->stamp_us == state.last_estimate_us;
+    if (truth && is_recorded && state.estimate->T_world_robot) {
       const TwinError nearest = errorToNearestTwin(*state.estimate, *truth, symmetries_);
       state.error = nearest.error;
       state.is_twin = nearest.is_twin;
@@ -93,8 +94,8 @@ RunRecord RunObserver::takeRecord() {
 
 void RunObserver::noteTimeLocked(StampUs stamp_us) {
   if (!live_.first_us) live_.first_us = stamp_us;
-  if (stamp_us > live_.now_us || live_.now_us == 0) live_.last_advance = std::chrono::steady_clock::now();
-  live_.now_us = std::max(live_.now_us, stamp_us);
+  if (stamp_us != live_.now_us || live_.now_us == 0) live_.last_advance = std::chrono::steady_clock::now();
+  live_.now_us = stamp_us;
 }
 
 void RunObserver::followTruth(const std::stop_token& stop) {
@@ -120,7 +121,8 @@ void RunObserver::followTruth(const std::stop_token& stop) {
     if (batch.samples.empty()) continue;
     const TruthSample& newest = batch.samples.back();
     last_us = newest.stamp_us;
-    if (!driver_ || newest.stamp_us - driven_us < kDrive_us) continue;
+    // A reset sets the time back.
+    if (!driver_ || std::abs(newest.stamp_us - driven_us) < kDrive_us) continue;
     driven_us = newest.stamp_us;
     const DriveCommand command = driver_->drive(newest.T_world_robot);
     const PortReply reply = ports_.base->setVelocity(command.v_mps, command.w_radps);
@@ -207,6 +209,7 @@ void RunObserver::followLocalization(const std::stop_token& stop) {
     }
     revision = estimate->revision;
     const std::lock_guard lock(mutex_);
+    live_.estimate = *estimate;
     if (!record_.estimates.empty() && estimate->stamp_us <= record_.estimates.back().stamp_us) continue;
     recorder_.addEstimate(*estimate);
     recorder_.addPublished({estimate->stamp_us, estimate->T_world_robot, estimate->reliability});

@@ -11,6 +11,8 @@ namespace {
 
 /// Reliability from which the page says that the robot knows where it is.
 constexpr double kSure = 0.7;
+/// Age above which a pose is no longer the present one.
+constexpr StampUs kOld_us = kSecondUs;
 
 const char* nameOf(GazeState state) {
   switch (state) {
@@ -53,6 +55,7 @@ std::string gazeText(const GazeStatus& gaze) {
 std::string statusText(const LiveState& live, const std::optional<GazeStatus>& gaze) {
   // A narrow terminal shows the beginning.
   std::string text = formatted("%6.1f s", live.elapsed_s());
+  if (live.is_paused) text += ", paused";
   if (!live.drive_failure.empty()) text += " | cannot drive: " + live.drive_failure;
   if (live.estimate && live.estimate->T_world_robot) {
     const Pose2& pose = *live.estimate->T_world_robot;
@@ -60,6 +63,8 @@ std::string statusText(const LiveState& live, const std::optional<GazeStatus>& g
     text += formatted(" | %s %.2f %.2f m %.0f deg, reliability %.2f",
                       is_sure ? "pose" : "not sure, best guess", rounded(pose.x, 100), rounded(pose.y, 100),
                       rounded(radToDeg(pose.theta), 1), live.estimate->reliability);
+    const StampUs age_us = live.now_us - live.estimate->stamp_us;
+    if (age_us > kOld_us) text += formatted(" %.0f s ago", toSeconds(age_us));
   } else {
     text += " | no pose";
   }
@@ -68,8 +73,9 @@ std::string statusText(const LiveState& live, const std::optional<GazeStatus>& g
         formatted(" | error %.2f m %.1f deg", *live.error->position_m, radToDeg(*live.error->heading_rad));
     if (live.is_twin) text += " of the twin place, from which the map looks the same";
   }
-  text += formatted(" | camera %4.1f Hz | memory %4.1f Hz, %zu segments", live.camera_hz, live.memory_hz,
-                    live.memory_segments);
+  text +=
+      formatted(" | camera %4.1f Hz | memory %4.1f Hz, %zu segments", live.is_paused ? 0.0 : live.camera_hz,
+                live.is_paused ? 0.0 : live.memory_hz, live.memory_segments);
   return text + " | " + (gaze ? gazeText(*gaze) : std::string("no gaze"));
 }
 

@@ -12,7 +12,7 @@
 namespace vismem {
 
 /// "  12.3 s | pose 1.25 -0.50 m 90 deg, reliability 0.75 | error ... | camera ... | memory ... | gaze tracks
-/// segment". A pose that is not reliable is called "not sure, best guess".
+/// segment". A pose that is not reliable is called "not sure, best guess"; an old one has its age.
 std::string statusText(const LiveState& live, const std::optional<GazeStatus>& gaze);
 
 /// Shows texts five times a second on a terminal, elsewhere one line a second. *Single-threaded.*

@@ -76,8 +76,8 @@ void SourceRate::add(std::uint64_t seq, StampUs stamp_us) {
   recent_.erase(recent_.begin(), old);
 }
 
-double SourceRate::recentHz() const {
-  if (recent_.size() < 2) return 0.0;
+double SourceRate::recentHz(StampUs now_us) const {
+  if (recent_.size() < 2 || recent_.back().stamp_us + kRecent_us < now_us) return 0.0;
   return static_cast<double>(recent_.back().seq - recent_.front().seq) /
          toSeconds(recent_.back().stamp_us - recent_.front().stamp_us);
 }

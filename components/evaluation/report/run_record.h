@@ -25,8 +25,9 @@ class SourceRate {
   void add(std::uint64_t seq, StampUs stamp_us);
   /// Mean over all stretches in the source's time; 0 before two samples.
   double hz() const { return seconds_ > 0.0 ? static_cast<double>(made_) / seconds_ : 0.0; }
-  /// Over the last seconds of the newest stretch.
-  double recentHz() const;
+  /// Over the last seconds of the newest stretch; 0 when it has nothing so new.
+  /// @param now_us present time on the clock of the stamps.
+  double recentHz(StampUs now_us) const;
 
  private:
   struct Sample {
