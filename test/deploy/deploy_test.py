@@ -376,6 +376,19 @@ class Contents(unittest.TestCase):
             needed = set(re.findall(r"\blib[a-z0-9.+-]+-dev\b", control.read().split("\n\n")[0]))
         self.assertEqual(needed, installed - {"libclang-rt-14-dev"}, "that one is for fuzzing only")
 
+    def test_the_command_works_below_a_folder_with_blanks(self):
+        with tempfile.TemporaryDirectory() as folder:
+            prefix = folder + "/pre fix"
+            script = os.path.join(os.path.dirname(os.path.dirname(HERE)), "deploy/install_command.cmake")
+            subprocess.run(["cmake", f"-DCMAKE_INSTALL_PREFIX={prefix}", "-P", script], check=True, capture_output=True)
+            os.makedirs(prefix + "/libexec/vismem")
+            with open(prefix + "/libexec/vismem/show_status", "w") as program:
+                program.write('#!/bin/sh\nprintf "%s\\n" "$@"\n')
+            os.chmod(program.name, 0o755)
+            run = lambda *arguments: subprocess.run([prefix + "/bin/vismem", *arguments], check=True, capture_output=True, text=True).stdout
+            self.assertEqual(run("status", "sim").splitlines(), ["--setups", prefix + "/etc/vismem", "sim"])
+            self.assertTrue(run("--help").endswith("Programs:\n  show_status\n"), run("--help"))
+
     def test_the_headers_for_drivers_compile(self):
         with tempfile.TemporaryDirectory() as folder:
             dev, = glob.glob(os.path.join(os.environ["VISMEM_DEPLOY"], "packages/vismem-dev_*.deb"))
