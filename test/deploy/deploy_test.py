@@ -389,6 +389,16 @@ class Contents(unittest.TestCase):
             self.assertEqual(run("status", "sim").splitlines(), ["--setups", prefix + "/etc/vismem", "sim"])
             self.assertTrue(run("--help").endswith("Programs:\n  show_status\n"), run("--help"))
 
+    def test_names_of_users_have_the_same_letters_in_every_language(self):
+        with tempfile.TemporaryDirectory() as folder:
+            program = os.path.join(os.path.dirname(os.path.dirname(HERE)), "deploy/gateway/gateway_user")
+            for language, user, code in (("tr_TR", "ali", 0), ("de_DE", "j\u00fcrgen", 2)):
+                if subprocess.run(["localedef", "-i", language, "-f", "UTF-8", f"{folder}/{language}.UTF-8"], capture_output=True).returncode:
+                    self.skipTest(f"no sources of the locale {language} (package locales)")
+                done = subprocess.run([program, "viewer", "add", user], input="a long secret\n", text=True, capture_output=True,
+                                      env=dict(os.environ, LOCPATH=folder, LC_ALL=language + ".UTF-8", VISMEM_GATEWAY=folder))
+                self.assertEqual(done.returncode, code, done.stderr)
+
     def test_the_headers_for_drivers_compile(self):
         with tempfile.TemporaryDirectory() as folder:
             dev, = glob.glob(os.path.join(os.environ["VISMEM_DEPLOY"], "packages/vismem-dev_*.deb"))

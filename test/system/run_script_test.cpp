@@ -76,6 +76,19 @@ TEST_F(RunScript, RefusesWrongOptionsWithoutABuild) {
   }
 }
 
+// In Turkish the range a-z has no i.
+TEST_F(RunScript, KnowsItsOptionsInAnyLanguage) {
+  const std::string locale = folder_.path() / "tr_TR.UTF-8";
+  ChildProcess make({"localedef", "-i", "tr_TR", "-f", "UTF-8", locale});
+  if (make.waitForExit(60s) != 0) GTEST_SKIP() << "no sources of the locale tr_TR (package locales)";
+  ChildProcess::Options options;
+  options.working_directory = folder_.path();
+  ChildProcess child(
+      {"env", "LOCPATH=" + folder_.path().string(), "LC_ALL=tr_TR.UTF-8", "scripts/run", "--no-gui"},
+      std::move(options));
+  EXPECT_EQ(child.waitForExit(20s), 9) << child.error();
+}
+
 TEST_F(RunScript, BuildsWhatTheSetupRuns) {
   const Answer answer = run({"--setup", "sim", "--seed", "4"});
   EXPECT_EQ(answer.exit_code, 9);
