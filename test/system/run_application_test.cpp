@@ -131,6 +131,22 @@ TEST_F(RunApplication, APausedSimulationIsNoFailureAndAResetOneGoesOn) {
   EXPECT_GE(lastLine(*run)["seconds"].get<double>(), 5.9);
 }
 
+// As on a full disk: the recorder can write no further, all else goes on.
+TEST_F(RunApplication, ARecordingThatFailsIsNamedAtOnceAndInTheEnd) {
+  offset_ = freePortOffset();
+  const std::string program = std::string(VISMEM_BIN_DIR) + "/run_application";
+  ChildProcess::Options options;
+  options.working_directory = VISMEM_SOURCE_DIR;
+  ChildProcess run({"bash", "-c", "ulimit -f 3000; exec \"$@\"", "limited", program, "--record", "--no-gui",
+                    "--seconds", "6", "--out", out_.string(), "--port-offset", std::to_string(offset_)},
+                   std::move(options));
+  EXPECT_TRUE(run.waitForLine("s | recording failed: ", 60s)) << run.error();
+  ASSERT_EQ(run.waitForExit(60s), 1) << run.error();
+  EXPECT_THAT(run.error(), testing::HasSubstr("run_application: recording failed: "));
+  EXPECT_TRUE(lastLine(run).is_object());
+  expectFigures();
+}
+
 TEST_F(RunApplication, CtrlCEndsWithFiguresAndExitCodeZero) {
   const auto run = startSimulation();
   ASSERT_TRUE(run->waitForLine("reliability", 60s)) << run->error();

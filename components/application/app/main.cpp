@@ -61,6 +61,7 @@ void watch(const RunOptions& options, const Launcher& launcher, RobotLink& link,
     if (status.due(now)) {
       if (link.replay() != nullptr && replay_end.reached(*link.replay(), live)) return;
       live.is_paused = is_paused = isPaused(link);
+      live.recording_failure = link.recordingFailure();
       status.show(statusText(live, link.gaze().status()));
     }
     if (silence.isTooLong(now, live.last_advance, is_paused) &&
@@ -100,7 +101,7 @@ RunInputs loadInputs(const RunOptions& options) {
 
 struct RecordedRun {
   RunRecord record;
-  std::string failure;  ///< what ended it early; empty: nothing
+  std::vector<std::string> problems;  ///< what ended it or its recording early
 };
 
 /// Runs the components until the end.
@@ -125,15 +126,17 @@ std::optional<RecordedRun> record(const RunOptions& options, EndSignals& signals
   observer.start();
   const PortReply reply = link.replay() != nullptr ? link.replay()->play() : link.simulation()->resume();
   if (!reply.ok()) throw ComponentFailure("time does not begin: " + reply.message);
-  std::string failure;
+  std::vector<std::string> problems;
   try {
     watch(options, launcher, link, observer, signals, status);
   } catch (const ComponentFailure& lost) {
-    failure = lost.what();  // what came until then is reported
+    problems.emplace_back(lost.what());  // what came until then is reported
   }
+  if (const auto failure = link.recordingFailure(); !failure.empty())
+    problems.push_back("recording failed: " + failure);
   status.end();
   observer.stop();
-  return RecordedRun{observer.takeRecord(), std::move(failure)};
+  return RecordedRun{observer.takeRecord(), std::move(problems)};
 }
 
 int run(const RunOptions& options, EndSignals& signals) {
@@ -162,7 +165,7 @@ int run(const RunOptions& options, EndSignals& signals) {
   }
   const RunSummary summary = summarize(recorded, inputs.map.edges, inputs.judged.has_value());
   auto problems = writeReport(options, *files, recorded, summary, inputs.map);
-  if (!done->failure.empty()) problems.push_back(done->failure);
+  problems.insert(problems.end(), done->problems.begin(), done->problems.end());
   std::cout << resultJson(options, summary).dump() << std::endl;
   if (!summary.score.errors.empty() && !summary.score.recovered && !summary.score.is_twin) {
     std::cerr << "run_application: not localized at the end (is " << options.map.string()

@@ -39,8 +39,22 @@ RobotLink::RobotLink(const RunOptions& options, const Launcher& launcher)
   localization_ = std::make_unique<RemoteLocalization>(
       Ice::uncheckedCast<avm::LocalizationPrx>(proxy("localization", "Localization")));
   std::vector<std::string> names{"active_visual_memory", "localization"};
-  if (options.record) names.emplace_back("recorder");
+  if (options.record) {
+    names.emplace_back("recorder");
+    recorder_ =
+        Ice::uncheckedCast<avm::RecorderPrx>(proxy("recorder", "Recorder")->ice_invocationTimeout(1000));
+  }
   for (const std::string& name : names) status_proxies_.push_back(launcher.proxy(name, name + "/component"));
+}
+
+std::string RobotLink::recordingFailure() const {
+  if (!recorder_) return "";
+  try {
+    const avm::RecorderStatus status = recorder_->status();
+    return status.state == avm::RecorderState::Failed ? status.message : "";
+  } catch (const Ice::Exception& failure) {
+    return std::string("recorder: ") + failure.what();
+  }
 }
 
 std::string RobotLink::waitForPeers(std::chrono::seconds timeout, const std::function<bool()>& interrupted) {

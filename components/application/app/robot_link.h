@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Ice/Ice.h>
+#include <avm/recorder.h>
 
 #include <chrono>
 #include <functional>
@@ -32,6 +33,9 @@ class RobotLink {
   SimulationControl* simulation() { return simulation_.get(); }  ///< null on a recording
   ReplayControl* replay() { return replay_.get(); }              ///< null in a simulation
 
+  /// @return why the recorder has ended the recording; empty while it records, and without one.
+  std::string recordingFailure() const;
+
   /// Waits until memory and localization have found their peers, so that nothing of a recording is missed.
   /// @return the missing connections after the time; empty when all are connected.
   std::string waitForPeers(std::chrono::seconds timeout, const std::function<bool()>& interrupted);
@@ -47,6 +51,7 @@ class RobotLink {
   std::unique_ptr<LocalizationControl> localization_;
   std::unique_ptr<SimulationControl> simulation_;
   std::unique_ptr<ReplayControl> replay_;
+  std::shared_ptr<avm::RecorderPrx> recorder_;  ///< null: no recording
 };
 
 }  // namespace vismem

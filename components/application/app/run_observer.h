@@ -32,8 +32,8 @@ struct RunPorts {
 /// The present state, for the status line.
 struct LiveState {
   std::optional<StampUs> first_us;  ///< of the robot's time: the truth's, else the images'
-  StampUs now_us = 0;        ///< goes back with a seek or a reset
-  bool is_paused = false;    ///< the simulation or the replay, by command
+  StampUs now_us = 0;               ///< goes back with a seek or a reset
+  bool is_paused = false;           ///< the simulation or the replay, by command
   double camera_hz = 0.0;
   double memory_hz = 0.0;
   std::size_t memory_segments = 0;
@@ -41,6 +41,7 @@ struct LiveState {
   std::optional<PoseError> error;        ///< of that estimate; empty without a known truth
   bool is_twin = false;       ///< the error is that to a symmetric twin of the true place, which is nearer
   std::string drive_failure;  ///< reason of the last rejected drive command; empty: accepted
+  std::string recording_failure;  ///< why the recording has ended early; empty: it has not
   std::chrono::steady_clock::time_point last_advance;  ///< when the robot's time last changed
   StampUs last_image_us = 0;                           ///< of the camera
   StampUs last_estimate_us = 0;

@@ -56,6 +56,7 @@ std::string statusText(const LiveState& live, const std::optional<GazeStatus>& g
   // A narrow terminal shows the beginning.
   std::string text = formatted("%6.1f s", live.elapsed_s());
   if (live.is_paused) text += ", paused";
+  if (!live.recording_failure.empty()) text += " | recording failed: " + live.recording_failure;
   if (!live.drive_failure.empty()) text += " | cannot drive: " + live.drive_failure;
   if (live.estimate && live.estimate->T_world_robot) {
     const Pose2& pose = *live.estimate->T_world_robot;
