@@ -202,10 +202,23 @@ TEST_F(StatusTest, FaultsAreLoggedOncePerChange) {
   for (int i = 0; i < 3; ++i) board_.fault("disk", "full");
   for (int i = 0; i < 3; ++i) board_.healthy("disk");
   for (int i = 0; i < 3; ++i) board_.error("a bad frame");
-  EXPECT_EQ(lines_.str(), "T eye WARNING disk: full\nT eye INFO disk: back to normal\nT eye ERROR a bad frame\n");
+  EXPECT_EQ(lines_.str(),
+            "T eye WARNING disk: full\nT eye INFO disk: back to normal\nT eye ERROR a bad frame\n");
   std::vector<std::string> errors;
   for (const auto& error : board_.report().errors) errors.push_back(error.text);
   EXPECT_THAT(errors, ElementsAre("disk: full", "a bad frame"));
+}
+
+// As of clocks that are out of step, 30 times a second.
+TEST_F(StatusTest, AFaultWhoseDurationVariesIsLoggedOnce) {
+  board_.serving();
+  for (const char* seconds : {"4.9", "5.0", "12"})
+    board_.fault("clock", "stamps are " + std::string(seconds) + " s ahead");
+  EXPECT_EQ(stateText(), "degraded: clock: stamps are 12 s ahead");
+  EXPECT_EQ(lines_.str(), "T eye WARNING clock: stamps are 4.9 s ahead\n");
+  EXPECT_EQ(board_.report().errors.size(), 1U);
+  board_.fault("clock", "stamps are 5.0 s behind");
+  EXPECT_EQ(board_.report().errors.size(), 2U) << "another reason";
 }
 
 TEST_F(StatusTest, AThreadWithoutProgressDegradesAndIsLoggedOnce) {

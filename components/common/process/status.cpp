@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <regex>
 #include <utility>
 
 #include "common/config/text_format.h"
@@ -21,6 +22,12 @@ void append(std::string& reason, const std::string& part) {
 /// "no progress for 6.2 s".
 std::string noProgress(SteadyTime::duration time) {
   return formatted("no progress for %.1f s", std::chrono::duration<double>(time).count());
+}
+
+/// "stamps are  ahead" of "stamps are 4.9 s ahead", so that a length that varies is no other reason.
+std::string withoutDurations(const std::string& text) {
+  static const std::regex duration("[0-9.]+ s\\b");
+  return std::regex_replace(text, duration, "");
 }
 
 std::int64_t realTimeUs() {
@@ -91,7 +98,9 @@ void StatusBoard::fault(const std::string& what, const std::string& why) {
     const std::scoped_lock lock(mutex_);
     auto& known = faults_[what];
     if (known == why) return;
+    const bool is_other = withoutDurations(known) != withoutDurations(why);
     known = why;
+    if (!is_other) return;
     keepError(what + ": " + why);
   }
   log_.warning(what + ": " + why);

@@ -94,7 +94,7 @@ class StatusBoard {
   void gauge(StatusReport::Gauge now);
 
   /// Reports a fault of the component itself: "odometry", "no sample for 2.0 s". Its begin and each change of
-  /// its reason are logged and kept as errors.
+  /// its reason are logged and kept as errors; a reason that differs in durations only replaces the last one.
   void fault(const std::string& what, const std::string& why);
   /// Ends a fault. Logs only the end of a fault; a call without a fault is cheap.
   void healthy(const std::string& what);
