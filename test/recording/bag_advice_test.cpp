@@ -65,6 +65,17 @@ TEST_F(BagAdviceTest, NamesTheTopicsOfABagWithSeveralCameras) {
               HasSubstr("the bag has no topic /nothing of that type: name one of /rear/image"));
 }
 
+// A robot's second camera may have an image more than its first: the memory's own is the first.
+TEST_F(BagAdviceTest, OfCamerasWithNearlyAsManyImagesTheFirstByNamePlays) {
+  {
+    BagWriter bag(file_);
+    images(bag, "/cameraB/image_raw", 30);
+    images(bag, "/cameraA/image_raw", 29);
+    bag.close();
+  }
+  EXPECT_THAT(advise().roles[0].candidates, ElementsAre("/cameraA/image_raw", "/cameraB/image_raw"));
+}
+
 // Unpacking a compressed bag takes most of the time: advice and recording share one opening of the file.
 TEST_F(BagAdviceTest, OpensTheFileOnce) {
   {

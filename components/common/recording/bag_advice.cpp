@@ -46,14 +46,24 @@ std::string listed(const std::vector<std::string>& items) {
   return items.empty() ? "none" : joined(items, ", ");
 }
 
+/// Of topics with nearly as many messages, such as the cameras of one robot, the name decides.
+constexpr double kNearlyAll = 0.9;
+
 /// Topics of these types, the one with most messages first.
 std::vector<std::string> topicsOf(const BagFile& bag, const std::set<std::string>& types) {
   std::vector<BagTopic> fitting;
   for (const BagTopic& topic : bag.topics()) {
     if (types.contains(topic.type) && topic.messages > 0) fitting.push_back(topic);
   }
-  std::stable_sort(fitting.begin(), fitting.end(),
-                   [](const BagTopic& a, const BagTopic& b) { return a.messages > b.messages; });
+  double most = 0.0;
+  for (const BagTopic& topic : fitting) most = std::max(most, static_cast<double>(topic.messages));
+  const auto rank = [most](const BagTopic& topic) {
+    const auto messages = static_cast<double>(topic.messages);
+    return messages < kNearlyAll * most ? messages : most;
+  };
+  std::sort(fitting.begin(), fitting.end(), [rank](const BagTopic& a, const BagTopic& b) {
+    return rank(a) == rank(b) ? a.name < b.name : rank(a) > rank(b);
+  });
   std::vector<std::string> names;
   for (const BagTopic& topic : fitting) names.push_back(topic.name);
   return names;

@@ -28,8 +28,9 @@ struct BagAdvice {
   RobotLogOptions options;             ///< the same
 };
 
-/// Tries to open the bag as replay_server would. Where several topics fit, takes the one with most messages;
-/// of odometries the one that alone is in its frame, else none.
+/// Tries to open the bag as replay_server would. Where several topics fit, takes the one with most messages,
+/// of several with nearly as many the first by name; of odometries the one that alone is in its frame, else
+/// none.
 /// @param wanted what the user has said already.
 BagAdvice adviseOn(BagFile bag, const RobotLogOptions& wanted);
 
