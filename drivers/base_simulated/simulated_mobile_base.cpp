@@ -103,6 +103,7 @@ void SimulatedMobileBase::round() {
 
 std::unique_ptr<MobileBase> makeSimulatedMobileBase(ConfigReader& group) {
   SimulatedMobileBase::Params params;
+  group.describe({expert("Rate_hz", "samples a second"), expert("Seed", "of the odometry's random errors")});
   params.rate_hz = group.real("Rate_hz", params.rate_hz, 1.0, 1000.0);
   params.seed = static_cast<std::uint64_t>(group.integer("Seed", 1, 0, std::numeric_limits<long>::max()));
   readBaseParams(group, params.motion);

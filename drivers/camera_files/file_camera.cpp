@@ -176,6 +176,10 @@ void FileCamera::stop() {
 std::unique_ptr<FrameSource> makeFileCamera(ConfigReader& group) {
   FileCamera::Params params;
   NetworkStream::Timeouts timeouts;
+  group.describe({basic("Source", "of the images"), basic("Loop", "begin again after the last image"),
+                  expert("Stamps", "of this host's clock, or the file's own"),
+                  expert("OpenTimeout_s", "longest wait for a stream to open"),
+                  expert("ReadTimeout_s", "longest wait for a stream's next image")});
   std::string source = group.requiredText(
       "Source", "a folder of images, an image, a video or an address such as rtsp://host/path");
   params.loop = group.boolean("Loop", params.loop);

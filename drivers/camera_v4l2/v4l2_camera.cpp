@@ -236,6 +236,9 @@ void V4l2Camera::deliver(const FrameBuffers::Filled& filled, const Agreement& ag
 
 std::unique_ptr<FrameSource> makeV4l2Camera(ConfigReader& group) {
   V4l2Camera::Params params;
+  group.describe({basic("Device", "better by a persistent name"),
+                  expert("Format", "the only one that is taken; auto: raw where the rate allows it"),
+                  expert("Delay_ms", "of the kernel's stamps after the middle of the exposure; subtracted")});
   params.device = group.requiredText("Device", "a camera's device, such as /dev/video0");
   std::vector<std::pair<std::string, const v4l2::PixelFormat*>> formats{{"auto", nullptr}};
   for (const v4l2::PixelFormat& format : v4l2::pixelFormats()) formats.emplace_back(format.name, &format);

@@ -85,6 +85,7 @@ Frame PatternCamera::draw(std::int64_t number) const {
 }
 
 std::unique_ptr<FrameSource> makePatternCamera(ConfigReader& group) {
+  group.describe({basic("Bars", "of the pattern, side by side")});
   return std::make_unique<PatternCamera>(static_cast<int>(group.integer("Bars", 16, 2, 64)));
 }
 

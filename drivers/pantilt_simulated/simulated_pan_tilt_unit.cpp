@@ -76,6 +76,7 @@ void SimulatedPanTiltUnit::round() {
 
 std::unique_ptr<PanTiltUnit> makeSimulatedPanTiltUnit(ConfigReader& group) {
   SimulatedPanTiltUnit::Params params;
+  group.describe({expert("Rate_hz", "samples a second")});
   params.rate_hz = group.real("Rate_hz", params.rate_hz, 1.0, 1000.0);
   readPanTiltParams(group, params.motion);
   return std::make_unique<SimulatedPanTiltUnit>(params);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "common/drivers/axis_keys.h"
 #include "common/drivers/host_clock.h"
 #include "common/geometry/angles.h"
 
@@ -188,6 +189,12 @@ void UvcPanTilt::disconnect(bool) {
 std::unique_ptr<PanTiltUnit> makeUvcPanTilt(ConfigReader& group) {
   using Kind = UvcPanTilt::Kind;
   UvcPanTilt::Params params;
+  group.describe({basic("Device", "better by a persistent name"),
+                  expert("Motors",
+                         "absolute: the controls of the standard; orbit: of Logitech's Orbit and Sphere; "
+                         "auto: what it has"),
+                  expert("Rate_hz", "steps and samples a second"),
+                  expert("ResetTakes_s", "length of an Orbit's reset, whose end it does not report")});
   params.device = group.requiredText("Device", "the camera's device, such as /dev/video0");
   params.kind = group.choice("Motors", Kind::kAuto,
                              {{"auto", Kind::kAuto}, {"absolute", Kind::kAbsolute}, {"orbit", Kind::kOrbit}});
@@ -195,6 +202,8 @@ std::unique_ptr<PanTiltUnit> makeUvcPanTilt(ConfigReader& group) {
   params.reset_takes =
       std::chrono::milliseconds(static_cast<long>(1000.0 * group.real("ResetTakes_s", 4.0, 0.0, 60.0)));
   const auto read = [&](const std::string& name, UvcPanTilt::Axis& axis, double range_deg, double sign) {
+    describeAxis(group.group(name));
+    group.group(name).describe({basic("Zero_deg", "the driver's angle where the camera has 0")});
     axis.minimum_rad = group.angleDeg(name + ".Minimum_deg", -range_deg, -180.0, 180.0);
     axis.maximum_rad = group.angleDeg(name + ".Maximum_deg", range_deg, -180.0, 180.0);
     if (axis.minimum_rad >= axis.maximum_rad) {

@@ -273,6 +273,21 @@ std::string PioneerBase::sendDue() {
 
 std::unique_ptr<MobileBase> makePioneerBase(ConfigReader& group) {
   PioneerBase::Params params;
+  group.describe(
+      {basic("Port", "better by a name that udev gives"),
+       expert("Baud_bps", "rate of that port; 0: tries all of these robots"),
+       basic("MaximumSpeed_mps", "highest speed, also set in the robot"),
+       basic("MaximumTurnRate_degps", "highest rate of turning, also set in the robot"),
+       basic("Watchdog_s", "so long after the last command the robot gets a stop command"),
+       expert("Acceleration_mps2", "on the way to a higher speed"),
+       expert("TurnAcceleration_degps2", "on the way to a higher rate of turning"),
+       basic("Deceleration_mps2", "when it brakes; less for a high mast lengthens the stop"),
+       basic("TurnDeceleration_degps2", "the same when it turns"),
+       expert("LowBattery_V", "below this the server is degraded"),
+       expert("DistanceUnit_mm", "of the robot's odometry; needed for unknown models"),
+       expert(
+           "TurnFactor_radpm",
+           "turn for a metre that the wheels go apart, 2 over the wheel base; needed for unknown models")});
   params.port = group.requiredText("Port", "the robot's serial port, such as /dev/ttyUSB0");
   if (const long baud = group.integer("Baud_bps", 0, 0, 4'000'000); baud != 0) {
     if (!isBaudRate(static_cast<int>(baud))) {

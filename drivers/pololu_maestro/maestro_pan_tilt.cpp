@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/drivers/axis_keys.h"
 #include "common/drivers/host_clock.h"
 #include "common/drivers/slowest_rate.h"
 #include "common/geometry/angles.h"
@@ -113,10 +114,16 @@ std::string MaestroPanTilt::poll() {
 
 std::unique_ptr<PanTiltUnit> makeMaestroPanTilt(ConfigReader& group) {
   MaestroPanTilt::Params params;
+  group.describe({basic("Serial", "number of the Maestro, where there are several; empty: any"),
+                  expert("Rate_hz", "samples a second")});
   params.serial = group.text("Serial", "");
   params.rate_hz = group.real("Rate_hz", params.rate_hz, 1.0, 200.0);
   const auto read = [&](const std::string& name, MaestroPanTilt::Joint& joint, int channel,
                         double range_deg) {
+    describeAxis(group.group(name));
+    group.group(name).describe(
+        {basic("Channel", "of the servo"), basic("Centre_us", "length of the pulse at 0"),
+         basic("PulsePerDegree_us", "additional length a degree; to be measured, since servos differ")});
     joint.channel = static_cast<int>(group.integer(name + ".Channel", channel, 0, 23));
     joint.minimum_rad = group.angleDeg(name + ".Minimum_deg", -range_deg, -180.0, 180.0);
     joint.maximum_rad = group.angleDeg(name + ".Maximum_deg", range_deg, -180.0, 180.0);

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/drivers/axis_keys.h"
 #include "common/drivers/host_clock.h"
 #include "common/drivers/slowest_rate.h"
 #include "common/geometry/angles.h"
@@ -265,6 +266,9 @@ std::string Ptu46Unit::sample() {
 
 std::unique_ptr<PanTiltUnit> makePtu46Unit(ConfigReader& group) {
   Ptu46Unit::Params params;
+  group.describe({basic("Port", "better by a name that udev gives"), expert("Baud_bps", "rate of that port"),
+                  expert("Rate_hz", "samples a second; 9600 bit/s carry about 25"),
+                  expert("Reset", "find the zero at the first connection")});
   params.port = group.requiredText("Port", "the unit's serial port, such as /dev/ttyUSB0");
   params.baud_bps = static_cast<int>(group.integer("Baud_bps", params.baud_bps, 50, 4'000'000));
   if (!isBaudRate(params.baud_bps)) group.problem("Baud_bps", "must be a rate of serial ports, such as 9600");
@@ -272,6 +276,8 @@ std::unique_ptr<PanTiltUnit> makePtu46Unit(ConfigReader& group) {
   params.reset = group.boolean("Reset", params.reset);
   const auto read = [&](const std::string& name, Ptu46Unit::AxisParams& axis, double low_deg,
                         double high_deg) {
+    describeAxis(group.group(name));
+    group.group(name).describe({basic("Zero_deg", "the unit's own angle where the driver has 0")});
     axis.minimum_rad = group.angleDeg(name + ".Minimum_deg", low_deg, -180.0, 180.0);
     axis.maximum_rad = group.angleDeg(name + ".Maximum_deg", high_deg, -180.0, 180.0);
     if (axis.minimum_rad >= axis.maximum_rad) {

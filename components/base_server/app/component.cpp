@@ -87,6 +87,7 @@ class BaseServer : public Component {
 std::unique_ptr<Component> configure(ConfigReader& reader,
                                      const std::function<void(DriverRegistry<MobileBase>&)>& more) {
   ConfigReader config = reader.group("BaseServer");
+  config.describe({basic("Serves", "the objects of this process")});
   enum class Serves { kBoth, kMotors, kEncoders };
   const Serves serves =
       config.choice("Serves", Serves::kBoth,

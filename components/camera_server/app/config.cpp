@@ -43,14 +43,12 @@ CameraIntrinsics readLensKeys(ConfigReader lens) {
 
 /// The keys that every camera has, for the listings.
 void describeKeys(ConfigReader& group) {
-  for (const Key& key :
-       {basic("Width_px", "asked of the camera; 0: its own choice"), basic("Height_px", "as Width_px"),
-        basic("Rate_hz", "as Width_px"), expert("JpegQuality", "of images that the server encodes"),
-        expert("Rotate_deg", "clockwise"), expert("Mirror", "left and right, after the rotation"),
-        basic("Calibration", "the lens: a camera_info file of ROS"),
-        basic("HorizontalView_deg", "angle of view of a lens without distortion, in place of Calibration")}) {
-    group.describe(key);
-  }
+  group.describe(
+      {basic("Width_px", "asked of the camera; 0: its own choice"), basic("Height_px", "as Width_px"),
+       basic("Rate_hz", "as Width_px"), expert("JpegQuality", "of images that the server encodes"),
+       expert("Rotate_deg", "clockwise"), expert("Mirror", "left and right, after the rotation"),
+       basic("Calibration", "the lens: a camera_info file of ROS"),
+       basic("HorizontalView_deg", "angle of view of a lens without distortion, in place of Calibration")});
 }
 
 /// @param file_problems receives the problems of the calibration file, so that the other keys are read too.

@@ -419,6 +419,10 @@ ConfigReader& ConfigReader::describe(const Key& described) {
   return *this;
 }
 
+void ConfigReader::describe(std::initializer_list<Key> keys) {
+  for (const Key& key : keys) describe(key);
+}
+
 namespace {
 
 /// A number that was made from radians, without the digits of its rounding: "158.996".

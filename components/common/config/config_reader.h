@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <set>
@@ -137,6 +138,8 @@ class ConfigReader {
 
   /// Says what a key is for; to be called before it is read. @return this reader.
   ConfigReader& describe(const Key& key);
+  /// The same for several keys.
+  void describe(std::initializer_list<Key> keys);
   /// Every key read so far, in that order, with what it is for.
   std::vector<KeyDescription> keys() const;
 

@@ -7,6 +7,15 @@
 namespace vismem {
 
 void readBaseParams(ConfigReader r, BaseParams& p) {
+  r.describe({basic("MaximumSpeed_mps", "highest speed"),
+              basic("MaximumTurnRate_degps", "highest rate of turning"),
+              basic("Watchdog_s", "it brakes so long after the last command"),
+              basic("Acceleration_mps2", "on the way to a commanded speed"),
+              basic("TurnAcceleration_degps2", "on the way to a commanded rate of turning"),
+              basic("EmergencyDeceleration_mps2", "of the watchdog's braking, and at the end of the process"),
+              basic("EmergencyTurnDeceleration_degps2", "the same when it turns"),
+              basic("Radius_m", "of the robot's disc, which stops before obstacles"),
+              basic("WheelBase_m", "distance of the wheels")});
   p.limits.max_speed_mps = r.real("MaximumSpeed_mps", p.limits.max_speed_mps, 0.01, 5.0);
   p.limits.max_turn_rate_radps =
       degToRad(r.real("MaximumTurnRate_degps", radToDeg(p.limits.max_turn_rate_radps), 1.0, 720.0));
@@ -23,6 +32,12 @@ void readBaseParams(ConfigReader r, BaseParams& p) {
 }
 
 void readPanTiltParams(ConfigReader r, PanTiltParams& p) {
+  r.describe({basic("Pan.Maximum_deg", "limit to the left"), basic("Pan.Minimum_deg", "limit to the right"),
+              basic("Tilt.Maximum_deg", "limit upwards"), basic("Tilt.Minimum_deg", "limit downwards"),
+              basic("Pan.Rate_degps", "highest speed"), basic("Tilt.Rate_degps", "highest speed"),
+              basic("Pan.Backlash_deg", "play between the motor, whose angle is reported, and the head"),
+              basic("Tilt.Backlash_deg", "as Pan.Backlash_deg"),
+              basic("Acceleration_degps2", "of both joints")});
   PanTiltLimits& l = p.limits;
   l.max_pan_rad = r.angleDeg("Pan.Maximum_deg", radToDeg(l.max_pan_rad), 0.0, 180.0);
   l.min_pan_rad = r.angleDeg("Pan.Minimum_deg", radToDeg(l.min_pan_rad), -180.0, 0.0);
@@ -37,6 +52,17 @@ void readPanTiltParams(ConfigReader r, PanTiltParams& p) {
 }
 
 void readOdometryErrorParams(ConfigReader r, OdometryErrorParams& p) {
+  r.describe(
+      {basic("Preset", "values of the other keys of the group; empty: those of the robot"),
+       expert("RadiusError", "relative standard deviation of the wheels' radii, drawn once a run"),
+       expert("BaseError", "the same of the distance of the wheels"),
+       expert("TravelNoise_m", "standard deviation of a wheel's travel after 1 m"),
+       expert("Tick_m", "step of a wheel's encoder"),
+       expert("Stage", "widths of the relative errors of travel and turning, drawn once a run"),
+       expert("Thrun",
+              "alpha1..alpha4: variances of turn by turn, turn by travel, travel by travel, travel by turn"),
+       basic("Slip.PerMetre", "rare slips of a wheel, on the average"),
+       basic("Slip.Size_m", "of a slip, times 0.5 to 1.5")});
   using Preset = OdometryErrorParams (*)();
   // Without the key, the robot's default applies.
   const OdometryErrorParams given = p;

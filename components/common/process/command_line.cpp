@@ -17,7 +17,7 @@ CommandLine parseCommandLine(const std::vector<std::string>& arguments,
     }
     if (argument == "--list-keys") {
       result.action = CommandLine::Action::kListKeys;
-      return result;
+      continue;
     }
     if (argument == "--version") {
       result.action = CommandLine::Action::kVersion;

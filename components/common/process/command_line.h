@@ -16,8 +16,8 @@ struct CommandLine {
   Properties properties;
 };
 
-/// [FILE | --Ice.Config=FILE] [--Key=Value ...] [--help] | --list-keys | --version. Help reads the named
-/// keys, because some of them bring others: a driver's name its driver's.
+/// [FILE | --Ice.Config=FILE] [--Key=Value ...] [--help] | --list-keys | --version. Help and list read the
+/// named keys, because some of them bring others: a driver's name its driver's.
 /// @param arguments           without the program's name.
 /// @param environment_config  value of ICE_CONFIG: the file if the arguments name none; may be empty.
 CommandLine parseCommandLine(const std::vector<std::string>& arguments,

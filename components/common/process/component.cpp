@@ -302,7 +302,7 @@ int runComponent(int argc, char** argv, const ComponentSpec& spec) {
     auto line = parseCommandLine({argv + std::min(argc, 1), argv + argc}, environment("ICE_CONFIG"));
     switch (line.action) {
       case CommandLine::Action::kListKeys:
-        printKeys(spec);
+        printKeys(spec, line.properties);
         return kExitClean;
       case CommandLine::Action::kHelp:
         printHelp(spec, line.properties);

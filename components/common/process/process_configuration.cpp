@@ -151,9 +151,8 @@ std::string configurationText(const std::vector<Setting>& settings) {
   return text;
 }
 
-void printKeys(const ComponentSpec& spec) {
-  const Properties none;
-  ConfigReader config(none);
+void printKeys(const ComponentSpec& spec, const Properties& properties) {
+  ConfigReader config(properties);
   declareKeys(config, spec);
   for (const KeyDescription& one : config.keys()) {
     if (!one.key.starts_with(spec.prefix + ".")) continue;
@@ -167,8 +166,8 @@ void printHelp(const ComponentSpec& spec, const Properties& properties) {
   declareKeys(config, spec);
   std::cout << spec.name << ": " << spec.summary << "\n\n"
             << "usage: " << spec.name << " [--Ice.Config=FILE | FILE] [--Key=Value ...]\n"
-            << "       " << spec.name << " [FILE] [--Key=Value ...] --help\n"
-            << "       " << spec.name << " --list-keys | --version\n\n"
+            << "       " << spec.name << " [FILE] [--Key=Value ...] --help | --list-keys\n"
+            << "       " << spec.name << " --version\n\n"
             << "Without a file the one named by the environment variable ICE_CONFIG is read.\n"
             << "Exit code: 0 after SIGINT or SIGTERM, 1 on a failure, 2 on a wrong configuration.\n\n"
             << "Keys and their defaults:\n";

@@ -54,8 +54,9 @@ std::vector<Setting> effectiveConfiguration(const ConfigReader& config, const Pr
 std::string configurationText(const std::vector<Setting>& settings);
 
 /// Prints the component's own keys, one a line: key, level, default, range, meaning, separated by tabs.
-void printKeys(const ComponentSpec& spec);
 /// @param properties keys that bring others, such as the name of a driver.
+void printKeys(const ComponentSpec& spec, const Properties& properties);
+/// The same for people, with the keys that all components have.
 void printHelp(const ComponentSpec& spec, const Properties& properties);
 
 }  // namespace vismem

@@ -7,6 +7,10 @@ namespace vismem {
 FleetAgentConfig readFleetAgentConfig(ConfigReader& root) {
   ConfigReader reader = root.group("FleetAgent");
   FleetAgentConfig config;
+  reader.describe({basic("Localization.Proxy", "whose pose is reported; empty: none"),
+                   basic("TopicManager.Proxy", "of IceStorm at the site; empty: no reports"),
+                   basic("Topic", "of the reports, the same for all robots of the site"),
+                   expert("Rate_hz", "reports a second")});
   config.robot = readRobotKeys(root).name;
   config.localization = reader.text("Localization.Proxy", "");
   for (const std::string& name : reader.children("Components")) {

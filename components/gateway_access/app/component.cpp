@@ -55,6 +55,8 @@ class GatewayAccess : public Component {
 std::unique_ptr<Component> configure(ConfigReader& reader) {
   ConfigReader config = reader.group("GatewayAccess");
   AccessConfig settings;
+  config.describe({basic("Operators", "who may command"), basic("Viewers", "who may only read"),
+                   expert("WrongLogins", "of an address in a minute; it is refused after them")});
   for (const auto& [key, role] : {std::pair{"Operators", "operators"}, std::pair{"Viewers", "viewers"}}) {
     settings.files.emplace_back(role, config.requireFile(key, "users and hashes of passwords"));
   }

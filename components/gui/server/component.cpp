@@ -125,11 +125,14 @@ nlohmann::json readObjects(ConfigReader& root, ConfigReader& config, std::vector
   const Access access = readAccess(root, config, sockets);
   nlohmann::json objects = nlohmann::json::object();
   for (const auto name : kObjects) {
+    config.group(name).describe(
+        {basic("Proxy", "an object that the page uses, at a ws endpoint; empty: not shown")});
     const auto proxy = readProxy(config, std::string(name) + ".Proxy", access, sockets);
     if (!proxy.empty()) objects[std::string(name)] = proxy;
   }
   nlohmann::json components = nlohmann::json::array();
   for (const auto& name : config.children("Components")) {
+    config.group("Components." + name).describe({basic("Proxy", "whose state the page shows")});
     const auto proxy = readProxy(config, "Components." + name + ".Proxy", access, sockets);
     if (!proxy.empty()) components.push_back({{"name", name}, {"proxy", proxy}});
   }
@@ -138,8 +141,19 @@ nlohmann::json readObjects(ConfigReader& root, ConfigReader& config, std::vector
           {"proxies", objects},        {"components", components}};
 }
 
+void describeKeys(ConfigReader& config) {
+  config.describe({basic("Http.Endpoints", "where pages are served; port 0: a free one, which the log names"),
+                   expert("Http.Hosts", "more names of this server, with blanks between; others are refused"),
+                   expert("Pages", "folder of the page; empty: that of this program"),
+                   basic("ReadOnly", "the page only watches; needs Robot.ViewToken"),
+                   expert("Gateway.Router", "a router of Glacier2, at which the page logs in; empty: none"),
+                   basic("Setup", "name on top of the page, where the robot has none"),
+                   expert("Truth", "no: the map has a frame of its own, in which true poses mean nothing")});
+}
+
 std::unique_ptr<Component> configure(ConfigReader& reader) {
   ConfigReader config = reader.group("GuiServer");
+  describeKeys(config);
   PageServer::Options options;
   const auto endpoint_text = config.text("Http.Endpoints", kDefaultHttpEndpoint);
   if (const auto endpoint = parseHttpEndpoint(endpoint_text))

@@ -34,8 +34,30 @@ void readStatedLens(ConfigReader& r, SimulatedCameraParams& camera) {
   }
 }
 
+/// The keys of one camera.
+void describeCamera(ConfigReader& r) {
+  r.describe(
+      {basic("Width_px", "of the images"), basic("Height_px", "of the images"),
+       basic("HorizontalView_deg", "angle of view, where Pinhole_px is not set"),
+       expert("Pinhole_px", "focal lengths and principal point: fx fy cx cy"),
+       basic("Distortion", "k1 k2 p1 p2 k3, as in OpenCV"),
+       expert("Calibration", "lens that the frames state: a camera_info file of ROS; empty: the true one"),
+       basic("Rate_hz", "images a second of simulated time"),
+       basic("Latency_s", "from the exposure to the delivery"),
+       basic("Noise", "standard deviation of the read noise, in grey levels"),
+       basic("ShotNoise", "standard deviation of the photon noise on white, in grey levels"),
+       expert("Exposure.Drift", "standard deviation of the log gain of the automatic exposure"),
+       expert("Exposure.Time_s", "correlation time of that gain"),
+       expert("CalibrationError_deg",
+              "true rotation against the mounting: roll, tilt upwards, pan to the left"),
+       expert("ReportsPose", "frames carry the camera's pose from the robot's kinematics"),
+       expert("Depth", "ground truth: the camera NAME/depth, in millimetres"),
+       expert("Objects", "ground truth: the camera NAME/objects, indices of models and bodies")});
+}
+
 /// @param camera holds the defaults.
 void readCamera(ConfigReader r, SimulatedCameraParams& camera) {
+  describeCamera(r);
   CameraIntrinsics& k = camera.intrinsics;
   const int width = static_cast<int>(r.integer("Width_px", k.width, 16, 4096));
   const int height = static_cast<int>(r.integer("Height_px", k.height, 16, 4096));
@@ -69,6 +91,13 @@ void readCamera(ConfigReader r, SimulatedCameraParams& camera) {
 
 /// What the robot reports of joints and wheels, and what is true.
 void readMisreports(ConfigReader r, SimulationConfig& s) {
+  r.describe({expert("Joints.PanScale", "true angle over reported angle"),
+              expert("Joints.TiltScale", "as Joints.PanScale"),
+              expert("Joints.Delay_s", "by which the stamps of the joints are late"),
+              expert("Wheels.LeftScale", "true travel over reported travel"),
+              expert("Wheels.RightScale", "as Wheels.LeftScale"),
+              expert("Wheels.ReportedBase_m", "distance of the wheels that the odometry assumes"),
+              expert("Wheels.Delay_s", "by which the stamps of the odometry are late")});
   s.joints.pan_scale = r.real("Joints.PanScale", 1.0, 0.5, 2.0);
   s.joints.tilt_scale = r.real("Joints.TiltScale", 1.0, 0.5, 2.0);
   s.joints.delay_us = toStampUs(r.real("Joints.Delay_s", 0.0, 0.0, 1.0));
@@ -83,6 +112,9 @@ void readMisreports(ConfigReader r, SimulationConfig& s) {
 void readMoreCameras(ConfigReader r, std::vector<SimulatedCameraParams>& cameras) {
   for (const std::string& name : r.children("Cameras")) {
     ConfigReader group = r.group("Cameras." + name);
+    group.describe({expert("Carrier", "what it is mounted on"),
+                    expert("Position_m", "on it: forward, left, up"),
+                    expert("Rotation_deg", "on it: roll, pitch, yaw")});
     SimulatedCameraParams camera = cameras.front();
     camera.stated_intrinsics.reset();
     camera.name = name;
@@ -94,6 +126,16 @@ void readMoreCameras(ConfigReader r, std::vector<SimulatedCameraParams>& cameras
 }
 
 void readWalk(ConfigReader r, WalkParams& p) {
+  r.describe({expert("Step_s", "length of a step"),
+              expert("Pulse", "share of the speed that varies within a step"),
+              expert("StepAcceleration_mps", "largest change of the speed from step to step"),
+              expert("StepTurnAcceleration_degps", "the same of the rate of turning"),
+              expert("Sway.Roll_deg", "amplitude, with a period of two steps"),
+              expert("Sway.Pitch_deg", "amplitude, with a period of one step"),
+              expert("Sway.Height_m", "amplitude, with a period of one step"),
+              expert("Sway.Lateral_m", "amplitude, with a period of two steps"),
+              expert("Sway.Irregularity", "relative standard deviation from step to step"),
+              expert("Sway.Known", "share of the sway that the robot's kinematics include")});
   p.step_s = r.real("Step_s", p.step_s, 0.05, 5.0);
   p.pulse = r.real("Pulse", p.pulse, 0.0, 1.0);
   p.step_acceleration_mps = r.real("StepAcceleration_mps", p.step_acceleration_mps, 0.001, 5.0);
@@ -107,10 +149,30 @@ void readWalk(ConfigReader r, WalkParams& p) {
   p.known = r.real("Sway.Known", p.known, 0.0, 1.0);
 }
 
+/// The keys of the process, of the robot's start and of what it is made of.
+void describeSimulation(ConfigReader& r) {
+  r.describe({basic("World", "in which the robot moves"),
+              basic("ModelPath", "more folders of models, with colons between"),
+              basic("Robot", "on wheels, or walking"),
+              basic("Seed", "of all chance: the same images and errors again"),
+              basic("Start.Position_m", "in the world"),
+              basic("Start.Heading_deg", "counter-clockwise from x"),
+              basic("Speed", "simulated seconds a second, as far as the machine goes"),
+              basic("Paused", "start paused, until Simulation::setPaused"),
+              expert("LockStep", "time waits until so many clients want a newer image; 0: real time"),
+              expert("RenderThreads", "the images are the same for any number"),
+              basic("Scenario", "a file of events (docs/scenarios.md); empty: none"),
+              basic("Mount.PanTilt.Position_m", "crossing of the axes on the robot: forward, left, up"),
+              basic("Mount.PanTilt.Rotation_deg", "roll, pitch, yaw"),
+              basic("Mount.Camera.Position_m", "of the lens on the head: forward, left, up"),
+              basic("Mount.Camera.Rotation_deg", "roll, pitch, yaw")});
+}
+
 }  // namespace
 
 SimulatorConfig readSimulatorConfig(ConfigReader& config) {
   ConfigReader r = config.group("Simulator");
+  describeSimulation(r);
   SimulatorConfig c;
   c.world_file = r.requireFile("World", "a world file in SDF, such as cfg/worlds/corridor.world");
   std::istringstream folders(r.text("ModelPath", ""));
