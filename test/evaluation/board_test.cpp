@@ -73,6 +73,32 @@ int countOf(const cv::Mat& picture, Rgb color) {
   return count;
 }
 
+/// Darkest pixels of a plan of one line.
+int inkOf(const std::string& name, double length_m) {
+  Plan plan;
+  plan.low = {-1.0, -1.0};
+  plan.high = {1.0, 1.0};
+  plan.lines.push_back({{{0.0, 0.05}, {length_m, 0.05}}, kRed, 2.0, false, name});
+  BoardPanel panel;
+  panel.plan = plan;
+  return countOf(drawBoard({"", "", {{panel}}, {}}, 400), colors::kInk);
+}
+
+TEST(Board, NamesTheLinesThatAreLongEnough) {
+  EXPECT_EQ(inkOf("", 0.8), 0);
+  EXPECT_GT(inkOf("2300", 0.8), 20);
+  EXPECT_EQ(inkOf("2300", 0.05), 0);
+}
+
+TEST(Board, NumbersTheGridOfAPlan) {
+  Plan plan;
+  plan.low = {-1.0, -1.0};
+  plan.high = {1.0, 1.0};
+  BoardPanel panel;
+  panel.plan = plan;
+  EXPECT_GT(countOf(drawBoard({"", "", {{panel}}, {}}, 400), colors::kFaintInk), 100);
+}
+
 /// Two rows of a picture with a segment and one without.
 Board segments() {
   const cv::Mat black(60, 80, CV_8UC3, cv::Scalar::all(0));

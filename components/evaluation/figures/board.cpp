@@ -13,6 +13,7 @@ constexpr double kTitle_px = 22.0;
 constexpr double kLine_px = 17.0;
 constexpr double kBoardLegend_px = 34.0;
 constexpr double kLegendText_pt = 9.5;
+constexpr double kGridText_px = 8.5;
 constexpr double kKey_px = 24.0;
 constexpr double kKeyGap_px = 7.0;
 constexpr double kRowTitle_px = 24.0;
@@ -43,11 +44,16 @@ void drawPlan(Canvas& canvas, const Plan& plan, const Eigen::Vector2d& low, doub
                            low.y() + height - (p.y() - plan.low.y()) * scale);
   };
   canvas.restrictTo(low, low + Eigen::Vector2d(width, height));
-  for (double x = std::ceil(plan.low.x()); x <= plan.high.x(); x += 1.0) {
+  const double step = gridStep(scale);
+  for (double x = std::ceil(plan.low.x() / step) * step; x <= plan.high.x(); x += step) {
     canvas.line(px({x, plan.low.y()}), px({x, plan.high.y()}), colors::kGrid);
+    canvas.text(metresText(x), px({x, plan.low.y()}) + Eigen::Vector2d(3.0, -4.0), kGridText_px,
+                colors::kFaintInk);
   }
-  for (double y = std::ceil(plan.low.y()); y <= plan.high.y(); y += 1.0) {
+  for (double y = std::ceil(plan.low.y() / step) * step; y <= plan.high.y(); y += step) {
     canvas.line(px({plan.low.x(), y}), px({plan.high.x(), y}), colors::kGrid);
+    canvas.text(metresText(y), px({plan.low.x(), y}) + Eigen::Vector2d(3.0, -3.0), kGridText_px,
+                colors::kFaintInk);
   }
   if (plan.robot && plan.view) {
     const Pose2& robot = *plan.robot;
@@ -71,6 +77,13 @@ void drawPlan(Canvas& canvas, const Plan& plan, const Eigen::Vector2d& low, doub
     } else {
       canvas.line(px(line.world.a), px(line.world.b), line.color, line.width_px);
     }
+  }
+  for (const PlanLine& line : plan.lines) {
+    const double width = canvas.textWidth(line.name, kGridText_px);
+    if (line.name.empty() || line.world.length() * scale < width) continue;
+    // A third of the way: the two edges of a painted line run against each other.
+    const Eigen::Vector2d at = px(line.world.a + (line.world.b - line.world.a) / 3.0);
+    canvas.text(line.name, at + Eigen::Vector2d(0.0, -3.0), kGridText_px, colors::kInk, Align::kCentre);
   }
   if (plan.robot) {
     const Eigen::Vector2d at = px(plan.robot->position());

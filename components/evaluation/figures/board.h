@@ -19,6 +19,7 @@ struct PlanLine {
   Rgb color;
   double width_px = 1.6;
   bool dashed = false;
+  std::string name{};  ///< written beside it, where it is long enough
 };
 
 /// The floor from above, in the order in which it is drawn.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "common/config/text_format.h"
+
 namespace vismem {
 namespace {
 
@@ -29,6 +31,17 @@ Rgb categoryColor(int index) {
   constexpr Rgb kColors[] = {{110, 120, 135}, {150, 110, 70},  {95, 140, 150},  {140, 120, 170},
                              {165, 145, 60},  {105, 145, 100}, {175, 115, 115}, {100, 115, 175}};
   return kColors[index % 8];
+}
+
+double gridStep(double px_per_m) {
+  for (const double step : {0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0}) {
+    if (step * px_per_m >= 55.0) return step;
+  }
+  return 100.0;
+}
+
+std::string metresText(double value) {
+  return formatted("%g m", value == 0.0 ? 0.0 : value);
 }
 
 Canvas::Canvas(int width, int height, Rgb paper)

@@ -34,6 +34,11 @@ constexpr Rgb kLost{205, 45, 45};
 /// A colour for the index-th of several kinds; muted, so that paths stand out. Repeats after eight.
 Rgb categoryColor(int index);
 
+/// Spacing of a grid's lines, at least 55 px [m].
+double gridStep(double px_per_m);
+/// "2.5 m".
+std::string metresText(double value);
+
 enum class Align { kLeft, kCentre, kRight };
 
 /// *Single-threaded*.

@@ -6,7 +6,6 @@
 #include <map>
 #include <set>
 
-#include "common/config/text_format.h"
 #include "common/geometry/angles.h"
 #include "evaluation/figures/canvas.h"
 
@@ -25,30 +24,19 @@ constexpr StampUs kRecentlySeen_us = 3 * kSecondUs;
 /// Of the memory's colour where a segment was not seen lately.
 constexpr double kPale = 0.45;
 
-double gridStep(double px_per_m) {
-  for (const double step : {0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0}) {
-    if (step * px_per_m >= 55.0) return step;
-  }
-  return 100.0;
-}
-
-std::string metres(double value) {
-  return formatted("%g m", value == 0.0 ? 0.0 : value);
-}
-
 void drawGrid(Canvas& canvas, const TopViewFrame& frame, double width_m, double height_m) {
   const double step = gridStep(frame.px_per_m);
   for (double x = std::ceil(frame.low_world.x() / step) * step; x <= frame.low_world.x() + width_m;
        x += step) {
     const double u = frame.toPx({x, 0.0}).x();
     canvas.line({u, frame.low_px.y()}, {u, frame.high_px.y()}, colors::kGrid, 1.0);
-    canvas.text(metres(x), {u, frame.high_px.y() + 18.0}, 8.5, colors::kFaintInk, Align::kCentre);
+    canvas.text(metresText(x), {u, frame.high_px.y() + 18.0}, 8.5, colors::kFaintInk, Align::kCentre);
   }
   for (double y = std::ceil(frame.low_world.y() / step) * step; y <= frame.low_world.y() + height_m;
        y += step) {
     const double v = frame.toPx({0.0, y}).y();
     canvas.line({frame.low_px.x(), v}, {frame.high_px.x(), v}, colors::kGrid, 1.0);
-    canvas.text(metres(y), {frame.low_px.x() - 7.0, v + 4.0}, 8.5, colors::kFaintInk, Align::kRight);
+    canvas.text(metresText(y), {frame.low_px.x() - 7.0, v + 4.0}, 8.5, colors::kFaintInk, Align::kRight);
   }
 }
 
@@ -65,7 +53,7 @@ void drawScaleBar(Canvas& canvas, const TopViewFrame& frame) {
   for (const auto& end : {a, b}) {
     canvas.line(end - Eigen::Vector2d(0, 5), end + Eigen::Vector2d(0, 5), colors::kInk, 2.0);
   }
-  canvas.text(metres(length), 0.5 * (a + b) - Eigen::Vector2d(0, 9), 9.5, colors::kInk, Align::kCentre);
+  canvas.text(metresText(length), 0.5 * (a + b) - Eigen::Vector2d(0, 9), 9.5, colors::kInk, Align::kCentre);
 }
 
 void drawPath(Canvas& canvas, const TopViewFrame& frame, const Trajectory& path, Rgb color, double width,

@@ -77,8 +77,9 @@ void drawPicture(const Output& output, const RecordedDrive& drive, const std::st
   std::map<Label, int> index_of;
   for (const MappedRow& row : output.rows) {
     const int index = index_of.try_emplace(row.row.label, static_cast<int>(index_of.size())).first->second;
-    plan.lines.push_back(
-        {row.row.world.floor(), categoryColor(index), row.row.width_m > 0.0 ? 3.0 : 2.0, false});
+    const bool can_be_edited = !row.derived && !row.is_chord;
+    plan.lines.push_back({row.row.world.floor(), categoryColor(index), row.row.width_m > 0.0 ? 3.0 : 2.0,
+                          false, can_be_edited ? std::to_string(row.id) : ""});
   }
   std::vector<Eigen::Vector2d> path;
   for (const Pose2& pose : output.poses) {
