@@ -95,6 +95,18 @@ TEST(ChangeList, ACommandDecides) {
   EXPECT_EQ(decided("all", "3"), (std::vector{kAccept, kReject, kReject}));
 }
 
+TEST(ChangeList, ANumberOfAListWithoutChangesIsNamed) {
+  ChangeList list;
+  try {
+    decide(list, "1", "");
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(), "--accept 1: \"1\" (must be nothing: the list has no changes)");
+  }
+  decide(list, "all", "");
+  EXPECT_TRUE(list.changes.empty());
+}
+
 TEST(ChangeList, AWrongCommandIsNamed) {
   const auto problem = [](const std::string& accept, const std::string& reject) -> std::string {
     ChangeList list = threeChanges();

@@ -68,6 +68,36 @@ TEST(MapEdits, AChordOfACircleIsDeletedOrRelabelledOnly) {
   EXPECT_EQ(state.landmarks.size(), 1U);
 }
 
+TEST(MapEdits, ALengthThatIsNotOfTheEdgeHasNoEffect) {
+  MapState state;
+  state.poses.push_back({});
+  LineLandmark closed;
+  closed.id = 100;
+  closed.anchor = 0;
+  closed.a = {-0.35, true};
+  closed.b = {0.35, true};
+  LineLandmark open = closed;
+  open.id = 200;
+  open.b.closed = false;
+  state.landmarks = {closed, open};
+  const auto notesOf = [&](const std::string& text) {
+    return applyEdits(parseMapEdits(text, "map.edits"), state);
+  };
+  const auto constraints = [&](const std::string& text) {
+    return constraintsOf(parseMapEdits(text, "map.edits"), state).size();
+  };
+  const auto notes = notesOf("length 100 3\nlength 100 0.07\nlength 200 0.07\n");
+  ASSERT_EQ(notes.size(), 3U);
+  EXPECT_EQ(notes[0],
+            "map.edits:1: edge 100 is 0.70 m long (must be within a factor of 1.5 of the measured 3 m): it "
+            "stays as it "
+            "is");
+  EXPECT_EQ(constraints("length 100 3\nlength 100 0.07\nlength 200 0.07\n"), 0U);
+  // What was hidden of an edge may be longer than what was seen.
+  EXPECT_TRUE(notesOf("length 100 0.8\nlength 200 3\n").empty());
+  EXPECT_EQ(constraints("length 100 0.8\nlength 200 3\n"), 2U);
+}
+
 TEST(MapEdits, AreReplayedAfterEachSolve) {
   const SyntheticDrive drive = hall();
   const DriveMap first = mapDrive(drive.record, {}, params());

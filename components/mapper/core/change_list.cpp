@@ -87,8 +87,11 @@ std::optional<std::set<std::size_t>> numbersOf(const std::string& text, const ch
     std::size_t number = 0;
     const auto end = std::from_chars(part.data(), part.data() + part.size(), number);
     if (end.ec != std::errc() || end.ptr != part.data() + part.size() || number == 0 || number > changes) {
-      throw ConfigError({std::string(option) + " " + shown(text) + ": \"" + shown(part) +
-                         "\" (must be all, or numbers 1.." + std::to_string(changes) + " joined by ',')"});
+      const std::string rule = changes == 0
+                                   ? "nothing: the list has no changes"
+                                   : "all, or numbers 1.." + std::to_string(changes) + " joined by ','";
+      throw ConfigError(
+          {std::string(option) + " " + shown(text) + ": \"" + shown(part) + "\" (must be " + rule + ")"});
     }
     numbers.insert(number);
   }

@@ -170,6 +170,15 @@ bool fitsTogether(MapEdit::Kind kind, const MapState& state, std::size_t one, st
   return kind == Kind::kSquare ? angle >= 90.0 - kMostAsideDeg : angle <= kMostAsideDeg;
 }
 
+/// A length in another unit, or of another edge, would pull the whole map out of shape. An end that was not
+/// seen may lie further away.
+bool fitsLength(const LineLandmark& edge, double length_m) {
+  constexpr double kMostRatio = 1.5;
+  const double seen_m = edge.segment().length();
+  const bool may_go_on = !edge.a.closed || !edge.b.closed;
+  return length_m >= seen_m / kMostRatio && (may_go_on || length_m <= seen_m * kMostRatio);
+}
+
 /// Why an edit cannot be made of these edges; empty: it can.
 std::string obstacleTo(const MapEdit& edit, const MapState& state, const std::vector<std::size_t>& indices) {
   const auto is_chord = [&](std::size_t i) { return state.landmarks[i].isChord(); };
@@ -191,6 +200,13 @@ std::string obstacleTo(const MapEdit& edit, const MapState& state, const std::ve
   if (edit.kind == Kind::kSplit && edit.from_m >= length_m) {
     std::snprintf(text, sizeof text, "edge %llu is %.2f m long: it has no stretch from %.2f m on",
                   static_cast<unsigned long long>(edit.ids[0]), length_m, edit.from_m);
+    return text;
+  }
+  if (edit.kind == Kind::kLength && !fitsLength(state.landmarks[indices[0]], edit.from_m)) {
+    std::snprintf(
+        text, sizeof text,
+        "edge %llu is %.2f m long (must be within a factor of 1.5 of the measured %g m): it stays as it is",
+        static_cast<unsigned long long>(edit.ids[0]), length_m, edit.from_m);
     return text;
   }
   return {};
@@ -265,7 +281,7 @@ std::vector<LineConstraint> constraintsOf(const std::vector<MapEdit>& edits, con
   for (const MapEdit& edit : edits) {
     const auto first = indexOf(state, edit.ids.front());
     if (!first || state.landmarks[*first].isChord()) continue;
-    if (edit.kind == Kind::kLength) {
+    if (edit.kind == Kind::kLength && fitsLength(state.landmarks[*first], edit.from_m)) {
       constraints.push_back({LineConstraint::Kind::kLength, *first, *first, edit.from_m});
     }
     if (edit.kind != Kind::kSquare && edit.kind != Kind::kStraighten) continue;
