@@ -123,6 +123,12 @@ TEST_F(LearnPalette, NamesWhatWasClickedAndSaysWhatIsWrongWithClicks) {
       runTool("learn_palette", {"--images", file("images"), "--clicks", file("bad"), "--out", file("x")});
   EXPECT_EQ(bad.code, 2);
   EXPECT_THAT(bad.error, AllOf(HasSubstr("bad:1: \"wall 0.png 100\""), HasSubstr("NAME IMAGE U V")));
+  std::ofstream(file("name")) << "wall/x 0.png 100 50\n";
+  const ToolRun name =
+      runTool("learn_palette", {"--images", file("images"), "--clicks", file("name"), "--out", file("x")});
+  EXPECT_EQ(name.code, 2);
+  EXPECT_THAT(name.error,
+              HasSubstr("name:1: \"wall/x\" (must be letters, digits and _, and begin with a letter)"));
   std::ofstream(file("far")) << "wall 9.png 1 1\nwall 0.png 320 1\n";
   const ToolRun far =
       runTool("learn_palette", {"--images", file("images"), "--clicks", file("far"), "--out", file("x")});
@@ -146,6 +152,19 @@ TEST_F(LearnPalette, LearnsPairsOfEqualBrightnessWhichTheMemorySeesToo) {
   EXPECT_EQ(learnt.summary()["named_share"], 1.0);
   const Palette palette = loadPalette(file("own.palette"));
   EXPECT_EQ(palette.label(palette.classNamed("door"), palette.classNamed("floor")), "door_foot");
+}
+
+TEST_F(LearnPalette, ShowsAPageForClicksAlsoWhenNothingCanBeLearnt) {
+  std::filesystem::create_directories(file("images"));
+  for (int i = 0; i < 30; ++i)
+    cv::imwrite(file("images/" + std::to_string(i) + ".png"), cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(60)));
+  const ToolRun even = runTool(
+      "learn_palette", {"--images", file("images"), "--show", file("shown"), "--out", file("own.palette")});
+  EXPECT_EQ(even.code, 1) << even.out;
+  std::ifstream page(file("shown/clicks.html"));
+  const std::string text((std::istreambuf_iterator<char>(page)), {});
+  EXPECT_THAT(text, HasSubstr("27.png"));
+  EXPECT_LE(std::distance(std::filesystem::directory_iterator(file("shown")), {}), 12 + 1);
 }
 
 TEST_F(LearnPalette, GreyImagesAndFoldersWithoutImagesAreErrors) {

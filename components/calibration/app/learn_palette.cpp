@@ -1,7 +1,6 @@
 // learn_palette: a palette from images of a place (V3, B5).
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <limits>
@@ -11,11 +10,14 @@
 #include <optional>
 #include <sstream>
 
+#include "calibration/app/clicks_page.h"
 #include "calibration/app/lens_images.h"
 #include "calibration/app/output_files.h"
 #include "calibration/core/colours/palette_learner.h"
 #include "common/config/config_error.h"
+#include "common/config/text_fields.h"
 #include "common/config/text_file.h"
+#include "common/config/text_format.h"
 #include "common/tool/command_line_tool.h"
 #include "common/tool/progress_line.h"
 #include "common/vision/app/image_file.h"
@@ -28,6 +30,7 @@ using namespace vismem;
 
 constexpr std::size_t kPictures = 3;
 constexpr std::size_t kShown = 12;
+constexpr const char* kPage = "clicks.html";
 constexpr double kSecondsStep_s = 0.005;  // of the names of shown images
 
 /// The edges that the memory sees, those between colours of equal brightness among them.
@@ -69,21 +72,24 @@ std::vector<Click> readClicks(const std::string& file) {
   std::istringstream lines(readTextFile(file, "a file of clicks"));
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
-    std::istringstream words(line.substr(0, line.find('#')));
+    const std::string content(contentOf(line));
+    if (content.empty()) continue;
+    std::istringstream words(content);
     Click click;
     click.where = file + ":" + std::to_string(number);
     std::string rest;
-    if (!(words >> click.name)) continue;
-    if (!(words >> click.image >> click.px.x() >> click.px.y()) || words >> rest) {
+    if (!(words >> click.name >> click.image >> click.px.x() >> click.px.y()) || words >> rest) {
       problems.push_back(
           click.where + ": \"" + line +
           "\" (must be NAME IMAGE U V: a class, seconds after the first image or a file of the "
           "folder, and the pixel)");
       continue;
     }
-    std::istringstream text(click.image);
-    double seconds = 0.0;
-    if (text >> seconds && text.peek() == std::istringstream::traits_type::eof()) click.seconds = seconds;
+    if (!isName(click.name)) {
+      problems.push_back(click.where + ": \"" + click.name +
+                         "\" (must be letters, digits and _, and begin with a letter)");
+    }
+    if (const auto seconds = finiteNumber(click.image)) click.seconds = *seconds;
     clicks.push_back(click);
   }
   if (!problems.empty()) throw ConfigError(problems);
@@ -112,8 +118,9 @@ class Lesson {
         throw std::runtime_error(image->name + ": is grey (must be in colour)");
       if (!first_us) first_us = image->stamp_us;
       const double age_s = 1e-6 * static_cast<double>(image->stamp_us - *first_us);
-      if (!options_.show.empty() && i % std::max<std::size_t>(1, stream->count() / kShown) == 0)
-        writeImageFile(image->image, options_.show / nameOfShown(*image, *stream, age_s));
+      if (!options_.show.empty() &&
+          i % std::max<std::size_t>(1, (stream->count() + kShown - 1) / kShown) == 0)
+        show(*image, stream->isContinuous() ? formatted("%.2f", age_s) : image->name);
       for (Click& click : clicks_) {
         const bool is_here =
             stream->isContinuous() ? age_s > click.seconds - kSecondsStep_s : image->name == click.image;
@@ -125,6 +132,7 @@ class Lesson {
     }
     requireClicks();
     if (learnt_from_ == 0) throw std::runtime_error("no image could be read");
+    writePage({});  // also when nothing can be learnt without clicks
   }
 
   nlohmann::json finish() {
@@ -138,23 +146,35 @@ class Lesson {
                            {"notes", learnt.notes},
                            {"classes", nlohmann::json::array()},
                            {"pairs", nlohmann::json::array()}};
-    for (const LearntClass& one : learnt.classes)
+    std::vector<std::string> names;
+    for (const LearntClass& one : learnt.classes) {
+      names.push_back(one.region.name);
       summary["classes"].push_back(
           {{"name", one.region.name}, {"beside_edges", one.side_share}, {"surface", one.surface_share}});
+    }
+    writePage(names);
     for (const LearntPair& one : learnt.pairs)
       summary["pairs"].push_back({{"label", one.label}, {"classes", {one.a, one.b}}, {"share", one.share}});
     summary["named_share"] = namedShare(palette);
+    if (!options_.show.empty()) summary["page"] = (options_.show / kPage).string();
     if (!options_.picture.empty()) summary["picture"] = options_.picture.string();
     return summary;
   }
 
  private:
-  /// A file by whose name, without its ending, clicks find the image of a recording.
-  static std::string nameOfShown(const StampedImage& image, const ImageStream& stream, double age_s) {
-    if (!stream.isContinuous()) return image.name;
-    char name[32];
-    std::snprintf(name, sizeof name, "%.2f.png", age_s);
-    return name;
+  /// @param name by which clicks find it: seconds, or a file.
+  void show(const StampedImage& image, const std::string& name) {
+    writeImageFile(image.image, options_.show / (name == image.name ? name : name + ".png"));
+    shown_.push_back({name, image.image});
+  }
+
+  void writePage(const std::vector<std::string>& classes) const {
+    if (options_.show.empty()) return;
+    std::vector<std::string> lines;
+    for (const Click& click : clicks_)
+      lines.push_back(
+          formatted("%s %s %d %d", click.name.c_str(), click.image.c_str(), click.px.x(), click.px.y()));
+    writeWholeFile(options_.show / kPage, clicksPage(shown_, classes, lines));
   }
 
   void learnImage(const cv::Mat& image) {
@@ -213,6 +233,7 @@ class Lesson {
   SegmentExtractor extractor_ = makeExtractor(nullptr);
   PaletteLearner learner_;
   std::vector<cv::Mat> judges_;
+  std::vector<ClickableImage> shown_;
   std::size_t learnt_from_ = 0;
 };
 
@@ -234,8 +255,10 @@ int main(int argc, char** argv) {
   app.add_option("--topic", options.topic, "of the images, when a recording has several")->needs(bag);
   app.add_option("--clicks", options.clicks, "what is what: a file of clicks");
   app.add_option("--out", options.out, "palette to write")->required();
-  app.add_option("--show", options.show,
-                 "folder to write twelve images into, to look up pixels for clicks: SECONDS.png");
+  app.add_option(
+      "--show", options.show,
+      "folder to write twelve images into, and clicks.html: open it in a browser, click, and save the "
+      "file of clicks");
   app.add_option("--picture", options.picture, "picture to write: what the palette makes of three images");
   app.add_option("--most-images", options.most_images, "to learn from, spread over all")
       ->check(CLI::Range(2, 10000))
