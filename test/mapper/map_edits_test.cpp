@@ -98,6 +98,22 @@ TEST(MapEdits, ALengthThatIsNotOfTheEdgeHasNoEffect) {
   EXPECT_EQ(constraints("length 100 0.8\nlength 200 3\n"), 2U);
 }
 
+TEST(MapEdits, OverruleWhatTheMemorySawOfTheEdgesThatTheyDeny) {
+  MapState state;
+  state.poses.push_back({});
+  for (const std::uint64_t id : {100, 200, 300, 400}) {
+    LineLandmark landmark;
+    landmark.id = id;
+    landmark.elements = {id / 100, id / 100 + 10};
+    landmark.b.t_m = 1.0;
+    state.landmarks.push_back(landmark);
+  }
+  const auto edits =
+      parseMapEdits("delete 100\nrelabel 200 crate\nsplit 300 0.2 0.4\nlength 400 1.1\n", "map.edits");
+  EXPECT_TRUE(applyEdits(edits, state).empty());
+  EXPECT_EQ(state.overruled, (std::set<std::uint64_t>{1, 11, 2, 12, 3, 13}));
+}
+
 TEST(MapEdits, AreReplayedAfterEachSolve) {
   const SyntheticDrive drive = hall();
   const DriveMap first = mapDrive(drive.record, {}, params());

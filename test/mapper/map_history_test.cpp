@@ -85,6 +85,19 @@ TEST(MapHistory, RowsThatWereEditedSinceHaveNoCount) {
   EXPECT_EQ(rows[2].sessions, 0);
 }
 
+TEST(MapHistory, WhatAPersonOverruledIsNoTrace) {
+  DriveRecord record;
+  record.keyframes.resize(1);
+  for (const std::uint64_t id : {7, 8}) {
+    record.elements[id].label = id == 7 ? "crate_foot" : "skirting";
+    record.elements[id].sightings = 5;
+  }
+  ASSERT_EQ(seenBy(record, {{}}).traces.size(), 2U);
+  const SeenFloor seen = seenBy(record, {{}}, {7});
+  ASSERT_EQ(seen.traces.size(), 1U);
+  EXPECT_EQ(seen.traces[0].label, "skirting");
+}
+
 TEST(MapHistory, MovesAsAWhole) {
   const Pose2 T{1.0, 2.0, 0.7};
   const MapHistory moved = transform(T, twoSessions());

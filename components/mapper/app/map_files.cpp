@@ -175,9 +175,9 @@ void writeTrajectory(const RecordedDrive& drive, const Output& output, const fs:
   writeTextFile(file, tum.str());
 }
 
-MapHistory historyOf(const RecordedDrive& drive, const Output& output) {
+MapHistory historyOf(const RecordedDrive& drive, const DriveMap& map, const Output& output) {
   MapHistory history;
-  history.seen.sessions.push_back(seenBy(drive.record, output.poses));
+  history.seen.sessions.push_back(seenBy(drive.record, output.poses, map.state.overruled));
   for (const MappedRow& row : output.rows) {
     if (row.row.world.length() > 0.0) history.rows.push_back({row.row, row.times_seen, row.sessions});
   }
@@ -223,7 +223,7 @@ nlohmann::json writeMapFiles(const RecordedDrive& drive, const DriveMap& map,
   for (const MappedRow& row : output.rows) segments["segments"].push_back(rowJson(row));
   writeTextFile(file(".json"), segments.dump(1) + "\n");
   writeTextFile(file(".drive"), writeDriveRecord({drive.record, map.closings}));
-  const MapHistory history = historyOf(drive, output);
+  const MapHistory history = historyOf(drive, map, output);
   writeTextFile(file(".history"), writeMapHistory(history));
   drawPicture(output, drive, options.source, map, file(".png"));
   summary["file"] = file(".csv").string();

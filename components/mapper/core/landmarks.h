@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <set>
 #include <vector>
 
 #include "common/geometry/segment.h"
@@ -85,6 +86,9 @@ struct MapState {
   Eigen::Vector3d odometry = Eigen::Vector3d::Zero();
   std::vector<LineLandmark> landmarks;
   std::vector<CircleLandmark> circles;  ///< that hold the graph; their chords are landmarks
+  /// Elements of the memory whose edges a person deleted, split or named otherwise: what it saw of them does
+  /// not speak for the map.
+  std::set<std::uint64_t> overruled;
 
   Segment2 worldSegment(const LineLandmark& landmark) const {
     return transform(poses[static_cast<std::size_t>(landmark.anchor)], landmark.segment());

@@ -253,6 +253,9 @@ std::vector<std::string> applyEdits(const std::vector<MapEdit>& edits, MapState&
       missing.push_back(edit.where + ": " + obstacle);
       continue;
     }
+    const LineLandmark& first = state.landmarks[indices[0]];
+    if (edit.kind == Kind::kDelete || edit.kind == Kind::kRelabel || edit.kind == Kind::kSplit)
+      state.overruled.insert(first.elements.begin(), first.elements.end());
     switch (edit.kind) {
       case Kind::kDelete:
         state.landmarks.erase(state.landmarks.begin() + static_cast<std::ptrdiff_t>(indices[0]));

@@ -142,7 +142,8 @@ std::vector<CountedRow> expandStripes(const std::vector<CountedRow>& rows,
   return edges;
 }
 
-SeenFloor seenBy(const DriveRecord& record, const std::vector<Pose2>& poses) {
+SeenFloor seenBy(const DriveRecord& record, const std::vector<Pose2>& poses,
+                 const std::set<std::uint64_t>& overruled) {
   constexpr int kLeastSightings = 3;
   SeenFloor seen;
   for (std::size_t k = 0; k < poses.size() && k < record.keyframes.size(); ++k) {
@@ -151,6 +152,7 @@ SeenFloor seenBy(const DriveRecord& record, const std::vector<Pose2>& poses) {
   }
   for (const auto& [id, element] : record.elements) {
     const auto last = static_cast<std::size_t>(element.last_keyframe);
+    if (overruled.contains(id)) continue;
     if (element.sightings >= kLeastSightings && last < poses.size())
       seen.traces.push_back({transform(poses[last], element.robot), element.label, element.sightings});
   }

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,7 +48,9 @@ std::vector<CountedRow> expandStripes(const std::vector<CountedRow>& rows,
                                       const std::map<Label, Label>& stripe_edges);
 
 /// What a drive looked at, and what its memory held, in the frame of the poses of its keyframes.
-SeenFloor seenBy(const DriveRecord& record, const std::vector<Pose2>& poses);
+/// @param overruled elements of the memory that are left out (see MapState).
+SeenFloor seenBy(const DriveRecord& record, const std::vector<Pose2>& poses,
+                 const std::set<std::uint64_t>& overruled = {});
 
 /// All in another frame.
 MapHistory transform(const Pose2& T_a_b, MapHistory history_b);
