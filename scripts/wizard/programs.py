@@ -10,6 +10,18 @@ from setup_files import Failure, read_text
 BIN = "build/release/bin"
 
 
+def run(command, **options):
+    """@return exit code and output. A program is stopped along with this one and may end: it stops a robot, and keeps what it has."""
+    with subprocess.Popen(command, **options) as child:
+        try:
+            output, _ = child.communicate()
+        except BaseException:
+            child.terminate()
+            child.wait()
+            raise
+        return child.returncode, output
+
+
 def program(name, arguments, read=False):
     """Runs a program of the build, which is made if it is not there.
     @return exit code and, with `read`, the object in the last line of its output."""
@@ -19,13 +31,12 @@ def program(name, arguments, read=False):
             raise Failure(f"the program {name} is missing and could not be built")
     command = [path, *map(str, arguments)]
     if not read:
-        return subprocess.run(command).returncode, {}
-    ended = subprocess.run(command, stdout=subprocess.PIPE, text=True)
-    lines = ended.stdout.strip().splitlines()
+        return run(command)[0], {}
+    code, output = run(command, stdout=subprocess.PIPE, text=True)
     try:
-        return ended.returncode, json.loads(lines[-1])
+        return code, json.loads(output.strip().splitlines()[-1])
     except (IndexError, ValueError):
-        return ended.returncode, {}
+        return code, {}
 
 
 def running_components(state):

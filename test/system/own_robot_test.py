@@ -142,6 +142,17 @@ class WrongInput(Wizard):
         self.step("colours", code=2)
         self.assertEqual(self.steps_done(), {"drive"})
 
+    def test_the_program_of_a_step_that_is_stopped_may_end(self):
+        os.makedirs(self.path("out/own_robot/mine/drive"))
+        self.replace_program("learn_palette", f"trap 'sleep 1; touch {self.root}/ended; exit 1' TERM\ntouch {self.root}/began\nsleep 60 & wait\n")
+        step = subprocess.Popen([self.path("scripts/own_robot"), "mine", "colours"], stdin=subprocess.DEVNULL)
+        while not os.path.exists(self.path("began")):
+            self.assertIsNone(step.poll())
+            time.sleep(0.05)
+        step.terminate()
+        self.assertEqual(step.wait(30), 128 + signal.SIGTERM)
+        self.assertTrue(os.path.exists(self.path("ended")))
+
     def test_a_drive_without_a_map_changes_nothing(self):
         os.makedirs(self.path("out/own_robot/mine/drive"))
         self.step("colours", "--palette", "cfg/maps/corridor.palette")
