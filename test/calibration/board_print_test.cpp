@@ -197,7 +197,8 @@ TEST(BoardFile, ProblemsNameFileKeyValueAndRule) {
     }
     return "";
   };
-  EXPECT_THAT(message("{"), HasSubstr("b.json: "));
+  EXPECT_EQ(message("x1_m,y1_m"),
+            "b.json: no JSON from byte 1 on (must be a board that calibrate target wrote)");
   EXPECT_THAT(message("[]"), HasSubstr("b.json: must be an object"));
   EXPECT_THAT(message(R"({"columns": 9, "rows": 6})"), HasSubstr("missing key \"square_mm\""));
   EXPECT_THAT(message(R"({"colums": 9})"), HasSubstr("did you mean \"columns\"?"));
@@ -208,7 +209,7 @@ TEST(BoardFile, ProblemsNameFileKeyValueAndRule) {
   EXPECT_THAT(message(R"({"columns": 9, "rows": 6, "square_mm": 29, "family": "tag16h5"})"),
               HasSubstr("must be \"tag36h11\""));
   EXPECT_THAT(message(R"({"columns": 9, "rows": 6, "square_mm": 29, "ruler_mm": [9.9, 9.9]})"),
-              HasSubstr("printed at 100 %?"));
+              HasSubstr("b.json: ruler_mm = 9.9, 9.9 (must be 85..115 mm: was the page printed at 100 %?)"));
 }
 
 // calibrate target as a user runs it: print, then the ruler.
@@ -234,7 +235,7 @@ TEST(CalibrateTarget, WritesBoardAndNotesTheRuler) {
   EXPECT_EQ(read().ruler_mm.value(), Eigen::Vector2d(99.2, 99.5));
   std::tie(code, text) = run({"--ruler-mm", "9.92"});
   EXPECT_EQ(code, 2);
-  EXPECT_THAT(text, HasSubstr("must be 85..115 mm"));
+  EXPECT_THAT(text, HasSubstr("--ruler-mm 9.92, 9.92 (must be 85..115 mm"));
   std::tie(code, text) = run({"--paper", "Letter"});
   EXPECT_EQ(code, 2);
   EXPECT_THAT(text, HasSubstr("paper Letter"));

@@ -48,7 +48,7 @@ BoardSpec readBoard(const LensOptions& options) {
   if (!options.ruler_mm.empty()) {
     board.ruler_mm = Eigen::Vector2d(options.ruler_mm.front(), options.ruler_mm.back());
     if (const std::string problem = checkRuler(*board.ruler_mm); !problem.empty())
-      throw ConfigError({"--ruler-mm: " + problem});
+      throw ConfigError({"--ruler-mm " + problem});
   }
   if (!board.ruler_mm) {
     std::cerr

@@ -41,7 +41,7 @@ int enterRuler(const TargetOptions& options, const std::filesystem::path& file) 
   BoardFile board = parseBoardFile(readTextFile(file, "a board that calibrate target wrote"), file.string());
   board.ruler_mm = Eigen::Vector2d(options.ruler_mm.front(), options.ruler_mm.back());
   if (const std::string problem = checkRuler(*board.ruler_mm); !problem.empty())
-    throw ConfigError({"--" + problem});
+    throw ConfigError({"--ruler-mm " + problem});
   writeWholeFile(file, writeBoardFile(board));
   std::cout << "Noted. All parts of calibrate that read " << file.string() << " use it.\n";
   printSummary(board, file, 0);

@@ -3,6 +3,7 @@
 
 #include "calibration/app/lens_images.h"
 #include "common/config/config_error.h"
+#include "common/process/ice_failure.h"
 #include "common/process/ice_setup.h"
 #include "common/process/log.h"
 #include "common/robot_ice/camera_ice.h"
@@ -48,7 +49,7 @@ class CameraImages : public ImageStream {
         throw ConfigError({"--camera: is empty (must be a proxy: \"cameraA:tcp -h 127.0.0.1 -p 9999\")"});
       return Ice::uncheckedCast<avm::CameraPrx>(proxy);
     } catch (const Ice::Exception& error) {
-      throw ConfigError({"--camera " + text + ": " + error.what() +
+      throw ConfigError({"--camera " + text + ": " + describeFailure(error) +
                          " (must be a proxy: \"cameraA:tcp -h 127.0.0.1 -p 9999\")"});
     }
   }

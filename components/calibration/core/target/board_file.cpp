@@ -61,7 +61,7 @@ class BoardReader {
     if (!value.is_array() || value.size() != 2)
       fail("ruler_mm = " + value.dump() + " (must be two numbers: across and up)");
     const Eigen::Vector2d ruler_mm(number(value[0], "ruler_mm"), number(value[1], "ruler_mm"));
-    if (const std::string problem = checkRuler(ruler_mm); !problem.empty()) fail(problem);
+    if (const std::string problem = checkRuler(ruler_mm); !problem.empty()) fail("ruler_mm = " + problem);
     return ruler_mm;
   }
 
@@ -80,7 +80,7 @@ BoardSpec BoardFile::measured() const {
 std::string checkRuler(const Eigen::Vector2d& ruler_mm) {
   if ((ruler_mm.array() - kRuler_mm).abs().maxCoeff() <= kMaxRulerError_mm) return {};
   std::ostringstream problem;
-  problem << "ruler_mm = " << ruler_mm.x() << ", " << ruler_mm.y() << " (must be "
+  problem << ruler_mm.x() << ", " << ruler_mm.y() << " (must be "
           << kRuler_mm - kMaxRulerError_mm << ".." << kRuler_mm + kMaxRulerError_mm
           << " mm: was the page printed at 100 %?)";
   return problem.str();
@@ -91,7 +91,8 @@ BoardFile parseBoardFile(const std::string& text, const std::string& file) {
   try {
     root = json::parse(text);
   } catch (const json::parse_error& error) {
-    throw ConfigError({file + ": " + error.what()});
+    throw ConfigError({file + ": no JSON from byte " + std::to_string(error.byte) +
+                       " on (must be a board that calibrate target wrote)"});
   }
   return BoardReader(root, file).read();
 }
