@@ -22,6 +22,7 @@ ChangeList threeChanges() {
   row.world.b.x() = 2.5;
   list.added = {row};
   list.rejected = {{true, "box_foot", {here, there}}, {false, "line", {there}}};
+  list.map = 4711;
   return list;
 }
 
@@ -50,6 +51,7 @@ TEST(ChangeList, IsReadBackAsItWasWritten) {
   EXPECT_EQ(decisionsOf(read), decisionsOf(list));
   EXPECT_EQ(read.changes[0].change.now.size(), 2U);
   EXPECT_EQ(read.changes[0].change.before[0].b, list.changes[0].change.before[0].b);
+  EXPECT_EQ(read.map, list.map);
   EXPECT_EQ(read.added.size(), 1U);
   ASSERT_EQ(read.rejected.size(), 2U);
   EXPECT_EQ(read.rejected[0].edges.size(), 2U);

@@ -10,6 +10,7 @@
 #include "common/config/text_file.h"
 #include "common/segment_map/segment_map.h"
 #include "evaluation/core/trajectory_io.h"
+#include "mapper/core/change_list.h"
 #include "support/temporary_folder.h"
 
 namespace vismem {
@@ -80,6 +81,15 @@ TEST_F(MapUpdating, TakesItsOwnMapFurther) {
   const nlohmann::json summary = updateMapFiles(options_);  // into the same folder
   EXPECT_EQ(summary["sessions"], 2);
   EXPECT_EQ(read("map.csv"), before);
+}
+
+TEST_F(MapUpdating, TakesAListOnceAndOnlyThatOfItsOwnMap) {
+  const std::int64_t rows = checksumOf(loadSegmentMap(options_.map));
+  write("today.changes", "changes 1\nmap " + std::to_string(rows) + std::string(kChanges).substr(9));
+  options_.accept = "1";
+  EXPECT_EQ(updateMapFiles(options_)["rows"]["came"], 1);
+  options_.map = options_.out / "map.csv";
+  EXPECT_THAT(problem(), testing::HasSubstr("today.changes: is about other rows than those of"));
 }
 
 TEST_F(MapUpdating, NamesTheFileThatIsWrong) {

@@ -136,7 +136,8 @@ MapHistory historyBeside(const std::filesystem::path& map) {
 nlohmann::json compareWithMap(const RecordedDrive& drive, const SegmentMap& map, const MapHistory& today,
                               const std::vector<Pose2>& poses, const MapFilesOptions& options) {
   const std::filesystem::path& old_file = options.since;
-  const SegmentMap old = expandStripes(loadSegmentMap(old_file), drive.stripes);
+  const SegmentMap rows = loadSegmentMap(old_file);
+  const SegmentMap old = expandStripes(rows, drive.stripes);
   const SegmentMap now = expandStripes(map, drive.stripes);
   const MapHistory history = historyBeside(old_file);
   std::optional<Pose2> start = options.place;
@@ -152,14 +153,15 @@ nlohmann::json compareWithMap(const RecordedDrive& drive, const SegmentMap& map,
   params.opaque_labels = drive.params.closing.localizer.map.opaque_labels;
   const SegmentMap in_old = transform(T_old_map, now);
   const MapHistory seen = transform(T_old_map, today);
-  const MapComparison found = compareMaps(
-      expandStripes(countedRows(loadSegmentMap(old_file), history), drive.stripes), history.seen,
-      expandStripes(seen.rows, drive.stripes), seen.seen.sessions.front(), params, history.rejected);
+  const MapComparison found = compareMaps(expandStripes(countedRows(rows, history), drive.stripes),
+                                          history.seen, expandStripes(seen.rows, drive.stripes),
+                                          seen.seen.sessions.front(), params, history.rejected);
   nlohmann::json json{{"changes", nlohmann::json::array()},
                       {"added", found.added.size()},
                       {"T_old_map", {T_old_map.x, T_old_map.y, T_old_map.theta}}};
   for (const MapChange& change : found.changes) json["changes"].push_back(jsonOf(change));
-  writeTextFile(options.out / (options.name + ".changes"), writeChangeList(changeListOf(found, T_old_map)));
+  writeTextFile(options.out / (options.name + ".changes"),
+                writeChangeList(changeListOf(found, T_old_map, rows)));
   drawChanges(found, in_old, options.out / (options.name + "_changes.png"));
   return json;
 }

@@ -40,9 +40,15 @@ int count(const ChangeList& list, Decision decision) {
 nlohmann::json updateMapFiles(const MapUpdateOptions& options) {
   const fs::path palette_file = fs::path(options.map).replace_extension(".palette");
   MapHistory old = historyBeside(options.map);
-  old.rows = countedRows(loadSegmentMap(options.map), old);
+  const SegmentMap rows = loadSegmentMap(options.map);
+  old.rows = countedRows(rows, old);
   ChangeList list =
       parseChangeList(readTextFile(options.changes, "a list of changes"), options.changes.string());
+  if (list.map && *list.map != checksumOf(rows)) {
+    throw ConfigError(
+        {options.changes.string() + ": is about other rows than those of " + options.map.string() +
+         " (must be what map_from_drive --since found against this map; it takes a list once)"});
+  }
   decide(list, options.accept, options.reject);
   const Palette palette = loadPalette(palette_file);
   const UpdatedMap updated = updateMap(old, palette.stripes(), list, historyOfDrive(options.changes));

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <iomanip>
+#include <limits>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -9,6 +10,7 @@
 #include "common/config/config_error.h"
 #include "common/config/text_file.h"
 #include "common/config/text_format.h"
+#include "common/kinematics/random_stream.h"
 #include "mapper/core/record_text.h"
 
 namespace vismem {
@@ -42,7 +44,9 @@ const std::string& wordFor(Decision decision) {
 class ChangeListReader {
  public:
   void read(const std::string& kind, LineFields& in) {
-    if (kind == "frame") {
+    if (kind == "map") {
+      list.map = in.integer("checksum", 0, std::numeric_limits<std::int64_t>::max());
+    } else if (kind == "frame") {
       list.T_old_map = in.pose();
     } else if (kind == "change") {
       in.integer("number", static_cast<std::int64_t>(list.changes.size()) + 1,
@@ -69,7 +73,7 @@ class ChangeListReader {
     } else if (kind == "gone" || kind == "came") {
       list.rejected.push_back(readFact(kind == "gone", in));
     } else {
-      in.fail("\"" + shown(kind) + "\" (must be frame, change, was, now, added, gone or came)");
+      in.fail("\"" + shown(kind) + "\" (must be map, frame, change, was, now, added, gone or came)");
     }
     in.finish();
   }
@@ -111,8 +115,19 @@ std::string lineOf(const MapChange& change) {
   return line.str();
 }
 
-ChangeList changeListOf(const MapComparison& found, const Pose2& T_old_map) {
-  ChangeList list{T_old_map, {}, found.added, found.rejected};
+std::int64_t checksumOf(const SegmentMap& map) {
+  std::uint64_t hash = fnv1a("");
+  for (const MapSegment& row : map.segments) {
+    const Segment3& at = row.world;
+    hash = fnv1a(formatted("%.17g %.17g %.17g %.17g %.17g %.17g %.17g %s\n", at.a.x(), at.a.y(), at.a.z(),
+                           at.b.x(), at.b.y(), at.b.z(), row.width_m, row.label.c_str()),
+                 hash);
+  }
+  return static_cast<std::int64_t>(hash >> 1);
+}
+
+ChangeList changeListOf(const MapComparison& found, const Pose2& T_old_map, const SegmentMap& old) {
+  ChangeList list{T_old_map, {}, found.added, found.rejected, checksumOf(old)};
   for (const MapChange& change : found.changes) list.changes.push_back({change});
   return list;
 }
@@ -121,6 +136,7 @@ std::string writeChangeList(const ChangeList& list) {
   LineWriter out;
   out.word("changes").integer(1).end();
   out.comment("Write accept or reject in place of open, then run update_map.");
+  if (list.map) out.word("map").integer(*list.map).end();
   out.word("frame").pose(list.T_old_map).end();
   std::int64_t number = 0;
   for (const ListedChange& listed : list.changes) {

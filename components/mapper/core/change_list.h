@@ -1,6 +1,7 @@
 /// @file A list of changes that a person answers: NAME.changes. Pure. One line a value, `#` begins a comment:
 ///
 ///     changes 1
+///     map CHECKSUM                       (of the earlier one: it takes the list once)
 ///     frame X Y THETA                    (of the drive's map in the earlier one)
 ///     change NUMBER open|accept|reject moved|removed|new LABEL
 ///     was X1 Y1 X2 Y2                    (an edge of the change before it)
@@ -10,6 +11,8 @@
 ///     came LABEL X1 Y1 X2 Y2 ...
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,13 +34,18 @@ struct ChangeList {
   std::vector<ListedChange> changes;
   std::vector<MapSegment> added;
   std::vector<ChangeFact> rejected;  ///< before, and nothing speaks against them
+  /// checksumOf the earlier map; empty: nobody knows.
+  std::optional<std::int64_t> map{};
 };
+
+/// Of all rows.
+std::int64_t checksumOf(const SegmentMap& map);
 
 /// "moved box_foot from 1.20 -0.40 to 1.55 -0.30".
 std::string lineOf(const MapChange& change);
 
 /// All changes open.
-ChangeList changeListOf(const MapComparison& found, const Pose2& T_old_map);
+ChangeList changeListOf(const MapComparison& found, const Pose2& T_old_map, const SegmentMap& old);
 
 std::string writeChangeList(const ChangeList& list);
 /// @throws ConfigError with FILE:LINE, what was found and what was expected.
