@@ -370,6 +370,17 @@ class Recording(Wizard):
         self.assertIn("mine is localized", self.step("localize", "--bag", os.path.join(room, "wheels_a.bag")))
 
 
+    def test_a_recording_that_was_cut_off_is_said_to_be(self):
+        room = os.path.join(DATA, "room_path_traced", "wheels_a.bag")
+        if not os.path.exists(room):
+            self.skipTest(f"{room} is not here: set AVM_DATA")
+        with open(room, "rb") as whole, open(self.path("cut.bag"), "wb") as cut:
+            cut.write(whole.read(300000))
+        said = self.step("drive", "--bag", "cut.bag")
+        self.assertIn("the index is missing or damaged, as of a recording that was cut off", said)
+        self.assertIn("Drive: 2 s, 10 images", said)
+
+
 class Verdict(unittest.TestCase):
     def setUp(self):
         self.folder = self.enterContext(tempfile.TemporaryDirectory())

@@ -105,19 +105,21 @@ int main(int argc, char** argv) {
   try {
     BagFile bag(bagsOf(files));
     printContents(bag);
-    const std::size_t notes_printed = bag.notes().size();
+    std::vector<std::string> notes = bag.notes();
     const BagAdvice advice = adviseOn(std::move(bag), options);
     printAdvice(advice, files);
     nlohmann::json summary{{"file", files.front()},
                            {"playable", advice.log.has_value()},
                            {"arguments", replayArguments(advice.options)}};
     if (advice.log) {
-      for (std::size_t i = notes_printed; i < advice.log->notes().size(); ++i)
+      for (std::size_t i = notes.size(); i < advice.log->notes().size(); ++i)
         std::printf("note: %s\n", advice.log->notes()[i].c_str());
+      notes = advice.log->notes();
       describe(*advice.log, summary);
     } else {
       summary["problem"] = advice.problem;
     }
+    summary["notes"] = notes;
     std::fflush(stdout);
     std::cout << summary.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } catch (const ConfigError& error) {
