@@ -237,6 +237,16 @@ TEST(MapChanges, WhatMovedLessThanMapsErrDidNotMove) {
   EXPECT_TRUE(mapChanges(roomWith(kBoxes), viewsAllOver(), roomWith(boxes), viewsAllOver()).empty());
 }
 
+TEST(MapChanges, AWallIsNoThingThatMoved) {
+  SegmentMap before = roomWith({});
+  add(before, {-2.0, 0.0}, {2.0, 0.0}, "red_foot");
+  const SegmentMap now = roomWith({{{1.0, 1.2}, 0.0, "red_foot"}});
+  const auto changes = mapChanges(before, viewsAllOver(), now, viewsAllOver());
+  EXPECT_EQ(count(changes, MapChange::Kind::kMoved), 0);
+  EXPECT_EQ(count(changes, MapChange::Kind::kRemoved), 1);
+  EXPECT_EQ(count(changes, MapChange::Kind::kNew), 1);
+}
+
 TEST(MapChanges, WhatWasRejectedIsNotOfferedAgainUntilItChanges) {
   const std::vector<CountedRow> old = counted(roomWith(kBoxes));
   const SeenBefore before{{viewsAllOver()}, false};

@@ -275,7 +275,8 @@ bool isContradicted(const ChangeFact& fact, const SeenMap& today, const SeenMap&
   return missing_m > here_m && nats >= params.least_nats;
 }
 
-/// The nearest new thing of a label is the removed one. What moved less than maps err did not.
+/// The nearest new thing of a label is the removed one, if both are things that can be moved. What moved less
+/// than maps err did not.
 void pairMoved(std::vector<MapChange>& changes, std::vector<MapChange>& fresh, const ChangeParams& params) {
   while (true) {
     std::size_t from = changes.size();
@@ -286,6 +287,9 @@ void pairMoved(std::vector<MapChange>& changes, std::vector<MapChange>& fresh, c
       for (std::size_t i = 0; i < fresh.size(); ++i) {
         const double distance_m = (placeOf(fresh[i].now) - placeOf(changes[r].before)).norm();
         if (fresh[i].label != changes[r].label || distance_m >= nearest_m) continue;
+        const bool can_move =
+            std::max(sizeOf(changes[r].before), sizeOf(fresh[i].now)) <= params.most_thing_m;
+        if (!can_move && distance_m >= params.least_moved_m) continue;
         nearest_m = distance_m;
         from = r;
         to = i;
