@@ -357,6 +357,7 @@ class Recording(Wizard):
         self.assertIn("150 images of 320 x 240", self.step("drive", "--bag", os.path.join(room, "wheels_b.bag")))
         self.step("colours", "--palette", os.path.join(room, "map.palette"))
         self.assertIn("Note: no place was found again", self.step("map"))
+        self.assertTrue(self.read("cfg/mine/map.history").startswith("history 1\n"))
         self.assertIn("mine is localized", self.step("localize"))
         # Another drive: its map is still to be made, the drive before is not lost.
         said = self.step("drive", "--bag", os.path.join(room, "wheels_a.bag"))
