@@ -93,6 +93,25 @@ TEST(MapOutput, PaintedLinesAreNoObstacles) {
   EXPECT_EQ(pgmOf(grid).substr(0, 3), "P5\n");
 }
 
+TEST(MapOutput, NothingIsSeenThroughTheWallOfAGrid) {
+  // Across the rows of cells, so that its cells touch at corners.
+  SegmentMap map;
+  map.segments = {row(2.0, -8.0, 2.13, 8.0, "skirting")};
+  DriveRecord record;
+  std::vector<Pose2> poses;
+  for (int i = 0; i < 100; ++i) {
+    Keyframe& keyframe = record.keyframes.emplace_back();
+    keyframe.intrinsics = intrinsicsFromFieldOfView(320, 240, 1.2);
+    keyframe.T_robot_camera.linear() << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+    poses.push_back({0.0, -1.0 + 0.02 * i, 0.0});
+  }
+  const GridImage grid = gridOf(map, record, poses, {});
+  for (int from_top = 0; from_top < grid.height; ++from_top) {
+    for (int x = static_cast<int>((2.2 - grid.low.x()) / grid.resolution_m); x < grid.width; ++x)
+      EXPECT_NE(grid.cells[static_cast<std::size_t>(from_top * grid.width + x)], 254) << x << " " << from_top;
+  }
+}
+
 MappedRow mapped(const Segment2& map, const char* label) {
   MappedRow made;
   made.map = map;

@@ -45,10 +45,15 @@ class Grid {
   void see(const Eigen::Vector2d& from, double heading_rad, double range_m) {
     const Eigen::Vector2d u(std::cos(heading_rad), std::sin(heading_rad));
     const double step = 0.5 * image_.resolution_m;
+    Eigen::Vector2d before = from;
     for (double s = 0.0; s < range_m; s += step) {
-      auto* cell = at(from + s * u);
+      const Eigen::Vector2d p = from + s * u;
+      auto* cell = at(p);
       if (!cell || *cell == kOccupied) return;
+      // Cells of a wall that touch at a corner only: nothing passes between them.
+      if (isOccupied({before.x(), p.y()}) && isOccupied({p.x(), before.y()})) return;
       *cell = kFree;
+      before = p;
     }
   }
   void drive(const Eigen::Vector2d& p, double radius_m) {
@@ -63,6 +68,11 @@ class Grid {
   GridImage take() { return std::move(image_); }
 
  private:
+  bool isOccupied(const Eigen::Vector2d& p) {
+    const auto* cell = at(p);
+    return cell && *cell == kOccupied;
+  }
+
   GridImage image_;
 };
 
