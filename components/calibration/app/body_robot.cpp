@@ -13,6 +13,7 @@
 namespace vismem {
 namespace {
 
+constexpr std::chrono::seconds kRenewal{1};
 constexpr StampUs kViewInterval_us = 200'000;
 constexpr std::size_t kLeastCorners = 8;
 
@@ -39,6 +40,15 @@ std::string lease(std::shared_ptr<Prx>& proxy, const char* what) {
     throw std::runtime_error(std::string(what) + ": " + refused.reason);
   } catch (...) {
     throw std::runtime_error(std::string(what) + ": " + describeFailure(*proxy, std::current_exception()));
+  }
+}
+
+template <typename Prx>
+void renew(const std::shared_ptr<Prx>& proxy, const std::string& id) {
+  try {
+    boundedProxy(proxy, kCommandTimeout_ms)->renew(id);
+  } catch (const Ice::Exception&) {
+    // The next command says why.
   }
 }
 
@@ -77,6 +87,14 @@ LeasedRobot::LeasedRobot(const ActiveVisualMemoryConfig& setup, const std::strin
 LeasedRobot::~LeasedRobot() {
   release(motors_, base_lease_);
   release(unit_, head_lease_);
+}
+
+void LeasedRobot::keepLeases() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - renewed_ < kRenewal) return;
+  renewed_ = now;
+  renew(motors_, base_lease_);
+  renew(unit_, head_lease_);
 }
 
 BodyRecord recordOfBag(const std::string& path, const BoardSpec& board, BoardPlace place) {

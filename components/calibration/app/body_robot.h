@@ -3,6 +3,7 @@
 
 #include <Ice/Ice.h>
 
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -30,6 +31,10 @@ class LeasedRobot {
   LeasedRobot(const LeasedRobot&) = delete;
   LeasedRobot& operator=(const LeasedRobot&) = delete;
 
+  /// Renews both leases once a second. Call it at every round: not each step commands the head, and a
+  /// simulated robot of a busy machine may stay in it for longer than a lease.
+  void keepLeases();
+
   FrameSource& camera() { return *camera_; }
   PanTiltUnit& head() { return *head_; }
   MobileBase& base() { return *base_; }
@@ -41,6 +46,7 @@ class LeasedRobot {
   std::shared_ptr<avm::PanTiltPrx> unit_;
   std::string base_lease_;
   std::string head_lease_;
+  std::chrono::steady_clock::time_point renewed_ = std::chrono::steady_clock::now();
   std::unique_ptr<RemoteFrameSource> camera_;
   std::unique_ptr<RemotePanTiltUnit> head_;
   std::unique_ptr<RemoteMobileBase> base_;

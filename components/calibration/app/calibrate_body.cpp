@@ -108,6 +108,7 @@ BodyRecord drive(const BodyOptions& options, const ActiveVisualMemoryConfig& set
   how.board = board;
   how.place = options.wall ? BoardPlace::kWall : BoardPlace::kFloor;
   how.mount = params.rig.mount;
+  how.advance = [&] { robot.keepLeases(); };
   how.stopped = [&] { return signals.arrived(); };
   how.progress = [&](const BodyDrive& d, std::size_t) {
     if (d.steps() > 0) line.show(d.stepsDone(), d.steps());
