@@ -144,7 +144,7 @@ class WrongInput(Wizard):
 
     def test_the_program_of_a_step_that_is_stopped_may_end(self):
         os.makedirs(self.path("out/own_robot/mine/drive"))
-        self.replace_program("learn_palette", f"trap 'sleep 1; touch {self.root}/ended; exit 1' TERM\ntouch {self.root}/began\nsleep 60 & wait\n")
+        self.replace_program("learn_palette", f"trap 'kill $!; sleep 1; touch {self.root}/ended; exit 1' TERM\ntouch {self.root}/began\nsleep 60 & wait\n")
         step = subprocess.Popen([self.path("scripts/own_robot"), "mine", "colours"], stdin=subprocess.DEVNULL)
         while not os.path.exists(self.path("began")):
             self.assertIsNone(step.poll())
