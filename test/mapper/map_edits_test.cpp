@@ -90,8 +90,7 @@ TEST(MapEdits, ALengthThatIsNotOfTheEdgeHasNoEffect) {
   ASSERT_EQ(notes.size(), 3U);
   EXPECT_EQ(notes[0],
             "map.edits:1: edge 100 is 0.70 m long (must be within a factor of 1.5 of the measured 3 m): it "
-            "stays as it "
-            "is");
+            "stays as it is");
   EXPECT_EQ(constraints("length 100 3\nlength 100 0.07\nlength 200 0.07\n"), 0U);
   // What was hidden of an edge may be longer than what was seen.
   EXPECT_TRUE(notesOf("length 100 0.8\nlength 200 3\n").empty());

@@ -1,11 +1,14 @@
 #include "calibration/app/clicks_page.h"
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+
+#include "common/image_codec/image_codec.h"
 
 namespace vismem {
 namespace {
+
+constexpr int kJpegQuality = 95;
 
 constexpr const char* kHead = R"html(<!doctype html>
 <html lang="en">
@@ -105,7 +108,7 @@ Promise.all(images.map(({name, jpeg}) => {
 </html>
 )html";
 
-std::string base64(const std::vector<unsigned char>& bytes) {
+std::string base64(const std::vector<std::uint8_t>& bytes) {
   constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
@@ -117,21 +120,13 @@ std::string base64(const std::vector<unsigned char>& bytes) {
   return text;
 }
 
-std::string jpegOf(const cv::Mat& rgb) {
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  std::vector<unsigned char> bytes;
-  cv::imencode(".jpg", bgr, bytes);
-  return base64(bytes);
-}
-
 }  // namespace
 
 std::string clicksPage(const std::vector<ClickableImage>& images, const std::vector<std::string>& classes,
                        const std::vector<std::string>& clicks) {
   nlohmann::json data{{"images", nlohmann::json::array()}, {"classes", classes}, {"clicks", clicks}};
   for (const ClickableImage& one : images)
-    data["images"].push_back({{"name", one.name}, {"jpeg", jpegOf(one.image)}});
+    data["images"].push_back({{"name", one.name}, {"jpeg", base64(encodeJpeg(one.image, kJpegQuality))}});
   std::string text = data.dump();
   // A name must not end the element that holds it.
   for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3)
