@@ -32,7 +32,7 @@ constexpr const char* kHead = R"html(<!doctype html>
 <header>
   <h1>Colours by clicks</h1>
   Type what a surface is, such as floor, wall or door, and click on it in an image. <code>ignored</code> is a pattern of the
-  floor whose edges are not to be remembered. Some clicks of one name are one class in several lights.
+  floor whose edges are not to be remembered. Several clicks of one name show the class in several lights.
   <div>
     <label>This is <input id="name" list="names" size="16" autofocus></label> <datalist id="names"></datalist>
     <button id="save">save as a file</button> <span id="note" role="status"></span>
