@@ -120,6 +120,8 @@ void RecorderService::writeAll() {
 void RecorderService::saveRingAfterLoss() {
   {
     const std::lock_guard lock(mutex_);
+    // The ring holds what was taken only once the queue is written; the next round looks again.
+    if (!queue_.empty()) return;
     // A stamp far before the wanted one: the clock has jumped back, nothing newer of that epoch comes.
     const bool due = save_at_us_ && (newest_us_ >= *save_at_us_ ||
                                      newest_us_ < *save_at_us_ - *params_.save_after_loss_us - kSecondUs);
