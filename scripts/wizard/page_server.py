@@ -13,8 +13,9 @@ import threading
 import time
 import urllib.parse
 
+from programs import running_components
 from robot import missing_before, next_command, next_step, states_of
-from setup_files import Failure, read_text, say
+from setup_files import Failure, read_text, say, value_of
 from step_run import RUNS_ALREADY, StepRuns
 from steps import STEPS, TABLE
 
@@ -55,8 +56,11 @@ class Wizard:
 
     def argument(self, argument):
         default = self.port_offset if argument.name == "--port-offset" else argument.default
+        if argument.kind == "key":
+            file = self.robot.file_of(argument.name[2:])
+            default = file and value_of(file, argument.name[2:])
         found = sorted({path for pattern in argument.found for path in glob.glob(pattern)})
-        return {"name": argument.name, "kind": argument.kind, "about": argument.about, "default": default, "is_default": default == argument.default,
+        return {"name": argument.name, "kind": argument.kind, "about": argument.about, "default": default, "is_default": default == argument.default or argument.kind == "key", "label": argument.label,
                 "choices": argument.listed(), "goes_with": argument.goes_with, "minor": argument.minor, "found": found[-50:]}
 
     def results(self, step):
@@ -72,10 +76,13 @@ class Wizard:
         state, how = states.get(step.name, ("any", self.robot.how(step)))
         arguments = [argument for argument in step.arguments if argument.when(self.robot)]
         names = {argument.name for argument in arguments}
+        if step.name == "robot":
+            running = sorted(running_components(self.robot.state_name(self.port_offset)))
+            state, how = ("on", f"runs now: {', '.join(running)}") if running else ("any", "nothing of it runs now")
         last = self.runs.last_of(step.name)
         return {"name": step.name, "title": step.title, "state": state, "does": step.does.replace("cfg/NAME", self.robot.setup),
                 "needs": step.needs.replace("NAME", self.robot.name), "how": how, "notes": "" if self.robot.simulated else step.notes,
-                "after": step.after, "missing": missing_before(self.robot, step), "unless": step.unless, "ctrl_c": step.ctrl_c, "apply": step.apply, "is_once": step.is_once,
+                "after": step.after, "missing": missing_before(self.robot, step), "unless": step.unless, "ctrl_c": step.ctrl_c, "apply": step.apply, "is_once": step.is_once, "wants_robot": step.wants_robot and not self.robot.simulated,
                 "otherwise": {name: text for name, text in step.otherwise.items() if not name or name in names},
                 "arguments": [self.argument(argument) for argument in arguments], "results": self.results(step),
                 "last": last and {key: last[key] for key in ("number", "command", "began", "seconds", "code")}}

@@ -23,7 +23,7 @@ class Drive:
     def __init__(self, robot, folder, options, arguments):
         self.robot, self.folder, self.options = robot, folder, options
         self.arguments = list(arguments)
-        self.state = robot.name + (f"+{options.port_offset}" if options.port_offset else "")
+        self.state = robot.state_name(options.port_offset)
         self.rate_hz = 0.0
         self.started = []
 

@@ -53,6 +53,16 @@ class Robot:
     def comes_first(self, step):
         return Failure(f"{step} comes first: scripts/own_robot {self.name} {step}")
 
+    def file_of(self, key):
+        """The file of the setup that has a key of this component."""
+        files = os.listdir(self.setup) if os.path.isdir(self.setup) else []
+        name = key.split(".")[0].lower()
+        return next((f"{self.setup}/{file}" for file in files if file.endswith(".cfg") and file[:-4].replace("_", "") == name), None)
+
+    def state_name(self, port_offset):
+        """Of what runs, as scripts/start calls it."""
+        return self.name + (f"+{port_offset}" if port_offset else "")
+
     def make_setup(self, source="robot"):
         if os.path.exists(self.setup):
             return

@@ -166,7 +166,7 @@ def beside_board(robot, port_offset, arguments):
     world = f"{robot.out}/board/board.world"
     if not os.path.exists(world):
         raise Failure(f"{world}: no such file: scripts/own_robot {robot.name} target makes it")
-    state = robot.name + (f"+{port_offset}" if port_offset else "")
+    state = robot.state_name(port_offset)
     running = running_components(state)
     if running:
         raise Failure(f"{', '.join(sorted(running))} of {state} runs already: scripts/stop {state} first")

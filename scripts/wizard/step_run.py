@@ -33,9 +33,10 @@ def checked_value(argument, value):
     """As a text. @throws Failure for another than the argument takes."""
     text = value if isinstance(value, str) else str(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
     what = {"whole": "a whole number", "number": "a number of 0 or more", "choice": "one of " + ", ".join(map(str, argument.listed()))}
+    what["key"] = "a text of one line, without #"
     fits = text is not None and len(text) <= 4096 and text.isprintable() and text.strip() and {
         "whole": lambda: re.fullmatch(r"\d{1,9}", text), "number": lambda: is_number(text),
-        "choice": lambda: text in argument.listed()}.get(argument.kind, lambda: True)()
+        "choice": lambda: text in argument.listed(), "key": lambda: "#" not in text}.get(argument.kind, lambda: True)()
     if not fits:
         raise Failure(f"{argument.name}: found {value!r} (expected {what.get(argument.kind, 'a text of one line')})", 2)
     return text

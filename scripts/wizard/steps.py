@@ -21,6 +21,10 @@ def real(robot):
     return not robot.simulated
 
 
+def configured(robot):
+    return not robot.simulated and os.path.isdir(robot.setup)
+
+
 def simulated(robot):
     return robot.simulated
 
@@ -32,7 +36,7 @@ def uncalibrated(robot):
 @dataclasses.dataclass(frozen=True)
 class Argument:
     name: str  # "--seed", or a word for one without a name, such as ACROSS
-    kind: str  # flag, whole, number, choice, text; path: of a file or folder; file: a small one, which a browser may send
+    kind: str  # flag, whole, number, choice, text; path: of a file or folder; file: a small one, which a browser may send; key: of the setup
     about: str
     value: str = ""  # what stands for it in the help
     default: object = None
@@ -43,6 +47,7 @@ class Argument:
     minor: bool = False  # not in the overview of the help
     when: object = always  # of a robot
     found: tuple = ()  # patterns of files that it may be
+    label: str = ""  # on the page, if not its name
 
     @property
     def is_named(self):
@@ -74,6 +79,7 @@ class Step:
     notes: str = ""  # before it begins on a robot that is not simulated
     ctrl_c: str = "stop"  # what Ctrl-C is for
     apply: str = ""  # the argument that makes the changes which the step has shown
+    wants_robot: bool = False  # that its components run
     is_step: bool = True  # it is done once it succeeded
     is_once: bool = False  # it is not repeated
 
@@ -103,16 +109,24 @@ NO_GUI = Argument("--no-gui", "flag", "without the page that shows and drives th
 CAMERA_RATE = Argument("--Simulator.Camera.Rate_hz", "number", "of the simulated camera [Hz]; fewer images make a smaller recording", "HZ",
                        to_program=True, minor=True, when=simulated)
 
+PORTS = ("/dev/serial/by-id/*", "/dev/ttyUSB*", "/dev/ttyACM*", "/dev/ttyS?")
+KEYS = tuple(Argument(f"--{key}", "key", f"{key}, {about}", "VALUE", choices=choices, to_program=True, minor=True, when=configured, found=found, label=label)
+             for key, label, about, choices, found in (
+                 ("CameraServer.Camera.cameraA.Device", "camera", "its device", (), ("/dev/v4l/by-id/*", "/dev/video*")),
+                 ("PanTiltServer.Driver", "pan-tilt unit", "its driver", ("maestro", "ptu46", "uvc"), ()),
+                 ("PanTiltServer.Port", "its port", "of ptu46 and maestro", (), PORTS),
+                 ("BaseServer.Driver", "base", "its driver", ("pioneer",), ()), ("BaseServer.Port", "its port", "of pioneer", (), PORTS)))
+
 TABLE = (
     Step("start", "Start", "makes cfg/NAME: a copy of cfg/robot, or a simulated robot in a world of cfg/worlds",
          how="makes {setup}", how_real=": check ports and devices there", is_once=True,
          otherwise={"": "my own robot", "--simulated": "a simulated robot"},
-         arguments=(Argument("--simulated", "choice", "world", "WORLD", "corridor", worlds, may_lack_value=True),
+         arguments=(Argument("--simulated", "choice", "", "WORLD", "corridor", worlds, may_lack_value=True, label="world"),
                     Argument("--seed", "whole", "draws the errors of wheels, and of an uncalibrated robot", "N", 1, goes_with=("--simulated",)),
                     Argument("--uncalibrated", "flag", "its lens, mounting, joints and wheels differ from their description",
                              goes_with=("--simulated",)))),
-    Step("devices", "Devices", "what is connected", needs="camera, pan-tilt unit and base, connected",
-         how="shows what is connected; set ports and devices in {setup}/*.cfg", is_step=False),
+    Step("devices", "Devices", "shows what is connected; sets keys of cfg/NAME, such as ports: --Component.Key=VALUE",
+         needs="camera, pan-tilt unit and base, connected", arguments=KEYS, is_step=False),
     Step("target", "Board", "writes the calibration board to print", needs="a printer, and flat glass or board",
          how="print {out}/board/board.pdf at 100 %, glue it onto something flat",
          arguments=(Argument("--paper", "choice", "of the printer", "A4|A3|...", "A4", ("A4", "A3", "A2", "A1"), to_program=True, when=real),
@@ -124,7 +138,7 @@ TABLE = (
          arguments=(Argument("ACROSS", "number", "the ruler across [mm]", "ACROSS", 100, when=real),
                     Argument("UP", "number", "the ruler up [mm]", "UP", 100, when=real))),
     Step("lens", "Lens", "finds the lens from views of the board; goes on where it stopped",
-         needs="the board, in your hand before the camera; for a running camera the robot, started", how="show the board to the camera: {out}/lens/progress.png says where", after=("target",),
+         needs="the board, in your hand before the camera", how="show the board to the camera: {out}/lens/progress.png says where", after=("target",),
          otherwise={"--images": "a folder of images", "--bag": "a recording", "--camera": "a running camera"},
          arguments=(Argument("--images", "path", "folder of images, each of a still board", "DIR", to_program=True, when=real),
                     Argument("--bag", "path", "ROS 1 bag of a moving board or camera", "FILE", to_program=True, when=real, found=RECORDINGS),
@@ -133,10 +147,9 @@ TABLE = (
          results={"{out}/lens/progress.png": "green: the lens is known; the arrow shows where the board is wanted next",
                   "{out}/lens/uncertainty.png": "standard deviation of the projection", "{out}/lens/residuals.png": "what the model does not explain",
                   "{out}/lens/report.json": "figures", "{out}/lens/camera.yaml": "the lens, as ROS reads it"},
-         ctrl_c="stop; it goes on from here"),
-    Step("body", "Body", "the robot, started with scripts/start NAME, looks at the board on the floor from all around; shows the changes "
-         "of cfg/NAME",
-         needs="the board flat on the floor 1 m before the robot, free space around it, and the robot started: scripts/start NAME",
+         ctrl_c="stop; it goes on from here", wants_robot=True),
+    Step("body", "Body", "the robot looks at the board on the floor from all around; shows the changes of cfg/NAME",
+         needs="the board, and space",
          how="the board flat on the floor, 1 m before the robot, free space around it", after=("target",),
          arguments=(Argument("--fence-m", "number", "the robot's middle stays within this distance of the board's [m]", "M", 2, to_program=True),
                     Argument("--write", "flag", "makes these changes", to_program=True),
@@ -145,7 +158,7 @@ TABLE = (
                     Argument("--ring-m", "number", "radius of its ways around the board [m]", "M", 1.1, to_program=True, minor=True, when=real),
                     Argument("--robot-radius-m", "number", "of the robot's body [m]", "M", 0.25, to_program=True, minor=True, when=real),
                     when(PORT_OFFSET, uncalibrated), when(PORT_OFFSET, real, to_program=True)),
-         results={"{out}/body/report.json": "figures"}, apply="--write",
+         results={"{out}/body/report.json": "figures"}, apply="--write", wants_robot=True,
          notes="The robot drives round the board by itself and sees no obstacles: keep the floor free within the fence, and a hand at STOP."),
     Step("drive", "Drive", "records a drive until it is stopped, or for S seconds; or takes a recording", needs="you, who drive it",
          how="drive the robot round its place, and 10 m further", after=("start",), unless=("--bag",),
@@ -159,7 +172,7 @@ TABLE = (
          after=("drive",), unless=("--palette",),
          otherwise={"": "learn from the drive", "--clicks": "learn with my clicks", "--palette": "take a palette"},
          arguments=(Argument("--clicks", "file", "what the clicks' page saved", "FILE"),
-                    Argument("--palette", "file", "such as cfg/maps/corridor.palette", "FILE", found=("cfg/maps/*.palette",))),
+                    Argument("--palette", "file", "such as cfg/maps/corridor.palette", "FILE", found=("cfg/maps/*.palette",), label="palette")),
          results={"{out}/colours/colours.png": "what the palette makes of the drive", "{out}/colours/shown/clicks.html": "name colours by clicks",
                   "{out}/colours/colours.palette": "the palette"}),
     Step("map", "Map", "makes the map from the drive, and sets map and palette in cfg/NAME", needs="drive and colours",
@@ -175,6 +188,9 @@ TABLE = (
                     when(TOPICS, always, goes_with=("", "--bag")),
                     *(when(a, a.when, goes_with=("--live",)) for a in (NO_GUI, PORT_OFFSET, CAMERA_RATE))),
          results={"{out}/localize/top_view.png": "map, path and memory", "{out}/localize/verdict.json": "figures"}),
+    Step("robot", "Robot", "starts the components of the robot, which then go on; --stop ends them", after=("start",),
+         otherwise={"": "start it", "--stop": "stop it"},
+         arguments=(Argument("--stop", "flag", "ends them", minor=True), PORT_OFFSET, when(NO_GUI, real, goes_with=("",))), is_step=False),
     Step("page", "Page", "these steps as a page in the browser, which runs them by buttons",
          arguments=(Argument("--port", "whole", "of the page; any free one, if not given and 8790 is taken", "N"),
                     when(PORT_OFFSET, always, about="what the page suggests for its steps")), is_step=False),

@@ -63,7 +63,7 @@ const parts = {
     await says(".verdict", /Succeeded in \d+ s/);
     await says("#changes", /\+Simulator\.Seed = 3/);
     await says("#kind", /a simulated robot/);
-    assert.deepEqual(await states(), {start: "done", devices: "any", target: "none", ruler: "none", lens: "none", body: "none", drive: "-", colours: "-", map: "-", localize: "-"});
+    assert.deepEqual(await states(), {start: "done", devices: "any", target: "none", ruler: "none", lens: "none", body: "none", drive: "-", colours: "-", map: "-", localize: "-", robot: "any"});
     assert.equal(await page.locator("#start").count(), 0, "a setup is not made twice");
     await picture("start_done");
     await show("lens");
@@ -91,12 +91,13 @@ const parts = {
   },
 
   async "shows progress, goes on while it is closed, and stops"() {
-    program("list_devices", "trap 'kill $!; exit 1' INT TERM; echo 'camera at http://127.0.0.1:8770/'; i=0\n" +
+    program("list_devices", "trap 'kill $!; exit 1' INT TERM; echo 'camera at http://127.0.0.1:8770/'; echo page http://127.0.0.1:8771/; i=0\n" +
       "while [ $i -lt 600 ]; do i=$((i+1)); echo \"steps: $i of 600, 1 min left\" >&2; sleep 0.1 & wait $!; done\n");
     await run("devices");
     await says("#progress", /steps: \d+ of 600, 1 min left/);
     await says("#log", /camera at/);
-    assert.equal(await page.locator("#log a").getAttribute("href"), "http://127.0.0.1:8770/");
+    assert.equal(await page.locator("#log a").first().getAttribute("href"), "http://127.0.0.1:8770/");
+    assert.equal(await page.locator("#pages a").getAttribute("href"), "http://127.0.0.1:8771/", "where one drives");
     assert.equal(await page.locator("#bar").getAttribute("max"), "600");
     await picture("runs");
     await show("drive");

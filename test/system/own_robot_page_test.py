@@ -224,9 +224,36 @@ class Runs(Page):
         self.assertEqual((state["kind"], state["next"], state["running"]), ("simulated", "drive", None))
         self.assertEqual({step["name"]: step["state"] for step in state["steps"]},
                          {"start": "done", "devices": "any", "target": "none", "ruler": "none", "lens": "none", "body": "none", "drive": "-", "colours": "-",
-                          "map": "-", "localize": "-"})
+                          "map": "-", "localize": "-", "robot": "any"})
         self.assertEqual([argument["name"] for argument in self.step("drive")["arguments"]],
                          ["--seconds", "--bag", "--topics", "--port-offset", "--Simulator.Camera.Rate_hz"])
+
+    def test_keys_of_devices_are_set(self):
+        self.program("list_devices", 'echo "asked: $*"\n')
+        self.run_step("start")
+        self.output("start")
+        keys = {argument["name"]: argument["default"] for argument in self.step("devices")["arguments"]}
+        self.assertEqual((len(keys), keys["--BaseServer.Driver"]), (5, "pioneer"))
+        self.assertEqual(self.ask("run", {"step": "devices", "arguments": {"--BaseServer.Port": "/dev/tty #x"}})[0], 400)
+        self.ask("run", {"step": "devices", "arguments": {"--BaseServer.Port": "/dev/tty USB0"}})
+        found = self.output("devices")
+        self.assertEqual((found["code"], found["lines"][-1]), (0, "asked: "))
+        self.assertIn("+BaseServer.Port = /dev/tty USB0", found["lines"])
+        self.assertEqual(next(a for a in self.step("devices")["arguments"] if a["name"] == "--BaseServer.Port")["default"], "/dev/tty USB0")
+
+    def test_the_robot_that_runs_is_shown_and_stopped(self):
+        self.run_step("start")
+        self.output("start")
+        self.assertEqual(self.step("robot")["state"], "any")
+        self.program("base_server", "trap 'kill $!; exit 0' TERM\ntouch began\nsleep 60 & wait\n")
+        with subprocess.Popen([self.path("build/release/bin/base_server")], cwd=self.root) as server:
+            self.wait_for("began")
+            self.write("out/mine/pids", f"{server.pid} base_server\n")
+            self.assertEqual((self.step("robot")["state"], self.step("robot")["how"]), ("on", "runs now: base_server"))
+            self.run_step("robot", stop=True)
+            self.assertEqual(self.output("robot")["lines"], ["stop: base_server ended"])
+            self.assertEqual(server.wait(10), 0)
+        self.assertEqual(self.step("robot")["state"], "any")
 
     def test_an_error_is_in_the_programs_own_words(self):
         self.assertEqual(self.run_step("map")[0], 200)

@@ -11,13 +11,16 @@ const typed = new Map();
 const firstOf = names => ("" in names ? "" : Object.keys(names)[0] ?? "");
 
 export function entries(step) {
-  const kept = typed.get(step.name);
-  if (kept && (kept.chosen === "" || kept.chosen in step.otherwise)) return kept;
-  const values = {};
-  for (const one of step.arguments) values[one.name] = one.kind === "flag" ? false : one.default ?? "";
-  const fresh = {chosen: firstOf(step.otherwise), values};
-  typed.set(step.name, fresh);
-  return fresh;
+  const kept = typed.get(step.name) ?? {values: {}, defaults: {}};
+  if (!(kept.chosen in step.otherwise)) kept.chosen = firstOf(step.otherwise);
+  for (const one of step.arguments) {
+    const value = one.kind === "flag" ? false : one.default ?? "";
+    // What nobody changed follows the default, such as a key of the setup.
+    if (!(one.name in kept.values) || kept.values[one.name] === kept.defaults[one.name]) kept.values[one.name] = value;
+    kept.defaults[one.name] = value;
+  }
+  typed.set(step.name, kept);
+  return kept;
 }
 
 const isShown = (one, step, chosen) =>
@@ -69,8 +72,9 @@ function field(one, step, changed, send) {
     input.oninput = () => keep(input.value.trim());
   }
   const row = element("span", {className: "entry"}, input);
-  if (one.found.length > 0) {
-    const list = element("datalist", {id: `${id}-found`}, ...one.found.map(value => element("option", {value})));
+  const possible = one.kind === "choice" ? [] : [...one.choices, ...one.found];
+  if (possible.length > 0) {
+    const list = element("datalist", {id: `${id}-found`}, ...possible.map(value => element("option", {value})));
     input.setAttribute("list", list.id);
     row.append(list);
   }
@@ -86,9 +90,8 @@ function field(one, step, changed, send) {
     };
     row.append(button, pick);
   }
-  // The alternative says already what its argument is called.
-  const words = one.name in step.otherwise ? [one.about, ""] : [one.name.replace(/^--/, "").replaceAll(".", ".\u200b"), one.about];
-  return element("label", {className: "field", htmlFor: id}, element("b", {textContent: words[0]}), row, element("span", {className: "dim", textContent: words[1]}));
+  const label = one.label || one.name.replace(/^--/, "").replaceAll(".", ".\u200b");
+  return element("label", {className: "field", htmlFor: id}, element("b", {textContent: label}), row, element("span", {className: "dim", textContent: one.about}));
 }
 
 function alternatives(step, changed) {
@@ -107,8 +110,9 @@ function alternatives(step, changed) {
 export function drawForm(host, step, changed, send) {
   const shown = step.arguments.filter(one => isShown(one, step, entries(step).chosen) && one.name !== step.apply);
   const fields = shown.filter(one => !(one.kind === "flag" && one.name in step.otherwise));
-  const major = fields.filter(one => !one.minor).map(one => field(one, step, changed, send));
-  const minor = fields.filter(one => one.minor);
+  const isMinor = one => one.minor && one.kind !== "key";
+  const major = fields.filter(one => !isMinor(one)).map(one => field(one, step, changed, send));
+  const minor = fields.filter(isMinor);
   const isOpen = host.querySelector("details.more")?.open ?? minor.some(one => String(one.default ?? "") !== "" && !one.is_default);
   host.replaceChildren(...alternatives(step, changed), ...major);
   if (minor.length > 0)

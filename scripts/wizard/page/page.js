@@ -3,8 +3,8 @@ import {commandLine, drawForm, element, given, missing} from "./form.js";
 import {drawChanges, drawResults, failureOf, lineOf, sorted, wantsApply} from "./results.js";
 
 const $ = id => document.getElementById(id);
-const SIGNS = {done: "✓", old: "↻", none: "–", any: "•", "-": "", runs: "▶"};
-const WORDS = {done: "done", old: "to be repeated", none: "not needed", any: "at any time", "-": "not done yet", runs: "runs"};
+const SIGNS = {done: "✓", old: "↻", none: "–", any: "•", on: "●", "-": "", runs: "▶"};
+const WORDS = {done: "done", old: "to be repeated", none: "not needed", any: "at any time", on: "runs", "-": "not done yet", runs: "runs"};
 const KINDS = {none: "no setup yet", own: "a robot of your own", simulated: "a simulated robot", uncalibrated: "a simulated robot, not calibrated"};
 let state = null, selected = null, ahead_s = 0, note = "";
 /** Lines of the newest run of each step: {number, lines}. */
@@ -74,24 +74,27 @@ function select(name) {
 
 /** The step that is looked at. */
 
+function goTo(name) {
+  const button = element("button", {type: "button", className: "button", textContent: stepOf(name).title});
+  button.onclick = () => select(name);
+  return button;
+}
+
 function drawAbout(step) {
   const word = stateOf(step), before = missing(step);
-  if (!changed("about", [step.name, step.title, step.does, step.needs, step.how, step.notes, word, state.next === step.name, before])) return;
-  const rows = [["needs", step.needs], [step.state === "none" ? "why" : "how", step.how]].filter(([, text]) => text);
+  const robot = step.wants_robot && step.state !== "none" ? stepOf("robot") : null;
+  if (!changed("about", [robot?.how, step.name, step.title, step.does, step.needs, step.how, step.notes, word, state.next === step.name, before])) return;
+  const rows = [["needs", step.needs], [step.state === "none" ? "why" : step.name === "robot" ? "now" : "how", step.how]].filter(([, text]) => text);
   if (word === "old") rows.push(["why", `what it was made from is newer: ${step.after.map(name => stepOf(name).title).join(" or ")}`]);
   $("about").replaceChildren(
     element("h1", {}, step.title, " ", element("span", {className: "badge", textContent: state.next === step.name && word !== "runs" ? "next" : WORDS[word]})),
     element("p", {textContent: sentence(step.does)}),
     element("dl", {}, ...rows.flatMap(([name, text]) => [element("dt", {textContent: name}), element("dd", {textContent: text})])));
   $("about").querySelector(".badge").dataset.state = word;
+  if (robot) $("about").append(element("p", {}, "The robot: ", robot.how, ". ", goTo("robot")));
   if (step.notes && word !== "none") $("about").append(element("pre", {className: "notes", textContent: step.notes}));
   if (before.length > 0 && word !== "none") {
-    const links = before.map(name => {
-      const button = element("button", {className: "button", textContent: stepOf(name).title});
-      button.onclick = () => select(name);
-      return button;
-    });
-    $("about").append(element("p", {className: "first"}, "Comes first: ", ...links));
+    $("about").append(element("p", {className: "first"}, "Comes first: ", ...before.map(goTo)));
   }
 }
 
@@ -126,7 +129,7 @@ function drawButtons(step, lines) {
   if (!changed("buttons", shown)) return;
   const focused = document.activeElement?.id;
   const goesOn = step.state === "done" && state.next && state.next !== step.name;
-  const start = pressable("start", ["done", "old"].includes(step.state) ? "Repeat this step" : `Run: ${step.title}`, !goesOn && !apply,
+  const start = pressable("start", ["done", "old"].includes(step.state) ? "Repeat this step" : "Run this step", !goesOn && !apply,
     isBusy || before.length > 0, () => ask("run", {step: step.name, arguments: given(step)}));
   $("buttons").replaceChildren(...isOffered(step) ? [start] : []);
   if (apply) {
@@ -134,7 +137,7 @@ function drawButtons(step, lines) {
     $("buttons").append(pressable("apply", "Apply these changes", true, isBusy, () => ask("run", {step: step.name, arguments: {...same, [step.apply]: true}})));
   }
   if (goesOn) $("buttons").append(pressable("next", `Next: ${stepOf(state.next).title} →`, !apply, false, () => select(state.next)));
-  if (!state.next && step.name === state.steps.at(-1).name)
+  if (!state.next && step.name === "localize")
     $("buttons").append(element("span", {}, "All is done. The robot with its map: ", element("code", {textContent: state.next_command})));
   if (isBusy && !isRunning(step)) $("buttons").append(element("span", {className: "dim", textContent: `${stepOf(state.running.step).title} runs: one step at a time.`}));
   if (focused) $(focused)?.focus();
@@ -160,12 +163,17 @@ function drawRun() {
     $("note").dataset.level = "bad";
     if (isNow) run.append(element("div", {className: "progress"}, element("progress", {id: "bar", max: 1, ariaLabel: step.title}), element("span", {id: "progress"})));
     else if (step.last && output?.number === step.last.number) run.append(verdictOf(step, lines));
+    run.append(element("p", {id: "pages"}));
+    drawn.pages = null;
     $("said").replaceChildren(element("div", {id: "changes"}), element("details", {id: "log-box", className: "log", open: isNow || (step.last !== null && step.last.code !== 0)},
       element("summary", {textContent: "what it said"}), element("div", {id: "log", tabIndex: 0, role: "log"})));
     drawn.changes = null;
     drawn.lines = 0;
   }
   if (isNow) drawProgress();
+  const pages = step.last?.code ? [] : lines.map(line => /^page (http:\S+)$/.exec(line)?.[1]).filter(Boolean).slice(-1);
+  if (changed("pages", pages))
+    $("pages").replaceChildren(...pages.map(href => element("a", {href, target: "_blank", rel: "noopener", className: "button", textContent: `The robot's page: ${href}`})));
   const {said, changes} = sorted(lines);
   if (changed("changes", [step.name, changes])) drawChanges($("changes"), changes);
   appendLines(said);
@@ -198,7 +206,7 @@ async function fetchOutput(step) {
 /** The whole page. */
 
 function drawBar() {
-  const steps = state.steps.filter(step => step.state !== "none" && step.state !== "any");
+  const steps = state.steps.filter(step => !["none", "any", "on"].includes(step.state));
   $("robot").textContent = state.name;
   document.title = `${state.name}: own robot`;
   $("kind").textContent = KINDS[state.kind];

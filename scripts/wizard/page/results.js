@@ -51,7 +51,7 @@ export function drawChanges(host, changes) {
   host.replaceChildren(...changes.map(({file, lines}) => {
     const count = lines.filter(line => /^[-+]/.test(line)).length;
     const rows = lines.map(line => element("div", {className: line[0] === "+" ? "added" : line[0] === "-" ? "removed" : "dim", textContent: line || " "}));
-    return element("details", {className: "change", open: changes.length < 3}, element("summary", {}, element("b", {textContent: file}), ` ${count} lines`),
+    return element("details", {className: "change", open: changes.length < 3}, element("summary", {}, element("b", {textContent: file}), ` ${count} ${count === 1 ? "line" : "lines"}`),
       element("div", {className: "difference", tabIndex: 0, role: "group", ariaLabel: file}, ...rows));
   }));
 }
@@ -62,13 +62,13 @@ const rounded = value => typeof value !== "number" ? String(value) : Number.isIn
 export function rowsOf(report) {
   const rows = [];
   for (const [name, value] of Object.entries(report)) {
-    const words = name.replaceAll("_", " ");
+    const [, words, unit] = /^(.*?)(?:_(m|mm|deg|s|px))?$/.exec(name).map(part => (part ?? "").replaceAll("_", " "));
     if (value !== null && typeof value === "object" && "unit" in value)
       rows.push([name, value.observable === false ? "not observable" : `${rounded(value.value)} ± ${rounded(value.sigma)} ${value.unit}`]);
     else if (Array.isArray(value)) {
       if (value.length > 0 && value.every(one => typeof one === "string")) rows.push([words, value.join("; ")]);
     } else if (value !== null && typeof value === "object") rows.push([words, null], ...rowsOf(value));
-    else rows.push([words, rounded(value)]);
+    else rows.push([words, `${rounded(value)} ${unit}`.trim()]);
   }
   return rows.filter(([, value], index) => value !== null || rows[index + 1]?.[1] !== null && index + 1 < rows.length);
 }
