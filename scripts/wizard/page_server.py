@@ -221,7 +221,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.send_common()
         wizard, sent, number, at = self.server.wizard, None, None, 0
         while not wizard.closing.is_set():
-            state = wizard.state()
+            try:
+                state = wizard.state()
+            except (OSError, ValueError):  # a file is just being written
+                state = sent
             run, lines, begin = wizard.runs.lines_after(number, at)  # after the state: with its end all lines are there
             if lines:
                 self.event("lines", {"number": run.number, "step": run.step, "from": begin, "lines": lines})

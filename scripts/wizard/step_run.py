@@ -1,6 +1,7 @@
 """A step of the wizard as a child process: its command from declared arguments, its lines as they come, its end."""
 import contextlib
 import json
+import math
 import os
 import re
 import signal
@@ -13,6 +14,7 @@ from steps import STEPS, is_number
 
 RUNS_ALREADY = 409  # the code of a Failure: a step runs
 MOST_LINES = 4000  # of one step; older ones are left out
+DOUBLE_CLICK_S = 2.0
 COLOURS = re.compile(r"\x1b\[[0-9;]*[A-Za-z]")
 # "images: 57 of 150, 20 s left" of ProgressLine, "recording: 57 s, 1710 images", and "[57/150, 9.5s] ..." of scripts/build.
 PROGRESS = (re.compile(r"(?P<what>[a-z%][^:]*): (?P<done>\d+) of (?P<all>\d+)\b"), re.compile(r"(?P<what>recording): (?P<done>\d+) s, "),
@@ -70,7 +72,7 @@ class StepRun:
         self.number = time.time_ns() // 1000000
         self.began, self.seconds, self.code = time.time(), None, None
         self.lines, self.left_out, self.progress = [], 0, None
-        self.stops = 0
+        self.stops, self.stopped = 0, -math.inf
         # A session of its own: signals reach the step and its programs, not the page.
         self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                         errors="replace", start_new_session=True)
@@ -105,9 +107,10 @@ class StepRun:
             self.condition.notify_all()
 
     def stop(self):
-        """As Ctrl-C does; again: more firmly."""
+        """As Ctrl-C does; again, but for a double click: more firmly."""
         with self.condition:
-            if self.code is None:
+            if self.code is None and time.monotonic() - self.stopped > DOUBLE_CLICK_S:
+                self.stopped = time.monotonic()
                 with contextlib.suppress(ProcessLookupError):  # it has just ended
                     os.killpg(self.process.pid, SIGNALS[min(self.stops, len(SIGNALS) - 1)])
                 self.stops += 1

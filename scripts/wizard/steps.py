@@ -149,7 +149,7 @@ TABLE = (
                   "{out}/lens/report.json": "figures", "{out}/lens/camera.yaml": "the lens, as ROS reads it"},
          ctrl_c="stop; it goes on from here", wants_robot=True),
     Step("body", "Body", "the robot looks at the board on the floor from all around; shows the changes of cfg/NAME",
-         needs="the board, and space",
+         needs="the board, and free floor",
          how="the board flat on the floor, 1 m before the robot, free space around it", after=("target",),
          arguments=(Argument("--fence-m", "number", "the robot's middle stays within this distance of the board's [m]", "M", 2, to_program=True),
                     Argument("--write", "flag", "makes these changes", to_program=True),

@@ -99,6 +99,7 @@ const parts = {
     assert.equal(await page.locator("#log a").first().getAttribute("href"), "http://127.0.0.1:8770/");
     assert.equal(await page.locator("#pages a").getAttribute("href"), "http://127.0.0.1:8771/", "where one drives");
     assert.equal(await page.locator("#bar").getAttribute("max"), "600");
+    assert.match(await page.title(), /^\d+ % Devices: mine$/);
     await picture("runs");
     await show("drive");
     assert.ok(await page.locator("#start").isDisabled());
@@ -137,6 +138,27 @@ echo 'Nothing was written: add --write.'\n`);
     assert.match(readFileSync(at("out/own_robot/mine/page/body.json"), "utf8"), /"body", "--write"\]/);
     await show("lens");
     await page.waitForFunction(() => document.querySelector("#results img")?.naturalWidth === 1);
+  },
+
+  async "opens a page of clicks that reaches nothing of the server"() {
+    mkdirSync(at("out/own_robot/mine/colours/shown"), {recursive: true});
+    writeFileSync(at("out/own_robot/mine/colours/shown/clicks.html"), `<button id="save">save</button><script>
+      document.getElementById("save").onclick = () => {
+        Object.assign(document.createElement("a"), {href: URL.createObjectURL(new Blob(["floor 1.ppm 3 4\\n"])), download: "place.clicks"}).click();
+      };</script>`);
+    await show("colours");
+    const link = page.locator("#results a", {hasText: "name colours by clicks"});
+    const [clicks] = await Promise.all([context.waitForEvent("page"), link.click()]);
+    const [download] = await Promise.all([clicks.waitForEvent("download"), clicks.locator("#save").click()]);
+    const reached = await clicks.evaluate(() => fetch("../../../stop", {method: "POST", headers: {"Content-Type": "application/json"}, body: "{}"}).then(() => true, () => false));
+    assert.equal(reached, false);
+    await clicks.close();
+    // What it saved goes to the step.
+    await download.saveAs(at("place.clicks"));
+    await page.getByLabel("learn with my clicks").check();
+    await page.locator("[id='colours--clicks-pick']").setInputFiles(at("place.clicks"));
+    await says("#command", /--clicks=out\/own_robot\/mine\/page\/files\/place\.clicks/);
+    assert.equal(readFileSync(at("out/own_robot/mine/page/files/place.clicks"), "utf8"), "floor 1.ppm 3 4\n");
   },
 
   async "fits a telephone and the keyboard, dark and light"() {

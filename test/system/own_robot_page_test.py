@@ -297,7 +297,9 @@ class Runs(Page):
         for stops in (1, 2, 3):
             self.assertEqual(self.ask("stop", {})[0], 200)
             if stops < 3:
+                self.assertEqual(self.ask("stop", {})[0], 200)  # a double click
                 self.assertEqual(self.state()["running"]["stops"], stops)
+                time.sleep(2.1)
         self.assertEqual(self.output("devices")["code"], -signal.SIGKILL)
         self.assertEqual(self.running_here(), [])
 

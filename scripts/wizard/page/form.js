@@ -5,6 +5,8 @@ export const element = (kind, properties = {}, ...children) => {
   return made;
 };
 
+export const words = (kind, className, textContent) => element(kind, {className, textContent});
+
 /** What was typed so far: step to {chosen, values}. */
 const typed = new Map();
 
@@ -43,8 +45,8 @@ export function given(step) {
 const quoted = word => /^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
 
 export function commandLine(robot, step, sent = given(step)) {
-  const words = Object.entries(sent).map(([name, value]) => value === true ? name : name.startsWith("--") ? `${name}=${value}` : value);
-  return ["scripts/own_robot", robot, step.name, ...words].map(word => quoted(String(word))).join(" ");
+  const line = Object.entries(sent).map(([name, value]) => value === true ? name : name.startsWith("--") ? `${name}=${value}` : value);
+  return ["scripts/own_robot", robot, step.name, ...line].map(word => quoted(String(word))).join(" ");
 }
 
 /** Whether the steps before matter, as the form stands. */
@@ -91,7 +93,7 @@ function field(one, step, changed, send) {
     row.append(button, pick);
   }
   const label = one.label || one.name.replace(/^--/, "").replaceAll(".", ".\u200b");
-  return element("label", {className: "field", htmlFor: id}, element("b", {textContent: label}), row, element("span", {className: "dim", textContent: one.about}));
+  return element("label", {className: "field", htmlFor: id}, element("b", {textContent: label}), row, words("span", "dim", one.about));
 }
 
 function alternatives(step, changed) {
@@ -115,6 +117,8 @@ export function drawForm(host, step, changed, send) {
   const minor = fields.filter(isMinor);
   const isOpen = host.querySelector("details.more")?.open ?? minor.some(one => String(one.default ?? "") !== "" && !one.is_default);
   host.replaceChildren(...alternatives(step, changed), ...major);
-  if (minor.length > 0)
-    host.append(element("details", {className: "more", open: isOpen}, element("summary", {textContent: "more"}), ...minor.map(one => field(one, step, changed, send))));
+  if (minor.length > 0) {
+    const rows = minor.map(one => field(one, step, changed, send));
+    host.append(element("details", {className: "more", open: isOpen}, element("summary", {textContent: "more"}), ...rows));
+  }
 }

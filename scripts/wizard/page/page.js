@@ -1,5 +1,5 @@
 // The wizard's page: what the server says of the steps, the step that is looked at, and what its run says.
-import {commandLine, drawForm, element, given, missing} from "./form.js";
+import {commandLine, drawForm, element, given, missing, words} from "./form.js";
 import {drawChanges, drawResults, failureOf, lineOf, sorted, wantsApply} from "./results.js";
 
 const $ = id => document.getElementById(id);
@@ -49,13 +49,15 @@ async function send(file) {
 
 /** Steps. */
 
+const wordFor = (word, isNext) => isNext && word !== "runs" ? "next" : WORDS[word];
+
 function drawSteps() {
   const rows = state.steps.map(step => [step.name, step.title, stateOf(step), state.next === step.name, selected === step.name]);
   if (!changed("steps", rows)) return;
   const focused = document.activeElement?.dataset?.step;
   $("steps").replaceChildren(...rows.map(([name, title, word, isNext, isSelected]) => {
-    const button = element("button", {type: "button"}, element("span", {className: "sign", textContent: SIGNS[word] || (isNext ? "→" : "○"), ariaHidden: "true"}),
-      element("span", {className: "title", textContent: title}), element("span", {className: "word", textContent: isNext && word !== "runs" ? "next" : WORDS[word]}));
+    const sign = element("span", {className: "sign", textContent: SIGNS[word] || (isNext ? "→" : "○"), ariaHidden: "true"});
+    const button = element("button", {type: "button"}, sign, words("span", "title", title), words("span", "word", wordFor(word, isNext)));
     Object.assign(button.dataset, {step: name, state: word, next: isNext});
     if (isSelected) button.setAttribute("aria-current", "step");
     button.onclick = () => select(name);
@@ -87,7 +89,7 @@ function drawAbout(step) {
   const rows = [["needs", step.needs], [step.state === "none" ? "why" : step.name === "robot" ? "now" : "how", step.how]].filter(([, text]) => text);
   if (word === "old") rows.push(["why", `what it was made from is newer: ${step.after.map(name => stepOf(name).title).join(" or ")}`]);
   $("about").replaceChildren(
-    element("h1", {}, step.title, " ", element("span", {className: "badge", textContent: state.next === step.name && word !== "runs" ? "next" : WORDS[word]})),
+    element("h1", {}, step.title, " ", words("span", "badge", wordFor(word, state.next === step.name))),
     element("p", {textContent: sentence(step.does)}),
     element("dl", {}, ...rows.flatMap(([name, text]) => [element("dt", {textContent: name}), element("dd", {textContent: text})])));
   $("about").querySelector(".badge").dataset.state = word;
@@ -139,7 +141,7 @@ function drawButtons(step, lines) {
   if (goesOn) $("buttons").append(pressable("next", `Next: ${stepOf(state.next).title} →`, !apply, false, () => select(state.next)));
   if (!state.next && step.name === "localize")
     $("buttons").append(element("span", {}, "All is done. The robot with its map: ", element("code", {textContent: state.next_command})));
-  if (isBusy && !isRunning(step)) $("buttons").append(element("span", {className: "dim", textContent: `${stepOf(state.running.step).title} runs: one step at a time.`}));
+  if (isBusy && !isRunning(step)) $("buttons").append(words("span", "dim", `${stepOf(state.running.step).title} runs: one step at a time.`));
   if (focused) $(focused)?.focus();
 }
 
@@ -147,9 +149,10 @@ function verdictOf(step, lines) {
   const {code, seconds, began} = step.last, when = new Date(1000 * began).toLocaleString();
   if (code === 0) return element("p", {className: "verdict", role: "status"}, `Succeeded in ${duration(seconds)} (${when}).`);
   const said = failureOf(lines), isStopped = code === 130 || code < 0;
-  const box = element("div", {className: "verdict", role: "alert"}, element("b", {textContent: isStopped ? "Stopped" : "Did not succeed"}), ` after ${duration(seconds)} (${when}), exit code ${code}.`);
+  const box = element("div", {className: "verdict", role: "alert"}, element("b", {textContent: isStopped ? "Stopped" : "Did not succeed"}),
+    ` after ${duration(seconds)} (${when}), exit code ${code}.`);
   box.dataset.level = isStopped ? "warning" : "bad";
-  for (const line of said) box.append(element("div", {className: "said", textContent: line}));
+  for (const line of said) box.append(words("div", "said", line));
   return box;
 }
 
@@ -161,19 +164,21 @@ function drawRun() {
     run.replaceChildren();
     run.append(element("div", {id: "note", role: "alert", className: note ? "verdict" : "hidden", textContent: note}));
     $("note").dataset.level = "bad";
-    if (isNow) run.append(element("div", {className: "progress"}, element("progress", {id: "bar", max: 1, ariaLabel: step.title}), element("span", {id: "progress"})));
+    const bar = element("progress", {id: "bar", max: 1, ariaLabel: step.title});
+    if (isNow) run.append(element("div", {className: "progress"}, bar, element("span", {id: "progress"})));
     else if (step.last && output?.number === step.last.number) run.append(verdictOf(step, lines));
     run.append(element("p", {id: "pages"}));
     drawn.pages = null;
-    $("said").replaceChildren(element("div", {id: "changes"}), element("details", {id: "log-box", className: "log", open: isNow || (step.last !== null && step.last.code !== 0)},
+    const isOpen = isNow || (step.last !== null && step.last.code !== 0);
+    $("said").replaceChildren(element("div", {id: "changes"}), element("details", {id: "log-box", className: "log", open: isOpen},
       element("summary", {textContent: "what it said"}), element("div", {id: "log", tabIndex: 0, role: "log"})));
     drawn.changes = null;
     drawn.lines = 0;
   }
   if (isNow) drawProgress();
   const pages = step.last?.code ? [] : lines.map(line => /^page (http:\S+)$/.exec(line)?.[1]).filter(Boolean).slice(-1);
-  if (changed("pages", pages))
-    $("pages").replaceChildren(...pages.map(href => element("a", {href, target: "_blank", rel: "noopener", className: "button", textContent: `The robot's page: ${href}`})));
+  const linkOf = href => element("a", {href, target: "_blank", rel: "noopener", className: "button", textContent: `The robot's page: ${href}`});
+  if (changed("pages", pages)) $("pages").replaceChildren(...pages.map(linkOf));
   const {said, changes} = sorted(lines);
   if (changed("changes", [step.name, changes])) drawChanges($("changes"), changes);
   appendLines(said);
@@ -208,15 +213,16 @@ async function fetchOutput(step) {
 function drawBar() {
   const steps = state.steps.filter(step => !["none", "any", "on"].includes(step.state));
   $("robot").textContent = state.name;
-  document.title = `${state.name}: own robot`;
   $("kind").textContent = KINDS[state.kind];
   $("count").textContent = `${steps.filter(step => step.state === "done").length} of ${steps.length} done`;
   const running = state.running, step = running && stepOf(running.step);
   $("runs").textContent = running ? `${step.title} runs, ${duration(Date.now() / 1000 + ahead_s - running.began)}` : "";
+  const share = running?.progress?.all ? `${Math.floor(100 * running.progress.done / running.progress.all)} % ` : "";
+  document.title = running ? `${share}${step.title}: ${state.name}` : `${state.name}: own robot`;  // also seen from another tab
   $("stop").classList.toggle("hidden", !running);
   if (running) {
-    const words = [step.ctrl_c === "stop" ? "STOP" : `STOP: ${step.ctrl_c}`, "STOP at once", "KILL: what it started may go on"];
-    $("stop").textContent = words[Math.min(running.stops, 2)];
+    const texts = [step.ctrl_c === "stop" ? "STOP" : `STOP: ${step.ctrl_c}`, "STOP at once", "KILL: what it started may go on"];
+    $("stop").textContent = texts[Math.min(running.stops, 2)];
     if (running.stops > 0) $("runs").textContent += ", it is being stopped";
   }
 }
@@ -249,7 +255,8 @@ function listen() {
     if (state && step === selected) drawRun();
   });
   events.onerror = () => {
-    $("gone").textContent = `The page's server has ended or does not answer. scripts/own_robot ${state?.name ?? "NAME"} page starts it again, with a new address.`;
+    const again = `scripts/own_robot ${state?.name ?? "NAME"} page`;
+    $("gone").textContent = `The page's server has ended or does not answer. ${again} starts it again, with a new address.`;
     $("gone").classList.remove("hidden");
   };
 }

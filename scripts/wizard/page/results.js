@@ -1,5 +1,5 @@
 // What a step said and made: its lines, changed files, pictures and figures.
-import {element} from "./form.js";
+import {element, words} from "./form.js";
 
 const ADDRESS = /(http:\/\/127\.0\.0\.1:\d+\/\S*)/;
 
@@ -50,8 +50,9 @@ export function lineOf(text) {
 export function drawChanges(host, changes) {
   host.replaceChildren(...changes.map(({file, lines}) => {
     const count = lines.filter(line => /^[-+]/.test(line)).length;
-    const rows = lines.map(line => element("div", {className: line[0] === "+" ? "added" : line[0] === "-" ? "removed" : "dim", textContent: line || " "}));
-    return element("details", {className: "change", open: changes.length < 3}, element("summary", {}, element("b", {textContent: file}), ` ${count} ${count === 1 ? "line" : "lines"}`),
+    const rows = lines.map(line => words("div", {"+": "added", "-": "removed"}[line[0]] ?? "dim", line || " "));
+    const summary = element("summary", {}, element("b", {textContent: file}), ` ${count} ${count === 1 ? "line" : "lines"}`);
+    return element("details", {className: "change", open: changes.length < 3}, summary,
       element("div", {className: "difference", tabIndex: 0, role: "group", ariaLabel: file}, ...rows));
   }));
 }
@@ -62,13 +63,13 @@ const rounded = value => typeof value !== "number" ? String(value) : Number.isIn
 export function rowsOf(report) {
   const rows = [];
   for (const [name, value] of Object.entries(report)) {
-    const [, words, unit] = /^(.*?)(?:_(m|mm|deg|s|px))?$/.exec(name).map(part => (part ?? "").replaceAll("_", " "));
+    const [, title, unit] = /^(.*?)(?:_(m|mm|deg|s|px))?$/.exec(name).map(part => (part ?? "").replaceAll("_", " "));
     if (value !== null && typeof value === "object" && "unit" in value)
       rows.push([name, value.observable === false ? "not observable" : `${rounded(value.value)} ± ${rounded(value.sigma)} ${value.unit}`]);
     else if (Array.isArray(value)) {
-      if (value.length > 0 && value.every(one => typeof one === "string")) rows.push([words, value.join("; ")]);
-    } else if (value !== null && typeof value === "object") rows.push([words, null], ...rowsOf(value));
-    else rows.push([words, `${rounded(value)} ${unit}`.trim()]);
+      if (value.length > 0 && value.every(one => typeof one === "string")) rows.push([title, value.join("; ")]);
+    } else if (value !== null && typeof value === "object") rows.push([title, null], ...rowsOf(value));
+    else rows.push([title, `${rounded(value)} ${unit}`.trim()]);
   }
   return rows.filter(([, value], index) => value !== null || rows[index + 1]?.[1] !== null && index + 1 < rows.length);
 }
@@ -96,7 +97,8 @@ async function resultOf(step, result) {
 
 /** Files first, then pictures, then figures. */
 export async function drawResults(host, step) {
-  const made = await Promise.all(step.results.map(result => resultOf(step, result).catch(error => element("p", {className: "bad", textContent: `${result.path}: ${error}`}))));
+  const made = await Promise.all(step.results.map(result => resultOf(step, result).catch(error => words("p", "bad", `${result.path}: ${error}`))));
   const order = node => node.tagName === "P" ? 0 : node.querySelector("img") ? 1 : 2;
+  made.filter(node => order(node) === 1).slice(1).forEach(node => node.classList.add("further"));
   host.replaceChildren(...made.sort((a, b) => order(a) - order(b)));
 }
