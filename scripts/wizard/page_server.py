@@ -56,12 +56,14 @@ class Wizard:
 
     def argument(self, argument):
         default = self.port_offset if argument.name == "--port-offset" else argument.default
+        is_default = default == argument.default
         if argument.kind == "key":
             file = self.robot.file_of(argument.name[2:])
-            default = file and value_of(file, argument.name[2:])
+            default, is_default = file and value_of(file, argument.name[2:]), True
         found = sorted({path for pattern in argument.found for path in glob.glob(pattern)})
-        return {"name": argument.name, "kind": argument.kind, "about": argument.about, "default": default, "is_default": default == argument.default or argument.kind == "key", "label": argument.label,
-                "choices": argument.listed(), "goes_with": argument.goes_with, "minor": argument.minor, "found": found[-50:]}
+        return {"name": argument.name, "label": argument.label, "kind": argument.kind, "about": argument.about, "default": default,
+                "is_default": is_default, "choices": argument.listed(), "goes_with": argument.goes_with, "minor": argument.minor,
+                "found": found[-50:]}
 
     def results(self, step):
         """Files of a step that exist: number, name, caption and age."""
@@ -69,7 +71,8 @@ class Wizard:
         for number, (path, caption) in enumerate(step.results.items()):
             place = self.robot.place(path)
             if os.path.isfile(place):
-                found.append({"number": number, "name": os.path.basename(place), "path": place, "caption": caption, "at": os.stat(place).st_mtime_ns // 1000000})
+                found.append({"number": number, "name": os.path.basename(place), "path": place, "caption": caption,
+                              "at": os.stat(place).st_mtime_ns // 1000000})
         return found
 
     def step(self, step, states):
@@ -81,18 +84,21 @@ class Wizard:
             state, how = ("on", f"runs now: {', '.join(running)}") if running else ("any", "nothing of it runs now")
         last = self.runs.last_of(step.name)
         return {"name": step.name, "title": step.title, "state": state, "does": step.does.replace("cfg/NAME", self.robot.setup),
-                "needs": step.needs.replace("NAME", self.robot.name), "how": how, "notes": "" if self.robot.simulated else step.notes,
-                "after": step.after, "missing": missing_before(self.robot, step), "unless": step.unless, "ctrl_c": step.ctrl_c, "apply": step.apply, "is_once": step.is_once, "wants_robot": step.wants_robot and not self.robot.simulated,
+                "needs": step.needs, "how": how, "notes": "" if self.robot.simulated else step.notes,
+                "after": step.after, "missing": missing_before(self.robot, step), "unless": step.unless,
                 "otherwise": {name: text for name, text in step.otherwise.items() if not name or name in names},
                 "arguments": [self.argument(argument) for argument in arguments], "results": self.results(step),
+                "ctrl_c": step.ctrl_c, "apply": step.apply, "is_once": step.is_once,
+                "wants_robot": step.wants_robot and not self.robot.simulated,
                 "last": last and {key: last[key] for key in ("number", "command", "began", "seconds", "code")}}
 
     def state(self):
         states = {name: (state, how) for name, state, how in states_of(self.robot)}
-        run = self.runs.running
-        running = {"step": run.step, "number": run.number, "began": run.began, "progress": run.progress, "stops": run.stops} if self.runs.is_running() else None
-        kind = "none" if not os.path.exists(self.robot.setup) else "uncalibrated" if self.robot.uncalibrated else "simulated" if self.robot.simulated else "own"
-        return {"name": self.robot.name, "kind": kind, "next": next_step(self.robot), "next_command": next_command(self.robot), "running": running,
+        run, robot = self.runs.running, self.robot
+        running = self.runs.is_running() and {"step": run.step, "number": run.number, "began": run.began, "progress": run.progress, "stops": run.stops}
+        kind = ("none" if not os.path.exists(robot.setup) else "uncalibrated" if robot.uncalibrated else
+                "simulated" if robot.simulated else "own")
+        return {"name": robot.name, "kind": kind, "next": next_step(robot), "next_command": next_command(robot), "running": running or None,
                 "steps": [self.step(step, states) for step in TABLE if step.name != "page"]}
 
     def begin(self, order):

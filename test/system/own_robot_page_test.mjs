@@ -41,7 +41,8 @@ async function open(address) {
 const picture = async name => { if (process.env.AVM_PICTURES) await page.screenshot({path: join(process.env.AVM_PICTURES, `${name}.png`)}); };
 const show = step => page.locator(`[data-step=${step}]`).click();
 const run = async step => { await show(step); await page.locator("#start").click(); };
-const says = (selector, pattern) => page.waitForFunction(([where, what]) => new RegExp(what).test(document.querySelector(where)?.textContent ?? ""), [selector, pattern.source], {timeout: 20000});
+const says = (selector, pattern) => page.waitForFunction(([where, what]) => new RegExp(what).test(document.querySelector(where)?.textContent ?? ""),
+  [selector, pattern.source], {timeout: 20000});
 const states = () => page.locator("nav button").evaluateAll(all => Object.fromEntries(all.map(one => [one.dataset.step, one.dataset.state])));
 
 async function accessible(what) {
@@ -63,7 +64,8 @@ const parts = {
     await says(".verdict", /Succeeded in \d+ s/);
     await says("#changes", /\+Simulator\.Seed = 3/);
     await says("#kind", /a simulated robot/);
-    assert.deepEqual(await states(), {start: "done", devices: "any", target: "none", ruler: "none", lens: "none", body: "none", drive: "-", colours: "-", map: "-", localize: "-", robot: "any"});
+    assert.deepEqual(await states(), {start: "done", devices: "any", target: "none", ruler: "none", lens: "none", body: "none", drive: "-",
+      colours: "-", map: "-", localize: "-", robot: "any"});
     assert.equal(await page.locator("#start").count(), 0, "a setup is not made twice");
     await picture("start_done");
     await show("lens");
@@ -150,7 +152,8 @@ echo 'Nothing was written: add --write.'\n`);
     const link = page.locator("#results a", {hasText: "name colours by clicks"});
     const [clicks] = await Promise.all([context.waitForEvent("page"), link.click()]);
     const [download] = await Promise.all([clicks.waitForEvent("download"), clicks.locator("#save").click()]);
-    const reached = await clicks.evaluate(() => fetch("../../../stop", {method: "POST", headers: {"Content-Type": "application/json"}, body: "{}"}).then(() => true, () => false));
+    const order = {method: "POST", headers: {"Content-Type": "application/json"}, body: "{}"};
+    const reached = await clicks.evaluate(what => fetch("../../../stop", what).then(() => true, () => false), order);
     assert.equal(reached, false);
     await clicks.close();
     // What it saved goes to the step.

@@ -68,7 +68,8 @@ class Page(unittest.TestCase):
         given.update({name.replace("_", "-"): value for name, value in headers.items()})
         body = None if order is None else order if isinstance(order, str) else json.dumps(order)
         connection = http.client.HTTPConnection("127.0.0.1", int(self.port), timeout=20)
-        connection.putrequest("GET" if order is None else "POST", f"/{self.token if token is None else token}/{path}", skip_host=True, skip_accept_encoding=True)
+        place = f"/{self.token if token is None else token}/{path}"
+        connection.putrequest("GET" if order is None else "POST", place, skip_host=True, skip_accept_encoding=True)
         for name, value in {**given, **({} if body is None else {"Content-Length": str(len(body.encode()))})}.items():
             if value is not None:
                 connection.putheader(name, value)
@@ -80,7 +81,7 @@ class Page(unittest.TestCase):
         return answer.status, text
 
     def run_step(self, step, **arguments):
-        return self.ask("run", {"step": step, "arguments": {("" if name.isupper() else "--") + name.replace("_", "-"): value for name, value in arguments.items()}})
+        return self.ask("run", {"step": step, "arguments": {f"--{name.replace('_', '-')}": value for name, value in arguments.items()}})
 
     def output(self, step):
         """Of its newest run, once that has ended."""
