@@ -132,7 +132,7 @@ echo '+12: ActiveVisualMemory.Mount.PanTilt.Position_m = 0 0 0.434'
 echo 'Nothing was written: add --write.'\n`);
     await run("body");
     await says("#changes", /\+12: ActiveVisualMemory\.Mount\.PanTilt\.Position_m = 0 0 0\.434/);
-    await says("#results", /camera height434\.4 ± 0\.0699 mm/);
+    await says("#results", /camera height434\.419 ± 0\.070 mm/);
     await accessible("body");
     await page.locator("#apply").click();
     await says("#log", /Written\. The file before is x/);

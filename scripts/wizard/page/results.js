@@ -59,13 +59,19 @@ export function drawChanges(host, changes) {
 
 const rounded = value => typeof value !== "number" ? String(value) : Number.isInteger(value) ? String(value) : String(Number(value.toPrecision(4)));
 
+/** A quantity to two digits of its standard deviation. */
+function measured({value, sigma, unit}) {
+  const decimals = sigma > 0 ? Math.min(7, Math.max(0, 1 - Math.floor(Math.log10(sigma)))) : 3;
+  return `${value.toFixed(decimals)} ± ${sigma.toFixed(decimals)} ${unit}`;
+}
+
 /** Rows of a report: plain values, and quantities {value, sigma, unit}; lists of numbers are left to the file. */
 export function rowsOf(report) {
   const rows = [];
   for (const [name, value] of Object.entries(report)) {
     const [, title, unit] = /^(.*?)(?:_(m|mm|deg|s|px))?$/.exec(name).map(part => (part ?? "").replaceAll("_", " "));
     if (value !== null && typeof value === "object" && "unit" in value)
-      rows.push([name, value.observable === false ? "not observable" : `${rounded(value.value)} ± ${rounded(value.sigma)} ${value.unit}`]);
+      rows.push([name, value.observable === false ? "not observable" : measured(value)]);
     else if (Array.isArray(value)) {
       if (value.length > 0 && value.every(one => typeof one === "string")) rows.push([title, value.join("; ")]);
     } else if (value !== null && typeof value === "object") rows.push([title, null], ...rowsOf(value));
