@@ -67,8 +67,6 @@ void PlaneVerification::addEnd(const FloorLine& line, const FloorSegment& observ
 void PlaneVerification::observe(const FloorLine& line, const FloorSegment& observed, const PlaneView& view,
                                 const ParallaxEstimate::Params& params,
                                 const FloorLine::Params& line_params) {
-  // An edge seen only along the viewing ray may still be vertical.
-  if (isVerified()) return;
   if (baseline(view.camera) < params.min_step_m) {
     // Views from the place of the anchor improve it and have no parallax.
     anchor_line = line;
@@ -87,12 +85,11 @@ void PlaneVerification::observe(const FloorLine& line, const FloorSegment& obser
 }
 
 void PlaneVerification::transform(const PlanarIncrement& motion) {
-  if (!isVerified()) anchor_line.transform(motion);
+  anchor_line.transform(motion);
   anchor_camera = motion.apply(anchor_camera);
 }
 
 void PlaneVerification::applyTiltChange(const CameraTilt& change) {
-  if (isVerified()) return;
   anchor_line.applyTiltChange(change);
   parallax.applyTiltChange(change);
 }

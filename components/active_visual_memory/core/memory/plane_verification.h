@@ -27,7 +27,7 @@ struct PlaneVerification {
   FloorLine anchor_line;
   ParallaxEstimate parallax;
 
-  /// Whether it rests for good: parallax and anchor line are not used any more.
+  /// Whether it rests. Later views may still refute it.
   bool isVerified() const { return on_floor && not_vertical; }
   /// Whether it may be a vertical edge, whose floor place turns about its foot.
   bool mayBeVertical() const { return !on_floor && !not_vertical; }

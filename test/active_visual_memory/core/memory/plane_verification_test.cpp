@@ -22,15 +22,19 @@ FloorSegment seenFrom(const Eigen::Vector2d& camera, const Segment2& edge, doubl
   return segmentOn({camera + further * (edge.a - camera), camera + further * (edge.b - camera)});
 }
 
-/// Drives to the left past an edge.
-PlaneVerification verified(const Segment2& edge, double height_m, double way_m) {
-  PlaneVerification plane;
+/// Drives on to the left past an edge.
+void drive(PlaneVerification& plane, const Segment2& edge, double height_m, double from_m, double to_m) {
   for (int i = 0; i <= 10; ++i) {
-    const PlaneView view{{0.0, 0.1 * i * way_m}, kHeight_m, CameraTiltCovariance::Zero()};
+    const PlaneView view{{0.0, from_m + 0.1 * i * (to_m - from_m)}, kHeight_m, CameraTiltCovariance::Zero()};
     const FloorSegment seen = seenFrom(view.camera, edge, height_m);
-    if (i == 0) plane.begin(FloorLine(seen, {}), view);
+    if (i == 0 && from_m == 0.0) plane.begin(FloorLine(seen, {}), view);
     plane.observe(plane.anchor_line, seen, view, {}, {});
   }
+}
+
+PlaneVerification verified(const Segment2& edge, double height_m, double way_m) {
+  PlaneVerification plane;
+  drive(plane, edge, height_m, 0.0, way_m);
   return plane;
 }
 
@@ -49,6 +53,18 @@ TEST(PlaneVerification, RefutesWhatMovesWithTheCamera) {
   const PlaneVerification high = verified(kOblique, 0.15, 0.6);
   EXPECT_TRUE(high.stands);
   EXPECT_FALSE(high.on_floor);
+}
+
+TEST(PlaneVerification, RefutesWhatMovesLater) {
+  // An error of odometry or tilt may hide the parallax at first.
+  PlaneVerification plane = verified(kOblique, 0.0, 0.2);
+  ASSERT_TRUE(plane.isVerified());
+  drive(plane, kOblique, 0.15, 0.2, 1.0);
+  EXPECT_TRUE(plane.stands);
+  EXPECT_FALSE(plane.on_floor);
+  PlaneVerification rests = verified(kOblique, 0.0, 0.2);
+  drive(rests, kOblique, 0.0, 0.2, 1.0);
+  EXPECT_TRUE(rests.isVerified());
 }
 
 TEST(PlaneVerification, BoundsTheShiftByTheSlopeOfTheParallax) {
