@@ -35,6 +35,7 @@ MemoryUpdate updateWith(std::uint64_t revision) {
   segment.uncertainty = 0.025;
   segment.salience = 7;
   segment.confirmed = true;
+  segment.off_floor = true;
   segment.first_seen_us = 100;
   segment.last_seen_us = 900;
   snapshot->segments = {segment};
@@ -64,7 +65,7 @@ MemoryUpdate updateWith(std::uint64_t revision) {
   analysis->T_odom_robot = {1, 2, 0.5};
   analysis->T_robot_camera = poseFromXyzRpy(0.1, 0, 0.45, -1.57, 0, -1.57);
   analysis->observed = {{{{1, 2}, {3, 4}}, "stripe_edge", 55}, {{{5, 6}, {7, 8}}, "unknown", 44}};
-  analysis->predicted = {{9, {{1.5, 2.5}, {3.5, 4.5}}, "skirting"}};
+  analysis->predicted = {{9, {{1.5, 2.5}, {3.5, 4.5}}, "skirting", true}};
   analysis->matches = {{1, 0}};
   return {snapshot, analysis};
 }
@@ -110,6 +111,7 @@ TEST(MemoryConversions, EveryFieldComesBack) {
   EXPECT_EQ(segment.uncertainty, 0.025);
   EXPECT_EQ(segment.salience, 7);
   EXPECT_TRUE(segment.confirmed);
+  EXPECT_TRUE(segment.off_floor);
   EXPECT_EQ(segment.first_seen_us, 100);
   EXPECT_EQ(segment.last_seen_us, 900);
 
@@ -128,6 +130,7 @@ TEST(MemoryConversions, EveryFieldComesBack) {
   EXPECT_EQ(a.predicted[0].id, 9U);
   EXPECT_EQ(a.predicted[0].px.b, Eigen::Vector2d(3.5, 4.5));
   EXPECT_EQ(a.predicted[0].label, "skirting");
+  EXPECT_TRUE(a.predicted[0].off_floor);
   ASSERT_EQ(a.matches.size(), 1U);
   EXPECT_EQ(a.matches[0].observed, 1);
   EXPECT_EQ(a.matches[0].predicted, 0);

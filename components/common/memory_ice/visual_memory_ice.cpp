@@ -20,6 +20,7 @@ avm::MemorySegment toIce(const MemorySegment& s) {
   result.uncertainty = s.uncertainty;
   result.salience = s.salience;
   result.confirmed = s.confirmed;
+  result.offFloor = s.off_floor;
   result.firstSeenUs = s.first_seen_us;
   result.lastSeenUs = s.last_seen_us;
   return result;
@@ -36,6 +37,7 @@ MemorySegment fromIce(const avm::MemorySegment& s) {
   result.uncertainty = s.uncertainty;
   result.salience = s.salience;
   result.confirmed = s.confirmed;
+  result.off_floor = s.offFloor;
   result.first_seen_us = s.firstSeenUs;
   result.last_seen_us = s.lastSeenUs;
   return result;
@@ -194,7 +196,8 @@ avm::ImageAnalysis toIce(const ImageAnalysis& a) {
   }
   result.predicted.reserve(a.predicted.size());
   for (const PredictedSegment& s : a.predicted) {
-    result.predicted.push_back({static_cast<Ice::Long>(s.id), toIce(s.px.a), toIce(s.px.b), s.label});
+    result.predicted.push_back(
+        {static_cast<Ice::Long>(s.id), toIce(s.px.a), toIce(s.px.b), s.label, s.off_floor});
   }
   result.matches.reserve(a.matches.size());
   for (const auto& match : a.matches) result.matches.push_back({match.observed, match.predicted});
@@ -214,7 +217,8 @@ ImageAnalysis fromIce(const avm::ImageAnalysis& a) {
   }
   result.predicted.reserve(a.predicted.size());
   for (const avm::PredictedSegment& s : a.predicted) {
-    result.predicted.push_back({static_cast<std::uint64_t>(s.id), {fromIce(s.a), fromIce(s.b)}, s.label});
+    result.predicted.push_back(
+        {static_cast<std::uint64_t>(s.id), {fromIce(s.a), fromIce(s.b)}, s.label, s.offFloor});
   }
   result.matches.reserve(a.matches.size());
   for (const avm::SegmentMatch& match : a.matches)

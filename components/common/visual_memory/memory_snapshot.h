@@ -30,6 +30,7 @@ struct MemorySegment {
   double uncertainty = 0.0;  ///< 1 / life (M4)
   double salience = 0.0;     ///< A1
   bool confirmed = false;    ///< seen at the same floor place from a second viewpoint (M1)
+  bool off_floor = false;    ///< its floor place moves with the camera, or by itself: it shows no edge there
   StampUs first_seen_us = 0;
   StampUs last_seen_us = 0;
 };
@@ -50,6 +51,7 @@ struct PredictedSegment {
   std::uint64_t id = 0;
   Segment2 px;  ///< ideal pixels
   Label label = kUnknownLabel;
+  bool off_floor = false;  ///< of the remembered segment
 };
 
 /// The 2-D side of one iteration (V5): matched, predicted but not observed, observed but not predicted.

@@ -56,6 +56,7 @@ json toJson(const avm::MemorySegment& s) {
           {"life", s.life},
           {"salience", s.salience},
           {"confirmed", s.confirmed},
+          {"off_floor", s.offFloor},
           {"first_seen_us", s.firstSeenUs},
           {"last_seen_us", s.lastSeenUs}};
 }

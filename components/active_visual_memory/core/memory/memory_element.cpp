@@ -72,6 +72,7 @@ void publish(MemoryElement& element, bool confirmed, const CameraTiltCovariance&
   place(true, element.value.odom.b, element.value.P_b);
   element.value.uncertainty = uncertaintyOf(element.value.life);
   element.value.confirmed = confirmed;
+  element.value.off_floor = element.plane.stands;
 }
 
 }  // namespace vismem

@@ -101,7 +101,8 @@ void SegmentMemory::expect(const View& view, Associations& associations) const {
     const MemoryElement& element = elements_[i];
     const auto px = projectSegment(view.observation.frame.intrinsics, view.T_odom_camera, element.value.odom);
     if (!px || px->length() < kMinVisible_px) continue;
-    associations.expected.push_back({{element.value.id, *px, element.value.label}, element.strength});
+    associations.expected.push_back(
+        {{element.value.id, *px, element.value.label, element.plane.stands}, element.strength});
     associations.index_of.push_back(i);
   }
 }

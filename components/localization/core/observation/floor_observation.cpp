@@ -50,11 +50,20 @@ bool insideImage(const CameraIntrinsics& intrinsics, const Eigen::Vector2d& px) 
          px.y() < intrinsics.height - 1.0 - kBorder_px;
 }
 
-/// Whether some of the levels are below a camera.
-bool isBelow(const std::vector<MapIndex::Level>& levels, double camera_height) {
-  return std::any_of(levels.begin(), levels.end(), [&](const MapIndex::Level& level) {
-    return level.height_m <= kHighestOfCamera * camera_height;
-  });
+/// Whether the map has edges that a point may show.
+bool isMapped(const FloorPoint& point, const MapIndex& map) {
+  const auto& levels = map.levels(point.label);
+  return std::any_of(levels.begin(), levels.end(),
+                     [&](const MapIndex::Level& level) { return point.mayLieAt(level.height_m); });
+}
+
+/// Whether the memory knows that an observed segment is off the floor.
+bool isOffFloor(const ImageAnalysis& analysis, std::size_t observed) {
+  return std::any_of(analysis.matches.begin(), analysis.matches.end(),
+                     [&](const ImageAnalysis::Match& match) {
+                       return static_cast<std::size_t>(match.observed) == observed &&
+                              analysis.predicted[static_cast<std::size_t>(match.predicted)].off_floor;
+                     });
 }
 
 /// Scales the points' weights so that they sum to at most `effective_points`.
@@ -81,7 +90,7 @@ void forEachPiece(const MemorySnapshot& snapshot, const MapIndex& map, const Obs
   const Pose2 T_robot_odom = inverse(snapshot.T_odom_robot);
   for (const MemorySegment& segment : snapshot.segments) {
     const auto label = map.floorLabelId(segment.label);
-    if (!label) continue;
+    if (!label || segment.off_floor) continue;
     const Segment2 odom = segment.odom.floor();
     if (odom.length() < kMinimumLength_m) continue;
     const Eigen::Vector2d reach = Eigen::Vector2d::Constant(params.range_m);
@@ -143,9 +152,16 @@ double addImage(FloorObservation& observation, const ImageAnalysis& analysis, co
   const std::size_t first_point = observation.points.size();
   double amount = 0.0;
   double segment_weight = 0.0;
-  for (const ImageSegment& segment : analysis.observed) {
+  for (std::size_t observed = 0; observed < analysis.observed.size(); ++observed) {
+    const ImageSegment& segment = analysis.observed[observed];
     const auto label = map.labelId(segment.label);
-    if (!label || !isBelow(map.levels(*label), height)) continue;
+    if (!label) continue;
+    FloorPoint point;
+    point.label = *label;
+    point.camera_robot = camera;
+    point.per_camera_height = 1.0 / height;
+    point.off_floor = isOffFloor(analysis, observed);
+    if (!isMapped(point, map)) continue;
     const int pieces = std::clamp(static_cast<int>(segment.px.length() / kPiece_px), 1, kMaximumPieces);
     Eigen::Vector2d begin = Eigen::Vector2d::Zero();
     Eigen::Vector2d last = begin;
@@ -167,10 +183,8 @@ double addImage(FloorObservation& observation, const ImageAnalysis& analysis, co
       has_last = true;
       if (!is_piece) continue;
       if (weight == 0.0) begin = piece.a;
-      FloorPoint point;
       point.p_robot = piece.middle();
       point.direction_robot = piece.direction();
-      point.label = *label;
       // A pitch error moves a floor point along the ray, a heading error across it.
       const Eigen::Vector2d ray = point.p_robot - camera;
       const double range = std::max(ray.norm(), 1e-3);
@@ -183,8 +197,6 @@ double addImage(FloorObservation& observation, const ImageAnalysis& analysis, co
                                std::hypot(params.sigma_m, across_ray * std_range, along_ray * std_bearing));
       point.weight = kPointsPerMetre * std::min(piece.length(), kLongestPiece_m);
       point.d_tilt = movedByTilt(ray, height);
-      point.camera_robot = camera;
-      point.per_camera_height = 1.0 / height;
       amount += point.weight;
       weight += point.weight;
       observation.points.push_back(point);
@@ -204,7 +216,7 @@ double addImage(FloorObservation& observation, const ImageAnalysis& analysis, co
       end.weight = std::min(kPointsPerMetre * params.end_metres, kEndShare * weight);
       observation.points.push_back(end);
     }
-    if (weight == 0.0 || (last - begin).norm() < kMinimumLength_m) continue;
+    if (point.off_floor || weight == 0.0 || (last - begin).norm() < kMinimumLength_m) continue;
     observation.segments.push_back({{begin, last}, *label, weight});
     segment_weight += weight;
   }

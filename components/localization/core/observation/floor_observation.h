@@ -58,10 +58,12 @@ struct FloorPoint {
   Eigen::Matrix2d d_tilt = Eigen::Matrix2d::Zero();
   Eigen::Vector2d camera_robot = Eigen::Vector2d::Zero();  ///< foot point of the camera [m]
   double per_camera_height = 0.0;                          ///< [1/m]; zero for remembered points
+  bool off_floor = false;  ///< the memory knows its segment to be off the floor
 
   /// Whether it may show something at a height: a ray of the image passes it clearly below the camera.
   bool mayLieAt(double height_m) const {
-    return height_m == 0.0 || (per_camera_height > 0.0 && height_m * per_camera_height <= kHighestOfCamera);
+    return height_m == 0.0 ? !off_floor
+                           : per_camera_height > 0.0 && height_m * per_camera_height <= kHighestOfCamera;
   }
   /// Share of the way from the camera to the floor at which its ray passes a height.
   double shareAt(double height_m) const { return 1.0 - height_m * per_camera_height; }

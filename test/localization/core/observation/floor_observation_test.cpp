@@ -33,6 +33,13 @@ TEST(ObserveMemory, UnconfirmedElementsWeighLess) {
   EXPECT_NEAR(observeMemory(snapshotOf({segment}), map, params).amount, 5.0 * 0.4, 1e-9);
 }
 
+TEST(ObserveMemory, LeavesOutWhatIsOffTheFloor) {
+  MemorySegment top = remembered(0, 1, 1, 1);
+  top.confirmed = false;
+  top.off_floor = true;
+  EXPECT_TRUE(observeMemory(snapshotOf({top}), cornerMap(), {}).points.empty());
+}
+
 TEST(ObserveMemory, WeightsSumToAtMostTheEffectivePoints) {
   const MapIndex map = cornerMap();
   std::vector<MemorySegment> many;
@@ -84,6 +91,26 @@ TEST(ObserveImage, LevelEdgesCountBelowTheCamera) {
     SegmentMap map;
     map.segments = {{{{1, -3, height_m}, {1, 3, height_m}}, "skirting", 0.0}};
     EXPECT_EQ(observeImage(centredLine(60), MapIndex(map, {}), {}).points.empty(), height_m > 1.0);
+  }
+}
+
+TEST(ObserveImage, WhatTheMemoryKnowsOffTheFloorShowsEdgesAtHeightsOnly) {
+  SegmentMap floor, raised;
+  floor.segments = {wall(1, -3, 1, 3)};
+  raised.segments = {wall(1, -3, 1, 3), {{{1, -3, 0.5}, {1, 3, 0.5}}, "skirting", 0.0}};
+  ImageAnalysis analysis = centredLine(60);
+  analysis.predicted = {{7, analysis.observed[0].px, analysis.observed[0].label, true}};
+  EXPECT_FALSE(observeImage(analysis, MapIndex(floor, {}), {}).points.empty()) << "no match";
+  analysis.matches = {{0, 0}};
+  const FloorObservation none = observeImage(analysis, MapIndex(floor, {}), {});
+  EXPECT_TRUE(none.points.empty());
+  EXPECT_TRUE(none.segments.empty());
+  const FloorObservation high = observeImage(analysis, MapIndex(raised, {}), {});
+  ASSERT_FALSE(high.points.empty());
+  EXPECT_TRUE(high.segments.empty());
+  for (const FloorPoint& point : high.points) {
+    EXPECT_FALSE(point.mayLieAt(0.0));
+    EXPECT_TRUE(point.mayLieAt(0.5));
   }
 }
 
