@@ -13,6 +13,12 @@ constexpr double kNoiseShare = 0.1;  // share of the variance of an end that is 
 constexpr double kAlignmentSigma_m = 0.003;    // error of the alignment, which does not grow with the way: ..
 constexpr double kAlignmentSigma_rad = 0.004;  // .. of places and of the heading
 
+/// Of a shift by the tilt of one image, which is another one in each.
+double frameVariance(const TiltJacobianRow& d_tilt, const Eigen::Matrix2d& P_frame_tilt) {
+  const Eigen::RowVector2d d = d_tilt.head<2>();
+  return d * P_frame_tilt * d.transpose();
+}
+
 }  // namespace
 
 void PlaneVerification::begin(const FloorLine& line, const PlaneView& view) {
@@ -41,7 +47,8 @@ void PlaneVerification::addOffset(const FloorSegment& observed, const PlaneView&
   const double variance =
       0.25 * kNoiseShare * n.dot((observed.a.P + observed.b.P) * n) + anchor_line.turnVariance(t);
   parallax.add(ParallaxEstimate::kOffset, n.dot(view.camera - anchor_camera), anchor_line.offsetOf(at),
-               d_at - anchor_line.offsetTiltJacobian(t), variance + drift_m * drift_m, params);
+               d_at - anchor_line.offsetTiltJacobian(t),
+               variance + drift_m * drift_m + frameVariance(d_at, view.P_frame_tilt), params);
 }
 
 void PlaneVerification::addEnd(const FloorLine& line, const FloorSegment& observed, bool at_b,
@@ -60,8 +67,9 @@ void PlaneVerification::addEnd(const FloorLine& line, const FloorSegment& observ
     if (outside) parallax.forget(channel);  // the old end was not a true end
     return;
   }
-  parallax.add(channel, u.dot(view.camera - anchor_camera), anchor_line.tOf(seen.p), u.transpose() * seen.D,
-               kNoiseShare * variance + drift_m * drift_m, params);
+  const TiltJacobianRow d_tilt = u.transpose() * seen.D;
+  parallax.add(channel, u.dot(view.camera - anchor_camera), anchor_line.tOf(seen.p), d_tilt,
+               kNoiseShare * variance + drift_m * drift_m + frameVariance(d_tilt, view.P_frame_tilt), params);
 }
 
 void PlaneVerification::observe(const FloorLine& line, const FloorSegment& observed, const PlaneView& view,

@@ -14,6 +14,7 @@ struct PlaneView {
   Eigen::Vector2d camera = Eigen::Vector2d::Zero();            ///< the floor point below it, in odom [m]
   double height_m = 0.0;                                       ///< of the camera
   CameraTiltCovariance P_tilt = CameraTiltCovariance::Zero();  ///< of the estimated camera tilt [rad^2]
+  Eigen::Matrix2d P_frame_tilt = Eigen::Matrix2d::Zero();      ///< of the tilt of this image [rad^2]
 };
 
 /// The one place that decides of a remembered edge whether it lies on the floor. Every view is compared with

@@ -129,7 +129,7 @@ bool SegmentMemory::fitsOnFloor(const MemoryElement& element, const FloorSegment
 }
 
 PlaneView SegmentMemory::planeView(const View& view) const {
-  return {view.camera, view.height, cameraTiltCovariance()};
+  return {view.camera, view.height, cameraTiltCovariance(), view.P_frame_tilt};
 }
 
 void SegmentMemory::observePlane(MemoryElement& element, const FloorSegment& observed,

@@ -94,6 +94,7 @@ void SegmentMemory::applyCorrection(const Correction& correction, std::vector<Fl
     }
     element.plane.applyTiltChange(correction.camera_tilt);
   }
+  view.P_frame_tilt = correction.P_frame_tilt;
   // The segments of this image move, too.
   for (FloorSegment& segment : floor) {
     conditionOnFrameTilt(segment, correction.P_frame_tilt, params_.estimation.tilt_prior.per_frame_rad);

@@ -46,6 +46,7 @@ struct SegmentMemory::View {
   double height;
   double turn_rate;
   FloorEvidence evidence;
+  Eigen::Matrix2d P_frame_tilt = Eigen::Matrix2d::Zero();  ///< of this image [rad^2]
 
   /// From the floor point below the camera [m].
   double distanceTo(const FloorSegment& segment) const { return (segment.odom().middle() - camera).norm(); }

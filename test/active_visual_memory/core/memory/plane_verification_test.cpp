@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 namespace vismem {
 namespace {
@@ -65,6 +66,35 @@ TEST(PlaneVerification, RefutesWhatMovesLater) {
   PlaneVerification rests = verified(kOblique, 0.0, 0.2);
   drive(rests, kOblique, 0.0, 0.2, 1.0);
   EXPECT_TRUE(rests.isVerified());
+}
+
+TEST(PlaneVerification, NodsOfTheCameraAreNoParallax) {
+  // A walking robot: each image has a pitch of its own.
+  const auto refuted = [](double stated_rad) {
+    std::mt19937 engine(7);
+    std::normal_distribution<double> pitch(0.0, 0.01);
+    int stands = 0;
+    for (int run = 0; run < 100; ++run) {
+      PlaneVerification plane;
+      for (int i = 0; i <= 10; ++i) {
+        PlaneView view{{0.0, 0.06 * i}, kHeight_m, CameraTiltCovariance::Zero()};
+        view.P_frame_tilt(1, 1) = stated_rad * stated_rad;
+        FloorSegment seen = seenFrom(view.camera, kOblique, 0.0);
+        const double nod = pitch(engine);
+        for (FloorEnd* const end : {&seen.a, &seen.b}) {
+          const Eigen::Vector2d ray = end->p - view.camera;
+          end->D.col(1) << -kHeight_m - ray.x() * ray.x() / kHeight_m, -ray.x() * ray.y() / kHeight_m;
+          end->p += nod * end->D.col(1);
+        }
+        if (i == 0) plane.begin(FloorLine(seen, {}), view);
+        plane.observe(plane.anchor_line, seen, view, {}, {});
+      }
+      stands += plane.stands;
+    }
+    return stands;
+  };
+  EXPECT_LE(refuted(0.01), 5);
+  EXPECT_GE(refuted(0.0), 20) << "the test draws enough";
 }
 
 TEST(PlaneVerification, BoundsTheShiftByTheSlopeOfTheParallax) {
