@@ -31,7 +31,7 @@ function memory(k: number, t: number, segments = 40): MemoryState {
   });
   return {
     t, stampUs: 1000 * t, revision: k, epoch: k < 400 ? 0 : 1, robot: {x: k * 0.01, y: -k * 0.02, theta: 0.001 * k}, ids: Float64Array.from(ids), rows,
-    labels: Uint16Array.from(ids, id => id % 3), confirmed: Uint8Array.from(ids, id => id % 2), labelNames: ["a", "b", "c"], stampBaseUs: 0,
+    labels: Uint16Array.from(ids, id => id % 3), ground: Uint8Array.from(ids, id => id % 3), labelNames: ["a", "b", "c"], stampBaseUs: 0,
     primitives: [], hypotheses: [],
   };
 }
@@ -76,7 +76,7 @@ test("a snapshot of the past equals the one that was given", () => {
     assert.deepEqual(back.robot, state.robot);
     assert.deepEqual([...back.ids], [...state.ids]);
     assert.deepEqual([...back.labels], [...state.labels]);
-    assert.deepEqual([...back.confirmed], [...state.confirmed]);
+    assert.deepEqual([...back.ground], [...state.ground]);
     for (let i = 0; i < state.rows.length; ++i) {
       const c = i % rowSize, allowed = c < 18 ? 1.01e-4 : c < 20 ? 0.002 : 0;
       assert.ok(Math.abs(back.rows[i]! - state.rows[i]!) <= allowed, `snapshot ${k} value ${i}: ${back.rows[i]} for ${state.rows[i]}`);

@@ -13,7 +13,7 @@ function memoryOf(lines: number[][], labels: string[]): MemoryState {
   const names = [...new Set(labels)], rows = new Float32Array(lines.length * rowSize);
   lines.forEach(([ax, ay, bx, by], i) => rows.set([ax!, ay!, 0, bx!, by!, 0], i * rowSize));
   return {t: now, stampUs: 0, revision: 1, epoch: 0, robot: {x: 0, y: 0, theta: 0}, ids: Float64Array.from(lines, (_, i) => i + 1), rows,
-    labels: Uint16Array.from(labels, l => names.indexOf(l)), confirmed: new Uint8Array(lines.length), labelNames: names, stampBaseUs: 0, primitives: [], hypotheses: []};
+    labels: Uint16Array.from(labels, l => names.indexOf(l)), ground: new Uint8Array(lines.length), labelNames: names, stampBaseUs: 0, primitives: [], hypotheses: []};
 }
 
 function analysisOf(observed: number, predicted: number, matched: number, label = "skirting"): AnalysisState {

@@ -1,7 +1,7 @@
 // From Ice's values to those of src/shared/state.ts. Slice's `long` is an Ice.Long here; stamps and ids stay below 2^53 and become numbers.
 /* eslint-disable @typescript-eslint/no-explicit-any */
 import type {Intrinsics, Pose2, Pose3} from "../shared/geometry";
-import {rowSize} from "../shared/state";
+import {ground, rowSize} from "../shared/state";
 import type {
   AnalysisState, AttentionPoint, ComponentInfo, EstimateState, GazeState, HealthGrid, LogLine, MapState, MemoryState, Parameter, Primitive,
   RecorderInfo, ReplayInfo, SimulationInfo, TruthState,
@@ -49,7 +49,7 @@ export function memoryOf(snapshot: any, t: number, labels: LabelTable, stampBase
   const n = segments.length;
   const state: MemoryState = {
     t, stampUs: num(snapshot.stampUs), revision: num(snapshot.revision), epoch: snapshot.epoch, robot: pose2(snapshot.robotInOdom),
-    ids: new Float64Array(n), rows: new Float32Array(n * rowSize), labels: new Uint16Array(n), confirmed: new Uint8Array(n),
+    ids: new Float64Array(n), rows: new Float32Array(n * rowSize), labels: new Uint16Array(n), ground: new Uint8Array(n),
     labelNames: labels.names, stampBaseUs, primitives: snapshot.primitives.map(primitiveOf),
     hypotheses: snapshot.hypotheses.map((h: any) => ({primitive: num(h.primitive), x: h.place.x, y: h.place.y})),
   };
@@ -62,7 +62,7 @@ export function memoryOf(snapshot: any, t: number, labels: LabelTable, stampBase
     r[at + 18] = s.life; r[at + 19] = s.salience;
     r[at + 20] = (num(s.firstSeenUs) - stampBaseUs) / 1e6; r[at + 21] = (num(s.lastSeenUs) - stampBaseUs) / 1e6;
     state.labels[i] = labels.number(s.label);
-    state.confirmed[i] = s.confirmed ? 1 : 0;
+    state.ground[i] = s.offFloor ? ground.off : s.confirmed ? ground.confirmed : ground.notYet;
   });
   return state;
 }

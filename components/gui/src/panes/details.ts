@@ -89,12 +89,15 @@ function factsOf(s: Selection, m: Moment, store: Store): [string, string][] {
   }
 }
 
+/** By the value of `ground`. */
+const groundNames = ["not confirmed yet", "confirmed from a second viewpoint", "off the floor, or it moves by itself"];
+
 function segmentFacts(id: number, m: Moment): [string, string][] {
   const memory = m.memory, i = memory ? memory.ids.indexOf(id) : -1;
   if (!memory || i < 0) return [["gone", "not in this moment"]];
   const r = memory.rows.subarray(i * rowSize, (i + 1) * rowSize), sigma = (at: number) => Math.sqrt(Math.max(0, r[at]! + r[at + 3]!));
   const now = (memory.stampUs - memory.stampBaseUs) / 1e6;
-  return [["label", memory.labelNames[memory.labels[i]!] ?? ""], ["state", memory.confirmed[i] ? "confirmed from a second viewpoint" : "not confirmed yet"],
+  return [["label", memory.labelNames[memory.labels[i]!] ?? ""], ["state", groundNames[memory.ground[i]!]!],
     ["ends (odom)", `${fixed(r[0], 3)}, ${fixed(r[1], 3)} to ${fixed(r[3], 3)}, ${fixed(r[4], 3)} m`], ["length", `${fixed(Math.hypot(r[3]! - r[0]!, r[4]! - r[1]!), 3)} m`],
     ["sigma of the ends", `${fixed(sigma(column.covA), 3)}, ${fixed(sigma(column.covB), 3)} m`], ["life", fixed(r[column.life], 1)], ["salience", fixed(r[column.salience], 2)],
     ["first seen", `${fixed(now - r[column.firstSeen]!, 1)} s ago`], ["last seen", `${fixed(now - r[column.lastSeen]!, 1)} s ago`]];

@@ -6,13 +6,13 @@ import type {HealthGrid, Moment} from "../shared/state";
 import type {ColourBy, SceneOptions} from "../scene/content";
 import {fixed, h} from "./dom";
 
-type Form = "line" | "dashed" | "dash-dot" | "ring" | "triangle" | "hollow" | "cross";
-const signs: Record<Form, string> = {line: "\u2501", dashed: "\u2505", "dash-dot": "\u2501\u00b7", ring: "\u25cb", triangle: "\u25b2", hollow: "\u25b3", cross: "\u271a"};
+type Form = "line" | "thin" | "dashed" | "dash-dot" | "ring" | "triangle" | "hollow" | "cross";
+const signs: Record<Form, string> = {line: "\u2501", thin: "\u2500", dashed: "\u2505", "dash-dot": "\u2501\u00b7", ring: "\u25cb", triangle: "\u25b2", hollow: "\u25b3", cross: "\u271a"};
 
 /** What each layer draws. */
 export const layers: readonly {option: keyof SceneOptions; text: string; signs: readonly (readonly [ColourName, Form, string])[]}[] = [
   {option: "map", text: "map", signs: [["map", "line", "map"]]},
-  {option: "memory", text: "memory", signs: [["memory", "line", "confirmed"], ["memory", "dashed", "not yet"], ["selection", "line", "selected"]]},
+  {option: "memory", text: "memory", signs: [["memory", "line", "confirmed"], ["memory", "dashed", "not yet"], ["dim", "thin", "off the floor"], ["selection", "line", "selected"]]},
   {option: "ellipses", text: "covariances", signs: [["dim", "ring", "2 sigma of an end"]]},
   {option: "primitives", text: "primitives", signs: [["primitive", "line", "shape"], ["hypothesis", "ring", "inferred corner"]]},
   {option: "attention", text: "attention", signs: [["gaze", "ring", "larger: more salient"]]},

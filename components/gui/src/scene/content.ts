@@ -4,7 +4,7 @@ import {CameraView, compose, ellipse, inverse} from "../shared/geometry";
 import type {Pose2, Vec2} from "../shared/geometry";
 import {colour, heat, labelColour, rgb} from "../shared/palette";
 import type {Theme} from "../shared/palette";
-import {column, mapRowSize, rowSize} from "../shared/state";
+import {column, ground, mapRowSize, rowSize} from "../shared/state";
 import type {AttentionPoint, HealthGrid, MapState, MemoryState, Moment, Primitive} from "../shared/state";
 import type {Selection} from "../state/store";
 import {LineBuilder, ThinLines, WideLines} from "./lines";
@@ -47,6 +47,7 @@ export class SceneContent {
   private readonly mapLines = new ThinLines();
   private readonly confirmed = new WideLines(2.5);
   private readonly unconfirmed = new WideLines(2, {on: 0.06, off: 0.05});
+  private readonly offFloor = new ThinLines(0.7);
   private readonly selected = new WideLines(5);
   private readonly ellipses = new ThinLines(0.7);
   private readonly primitives = new WideLines(1.5);
@@ -68,7 +69,7 @@ export class SceneContent {
     const shape = new Shape();
     triangle.forEach((p, i) => i === 0 ? shape.moveTo(p.x, p.y) : shape.lineTo(p.x, p.y));
     this.robot = new Mesh(new ShapeGeometry(shape), new MeshBasicMaterial({side: DoubleSide}));
-    this.odom.add(this.confirmed, this.unconfirmed, this.selected, this.ellipses, this.primitives, this.attention, this.target, this.frustum);
+    this.odom.add(this.confirmed, this.unconfirmed, this.offFloor, this.selected, this.ellipses, this.primitives, this.attention, this.target, this.frustum);
     this.scene.add(this.mapLines, this.odom, this.trailLines, this.raceLines, this.symbols, this.robot);
   }
 
@@ -170,11 +171,11 @@ export class SceneContent {
   }
 
   private drawMemory({moment, options: o, theme, selection}: SceneInput): void {
-    const memory = moment.memory, sure = new LineBuilder(), unsure = new LineBuilder(), rings = new LineBuilder(), chosen = new LineBuilder();
+    const memory = moment.memory, sure = new LineBuilder(), unsure = new LineBuilder(), off = new LineBuilder(), rings = new LineBuilder(), chosen = new LineBuilder();
     if (memory && o.memory) {
       const colourOf = segmentColours(memory, o.colourBy, theme), ring = rgb(colour("dim", theme));
       for (let i = 0; i < memory.ids.length; ++i) {
-        const r = memory.rows, k = i * rowSize, into = memory.confirmed[i] ? sure : unsure;
+        const r = memory.rows, k = i * rowSize, into = [unsure, sure, off][memory.ground[i]!]!;
         into.add(r[k]!, r[k + 1]!, r[k + 2]!, r[k + 3]!, r[k + 4]!, r[k + 5]!, colourOf(i));
         if (selection?.kind === "segment" && selection.id === memory.ids[i])
           chosen.add(r[k]!, r[k + 1]!, r[k + 2]!, r[k + 3]!, r[k + 4]!, r[k + 5]!, rgb(colour("selection", theme)));
@@ -187,6 +188,7 @@ export class SceneContent {
     }
     this.confirmed.set(sure);
     this.unconfirmed.set(unsure);
+    this.offFloor.set(off);
     this.ellipses.set(rings);
     this.selected.set(chosen);
   }
@@ -304,7 +306,7 @@ export function outlineOf(p: Primitive): {x: number; y: number}[] {
 }
 
 function segmentColours(memory: MemoryState, by: ColourBy, theme: Theme): (i: number) => RGB {
-  const value = (i: number, c: number) => memory.rows[i * rowSize + c]!, sure = rgb(colour("memory", theme)), paper = rgb(colour("background", theme));
+  const value = (i: number, c: number) => memory.rows[i * rowSize + c]!, sure = rgb(colour("memory", theme)), paper = rgb(colour("background", theme)), dim = rgb(colour("dim", theme));
   const largest = (c: number) => { let m = 1e-9; for (let i = 0; i < memory.ids.length; ++i) m = Math.max(m, value(i, c)); return m; };
   const now = (memory.stampUs - memory.stampBaseUs) / 1e6;
   switch (by) {
@@ -313,6 +315,6 @@ function segmentColours(memory: MemoryState, by: ColourBy, theme: Theme): (i: nu
     case "age": return i => heat(1 - Math.min(1, (now - value(i, column.lastSeen)) / 20));
     case "uncertainty":
       return i => heat(1 - Math.min(1, Math.sqrt(Math.max(value(i, column.covA) + value(i, column.covA + 3), value(i, column.covB) + value(i, column.covB + 3))) / 0.2));
-    default: return i => memory.confirmed[i] ? sure : mixed(sure, paper, 0.6);
+    default: return i => memory.ground[i] === ground.off ? dim : memory.ground[i] === ground.confirmed ? sure : mixed(sure, paper, 0.6);
   }
 }

@@ -5,6 +5,9 @@ import type {Intrinsics, Pose2, Pose3} from "./geometry";
 export const rowSize = 22;
 export const column = {ax: 0, ay: 1, az: 2, bx: 3, by: 4, bz: 5, covA: 6, covB: 12, life: 18, salience: 19, firstSeen: 20, lastSeen: 21} as const;
 
+/** What is known of a remembered segment's place on the floor. */
+export const ground = {notYet: 0, confirmed: 1, off: 2} as const;
+
 export interface Primitive {
   id: number;
   kind: "Stripe" | "Parallelogram" | "Triangle" | "Arrow" | "Circle";
@@ -27,7 +30,8 @@ export interface MemoryState {
    *  seen [s after stampBaseUs]. */
   rows: Float32Array;
   labels: Uint16Array;
-  confirmed: Uint8Array;
+  /** A value of `ground` each. */
+  ground: Uint8Array;
   labelNames: string[];
   stampBaseUs: number;
   primitives: Primitive[];

@@ -2,7 +2,7 @@
 import {wrapAngle} from "../shared/geometry";
 import type {Pose2} from "../shared/geometry";
 import type {ComponentInfo, Moment, TruthState, VideoInfo} from "../shared/state";
-import {column, rowSize} from "../shared/state";
+import {column, ground, rowSize} from "../shared/state";
 
 const everyMs = 200;
 const most = 1500;
@@ -91,7 +91,7 @@ export class Columns {
     const memory = m.memory, a = m.analysis;
     let confirmed = 0, life = 0;
     if (memory) {
-      for (const c of memory.confirmed) confirmed += c;
+      for (const g of memory.ground) confirmed += g === ground.confirmed ? 1 : 0;
       for (let i = 0; i < memory.ids.length; ++i) life += memory.rows[i * rowSize + column.life]!;
     }
     return {

@@ -17,7 +17,7 @@ interface Record {
   ids: Float64Array;
   rows: Float32Array;
   labels: Uint16Array;
-  confirmed: Uint8Array;
+  ground: Uint8Array;
   lifeScale: number;
   salienceScale: number;
   /** Life, then salience, of all segments in the order of their ids. */
@@ -27,7 +27,7 @@ interface Record {
   bytes: number;
 }
 
-interface Row { values: Float32Array; label: number; confirmed: number }
+interface Row { values: Float32Array; label: number; ground: number }
 
 const keyMs = 5000;
 const closeEnough = 1e-4;
@@ -44,7 +44,7 @@ function apply(rows: Map<number, Row>, record: Record): void {
   if (record.whole) rows.clear();
   for (const id of record.removed) rows.delete(id);
   record.ids.forEach((id, i) => rows.set(id, {
-    values: record.rows.slice(i * rowSize, (i + 1) * rowSize), label: record.labels[i]!, confirmed: record.confirmed[i]!,
+    values: record.rows.slice(i * rowSize, (i + 1) * rowSize), label: record.labels[i]!, ground: record.ground[i]!,
   }));
 }
 
@@ -93,7 +93,7 @@ export class SnapshotRing {
       lifeScale = Math.max(lifeScale, state.rows[i * rowSize + column.life]!);
       salienceScale = Math.max(salienceScale, state.rows[i * rowSize + column.salience]!);
       const known = this.known.get(state.ids[i]!);
-      if (whole || !known || known.confirmed !== state.confirmed[i] || known.label !== state.labels[i] ||
+      if (whole || !known || known.ground !== state.ground[i] || known.label !== state.labels[i] ||
           moved(known.values, state.rows.subarray(i * rowSize, (i + 1) * rowSize))) changed.push(i);
     }
     const levels = new Uint16Array(2 * n);
@@ -109,7 +109,7 @@ export class SnapshotRing {
     return {
       t: state.t, stampUs: state.stampUs, revision: state.revision, epoch: state.epoch, robot: state.robot, whole, removed,
       ids: Float64Array.from(changed, i => state.ids[i]!), rows, labels: Uint16Array.from(changed, i => state.labels[i]!),
-      confirmed: Uint8Array.from(changed, i => state.confirmed[i]!), lifeScale, salienceScale, levels, primitives: this.lastPrimitives,
+      ground: Uint8Array.from(changed, i => state.ground[i]!), lifeScale, salienceScale, levels, primitives: this.lastPrimitives,
       hypotheses: state.hypotheses,
       bytes: rows.byteLength + changed.length * 11 + removed.byteLength + levels.byteLength + recordObjects +
         (same ? 0 : state.primitives.length * 250) + state.hypotheses.length * 40,
@@ -131,7 +131,7 @@ export class SnapshotRing {
     const ids = Float64Array.from([...rows.keys()].sort((a, b) => a - b)), n = ids.length;
     const state: MemoryState = {
       t: record.t, stampUs: record.stampUs, revision: record.revision, epoch: record.epoch, robot: record.robot, ids,
-      rows: new Float32Array(n * rowSize), labels: new Uint16Array(n), confirmed: new Uint8Array(n), labelNames: this.labelNames,
+      rows: new Float32Array(n * rowSize), labels: new Uint16Array(n), ground: new Uint8Array(n), labelNames: this.labelNames,
       stampBaseUs: this.stampBaseUs, primitives: record.primitives, hypotheses: record.hypotheses,
     };
     ids.forEach((id, i) => {
@@ -140,7 +140,7 @@ export class SnapshotRing {
       state.rows[i * rowSize + column.life] = record.levels[i]! / 65535 * record.lifeScale;
       state.rows[i * rowSize + column.salience] = record.levels[n + i]! / 65535 * record.salienceScale;
       state.labels[i] = row.label;
-      state.confirmed[i] = row.confirmed;
+      state.ground[i] = row.ground;
     });
     return state;
   }
