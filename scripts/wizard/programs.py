@@ -2,6 +2,7 @@
 import contextlib
 import json
 import os
+import signal
 import subprocess
 import sys
 
@@ -10,14 +11,34 @@ from setup_files import Failure, read_text
 BIN = "build/release/bin"
 
 
+@contextlib.contextmanager
+def signals_wait():
+    """Ctrl-C and SIGTERM, unless they are ignored, count when the block has ended: a child that is being started is known by then."""
+    came = []
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM) if callable(signal.getsignal(number))}
+    for number in before:
+        signal.signal(number, lambda number, _: came.append(number))
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for number in came[:1]:
+            signal.raise_signal(number)
+
+
 def run(command, **options):
     """@return exit code and output. A program is stopped along with this one and may end: it stops a robot, and keeps what it has."""
-    with subprocess.Popen(command, **options) as child:
+    child = None
+    with contextlib.ExitStack() as ends:
         try:
+            with signals_wait():
+                child = ends.enter_context(subprocess.Popen(command, **options))
             output, _ = child.communicate()
         except BaseException:
-            child.terminate()
-            child.wait()
+            if child:
+                child.terminate()
+                child.wait()
             raise
         return child.returncode, output
 

@@ -136,6 +136,7 @@ echo 'Nothing was written: add --write.'\n`);
     await accessible("body");
     await page.locator("#apply").click();
     await says("#log", /Written\. The file before is x/);
+    await says(".verdict", /Succeeded/);
     assert.equal(await page.locator("#apply").count(), 0);
     assert.match(readFileSync(at("out/own_robot/mine/page/body.json"), "utf8"), /"body", "--write"\]/);
     await show("lens");

@@ -19,6 +19,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 BIN = os.path.abspath(sys.argv.pop(1))
 sys.path.insert(0, os.path.join(ROOT, "scripts", "wizard"))
 sys.dont_write_bytecode = True
+from programs import run  # noqa: E402
 from step_run import progress_of  # noqa: E402
 from steps import TABLE  # noqa: E402
 
@@ -348,6 +349,26 @@ class Runs(Page):
             except OSError:
                 continue
         return found
+
+
+class Programs(unittest.TestCase):
+    def test_ctrl_c_while_a_program_is_being_started_stops_it(self):
+        for number, stopped in ((signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, SystemExit)):
+            before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+            self.addCleanup(signal.signal, signal.SIGTERM, before)
+
+            def interrupt():  # in the child, before its program: the parent waits within Popen
+                os.write(writes, b"%d" % os.getpid())
+                os.kill(os.getppid(), number)
+
+            reads, writes = os.pipe()
+            with self.assertRaises(stopped):
+                run(["sleep", "60"], preexec_fn=interrupt)
+            pid = int(os.read(reads, 20))
+            os.close(reads)
+            os.close(writes)
+            with self.assertRaises(ProcessLookupError, msg="it runs on"):
+                os.kill(pid, 0)
 
 
 class Table(unittest.TestCase):
