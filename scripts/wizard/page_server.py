@@ -1,5 +1,4 @@
 """The wizard as a page in the browser: a server on 127.0.0.1 that runs the steps as the command line does."""
-import fcntl
 import glob
 import hmac
 import http.server
@@ -15,7 +14,7 @@ import urllib.parse
 
 from programs import running_components
 from robot import missing_before, next_command, next_step, states_of
-from setup_files import Failure, read_text, say, value_of
+from setup_files import Failure, locked, read_text, reason_of, say, value_of, write_locked
 from step_run import RUNS_ALREADY, StepRuns
 from steps import STEPS, TABLE
 
@@ -56,6 +55,8 @@ class Wizard:
 
     def argument(self, argument):
         default = self.port_offset if argument.name == "--port-offset" else argument.default
+        if isinstance(default, str):  # a proxy
+            default = re.sub(r"(?<= -p )[0-9]+", lambda port: str(int(port[0]) + self.port_offset), default)
         is_default = default == argument.default
         if argument.kind == "key":
             file = self.robot.file_of(argument.name[2:])
@@ -143,6 +144,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
         """What was sent, or None when it is too long; all is read, or the answer would be lost with the connection."""
         length = self.headers.get("Content-Length", "")
         left = int(length) if re.fullmatch(r"[0-9]{1,9}", length) else 0
+        # Of an unknown length: what follows must not be read as another request.
+        self.close_connection |= length != str(left) or "Transfer-Encoding" in self.headers
         read = b""
         while left > 0 and (part := self.rfile.read(min(left, 1 << 16))):
             left -= len(part)
@@ -156,6 +159,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.send(refused.status, "application/json", json.dumps({"error": str(refused)}).encode())
         except (BrokenPipeError, ConnectionResetError, TimeoutError):
             self.close_connection = True
+        except OSError as error:  # of the disk
+            self.send(500, "application/json", json.dumps({"error": reason_of(error)}).encode())
 
     def checked_path(self):
         """The path behind the token. Another name of this machine, or none, may be that of a foreign page which was bound to 127.0.0.1."""
@@ -219,7 +224,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.send_file(found[0]["path"], None if found[0]["name"].endswith(".pdf") else RESULT_POLICY)
 
     def stream(self):
-        """Server-sent events: the state when it changes, and the lines of the step that runs."""
+        """Server-sent events: the state when it changes, or why it is not known, and the lines of the step that runs."""
         self.send_response(200)
         self.send_header("Content-Type", "text/event-stream")
         self.send_header("Connection", "close")
@@ -228,15 +233,15 @@ class Handler(http.server.BaseHTTPRequestHandler):
         wizard, sent, number, at = self.server.wizard, None, None, 0
         while not wizard.closing.is_set():
             try:
-                state = wizard.state()
-            except (OSError, ValueError):  # a file is just being written
-                state = sent
+                name, state = "state", wizard.state()
+            except (OSError, Failure) as error:
+                name, state = "trouble", {"text": reason_of(error) if isinstance(error, OSError) else str(error)}
             run, lines, begin = wizard.runs.lines_after(number, at)  # after the state: with its end all lines are there
             if lines:
                 self.event("lines", {"number": run.number, "step": run.step, "from": begin, "lines": lines})
                 number, at = run.number, begin + len(lines)
             if state != sent:
-                self.event("state", {"now": time.time(), **state})
+                self.event(name, {"now": time.time(), **state})
                 sent = state
             elif not lines:
                 self.wfile.write(b": still here\n\n")
@@ -292,18 +297,6 @@ def bound(port, wizard):
         return Server(0, wizard)
 
 
-def locked(path):
-    """The file that holds the address of a robot's page, or None when one has it."""
-    os.makedirs(os.path.dirname(path), exist_ok=True)
-    file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o600), "r+", encoding="utf-8")
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        file.close()
-        return None
-    return file
-
-
 def serve(robot, port, port_offset):
     """Until Ctrl-C or SIGTERM; a step that runs is then stopped."""
     path = f"{robot.out}/page/address"
@@ -314,9 +307,7 @@ def serve(robot, port, port_offset):
     wizard = Wizard(robot, port_offset)
     with lock, bound(port, wizard) as server:
         address = f"http://127.0.0.1:{server.server_port}/{server.token}/"
-        lock.truncate(0)
-        lock.write(address + "\n")
-        lock.flush()
+        write_locked(lock, address)
         thread = threading.Thread(target=server.serve_forever, daemon=True)
         thread.start()
         say(f"page {address}\nOnly this machine reaches it, and only with this address. Ctrl-C ends it, and a step that runs.")

@@ -1,11 +1,12 @@
 """A robot of one's own: where its files are, and how far its steps are."""
+import contextlib
 import json
 import math
 import os
 import re
 import shutil
 
-from setup_files import Failure, key_of, read_text, say, value_of
+from setup_files import Failure, key_of, locked, read_text, say, value_of, write_locked
 from steps import TABLE
 
 NOT_NEEDED = "not for a simulated robot: its lens and mounting are those of its setup"
@@ -49,6 +50,17 @@ class Robot:
 
     def how(self, step):
         return self.place(step.how) + ("" if self.simulated else step.how_real)
+
+    @contextlib.contextmanager
+    def alone(self, step):
+        """One step of a robot at a time, of the page and of all terminals: they write the same files."""
+        path = f"{self.out}/running"
+        file = locked(path)
+        if file is None:
+            raise Failure(f"{read_text(path).strip()} of {self.name} runs already, in a terminal or on the page: one step at a time")
+        with file:
+            write_locked(file, f"{step} (process {os.getpid()})")
+            yield
 
     def comes_first(self, step):
         return Failure(f"{step} comes first: scripts/own_robot {self.name} {step}")
@@ -103,15 +115,20 @@ def age(path):
     return os.lstat(path).st_mtime if os.path.lexists(path) else 0
 
 
+def is_localized(robot):
+    with contextlib.suppress(OSError, ValueError):  # none, or one that a full disk cut off
+        return json.loads(read_text(robot.verdict)).get("localized", False)
+    return False
+
+
 def states_of(robot):
     """Of each step: its name, "done", "old" (what it was made from is newer), "none" (it is not needed) or "-", and what it is about."""
     ruler = os.path.exists(robot.board) and "ruler_mm" in read_text(robot.board)
     own_map = age(f"{robot.setup}/map.csv")
-    localized = os.path.exists(robot.verdict) and json.loads(read_text(robot.verdict))["localized"]
     old = {"map": own_map < max(age(robot.drive), age(robot.palette)), "localize": age(robot.verdict) < own_map}
     done = {"start": os.path.exists(robot.setup), "target": os.path.exists(robot.board), "ruler": ruler, "lens": os.path.exists(robot.lens),
             "body": os.path.exists(f"{robot.out}/body/report.json"), "drive": os.path.exists(robot.drive),
-            "colours": os.path.exists(robot.palette), "map": own_map, "localize": localized}
+            "colours": os.path.exists(robot.palette), "map": own_map, "localize": is_localized(robot)}
     return [(step.name, "none", NOT_NEEDED) if step.name in robot.not_needed else
             (step.name, "-" if not done[step.name] else "old" if old.get(step.name) else "done", robot.how(step))
             for step in TABLE if step.is_step]

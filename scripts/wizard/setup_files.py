@@ -1,5 +1,7 @@
-"""Configuration files of a setup: keys read and set."""
+"""Files of a setup: keys read and set; one that says who is at work."""
 import difflib
+import fcntl
+import os
 import re
 import shutil
 
@@ -10,13 +12,39 @@ class Failure(Exception):
         self.code = code
 
 
+def reason_of(error):
+    """Of an OSError: what it was about, and why."""
+    return f"{error.filename}: {error.strerror}" if error.filename else str(error.strerror or error)
+
+
 def say(text):
     print(text, flush=True)
 
 
 def read_text(path):
-    with open(path, encoding="utf-8") as file:
-        return file.read()
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except UnicodeDecodeError as error:
+        raise Failure(f"{path}: byte {error.start + 1} is not UTF-8 (expected a text in UTF-8)") from None
+
+
+def locked(path):
+    """The open file, until it is closed this process's alone; None when another process has it."""
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o600), "r+", encoding="utf-8")
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        file.close()
+        return None
+    return file
+
+
+def write_locked(file, text):
+    file.truncate(0)
+    file.write(text + "\n")
+    file.flush()
 
 
 def key_of(line):

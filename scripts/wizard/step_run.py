@@ -9,11 +9,12 @@ import subprocess
 import threading
 import time
 
-from setup_files import Failure, read_text
+from setup_files import Failure, read_text, reason_of
 from steps import STEPS, is_number
 
 RUNS_ALREADY = 409  # the code of a Failure: a step runs
 MOST_LINES = 4000  # of one step; older ones are left out
+LONGEST = 1024  # characters of a value
 DOUBLE_CLICK_S = 2.0
 COLOURS = re.compile(r"\x1b\[[0-9;]*[A-Za-z]")
 # "images: 57 of 150, 20 s left" of ProgressLine, "recording: 57 s, 1710 images", and "[57/150, 9.5s] ..." of scripts/build.
@@ -35,12 +36,14 @@ def checked_value(argument, value):
     """As a text. @throws Failure for another than the argument takes."""
     text = value if isinstance(value, str) else str(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
     what = {"whole": "a whole number", "number": "a number of 0 or more", "choice": "one of " + ", ".join(map(str, argument.listed()))}
-    what["key"] = "a text of one line, without #"
-    fits = text is not None and len(text) <= 4096 and text.isprintable() and text.strip() and {
-        "whole": lambda: re.fullmatch(r"\d{1,9}", text), "number": lambda: is_number(text),
+    what["key"] = f"a text of one line, without #, of at most {LONGEST} characters"
+    fits = text is not None and len(text) <= LONGEST and text.isprintable() and text.strip() and {
+        "whole": lambda: re.fullmatch(r"[0-9]{1,9}", text), "number": lambda: is_number(text),
         "choice": lambda: text in argument.listed(), "key": lambda: "#" not in text}.get(argument.kind, lambda: True)()
     if not fits:
-        raise Failure(f"{argument.name}: found {value!r} (expected {what.get(argument.kind, 'a text of one line')})", 2)
+        found = repr(value)
+        found = found if len(found) <= 100 else f"{found[:100]}... of {len(found) - 2} characters"
+        raise Failure(f"{argument.name}: found {found} (expected {what.get(argument.kind, f'a text of one line, of at most {LONGEST} characters')})", 2)
     return text
 
 
@@ -91,7 +94,10 @@ class StepRun:
         code = self.process.wait()
         with self.condition:
             self.code, self.seconds, self.progress = code, time.time() - self.began, None
-            self.save()
+            try:
+                self.save()
+            except OSError as error:
+                self.lines.append(f"warning: {reason_of(error)}: the next page will not know of this run")
             self.condition.notify_all()
 
     def take(self, line):

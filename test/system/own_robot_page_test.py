@@ -2,6 +2,7 @@
 """own_robot_page_test.py BIN_DIR: the server of scripts/own_robot NAME page: whom it answers, what it runs, how that is stopped.
 The programs behind the steps are shell scripts. Tests B5, B6."""
 import concurrent.futures
+import contextlib
 import http.client
 import json
 import os
@@ -47,8 +48,8 @@ class Page(unittest.TestCase):
         self.write(f"build/release/bin/{name}", "#!/bin/sh\n" + script)
         os.chmod(self.path(f"build/release/bin/{name}"), 0o755)
 
-    def open(self, **options):
-        self.page = subprocess.Popen([self.path("scripts/own_robot"), "mine", "page", "--port", "0"], stdout=subprocess.PIPE, text=True, **options)
+    def open(self, *arguments, **options):
+        self.page = subprocess.Popen([self.path("scripts/own_robot"), "mine", "page", "--port", "0", *arguments], stdout=subprocess.PIPE, text=True, **options)
         self.addCleanup(self.close, self.page)
         self.address = re.match(r"page (\S+)", self.page.stdout.readline()).group(1)
         self.port, self.token = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/([\w-]{24})/", self.address).groups()
@@ -100,13 +101,13 @@ class Page(unittest.TestCase):
             time.sleep(0.05)
         raise AssertionError(f"{name} did not come")
 
-    def state(self):
-        """The first state of the stream of events."""
+    def state(self, event="state"):
+        """The first state, or other event, of the stream of events."""
         with socket.create_connection(("127.0.0.1", int(self.port)), timeout=20) as stream:
             stream.sendall(f"GET /{self.token}/events HTTP/1.1\r\nHost: {self.host}\r\n\r\n".encode())
             with stream.makefile(encoding="utf-8") as lines:
                 for line in lines:
-                    if line == "event: state\n":
+                    if line == f"event: {event}\n":
                         return json.loads(next(lines)[len("data: "):])
 
     def step(self, name):
@@ -152,6 +153,14 @@ class Refusals(Page):
             listening = [line.split()[1] for line in table if line.split()[3] == "0A"]
         self.assertEqual([place for place in listening if place.endswith(f":{int(self.port):04X}")], [f"0100007F:{int(self.port):04X}"])
 
+    def test_what_follows_an_order_of_unknown_length_is_no_request(self):
+        within = f"GET /{self.token}/ HTTP/1.1\r\nHost: {self.host}\r\n\r\n"
+        for length in ("Content-Length: 12345678901", "Content-Length: +5", "Transfer-Encoding: chunked", "X: y"):
+            with socket.create_connection(("127.0.0.1", int(self.port)), timeout=20) as plain:
+                plain.sendall(f"POST /x/run HTTP/1.1\r\nHost: {self.host}\r\n{length}\r\n\r\n{within}".encode())
+                with plain.makefile("rb") as said, contextlib.suppress(ConnectionResetError):
+                    self.assertNotIn(b" 200 ", said.read(), length)
+
     def test_unknown_steps_and_orders_are_refused(self):
         for step in ("jump", "page", "", None, "../start", "start --simulated", ["start"], {"a": 1}):
             status, said = self.ask("run", {"step": step})
@@ -177,10 +186,12 @@ class Refusals(Page):
                 ("start", "--simulated", "../../etc/passwd", "one of alike_wings, corridor"), ("start", "--uncalibrated", "yes", "true or false"),
                 ("ruler", "ACROSS", "--write", "a number"), ("ruler", "ACROSS", "1e3", "a number"), ("ruler", "ACROSS", "", "a number"),
                 ("lens", "--images", "views\n--out=/tmp", "a text of one line"), ("lens", "--images", "a\0b", "a text of one line"),
+                ("start", "--seed", "\u0663", "a whole number"), ("lens", "--images", "x" * 5000, "a text of one line, of at most 1024 characters"),
                 ("lens", "--images", ["a"], "a text of one line"), ("lens", "--images", " ", "a text of one line"), ("target", "--paper", "A9", "one of A4, A3")):
             status, said = self.ask("run", {"step": step, "arguments": {name: value}})
             self.assertEqual(status, 400, said)
             self.assertIn(f"expected {expected}", json.loads(said)["error"])
+            self.assertLess(len(said), 500)
         self.assertFalse(os.path.exists(self.path("cfg/mine")))
 
     def test_a_value_is_never_an_argument_or_a_command(self):
@@ -273,6 +284,59 @@ class Runs(Page):
         self.assertEqual(self.ask("stop", {})[0], 200)
         self.output("devices")
         self.assertEqual(self.run_step("start")[0], 200)
+
+    def own_robot(self, *arguments):
+        """On the command line."""
+        return subprocess.run([self.path("scripts/own_robot"), "mine", *arguments], capture_output=True, text=True)
+
+    def test_neither_does_the_command_line_run_another_step(self):
+        self.program("list_devices", self.LONG)
+        self.run_step("devices")
+        self.wait_for("began")
+        done = self.own_robot("start")
+        self.assertRegex(done.stderr, r"^own_robot: devices \(process \d+\) of mine runs already, in a terminal or on the page: one step at a time\n$")
+        self.assertEqual((done.returncode, os.path.exists(self.path("cfg/mine"))), (1, False))
+        self.ask("stop", {})
+        self.output("devices")
+        os.remove(self.path("began"))
+        with subprocess.Popen([self.path("scripts/own_robot"), "mine", "devices"], stdout=subprocess.PIPE) as terminal:
+            self.wait_for("began")
+            self.run_step("start")
+            found = self.output("start")
+            self.assertEqual(found["code"], 1)
+            self.assertIn("of mine runs already, in a terminal", found["lines"][-1])
+            terminal.terminate()
+        self.assertEqual(self.own_robot("start").returncode, 0)
+
+    def test_files_that_cannot_be_written_or_read_are_named(self):
+        self.write("out/own_robot/mine/page/files", "in the way")
+        self.assertEqual(self.ask("file", {"name": "x", "text": ""}), (500, '{"error": "out/own_robot/mine/page/files: File exists"}'))
+        os.makedirs(self.path("out/own_robot/mine/page/devices.json"))
+        self.program("list_devices", "echo found\n")
+        self.run_step("devices")
+        self.assertEqual(self.output("devices")["lines"],
+                         ["found", "warning: out/own_robot/mine/page/devices.json: Is a directory: the next page will not know of this run"])
+        self.run_step("start", simulated="room")
+        self.output("start")
+        self.write("out/own_robot/mine/localize/verdict.json", "")  # cut off by a full disk
+        self.assertEqual(self.step("localize")["state"], "-")
+        with open(self.path("cfg/mine/simulator.cfg"), "ab") as file:
+            file.write(b"# gr\xfc\xdfe\n")
+        self.assertRegex(self.state("trouble")["text"], r"^cfg/mine/simulator\.cfg: byte \d+ is not UTF-8 \(expected a text in UTF-8\)$")
+        done = self.own_robot()
+        self.assertEqual((done.returncode, done.stderr), (1, f"own_robot: {self.state('trouble')['text']}\n"))
+        shutil.rmtree(self.path("cfg/mine"))
+        os.rename(self.path("out"), self.path("before"))
+        self.write("out", "in the way")
+        self.assertEqual((done := self.own_robot("devices")).stderr, "own_robot: out/own_robot: Not a directory\n", done)
+
+    def test_the_pages_port_offset_is_suggested(self):
+        self.close(self.page)
+        self.open("--port-offset", "700")
+        self.run_step("start")
+        self.output("start")
+        defaults = {argument["name"]: argument["default"] for step in ("lens", "drive") for argument in self.step(step)["arguments"]}
+        self.assertEqual((defaults["--camera"], defaults["--port-offset"]), ("cameraA:tcp -h 127.0.0.1 -p 10699", 700))
 
     def test_stop_reaches_the_program_and_leaves_nothing(self):
         self.program("list_devices", self.LONG + "echo not reached\n")

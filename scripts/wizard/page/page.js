@@ -240,6 +240,11 @@ function draw() {
   fetchOutput(step).catch(() => {});
 }
 
+function warn(text) {
+  $("gone").textContent = text;
+  $("gone").classList.remove("hidden");
+}
+
 function listen() {
   const events = new EventSource("events");
   events.addEventListener("state", event => {
@@ -248,6 +253,7 @@ function listen() {
     $("gone").classList.add("hidden");
     draw();
   });
+  events.addEventListener("trouble", event => warn(JSON.parse(event.data).text));
   events.addEventListener("lines", event => {
     const {number, step, from, lines} = JSON.parse(event.data);
     const held = outputs.get(step), before = held?.number === number ? held.lines.slice(0, from) : [];
@@ -256,8 +262,7 @@ function listen() {
   });
   events.onerror = () => {
     const again = `scripts/own_robot ${state?.name ?? "NAME"} page`;
-    $("gone").textContent = `The page's server has ended or does not answer. ${again} starts it again, with a new address.`;
-    $("gone").classList.remove("hidden");
+    warn(`The page's server has ended or does not answer. ${again} starts it again, with a new address.`);
   };
 }
 
