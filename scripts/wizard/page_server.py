@@ -85,7 +85,7 @@ class Wizard:
             state, how = ("on", f"runs now: {', '.join(running)}") if running else ("any", "nothing of it runs now")
         last = self.runs.last_of(step.name)
         return {"name": step.name, "title": step.title, "state": state, "does": step.does.replace("cfg/NAME", self.robot.setup),
-                "needs": step.needs, "how": how, "notes": "" if self.robot.simulated else step.notes,
+                "needs": "" if self.robot.simulated else step.needs, "how": how, "notes": "" if self.robot.simulated else step.notes,
                 "after": step.after, "missing": missing_before(self.robot, step), "unless": step.unless,
                 "otherwise": {name: text for name, text in step.otherwise.items() if not name or name in names},
                 "arguments": [self.argument(argument) for argument in arguments], "results": self.results(step),

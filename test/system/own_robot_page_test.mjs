@@ -67,6 +67,7 @@ const parts = {
     assert.deepEqual(await states(), {start: "done", devices: "any", target: "none", ruler: "none", lens: "none", body: "none", drive: "-",
       colours: "-", map: "-", localize: "-", robot: "any"});
     assert.equal(await page.locator("#start").count(), 0, "a setup is not made twice");
+    assert.ok(await page.locator("#log").isVisible(), "few lines need no click");
     await picture("start_done");
     await show("lens");
     await says("#about", /not for a simulated robot: its lens and mounting are those of its setup/);
@@ -90,6 +91,29 @@ const parts = {
     await page.locator("#start").click();
     await says(".verdict", /mine\.palette:1: \(must be KEY = VALUE\).*cannot be used as a palette/);
     await accessible("error");
+  },
+
+  async "keeps what is typed and looked at, and says which field is wrong"() {
+    await show("drive");
+    assert.doesNotMatch(await page.locator("#about").textContent(), /needs/, "a simulated robot drives by itself");
+    await page.locator("summary", {hasText: "more"}).click();
+    const rate = page.locator("[id='drive--Simulator.Camera.Rate_hz']");
+    await rate.fill("1");
+    mkdirSync(at("out/recordings/new"), {recursive: true});  // one may take it instead: the form is drawn anew
+    await page.waitForTimeout(2500);
+    await page.keyboard.press("End");
+    await page.keyboard.type("0");
+    assert.equal(await rate.inputValue(), "10", "the field keeps focus and stays open");
+    await rate.fill("-5");
+    await page.locator("#start").click();
+    assert.ok(await rate.evaluate(field => field === document.activeElement && !field.validity.valid), "what is wrong");
+    await rate.fill("");
+    assert.ok(!existsSync(at("out/own_robot/mine/page/drive.json")), "nothing was begun");
+    program("list_devices", "echo found; sleep 1\n");
+    await show("devices");
+    await page.locator("#start").dblclick();
+    await says(".verdict", /Succeeded/);
+    assert.equal(await page.locator("#note").textContent(), "", "a double click starts once");
   },
 
   async "shows progress, goes on while it is closed, and stops"() {

@@ -25,6 +25,14 @@ export function entries(step) {
   return kept;
 }
 
+/** Whether every field holds what it may; says where not. */
+export function isFilledIn(host) {
+  const wrong = host.querySelector("input:invalid");
+  wrong?.closest("details")?.setAttribute("open", "");
+  wrong?.reportValidity();
+  return !wrong;
+}
+
 const isShown = (one, step, chosen) =>
   one.name in step.otherwise ? one.name === chosen : one.goes_with.length === 0 || one.goes_with.includes(chosen);
 
@@ -70,7 +78,8 @@ function field(one, step, changed, send) {
     input.onchange = () => keep(input.value);
   } else {
     input = element("input", {id, type: number ? "number" : "text", value: values[one.name], autocomplete: "off", spellcheck: false});
-    if (number) Object.assign(input, {min: 0, step: one.kind === "whole" ? 1 : "any"});
+    if (number) Object.assign(input, {min: 0, step: one.kind === "whole" ? 1 : "any", required: !one.name.startsWith("--")});
+    else if (one.kind === "path" || one.kind === "file") input.placeholder = "path on the computer of this page, from the project's folder or from /";
     input.oninput = () => keep(input.value.trim());
   }
   const row = element("span", {className: "entry"}, input);
@@ -115,10 +124,13 @@ export function drawForm(host, step, changed, send) {
   const isMinor = one => one.minor && one.kind !== "key";
   const major = fields.filter(one => !isMinor(one)).map(one => field(one, step, changed, send));
   const minor = fields.filter(isMinor);
-  const isOpen = host.querySelector("details.more")?.open ?? minor.some(one => String(one.default ?? "") !== "" && !one.is_default);
+  const kept = entries(step);
+  kept.isOpen ??= minor.some(one => String(one.default ?? "") !== "" && !one.is_default);
   host.replaceChildren(...alternatives(step, changed), ...major);
   if (minor.length > 0) {
     const rows = minor.map(one => field(one, step, changed, send));
-    host.append(element("details", {className: "more", open: isOpen}, element("summary", {textContent: "more"}), ...rows));
+    const more = element("details", {className: "more", open: kept.isOpen}, element("summary", {textContent: "more"}), ...rows);
+    more.ontoggle = () => { kept.isOpen = more.open; };
+    host.append(more);
   }
 }

@@ -1,11 +1,12 @@
 // The wizard's page: what the server says of the steps, the step that is looked at, and what its run says.
-import {commandLine, drawForm, element, given, missing, words} from "./form.js";
+import {commandLine, drawForm, element, given, isFilledIn, missing, words} from "./form.js";
 import {drawChanges, drawResults, failureOf, lineOf, sorted, wantsApply} from "./results.js";
 
 const $ = id => document.getElementById(id);
 const SIGNS = {done: "✓", old: "↻", none: "–", any: "•", on: "●", "-": "", runs: "▶"};
 const WORDS = {done: "done", old: "to be repeated", none: "not needed", any: "at any time", on: "runs", "-": "not done yet", runs: "runs"};
 const KINDS = {none: "no setup yet", own: "a robot of your own", simulated: "a simulated robot", uncalibrated: "a simulated robot, not calibrated"};
+const SHORT = 12;  // lines that need no click to be seen
 let state = null, selected = null, ahead_s = 0, note = "";
 /** Lines of the newest run of each step: {number, lines}. */
 const outputs = new Map();
@@ -32,7 +33,7 @@ async function ask(what, order) {
   try {
     const answer = await fetch(what, {method: "POST", headers: {"Content-Type": "application/json"}, body: JSON.stringify(order)});
     const said = await answer.json();
-    if (!answer.ok) note = said.error;
+    if (!answer.ok && answer.status !== 409) note = said.error;  // what runs is shown anyway
     return answer.ok ? said : null;
   } catch (error) {
     note = `The page's server does not answer (${error.message}).`;
@@ -68,17 +69,26 @@ function drawSteps() {
 }
 
 function select(name) {
-  if (selected !== name) note = "";
+  if (selected !== name) {
+    note = "";
+    scrollTo({top: 0});
+  }
   selected = name;
   history.replaceState(null, "", `#${name}`);
   draw();
+}
+
+/** By a button that is gone then. */
+function follow(name) {
+  select(name);
+  $("detail").focus();
 }
 
 /** The step that is looked at. */
 
 function goTo(name) {
   const button = element("button", {type: "button", className: "button", textContent: stepOf(name).title});
-  button.onclick = () => select(name);
+  button.onclick = () => follow(name);
   return button;
 }
 
@@ -107,20 +117,27 @@ const sentence = text => text ? text[0].toUpperCase() + text.slice(1) + "." : ""
 function drawStepForm(step, isOther = false) {
   const isNeeded = isOffered(step);
   if (isOther || changed("form", [step.name, step.arguments, step.otherwise, isNeeded])) {
-    if (!isOther) $("form").replaceChildren();
+    const focused = document.activeElement?.id;
+    $("form").replaceChildren();
     if (isNeeded) drawForm($("form"), step, also => { drawStepForm(stepOf(step.name), also === true); drawAbout(stepOf(step.name)); drawRun(); }, send);
     $("form").append(element("p", {className: "command"}, element("code", {id: "command"})));
     $("form").append(element("p", {className: "buttons", id: "buttons"}));
     drawn.buttons = null;
     if (isOther) $("form").querySelector("input[type=radio]:checked")?.focus();
+    else if (focused) $(focused)?.focus();
   }
   $("command").textContent = isNeeded ? commandLine(state.name, stepOf(step.name)) : "";
 }
 
-/** A button; one that is off keeps the focus. */
+/** A button; one that is off keeps the focus. A double click counts once. */
 function pressable(id, text, isPrimary, isOff, press) {
   const button = element("button", {type: "button", id, className: isPrimary ? "button primary" : "button", textContent: text, ariaDisabled: String(isOff)});
-  button.onclick = () => { if (!isOff) press(); };
+  button.onclick = async () => {
+    if (isOff) return;
+    isOff = true;
+    await press();
+    isOff = false;
+  };
   return button;
 }
 
@@ -132,15 +149,15 @@ function drawButtons(step, lines) {
   const focused = document.activeElement?.id;
   const goesOn = step.state === "done" && state.next && state.next !== step.name;
   const start = pressable("start", ["done", "old"].includes(step.state) ? "Repeat this step" : "Run this step", !goesOn && !apply,
-    isBusy || before.length > 0, () => ask("run", {step: step.name, arguments: given(step)}));
+    isBusy || before.length > 0, () => isFilledIn($("form")) && ask("run", {step: step.name, arguments: given(step)}));
   $("buttons").replaceChildren(...isOffered(step) ? [start] : []);
   if (apply) {
     const {"--again": _, ...same} = given(step);  // of the same views
     $("buttons").append(pressable("apply", "Apply these changes", true, isBusy, () => ask("run", {step: step.name, arguments: {...same, [step.apply]: true}})));
   }
-  if (goesOn) $("buttons").append(pressable("next", `Next: ${stepOf(state.next).title} →`, !apply, false, () => select(state.next)));
+  if (goesOn) $("buttons").append(pressable("next", `Next: ${stepOf(state.next).title} →`, !apply, false, () => follow(state.next)));
   if (!state.next && step.name === "localize")
-    $("buttons").append(element("span", {}, "All is done. The robot with its map: ", element("code", {textContent: state.next_command})));
+    $("buttons").append(element("span", {}, "All is done. The robot with its map, in a terminal: ", element("code", {textContent: state.next_command})));
   if (isBusy && !isRunning(step)) $("buttons").append(words("span", "dim", `${stepOf(state.running.step).title} runs: one step at a time.`));
   if (focused) $(focused)?.focus();
 }
@@ -166,10 +183,10 @@ function drawRun() {
     $("note").dataset.level = "bad";
     const bar = element("progress", {id: "bar", max: 1, ariaLabel: step.title});
     if (isNow) run.append(element("div", {className: "progress"}, bar, element("span", {id: "progress"})));
-    else if (step.last && output?.number === step.last.number) run.append(verdictOf(step, lines));
+    else if (step.last && !note && output?.number === step.last.number) run.append(verdictOf(step, lines));
     run.append(element("p", {id: "pages"}));
     drawn.pages = null;
-    const isOpen = isNow || (step.last !== null && step.last.code !== 0);
+    const isOpen = isNow || (step.last !== null && step.last.code !== 0) || sorted(lines).said.length <= SHORT;
     $("said").replaceChildren(element("div", {id: "changes"}), element("details", {id: "log-box", className: "log", open: isOpen},
       element("summary", {textContent: "what it said"}), element("div", {id: "log", tabIndex: 0, role: "log"})));
     drawn.changes = null;
@@ -196,7 +213,7 @@ function appendLines(said) {
 function drawProgress() {
   const {progress, began} = state.running, bar = $("bar");
   if (progress?.all) { bar.max = progress.all; bar.value = progress.done; } else bar.removeAttribute("value");
-  $("progress").textContent = `${progress?.text ?? "under way"} (since ${duration(Date.now() / 1000 + ahead_s - began)})`;
+  $("progress").textContent = `${progress?.text ?? "under way"} (for ${duration(Date.now() / 1000 + ahead_s - began)})`;
 }
 
 async function fetchOutput(step) {
