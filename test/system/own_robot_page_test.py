@@ -268,6 +268,18 @@ class Runs(Page):
             self.assertEqual(server.wait(10), 0)
         self.assertEqual(self.step("robot")["state"], "any")
 
+    def test_all_is_stopped_although_nobody_reads(self):
+        self.program("base_server", "trap 'kill $!; exit 0' TERM\ntouch began$1\nsleep 60 & wait\n")
+        servers = [subprocess.Popen([self.path("build/release/bin/base_server"), str(number)], cwd=self.root) for number in range(2)]
+        for number in range(2):
+            self.wait_for(f"began{number}")
+        self.write("out/mine/pids", "".join(f"{server.pid} base_server\n" for server in servers))
+        nobody, writes = os.pipe()
+        os.close(nobody)  # as after a kill of the page
+        with open(writes, "wb") as gone:
+            self.assertEqual(subprocess.run([self.path("scripts/stop"), "mine"], stdout=gone, stderr=gone).returncode, 0)
+        self.assertEqual([server.wait(10) for server in servers], [0, 0])
+
     def test_an_error_is_in_the_programs_own_words(self):
         self.assertEqual(self.run_step("map")[0], 200)
         found = self.output("map")
