@@ -82,7 +82,7 @@ class Wizard:
         names = {argument.name for argument in arguments}
         if step.name == "robot":
             running = sorted(running_components(self.robot.state_name(self.port_offset)))
-            state, how = ("on", f"runs now: {', '.join(running)}") if running else ("any", "nothing of it runs now")
+            state, how = ("on", ", ".join(running)) if running else ("any", "nothing")
         last = self.runs.last_of(step.name)
         return {"name": step.name, "title": step.title, "state": state, "does": step.does.replace("cfg/NAME", self.robot.setup),
                 "needs": "" if self.robot.simulated else step.needs, "how": how, "notes": "" if self.robot.simulated else step.notes,
@@ -90,6 +90,7 @@ class Wizard:
                 "otherwise": {name: text for name, text in step.otherwise.items() if not name or name in names},
                 "arguments": [self.argument(argument) for argument in arguments], "results": self.results(step),
                 "ctrl_c": step.ctrl_c, "apply": step.apply, "is_once": step.is_once,
+                "leads_to": "" if self.robot.simulated else step.leads_to,
                 "wants_robot": step.wants_robot and not self.robot.simulated,
                 "last": last and {key: last[key] for key in ("number", "command", "began", "seconds", "code")}}
 

@@ -82,6 +82,7 @@ class Step:
     wants_robot: bool = False  # that its components run
     is_step: bool = True  # it is done once it succeeded
     is_once: bool = False  # it is not repeated
+    leads_to: str = ""  # what is to be looked at before the next step, if the robot is not simulated
 
     @property
     def usage(self):
@@ -119,7 +120,7 @@ KEYS = tuple(Argument(f"--{key}", "key", f"{key}, {about}", "VALUE", choices=cho
 
 TABLE = (
     Step("start", "Start", "makes cfg/NAME, the configuration of your robot; or a simulated robot in a world of cfg/worlds, to try the steps",
-         how="makes {setup}", how_real=" as a copy of cfg/robot; then set its ports and devices", is_once=True,
+         how="makes {setup}", how_real=" as a copy of cfg/robot; then set its ports and devices", is_once=True, leads_to="devices",
          otherwise={"": "my own robot", "--simulated": "a simulated robot"},
          arguments=(Argument("--simulated", "choice", "", "WORLD", "corridor", worlds, may_lack_value=True, label="world"),
                     Argument("--seed", "whole", "draws the errors of wheels, and of an uncalibrated robot", "N", 1, goes_with=("--simulated",)),
@@ -135,8 +136,8 @@ TABLE = (
          results={"{out}/board/board.pdf": "the board, to print at 100 %", "{out}/board/board.png": "the board"}),
     Step("ruler", "Ruler", "takes what the two printed rulers measure [mm], for printers scale", needs="the printed board and a ruler", how="measure both rulers of the print",
          after=("target",),
-         arguments=(Argument("ACROSS", "number", "the ruler across [mm]", "ACROSS", 100, when=real),
-                    Argument("UP", "number", "the ruler up [mm]", "UP", 100, when=real))),
+         arguments=(Argument("ACROSS", "number", "the ruler across [mm]", "ACROSS", when=real),
+                    Argument("UP", "number", "the ruler up [mm]", "UP", when=real))),
     Step("lens", "Lens", "finds focal lengths and distortion from views of the board; goes on where it stopped",
          needs="the board, in your hand before the camera", how="show the board to the camera: {out}/lens/progress.png says where", after=("target",),
          otherwise={"--images": "a folder of images", "--bag": "a recording", "--camera": "a running camera"},

@@ -163,6 +163,13 @@ echo 'Nothing was written: add --write.'\n`);
     await says(".verdict", /Succeeded/);
     assert.equal(await page.locator("#apply").count(), 0);
     assert.match(readFileSync(at("out/own_robot/mine/page/body.json"), "utf8"), /"body", "--write"\]/);
+    await show("ruler");
+    await page.locator("#start").click();
+    assert.equal(await page.evaluate(() => document.activeElement.id), "rulerACROSS", "nobody's measure is 100 by itself");
+    await run("start");
+    await says("#next", /Next: Devices/);
+    await page.locator("#next").click();
+    assert.equal(await page.evaluate(() => document.activeElement.id), "detail", "the keyboard goes on from there");
     await show("lens");
     await page.waitForFunction(() => document.querySelector("#results img")?.naturalWidth === 1);
   },

@@ -262,7 +262,7 @@ class Runs(Page):
         with subprocess.Popen([self.path("build/release/bin/base_server")], cwd=self.root) as server:
             self.wait_for("began")
             self.write("out/mine/pids", f"{server.pid} base_server\n")
-            self.assertEqual((self.step("robot")["state"], self.step("robot")["how"]), ("on", "runs now: base_server"))
+            self.assertEqual((self.step("robot")["state"], self.step("robot")["how"]), ("on", "base_server"))
             self.run_step("robot", stop=True)
             self.assertEqual(self.output("robot")["lines"], ["stop: base_server ended"])
             self.assertEqual(server.wait(10), 0)

@@ -96,14 +96,17 @@ function drawAbout(step) {
   const word = stateOf(step), before = missing(step);
   const robot = step.wants_robot && step.state !== "none" ? stepOf("robot") : null;
   if (!changed("about", [robot?.how, step.name, step.title, step.does, step.needs, step.how, step.notes, word, state.next === step.name, before])) return;
-  const rows = [["needs", step.needs], [step.state === "none" ? "why" : step.name === "robot" ? "now" : "how", step.how]].filter(([, text]) => text);
+  const rows = [["needs", step.needs], [step.state === "none" ? "why" : step.name === "robot" ? "runs" : "how", step.how]].filter(([, text]) => text);
   if (word === "old") rows.push(["why", `what it was made from is newer: ${step.after.map(name => stepOf(name).title).join(" or ")}`]);
   $("about").replaceChildren(
     element("h1", {}, step.title, " ", words("span", "badge", wordFor(word, state.next === step.name))),
     element("p", {textContent: sentence(step.does)}),
     element("dl", {}, ...rows.flatMap(([name, text]) => [element("dt", {textContent: name}), element("dd", {textContent: text})])));
   $("about").querySelector(".badge").dataset.state = word;
-  if (robot) $("about").append(element("p", {}, "The robot: ", robot.how, ". ", goTo("robot")));
+  if (robot) {
+    const said = robot.state === "on" ? ["The robot runs: ", robot.how, ". "] : ["Nothing of the robot runs. To start it: "];
+    $("about").append(element("p", {className: robot.state === "on" ? "" : "first"}, ...said, goTo("robot")));
+  }
   if (step.notes && word !== "none") $("about").append(element("pre", {className: "notes", textContent: step.notes}));
   if (before.length > 0 && word !== "none") {
     $("about").append(element("p", {className: "first"}, "Comes first: ", ...before.map(goTo)));
@@ -144,10 +147,11 @@ function pressable(id, text, isPrimary, isOff, press) {
 function drawButtons(step, lines) {
   const isBusy = state.running !== null, before = missing(step), wasRun = step.last !== null;
   const apply = step.apply && wasRun && step.last.code === 0 && !isRunning(step) && wantsApply(lines);
-  const shown = [step.name, step.state, isBusy, before, wasRun, apply, state.next];
+  const shown = [step.name, step.state, isBusy, before, step.last?.code, apply, state.next, step.leads_to];
   if (!changed("buttons", shown)) return;
   const focused = document.activeElement?.id;
-  const goesOn = step.state === "done" && state.next && state.next !== step.name;
+  const isThrough = step.state === "done" || (step.name !== "robot" && step.state === "any" && step.last?.code === 0);
+  const following = isThrough && state.next ? step.leads_to || state.next : step.name, goesOn = following !== step.name;
   const start = pressable("start", ["done", "old"].includes(step.state) ? "Repeat this step" : "Run this step", !goesOn && !apply,
     isBusy || before.length > 0, () => isFilledIn($("form")) && ask("run", {step: step.name, arguments: given(step)}));
   $("buttons").replaceChildren(...isOffered(step) ? [start] : []);
@@ -155,7 +159,7 @@ function drawButtons(step, lines) {
     const {"--again": _, ...same} = given(step);  // of the same views
     $("buttons").append(pressable("apply", "Apply these changes", true, isBusy, () => ask("run", {step: step.name, arguments: {...same, [step.apply]: true}})));
   }
-  if (goesOn) $("buttons").append(pressable("next", `Next: ${stepOf(state.next).title} →`, !apply, false, () => follow(state.next)));
+  if (goesOn) $("buttons").append(pressable("next", `Next: ${stepOf(following).title} →`, !apply, false, () => follow(following)));
   if (!state.next && step.name === "localize")
     $("buttons").append(element("span", {}, "All is done. The robot with its map, in a terminal: ", element("code", {textContent: state.next_command})));
   if (isBusy && !isRunning(step)) $("buttons").append(words("span", "dim", `${stepOf(state.running.step).title} runs: one step at a time.`));
