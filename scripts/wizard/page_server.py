@@ -91,7 +91,7 @@ class Wizard:
                 "arguments": [self.argument(argument) for argument in arguments], "results": self.results(step),
                 "ctrl_c": step.ctrl_c, "apply": step.apply, "is_once": step.is_once,
                 "leads_to": "" if self.robot.simulated else step.leads_to,
-                "wants_robot": step.wants_robot and not self.robot.simulated,
+                "wants_robot": () if self.robot.simulated else step.wants_robot,
                 "last": last and {key: last[key] for key in ("number", "command", "began", "seconds", "code")}}
 
     def state(self):

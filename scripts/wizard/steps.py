@@ -79,7 +79,7 @@ class Step:
     notes: str = ""  # before it begins on a robot that is not simulated
     ctrl_c: str = "stop"  # what Ctrl-C is for
     apply: str = ""  # the argument that makes the changes which the step has shown
-    wants_robot: bool = False  # that its components run
+    wants_robot: tuple = ()  # alternatives for which its components run; "": the only one
     is_step: bool = True  # it is done once it succeeded
     is_once: bool = False  # it is not repeated
     leads_to: str = ""  # what is to be looked at before the next step, if the robot is not simulated
@@ -148,7 +148,7 @@ TABLE = (
          results={"{out}/lens/progress.png": "green: the lens is known; the arrow shows where the board is wanted next",
                   "{out}/lens/uncertainty.png": "standard deviation of the projection", "{out}/lens/residuals.png": "what the model does not explain",
                   "{out}/lens/report.json": "figures", "{out}/lens/camera.yaml": "the lens, as ROS reads it"},
-         ctrl_c="it goes on from here later", wants_robot=True),
+         ctrl_c="it goes on from here later", wants_robot=("--camera",)),
     Step("body", "Body", "finds the mounting of the camera, and errors of joints and wheels: the robot drives round the board on the floor; shows the changes of cfg/NAME",
          needs="the board, and free floor",
          how="the board flat on the floor, 1 m before the robot, free space around it", after=("target",),
@@ -159,7 +159,7 @@ TABLE = (
                     Argument("--ring-m", "number", "radius of its ways around the board [m]", "M", 1.1, to_program=True, minor=True, when=real),
                     Argument("--robot-radius-m", "number", "of the robot's body [m]", "M", 0.25, to_program=True, minor=True, when=real),
                     when(PORT_OFFSET, uncalibrated), when(PORT_OFFSET, real, to_program=True)),
-         results={"{out}/body/report.json": "figures"}, apply="--write", wants_robot=True,
+         results={"{out}/body/report.json": "figures"}, apply="--write", wants_robot=("",),
          notes="The robot drives round the board by itself and sees no obstacles: keep the floor free within the fence, and a hand at STOP."),
     Step("drive", "Drive", "records a drive until it is stopped, or for S seconds; or takes a recording", needs="you, who drive it",
          how="once round the place, and 10 m further", after=("start",), unless=("--bag",),

@@ -179,6 +179,11 @@ class WrongInput(Wizard):
                 done = subprocess.run([self.path("scripts/own_robot"), name, "map"], stderr=subprocess.PIPE, text=True)
                 self.assertEqual((done.returncode, done.stderr), (2, f"own_robot: cfg/{name} belongs to the project (expected a name of your own)\n"))
 
+    def test_a_step_without_a_name_is_not_taken_for_a_name(self):
+        for step in ("page", "drive"):
+            done = subprocess.run([self.path("scripts/own_robot"), step], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (2, f"own_robot: {step} is a step (expected a name before it: scripts/own_robot NAME {step})\n"))
+
     def test_a_described_simulated_robot_has_nothing_to_calibrate(self):
         self.assertIn("next: scripts/own_robot mine drive", self.step("start", "--simulated"))
         for step in ("target", "ruler", "lens", "body"):

@@ -79,7 +79,7 @@ function field(one, step, changed, send) {
   } else {
     input = element("input", {id, type: number ? "number" : "text", value: values[one.name], autocomplete: "off", spellcheck: false});
     if (number) Object.assign(input, {min: 0, step: one.kind === "whole" ? 1 : "any", required: !one.name.startsWith("--")});
-    else if (one.kind === "path" || one.kind === "file") input.placeholder = "path on the computer of this page, from the project's folder or from /";
+    else if (one.kind === "path" || one.kind === "file") input.placeholder = "path, from the project's folder or from /";
     input.oninput = () => keep(input.value.trim());
   }
   const row = element("span", {className: "entry"}, input);

@@ -1,5 +1,5 @@
 // The wizard's page: what the server says of the steps, the step that is looked at, and what its run says.
-import {commandLine, drawForm, element, given, isFilledIn, missing, words} from "./form.js";
+import {commandLine, drawForm, element, entries, given, isFilledIn, missing, words} from "./form.js";
 import {drawChanges, drawResults, failureOf, lineOf, sorted, wantsApply} from "./results.js";
 
 const $ = id => document.getElementById(id);
@@ -44,7 +44,8 @@ async function ask(what, order) {
 }
 
 async function send(file) {
-  const said = await ask("file", {name: file.name, text: await file.text()});
+  const name = file.name.normalize("NFKD").replace(/[^\w. -]+/g, "").replace(/^[^\w]+/, "").slice(-100);  // such as "place (1).clicks"
+  const said = await ask("file", {name: name || "file", text: await file.text()});
   return said?.path;
 }
 
@@ -94,7 +95,7 @@ function goTo(name) {
 
 function drawAbout(step) {
   const word = stateOf(step), before = missing(step);
-  const robot = step.wants_robot && step.state !== "none" ? stepOf("robot") : null;
+  const robot = step.wants_robot.includes(entries(step).chosen) && step.state !== "none" ? stepOf("robot") : null;
   if (!changed("about", [robot?.how, step.name, step.title, step.does, step.needs, step.how, step.notes, word, state.next === step.name, before])) return;
   const rows = [["needs", step.needs], [step.state === "none" ? "why" : step.name === "robot" ? "runs" : "how", step.how]].filter(([, text]) => text);
   if (word === "old") rows.push(["why", `what it was made from is newer: ${step.after.map(name => stepOf(name).title).join(" or ")}`]);
