@@ -24,6 +24,7 @@ PROGRAM = os.path.join(ROOT, "scripts", "own_robot")
 PORT = 8790
 MOST_BYTES = 1 << 20  # of a request
 STREAM_S = 1.0  # files are looked at this often
+MOST_STREAMS = 4  # a browser has 6 connections to a server: STOP needs one
 FILES = {"": "page/index.html", "page.js": "page/page.js", "form.js": "page/form.js", "results.js": "page/results.js", "wizard.css": "page/wizard.css"}
 LOOKS = os.path.join(ROOT, "components", "gui", "src", "style", "page.css")  # of the page that shows the robot
 ICON = os.path.join(ROOT, "components", "gui", "public", "favicon.svg")
@@ -52,6 +53,7 @@ class Wizard:
         self.robot, self.port_offset = robot, port_offset
         self.runs = StepRuns(robot, PROGRAM)
         self.closing = threading.Event()
+        self.streams = []  # one of each page that is open, the newest last
 
     def argument(self, argument):
         default = self.port_offset if argument.name == "--port-offset" else argument.default
@@ -231,8 +233,19 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.send_header("Connection", "close")
         self.close_connection = True
         self.send_common()
+        streams, me = self.server.wizard.streams, object()
+        streams.append(me)
+        try:
+            self.send_events(lambda: me in streams[-MOST_STREAMS:])
+        finally:
+            streams.remove(me)
+
+    def send_events(self, is_wanted):
         wizard, sent, number, at = self.server.wizard, None, None, 0
         while not wizard.closing.is_set():
+            if not is_wanted():
+                self.event("elsewhere", {})
+                return
             try:
                 name, state = "state", wizard.state()
             except (OSError, Failure) as error:

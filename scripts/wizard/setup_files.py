@@ -33,6 +33,7 @@ def locked(path):
     """The open file, until it is closed this process's alone; None when another process has it."""
     os.makedirs(os.path.dirname(path), exist_ok=True)
     file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o600), "r+", encoding="utf-8")
+    os.chmod(file.fileno(), 0o600)  # also of a copied folder: the page's address is a secret
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

@@ -146,6 +146,9 @@ class Refusals(Page):
             with socket.create_connection(("127.0.0.1", int(self.port)), timeout=20) as plain:
                 plain.sendall(f"GET {target} HTTP/1.1\r\nHost: {self.host}\r\nConnection: close\r\n\r\n".encode("latin-1"))
                 self.assertIn(b" 403 ", plain.recv(200), target)
+        os.chmod(self.path("out/own_robot/mine/page/address"), 0o644)
+        self.close(self.page)
+        self.open()
         self.assertEqual(os.stat(self.path("out/own_robot/mine/page/address")).st_mode & 0o777, 0o600)
 
     def test_only_loopback_is_served(self):
@@ -221,6 +224,20 @@ class Refusals(Page):
             self.assertEqual(self.ask("file", {"name": name, "text": ""})[0], 400, name)
         self.assertEqual(self.ask("file", {"name": "x"})[0], 400)
         self.assertEqual(os.listdir(self.path("out/own_robot/mine/page/files")), ["place.clicks"])
+
+
+    def test_pages_that_are_open_leave_a_connection_for_stop(self):
+        streams = []
+        for _ in range(6):
+            stream = self.enterContext(socket.create_connection(("127.0.0.1", int(self.port)), timeout=20))
+            stream.sendall(f"GET /{self.token}/events HTTP/1.1\r\nHost: {self.host}\r\n\r\n".encode())
+            streams.append(stream.makefile(encoding="utf-8"))
+            while streams[-1].readline() != "event: state\n":
+                pass
+        for stream in streams[:2]:
+            self.assertIn("event: elsewhere\n", list(stream), "it ends")
+        for stream in streams[2:]:
+            self.assertIn(": still here\n", (stream.readline() for _ in range(20)))
 
 
 class Runs(Page):

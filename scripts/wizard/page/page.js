@@ -275,6 +275,10 @@ function listen() {
     $("gone").classList.add("hidden");
     draw();
   });
+  events.addEventListener("elsewhere", () => {
+    events.close();
+    warn("This page was opened again elsewhere, too many times to show them all: reload it to go on here.");
+  });
   events.addEventListener("trouble", event => warn(JSON.parse(event.data).text));
   events.addEventListener("lines", event => {
     const {number, step, from, lines} = JSON.parse(event.data);
