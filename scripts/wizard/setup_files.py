@@ -77,6 +77,7 @@ def set_keys(path, values, instead_of=None):
     if after == before:
         return
     shutil.copyfile(path, path + ".old")
-    with open(path, "w", encoding="utf-8") as file:
+    with open(path + ".new", "w", encoding="utf-8") as file:  # a full disk must not empty the file
         file.write("\n".join(after) + "\n")
+    os.replace(path + ".new", path)
     say("\n".join(difflib.unified_diff(before, after, path + ".old", path, lineterm="")))

@@ -3,10 +3,13 @@
 The programs behind the steps are shell scripts. Tests B5, B6."""
 import concurrent.futures
 import contextlib
+import filecmp
+import functools
 import http.client
 import json
 import os
 import re
+import resource
 import shutil
 import signal
 import socket
@@ -232,10 +235,8 @@ class Refusals(Page):
             stream = self.enterContext(socket.create_connection(("127.0.0.1", int(self.port)), timeout=20))
             stream.sendall(f"GET /{self.token}/events HTTP/1.1\r\nHost: {self.host}\r\n\r\n".encode())
             streams.append(stream.makefile(encoding="utf-8"))
-            while streams[-1].readline() != "event: state\n":
-                pass
-        for stream in streams[:2]:
-            self.assertIn("event: elsewhere\n", list(stream), "it ends")
+            self.assertIn("event: state\n", streams[-1])
+        self.assertTrue(all("event: elsewhere\n" in list(stream) for stream in streams[:2]), "they end")
         for stream in streams[2:]:
             self.assertIn(": still here\n", (stream.readline() for _ in range(20)))
 
@@ -314,9 +315,9 @@ class Runs(Page):
         self.output("devices")
         self.assertEqual(self.run_step("start")[0], 200)
 
-    def own_robot(self, *arguments):
+    def own_robot(self, *arguments, **options):
         """On the command line."""
-        return subprocess.run([self.path("scripts/own_robot"), "mine", *arguments], capture_output=True, text=True)
+        return subprocess.run([self.path("scripts/own_robot"), "mine", *arguments], capture_output=True, text=True, **options)
 
     def test_neither_does_the_command_line_run_another_step(self):
         self.program("list_devices", self.LONG)
@@ -342,6 +343,13 @@ class Runs(Page):
         self.assertEqual(self.ask("file", {"name": "x", "text": ""}), (500, '{"error": "out/own_robot/mine/page/files: File exists"}'))
         os.makedirs(self.path("out/own_robot/mine/page/devices.json"))
         self.program("list_devices", "echo found\n")
+        shutil.copytree(self.path("cfg/robot"), self.path("cfg/mine"))
+        before, after = self.path("cfg/robot/base_server.cfg"), self.path("cfg/mine/base_server.cfg")
+        limit = functools.partial(resource.setrlimit, resource.RLIMIT_FSIZE, 2 * (os.path.getsize(before),))
+        done = self.own_robot("devices", "--BaseServer.Port=" + "x" * 99, preexec_fn=limit)
+        self.assertEqual((done.returncode, done.stderr), (1, "own_robot: File too large\n"))
+        self.assertTrue(filecmp.cmp(before, after, shallow=False), "a full disk empties no file")
+        shutil.rmtree(self.path("cfg/mine"))
         self.run_step("devices")
         self.assertEqual(self.output("devices")["lines"],
                          ["found", "warning: out/own_robot/mine/page/devices.json: Is a directory: the next page will not know of this run"])
@@ -458,8 +466,7 @@ class Programs(unittest.TestCase):
             with self.assertRaises(stopped):
                 run(["sleep", "60"], preexec_fn=interrupt)
             pid = int(os.read(reads, 20))
-            os.close(reads)
-            os.close(writes)
+            list(map(os.close, (reads, writes)))
             with self.assertRaises(ProcessLookupError, msg="it runs on"):
                 os.kill(pid, 0)
 
