@@ -233,9 +233,12 @@ TEST(CalibrateTarget, WritesBoardAndNotesTheRuler) {
   std::tie(code, text) = run({"--ruler-mm", "99.2", "99.5"});
   ASSERT_EQ(code, 0) << text;
   EXPECT_EQ(read().ruler_mm.value(), Eigen::Vector2d(99.2, 99.5));
-  std::tie(code, text) = run({"--ruler-mm", "9.92"});
+  std::tie(code, text) = run({"--ruler-mm", "9.92", "9.95"});
   EXPECT_EQ(code, 2);
-  EXPECT_THAT(text, HasSubstr("--ruler-mm 9.92, 9.92 (must be 85..115 mm"));
+  EXPECT_THAT(text, HasSubstr("--ruler-mm 9.92, 9.95 (must be 85..115 mm"));
+  std::tie(code, text) = run({"--ruler-mm", "99.2"});  // of two rulers
+  EXPECT_EQ(code, 2);
+  EXPECT_THAT(text, HasSubstr("--ruler-mm"));
   std::tie(code, text) = run({"--paper", "Letter"});
   EXPECT_EQ(code, 2);
   EXPECT_THAT(text, HasSubstr("paper Letter"));

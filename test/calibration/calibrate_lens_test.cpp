@@ -113,8 +113,8 @@ TEST_F(CalibrateLensTool, GoesOnWhereItStopped) {
   EXPECT_EQ(third.summary()["held_out_rms_px"].get<double>(),
             second.summary()["held_out_rms_px"].get<double>());
   // Another ruler makes another board.
-  const ToolRun other =
-      calibrateLensWith({"--board", *folder_ / "board.json", "--ruler-mm", "97", "--out", out / "lens"});
+  const ToolRun other = calibrateLensWith(
+      {"--board", *folder_ / "board.json", "--ruler-mm", "97", "97", "--out", out / "lens"});
   EXPECT_EQ(other.code, 2);
   EXPECT_THAT(other.error, HasSubstr("another board or of another ruler"));
 }

@@ -282,8 +282,8 @@ CalibrateCommand addLensCommand(CLI::App& calibrate) {
                                            "is JSON.");
   app->add_option("--board", options->board, "board.json of calibrate target")->required();
   app->add_option("--ruler-mm", options->ruler_mm,
-                  "what the printed rulers measure, instead of that in --board [mm]")
-      ->expected(1, 2);
+                  "ACROSS UP: what the two printed rulers measure, instead of that in --board [mm]")
+      ->expected(2);
   auto* images = app->add_option("--images", options->images, "folder of images, each of a still board");
   auto* bag =
       app->add_option("--bag", options->bag, "ROS 1 bag, or folder of bags, of a moving board or camera");

@@ -90,8 +90,8 @@ CalibrateCommand addTargetCommand(CLI::App& calibrate) {
       ->check(CLI::Range(5.0, 500.0));
   app->add_option("--first-tag", options->board.first_tag, "first tag, for several boards in one room")
       ->capture_default_str();
-  app->add_option("--ruler-mm", options->ruler_mm, "what the rulers of 100 mm measure, across and up [mm]")
-      ->expected(1, 2);
+  app->add_option("--ruler-mm", options->ruler_mm, "ACROSS UP: what the two rulers of 100 mm measure [mm]")
+      ->expected(2);
   app->add_flag("--world", options->is_for_simulator,
                 "also OUT/board.world: the board on a floor, for the simulator");
   return {app, [options] {
