@@ -56,6 +56,12 @@ TEST_F(LearnPalette, FromADriveNamesTheEdgesOfTheMapAsWellAsTheHandMadeOne) {
   ASSERT_EQ(learnt.code, 0) << learnt.error;
   const nlohmann::json summary = learnt.summary();
   EXPECT_GT(summary["named_share"], 0.5) << summary;
+  for (const char* light : {"brightness", "white", "gamma"}) {
+    const double neutral = std::string(light) == "white" ? 6500.0 : 1.0;
+    EXPECT_LT(summary["holds"][light][0], 0.95 * neutral) << summary;
+    EXPECT_GT(summary["holds"][light][1], 1.05 * neutral) << summary;
+  }
+  EXPECT_THAT(learnt.error, HasSubstr("nine of ten edges keep their names while images are 0."));
   EXPECT_FALSE(cv::imread(file("own.png")).empty());
 
   // Guessed names are others than those of the map: each is renamed to the hand-made class that holds its

@@ -1,5 +1,6 @@
 // learn_palette: a palette from images of a place (V3, B5).
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -23,6 +24,7 @@
 #include "common/vision/app/image_file.h"
 #include "common/vision/app/palette_picture.h"
 #include "common/vision/segment_extractor.h"
+#include "evaluation/core/perturbation.h"
 
 namespace {
 
@@ -31,6 +33,21 @@ using namespace vismem;
 constexpr std::size_t kPictures = 3;
 constexpr std::size_t kShown = 12;
 constexpr const char* kPage = "clicks.html";
+constexpr double kKeptNames = 0.9;  // share of the edges that keep their names in another light
+constexpr int kLightSteps = 12;
+/// Changes of light, from the present value as far as cameras and lamps go.
+struct LightChange {
+  const char* name;  ///< as Perturbation calls it
+  double neutral;
+  double least;
+  double most;
+  void (*set)(Perturbation&, double);
+};
+constexpr std::array<LightChange, 3> kLights{{
+    {"brightness", 1.0, 0.25, 4.0, [](Perturbation& p, double value) { p.brightness = value; }},
+    {"white", 6500.0, 2500.0, 16000.0, [](Perturbation& p, double value) { p.white_K = value; }},
+    {"gamma", 1.0, 0.5, 2.0, [](Perturbation& p, double value) { p.gamma = value; }},
+}};
 constexpr double kSecondsStep_s = 0.005;  // of the names of shown images
 
 /// The edges that the memory sees, those between colours of equal brightness among them.
@@ -54,6 +71,7 @@ struct Options {
   std::filesystem::path picture;
   std::filesystem::path show;
   std::size_t most_images = 80;
+  Perturbation perturbation;  ///< of the camera
 };
 
 /// A line of the file of clicks.
@@ -116,6 +134,7 @@ class Lesson {
       if (image->image.empty()) continue;
       if (image->image.type() != CV_8UC3)
         throw std::runtime_error(image->name + ": is grey (must be in colour)");
+      image->image = perturbedImage(options_.perturbation, image->image, i);
       if (!first_us) first_us = image->stamp_us;
       const double age_s = 1e-6 * static_cast<double>(image->stamp_us - *first_us);
       if (!options_.show.empty() &&
@@ -156,6 +175,8 @@ class Lesson {
     for (const LearntPair& one : learnt.pairs)
       summary["pairs"].push_back({{"label", one.label}, {"classes", {one.a, one.b}}, {"share", one.share}});
     summary["named_share"] = namedShare(palette);
+    summary["holds"] = holds(*palette);
+    summary["notes"].push_back(noteOn(summary["holds"]));
     if (!options_.show.empty()) summary["page"] = (options_.show / kPage).string();
     if (!options_.picture.empty()) summary["picture"] = options_.picture.string();
     return summary;
@@ -201,6 +222,41 @@ class Lesson {
                        "\" (must be seconds within the recording, or the name of a file of the folder)");
     }
     if (!missed.empty()) throw ConfigError(missed);
+  }
+
+  /// Of each change of light the two values between which most edges keep their names.
+  nlohmann::json holds(const Palette& palette) const {
+    const auto keeps = [&](void (*set)(Perturbation&, double), double value) {
+      Perturbation light;
+      set(light, value);
+      return learner_.keptNames(palette, [&](const cv::Mat& image) {
+        return perturbedImage(light, image, 0);
+      }) >= kKeptNames;
+    };
+    nlohmann::json ranges;
+    for (const auto& [name, neutral, least, most, set] : kLights) {
+      std::array<double, 2> range{neutral, neutral};
+      for (std::size_t end = 0; end < 2; ++end) {
+        const double step = std::pow((end == 0 ? least : most) / neutral, 1.0 / kLightSteps);
+        for (int i = 1; i <= kLightSteps && keeps(set, neutral * std::pow(step, i)); ++i)
+          range[end] = neutral * std::pow(step, i);
+      }
+      ranges[name] = range;
+    }
+    return ranges;
+  }
+
+  static std::string noteOn(const nlohmann::json& holds) {
+    const auto end = [&](const char* name, int i) {
+      return holds[name][static_cast<std::size_t>(i)].get<double>();
+    };
+    return formatted(
+        "nine of ten edges keep their names while images are %.2f to %.2f times as bright, the light has "
+        "%.0f to "
+        "%.0f K (6500: as now), and gamma is %.2f to %.2f: keep exposure and white balance locked within "
+        "that",
+        end("brightness", 0), end("brightness", 1), end("white", 0), end("white", 1), end("gamma", 0),
+        end("gamma", 1));
   }
 
   /// Of the edges' length in images that were not learnt from. Writes the picture, if one is wanted.
@@ -263,11 +319,16 @@ int main(int argc, char** argv) {
   app.add_option("--most-images", options.most_images, "to learn from, spread over all")
       ->check(CLI::Range(2, 10000))
       ->capture_default_str();
+  std::string perturb;
+  app.add_option("--perturb", perturb, "the camera: as of evaluate")->check([](const std::string& text) {
+    return parsePerturbation(text).error;
+  });
   if (const auto code = vismem::parseTool(app, argc, argv)) return *code;
   if (bag->count() + images->count() == 0) {
     std::cerr << "learn_palette: expected --bag FILE or --images FOLDER\n";
     return vismem::kExitUsage;
   }
+  options.perturbation = parsePerturbation(perturb).perturbation;
   try {
     Lesson lesson(options);
     lesson.run();

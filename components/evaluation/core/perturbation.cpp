@@ -115,29 +115,6 @@ cv::Mat withNoise(const cv::Mat& image, double sigma, std::uint64_t seed) {
   return noisy;
 }
 
-/// Optics, light, sensor and encoding, in this order.
-cv::Mat perturbedPixels(const Perturbation& p, const cv::Mat& image, std::uint64_t seed) {
-  cv::Mat pixels = image;
-  if (p.scale != 1.0) {
-    cv::Mat scaled;
-    cv::resize(pixels, scaled, {}, p.scale, p.scale, p.scale < 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
-    pixels = scaled;
-  }
-  if (p.blur_px > 0) {
-    cv::Mat blurred;
-    cv::blur(pixels, blurred, cv::Size(p.blur_px, 1));
-    pixels = blurred;
-  }
-  if (p.changesLight()) pixels = relit(p, pixels);
-  if (p.noise > 0.0) pixels = withNoise(pixels, p.noise, seed);
-  if (p.jpeg_quality > 0) {
-    const DecodedImage decoded = decodeImageFile(encodeJpeg(pixels, p.jpeg_quality));
-    if (!decoded.error.empty()) throw std::runtime_error("a perturbed image " + decoded.error);
-    pixels = decoded.image;
-  }
-  return pixels;
-}
-
 }  // namespace
 
 ParsedPerturbation parsePerturbation(const std::string& text) {
@@ -166,6 +143,29 @@ Eigen::Vector3d whiteBalanceFactors(double temperature_K) {
   return (ratio / ratio[1]).pow(kEncoding).matrix();
 }
 
+// Optics, light, sensor and encoding, in this order.
+cv::Mat perturbedImage(const Perturbation& p, const cv::Mat& image, std::uint64_t seq) {
+  cv::Mat pixels = image;
+  if (p.scale != 1.0) {
+    cv::Mat scaled;
+    cv::resize(pixels, scaled, {}, p.scale, p.scale, p.scale < 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
+    pixels = scaled;
+  }
+  if (p.blur_px > 0) {
+    cv::Mat blurred;
+    cv::blur(pixels, blurred, cv::Size(p.blur_px, 1));
+    pixels = blurred;
+  }
+  if (p.changesLight()) pixels = relit(p, pixels);
+  if (p.noise > 0.0) pixels = withNoise(pixels, p.noise, seq);
+  if (p.jpeg_quality > 0) {
+    const DecodedImage decoded = decodeImageFile(encodeJpeg(pixels, p.jpeg_quality));
+    if (!decoded.error.empty()) throw std::runtime_error("a perturbed image " + decoded.error);
+    pixels = decoded.image;
+  }
+  return pixels;
+}
+
 Frame perturbed(const Perturbation& p, Frame frame) {
   if (p.changesPose()) {
     if (!frame.T_robot_camera) {
@@ -181,7 +181,7 @@ Frame perturbed(const Perturbation& p, Frame frame) {
   frame.intrinsics.fx *= p.focal;
   frame.intrinsics.fy *= p.focal;
   frame.stamp_us += toStampUs(p.late_s);
-  frame.image = perturbedPixels(p, frame.image, frame.seq);
+  frame.image = perturbedImage(p, frame.image, frame.seq);
   if (p.scale != 1.0) scaleTo(frame.image, frame.intrinsics);
   frame.native.reset();
   return frame;

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 
@@ -52,8 +54,11 @@ bool arrives(const Perturbation& perturbation, const Frame& frame);
 /// camera that is balanced for 6500 K; that of green is 1. Planck's law at 611, 549 and 464 nm.
 Eigen::Vector3d whiteBalanceFactors(double temperature_K);
 
-/// The frame as a perturbed camera reports it. Pixels are copied before they change. Noise depends on the
-/// frame's number alone.
+/// The image as a perturbed camera gives it. Noise depends on `seq` alone.
+/// @param image is not changed.
+cv::Mat perturbedImage(const Perturbation& perturbation, const cv::Mat& image, std::uint64_t seq);
+
+/// The frame as a perturbed camera reports it. Pixels are copied before they change.
 /// @throws std::invalid_argument when the pose of the camera shall change and the frame lacks it.
 Frame perturbed(const Perturbation& perturbation, Frame frame);
 

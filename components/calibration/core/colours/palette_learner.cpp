@@ -262,6 +262,35 @@ void PaletteLearner::nameRest(std::vector<Cluster>& found) const {
   }
 }
 
+double PaletteLearner::keptNames(const Palette& palette,
+                                 const std::function<cv::Mat(const cv::Mat&)>& relit) const {
+  cv::Mat before(static_cast<int>(edges_.size()), 2, CV_8UC3);
+  for (int i = 0; i < before.rows; ++i) {
+    for (int s = 0; s < 2; ++s) {
+      const Rgb& c = colours_[edges_[static_cast<std::size_t>(i)].sides[static_cast<std::size_t>(s)]];
+      before.at<cv::Vec3b>(i, s) = {c[0], c[1], c[2]};
+    }
+  }
+  const cv::Mat after = relit(before);
+  const auto labelIn = [&](const cv::Mat& image, int i) {
+    const auto classOf = [&](int s) {
+      const Rgb c = rgbAt(image, s, i);
+      return palette.classOf(c[0], c[1], c[2]);
+    };
+    return palette.label(classOf(0), classOf(1));
+  };
+  double named_px = 0.0;
+  double kept_px = 0.0;
+  for (int i = 0; i < before.rows; ++i) {
+    const Label label = labelIn(before, i);
+    if (label == kUnknownLabel) continue;
+    const double length_px = edges_[static_cast<std::size_t>(i)].length_px;
+    named_px += length_px;
+    if (labelIn(after, i) == label) kept_px += length_px;
+  }
+  return named_px > 0.0 ? kept_px / named_px : 1.0;
+}
+
 LearntPalette PaletteLearner::learn() const {
   LearntPalette result;
   std::vector<std::vector<std::size_t>> clicked;

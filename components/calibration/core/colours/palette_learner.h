@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <opencv2/core/mat.hpp>
 #include <string>
@@ -55,6 +56,10 @@ class PaletteLearner {
 
   /// @throws std::runtime_error with what is missing, when no two classes meet at edges.
   LearntPalette learn() const;
+
+  /// Share of the named edges, by length, that keep their name when the light changes.
+  /// @param relit  the colours of an image, CV_8UC3 (R, G, B), under the other light.
+  double keptNames(const Palette& palette, const std::function<cv::Mat(const cv::Mat&)>& relit) const;
 
  private:
   enum class Kind { kSide, kSurface, kLowSurface, kClick };
