@@ -12,7 +12,7 @@ const signs: Record<Form, string> = {line: "\u2501", thin: "\u2500", dashed: "\u
 /** What each layer draws. */
 export const layers: readonly {option: keyof SceneOptions; text: string; signs: readonly (readonly [ColourName, Form, string])[]}[] = [
   {option: "map", text: "map", signs: [["map", "line", "map"]]},
-  {option: "memory", text: "memory", signs: [["memory", "line", "confirmed"], ["memory", "dashed", "not yet"], ["dim", "thin", "off the floor"], ["selection", "line", "selected"]]},
+  {option: "memory", text: "memory", signs: [["memory", "line", "confirmed"], ["memory", "dashed", "not yet"], ["dim", "thin", "off floor"], ["selection", "line", "selected"]]},
   {option: "ellipses", text: "covariances", signs: [["dim", "ring", "2 sigma of an end"]]},
   {option: "primitives", text: "primitives", signs: [["primitive", "line", "shape"], ["hypothesis", "ring", "inferred corner"]]},
   {option: "attention", text: "attention", signs: [["gaze", "ring", "larger: more salient"]]},
