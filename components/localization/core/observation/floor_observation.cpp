@@ -141,12 +141,45 @@ void addMemory(FloorObservation& observation, const MemorySnapshot& snapshot, co
   capPoints(observation.points, params.effective_points);
 }
 
+/// Standard deviation of a floor point along its ray [m].
+double stdOfRange(double range, double height, const ObservationParams& params) {
+  return (range * range + height * height) / height * params.camera_sigma_rad;
+}
+
+/// Places a point of an image at the middle of its piece.
+void place(FloorPoint& point, const Segment2& piece, double height, const ObservationParams& params) {
+  point.p_robot = piece.middle();
+  point.direction_robot = piece.direction();
+  // A pitch error moves a floor point along the ray, a heading error across it.
+  const Eigen::Vector2d ray = point.p_robot - point.camera_robot;
+  const double range = std::max(ray.norm(), 1e-3);
+  const Eigen::Vector2d along = (piece.b - piece.a) / piece.length();
+  const double across_ray = std::abs(along.x() * ray.y() - along.y() * ray.x()) / range;
+  const double along_ray = std::abs(along.dot(ray)) / range;
+  const double std_bearing = range * params.camera_sigma_rad;
+  point.sigma_m = std::min(
+      kMaximumSigma_m,
+      std::hypot(params.sigma_m, across_ray * stdOfRange(range, height, params), along_ray * std_bearing));
+  point.weight = kPointsPerMetre * std::min(piece.length(), kLongestPiece_m);
+  point.d_tilt = movedByTilt(ray, height);
+}
+
+/// An end fixes the position along its line; the camera's error is isotropic there.
+/// @param point of the piece that ends there.
+FloorPoint endOf(FloorPoint point, const Eigen::Vector2d& end, double height,
+                 const ObservationParams& params) {
+  const double range = std::max((point.p_robot - point.camera_robot).norm(), 1e-3);
+  point.p_robot = end;
+  point.sigma_m = std::min(kMaximumSigma_m, std::hypot(params.sigma_m, stdOfRange(range, height, params)));
+  point.d_tilt = movedByTilt(end - point.camera_robot, height);
+  return point;
+}
+
 /// Adds the points of an image. @return their weight before the bound.
 double addImage(FloorObservation& observation, const ImageAnalysis& analysis, const MapIndex& map,
                 const ObservationParams& params, const CameraModel* corrected) {
   const CameraIntrinsics& intrinsics = corrected ? corrected->intrinsics : analysis.intrinsics;
   const Pose3& T_robot_camera = corrected ? corrected->T_robot_camera : analysis.T_robot_camera;
-  const Eigen::Vector2d camera = T_robot_camera.translation().head<2>();
   const double height = T_robot_camera.translation().z();
   if (!(height > 0.0)) return 0.0;
   const std::size_t first_point = observation.points.size();
@@ -158,7 +191,7 @@ double addImage(FloorObservation& observation, const ImageAnalysis& analysis, co
     if (!label) continue;
     FloorPoint point;
     point.label = *label;
-    point.camera_robot = camera;
+    point.camera_robot = T_robot_camera.translation().head<2>();
     point.per_camera_height = 1.0 / height;
     point.off_floor = isOffFloor(analysis, observed);
     if (!isMapped(point, map)) continue;
@@ -183,20 +216,7 @@ double addImage(FloorObservation& observation, const ImageAnalysis& analysis, co
       has_last = true;
       if (!is_piece) continue;
       if (weight == 0.0) begin = piece.a;
-      point.p_robot = piece.middle();
-      point.direction_robot = piece.direction();
-      // A pitch error moves a floor point along the ray, a heading error across it.
-      const Eigen::Vector2d ray = point.p_robot - camera;
-      const double range = std::max(ray.norm(), 1e-3);
-      const Eigen::Vector2d along = (piece.b - piece.a) / piece.length();
-      const double across_ray = std::abs(along.x() * ray.y() - along.y() * ray.x()) / range;
-      const double along_ray = std::abs(along.dot(ray)) / range;
-      const double std_range = (range * range + height * height) / height * params.camera_sigma_rad;
-      const double std_bearing = range * params.camera_sigma_rad;
-      point.sigma_m = std::min(kMaximumSigma_m,
-                               std::hypot(params.sigma_m, across_ray * std_range, along_ray * std_bearing));
-      point.weight = kPointsPerMetre * std::min(piece.length(), kLongestPiece_m);
-      point.d_tilt = movedByTilt(ray, height);
+      place(point, piece, height, params);
       amount += point.weight;
       weight += point.weight;
       observation.points.push_back(point);
@@ -204,12 +224,7 @@ double addImage(FloorObservation& observation, const ImageAnalysis& analysis, co
       for (const bool first : {true, false}) {
         if (i != (first ? 1 : pieces)) continue;
         if (!insideImage(intrinsics, first ? segment.px.a : segment.px.b)) continue;
-        // An end fixes the position along its line; the camera's error is isotropic here.
-        FloorPoint end = point;
-        end.p_robot = first ? piece.a : piece.b;
-        end.sigma_m = std::min(kMaximumSigma_m, std::hypot(params.sigma_m, std_range));
-        end.d_tilt = movedByTilt(end.p_robot - camera, height);
-        ends[end_count++] = end;
+        ends[end_count++] = endOf(point, first ? piece.a : piece.b, height, params);
       }
     }
     for (FloorPoint& end : std::span(ends).first(end_count)) {
