@@ -251,10 +251,9 @@ class Lesson {
       return holds[name][static_cast<std::size_t>(i)].get<double>();
     };
     return formatted(
-        "nine of ten edges keep their names while images are %.2f to %.2f times as bright, the light has "
-        "%.0f to "
-        "%.0f K (6500: as now), and gamma is %.2f to %.2f: keep exposure and white balance locked within "
-        "that",
+        "nine of ten edges keep their names while images are %.2f to %.2f times as bright, "
+        "the light has %.0f to %.0f K (6500: as now), and gamma is %.2f to %.2f: "
+        "keep exposure and white balance locked within that",
         end("brightness", 0), end("brightness", 1), end("white", 0), end("white", 1), end("gamma", 0),
         end("gamma", 1));
   }
