@@ -22,14 +22,26 @@ double frameVariance(const TiltJacobianRow& d_tilt, const Eigen::Matrix2d& P_fra
 }  // namespace
 
 void PlaneVerification::begin(const FloorLine& line, const PlaneView& view) {
+  first_camera = view.camera;
+  setAnchor(line, view);
+}
+
+void PlaneVerification::setAnchor(const FloorLine& line, const PlaneView& view) {
   parallax = ParallaxEstimate{};
+  anchored = true;
   anchor_line = line;
   anchor_camera = view.camera;
 }
 
+void PlaneVerification::contradict() {
+  if (stands) return;
+  on_floor = anchored = false;
+  parallax = ParallaxEstimate{};
+}
+
 double PlaneVerification::possibleShift(const PlaneView& view, const ParallaxEstimate::Params& params) const {
   if (on_floor) return 0.0;
-  const double way = std::abs(anchor_line.normal().dot(view.camera - anchor_camera));
+  const double way = std::abs(anchor_line.normal().dot(view.camera - first_camera));
   const auto slope = parallax.slope(ParallaxEstimate::kOffset, view.P_tilt, params);
   return slope ? way * std::min(1.0, std::hypot(slope->value, std::sqrt(slope->variance))) : way;
 }
@@ -75,6 +87,7 @@ void PlaneVerification::addEnd(const FloorLine& line, const FloorSegment& observ
 void PlaneVerification::observe(const FloorLine& line, const FloorSegment& observed, const PlaneView& view,
                                 const ParallaxEstimate::Params& params,
                                 const FloorLine::Params& line_params) {
+  if (!anchored) setAnchor(line, view);
   if (baseline(view.camera) < params.min_step_m) {
     // Views from the place of the anchor improve it and have no parallax.
     anchor_line = line;
@@ -95,6 +108,7 @@ void PlaneVerification::observe(const FloorLine& line, const FloorSegment& obser
 void PlaneVerification::transform(const PlanarIncrement& motion) {
   anchor_line.transform(motion);
   anchor_camera = motion.apply(anchor_camera);
+  first_camera = motion.apply(first_camera);
 }
 
 void PlaneVerification::applyTiltChange(const CameraTilt& change) {

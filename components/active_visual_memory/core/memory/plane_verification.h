@@ -24,6 +24,8 @@ struct PlaneVerification {
   bool on_floor = false;  ///< its floor place rests while the camera moves
   bool stands = false;    ///< its floor place moves with the camera: it is off the floor or moves by itself
   bool not_vertical = false;  ///< a view across the viewing ray excluded a vertical edge
+  bool anchored = true;       ///< false: the next view is the anchor
+  Eigen::Vector2d first_camera = Eigen::Vector2d::Zero();  ///< of all views
   Eigen::Vector2d anchor_camera = Eigen::Vector2d::Zero();
   FloorLine anchor_line;
   ParallaxEstimate parallax;
@@ -35,13 +37,16 @@ struct PlaneVerification {
   /// Distance of the camera from the anchor [m].
   double baseline(const Eigen::Vector2d& camera) const { return (camera - anchor_camera).norm(); }
 
-  /// How far its floor place may have moved across the line since the anchor [m]. On the floor 0; else the
-  /// way of the camera across the line, times the slope of the parallax: at most 1, which is that of an edge
-  /// that drives ahead, and 1 while it is unknown.
+  /// How far its floor place may have moved across the line since the first view [m]. On the floor 0; else
+  /// the way of the camera across the line, times the slope of the parallax: at most 1, which is that of an
+  /// edge that drives ahead, and 1 while it is unknown.
   double possibleShift(const PlaneView& view, const ParallaxEstimate::Params& params) const;
 
   /// Begins with a view of the line.
   void begin(const FloorLine& line, const PlaneView& view);
+  /// Its place was seen without it: an edge that comes back there may be another one, so that verification
+  /// begins anew with the next view. One off the floor stays so.
+  void contradict();
   /// Compares a view with the anchor.
   /// @param line      before it is fused with `observed`.
   /// @param observed  in the direction of the line.
@@ -53,6 +58,7 @@ struct PlaneVerification {
   void applyTiltChange(const CameraTilt& change);
 
  private:
+  void setAnchor(const FloorLine& line, const PlaneView& view);
   void addOffset(const FloorSegment& observed, const PlaneView& view, double drift_m,
                  const ParallaxEstimate::Params& params);
   void addEnd(const FloorLine& line, const FloorSegment& observed, bool at_b, const PlaneView& view,

@@ -255,6 +255,9 @@ Sighting SegmentMemory::judgeUnobserved(MemoryElement& element, const Segment2& 
         break;
     }
   }
+  if (sighting == Sighting::kAbsent && params_.confirmation.by_parallax &&
+      element.value.life < kContradictedShare * params_.retention.life.maximum)
+    element.plane.contradict();
   // Several images may fall into one tick of life; the best of them counts.
   element.sighting = std::max(element.sighting, sighting);
   return sighting;

@@ -14,6 +14,9 @@ inline constexpr double kMaxMappingTurn_radps =
     3.0;  // turn rate of the camera up to which new elements are added
 inline constexpr double kRangeSlack =
     1.03;  // segments that a frame tilt moved beyond this times the range are cut again
+// An absence with less than this share of the full life contradicts that an edge rests: the detector misses
+// edges for two or three images, and those long unseen are less sure.
+inline constexpr double kContradictedShare = 0.8;
 // Gates on the floor (M3; M2 multiplies them by kDuplicateGateShare).
 inline constexpr double kNearAngle_rad = 0.12;
 inline constexpr double kMaxGap_m = 0.06;          // between the extents of pieces of one line

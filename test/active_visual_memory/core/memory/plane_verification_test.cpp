@@ -68,6 +68,19 @@ TEST(PlaneVerification, RefutesWhatMovesLater) {
   EXPECT_TRUE(rests.isVerified());
 }
 
+TEST(PlaneVerification, WhatWasAbsentIsVerifiedAnew) {
+  PlaneVerification plane = verified(kOblique, 0.0, 0.6);
+  plane.contradict();
+  EXPECT_FALSE(plane.on_floor);
+  drive(plane, kOblique, 0.0, 0.65, 0.7);
+  EXPECT_FALSE(plane.on_floor) << "the views before it do not count";
+  drive(plane, kOblique, 0.0, 0.7, 1.1);
+  EXPECT_TRUE(plane.isVerified());
+  PlaneVerification high = verified(kOblique, 0.15, 0.6);
+  high.contradict();
+  EXPECT_TRUE(high.stands) << "an absence does not lay it on the floor";
+}
+
 TEST(PlaneVerification, NodsOfTheCameraAreNoParallax) {
   // A walking robot: each image has a pitch of its own.
   const auto refuted = [](double stated_rad) {
