@@ -43,7 +43,9 @@ class OneLine {
     analysis->intrinsics = seen;
     analysis->T_robot_camera = observation.T_robot_camera;
     auto snapshot = std::make_shared<MemorySnapshot>();
-    KeyframeRecorder recorder(KeyframeParams{});
+    KeyframeParams params;
+    params.projector.end_short_px = 1.0;
+    KeyframeRecorder recorder(params);
     EXPECT_TRUE(recorder.add(observation.frame, {snapshot, analysis}, snapshot->segments));
     const DriveRecord& record = recorder.record();
     EXPECT_EQ(record.keyframes.at(0).sightings.size(), 1U);
@@ -83,7 +85,7 @@ TEST(KeyframeRecorder, AnEvenlyFaintEdgeStaysWhole) {
   OneLine view;
   view.paint(0, 320, 100, 58);
   const LineSighting sighting = view.recorded(60, 290);
-  EXPECT_NEAR(sighting.px.a.x(), 59.0, 0.1);  // detectors end a pixel short
+  EXPECT_NEAR(sighting.px.a.x(), 59.0, 0.1);  // of a detector that ends a pixel short
   EXPECT_NEAR(sighting.px.b.x(), 291.0, 0.1);
 }
 

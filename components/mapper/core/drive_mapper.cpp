@@ -52,7 +52,8 @@ void recentreAll(MapState& state) {
 /// The drive in the making.
 class Mapping {
  public:
-  Mapping(const DriveRecord& record, const DriveMapperParams& params) : record_(record), params_(params) {
+  Mapping(const DriveRecord& record, const DriveMapperParams& params)
+      : record_(record), params_(params), graph_(params.graph) {
     map_.state = initialState(record, params.landmarks);
     for (const Keyframe& keyframe : record.keyframes) ways_.push_back(keyframe.way_m);
   }
@@ -82,11 +83,13 @@ class Mapping {
     if (!solve({.kernel = params_.kernel})) return std::move(map_);
     updateEnds(record_, params_.ends, map_.state);
     const DriveMap unfinished = map_;
+    const GraphParams unfinished_graph = graph_;
     finish({});
     map_.T_map_world = mapFrameOf(map_.state);
     if (params_.edits.empty()) return std::move(map_);
     const Pose2 T_start_map = inverse(map_.T_map_world * map_.state.poses.front());
     map_ = unfinished;
+    graph_ = unfinished_graph;
     finish(params_.edits);
     map_.T_map_world = inverse(map_.state.poses.front() * T_start_map);
     return std::move(map_);
@@ -94,7 +97,8 @@ class Mapping {
 
  private:
   bool solve(const SolveStage& stage) {
-    const SolveReport report = solveGraph(record_, params_.graph, stage, map_.state, map_.closings);
+    const SolveReport report = solveGraph(record_, graph_, stage, map_.state, map_.closings);
+    if (report.usable && stage.ends) graph_ = measured(graph_, report);
     map_.seconds += report.seconds;
     if (!report.usable) map_.problem = report.problem;
     recentreAll(map_.state);
@@ -209,6 +213,7 @@ class Mapping {
 
   const DriveRecord& record_;
   const DriveMapperParams& params_;
+  GraphParams graph_;  ///< with the noise that the solves so far left
   std::vector<double> ways_;
   DriveMap map_;
 };

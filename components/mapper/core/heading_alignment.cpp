@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "active_visual_memory/core/estimation/dominant_direction.h"
@@ -89,6 +90,33 @@ bool alignHeadings(const DriveRecord& record, const OdometryErrors& odometry, co
     state.poses[k] = {moved.x, moved.y, theta};
   }
   return true;
+}
+
+std::optional<double> dominantDirectionOf(const MapState& state, double gate_rad, double least_share) {
+  // The direction with most length within the gate, refined by a mean over four times the angle.
+  std::vector<std::pair<double, double>> lines;  // direction, length
+  double all = 0.0;
+  for (const LineLandmark& landmark : state.landmarks) {
+    if (landmark.isChord()) continue;
+    const Segment2 segment = state.worldSegment(landmark);
+    lines.emplace_back(segment.direction(), segment.length());
+    all += segment.length();
+  }
+  double best = 0.0;
+  std::optional<double> direction;
+  for (const auto& [candidate, unused] : lines) {
+    double length = 0.0;
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (const auto& [angle, weight] : lines) {
+      if (std::abs(std::sin(2.0 * (angle - candidate))) > 2.0 * gate_rad) continue;
+      length += weight;
+      sum += weight * Eigen::Vector2d(std::cos(4.0 * angle), std::sin(4.0 * angle));
+    }
+    if (length <= best) continue;
+    best = length;
+    direction = std::atan2(sum.y(), sum.x()) / 4.0;
+  }
+  return all > 0.0 && best >= least_share * all ? direction : std::nullopt;
 }
 
 }  // namespace vismem

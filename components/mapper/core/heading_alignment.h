@@ -2,6 +2,7 @@
 #pragma once
 
 #include <numbers>
+#include <optional>
 
 #include "mapper/core/landmarks.h"
 #include "mapper/core/map_graph.h"
@@ -25,5 +26,9 @@ struct HeadingParams {
 /// @return whether the place has a dominant direction; else the poses stay as they are.
 bool alignHeadings(const DriveRecord& record, const OdometryErrors& odometry, const HeadingParams& params,
                    MapState& state);
+
+/// The direction that most of the landmarks' length follows, modulo 90 degrees [rad].
+/// @return empty if less than this share of the length does.
+std::optional<double> dominantDirectionOf(const MapState& state, double gate_rad, double least_share = 0.6);
 
 }  // namespace vismem

@@ -13,8 +13,6 @@ namespace vismem {
 KeyframeParams KeyframeParams::of(const AttentiveVisualMemoryParams& memory) {
   KeyframeParams params;
   params.projector = memory.projector;
-  // The sighting keeps the pixel where the segment ended; the shift is our own.
-  params.projector.end_short_px = 0.0;
   params.evidence = memory.memory.evidence;
   return params;
 }
@@ -112,8 +110,9 @@ LineSighting KeyframeRecorder::sightingOf(const ImageAnalysis& analysis, const I
   sighting.censored_a = !strong.cut_a && (floor.a.censored || evidence.isHiddenBeyond(strong.px, false));
   sighting.censored_b = !strong.cut_b && (floor.b.censored || evidence.isHiddenBeyond(strong.px, true));
   const Eigen::Vector2d along = (observed.px.b - observed.px.a).normalized();
-  if (!sighting.censored_a && !strong.cut_a) sighting.px.a -= params_.end_short_px * along;
-  if (!sighting.censored_b && !strong.cut_b) sighting.px.b += params_.end_short_px * along;
+  const Eigen::Vector2d short_px = params_.projector.end_short_px * along;
+  if (!sighting.censored_a && !strong.cut_a) sighting.px.a -= short_px;
+  if (!sighting.censored_b && !strong.cut_b) sighting.px.b += short_px;
   if (along.dot(predicted.px.b - predicted.px.a) < 0.0) {
     std::swap(sighting.px.a, sighting.px.b);
     std::swap(sighting.censored_a, sighting.censored_b);

@@ -18,13 +18,12 @@ struct KeyframeParams {
   /// An element that leaves the memory within this time after it was seen was not forgotten but refuted.
   double dropped_s = 4.0;
   double max_turn_radps = 1.5;  ///< images of a faster camera are left out
-  /// The detector ends this short on average; censored ends stay [px].
-  double end_short_px = 0.95;
   /// A fainter edge may go on in the line of an edge, such as that of a shadow: the sighting ends where the
   /// contrast falls below this share of what three quarters of its length have at most, for this long.
   double faint_share = 0.25;
   double faint_px = 6.0;
-  GroundProjector::Params projector;  ///< of the memory: range, horizon, border and labels off the floor
+  /// Of the memory: range, horizon, border and labels off the floor, and how short the detector ends.
+  GroundProjector::Params projector;
   FloorEvidence::Params evidence;
 
   static KeyframeParams of(const AttentiveVisualMemoryParams& memory);

@@ -10,6 +10,7 @@
 #include "common/geometry/angles.h"
 #include "common/geometry/plane.h"
 #include "mapper/core/graph_residuals.h"
+#include "mapper/core/heading_alignment.h"
 #include "mapper/core/landmark_ends.h"
 
 namespace vismem {
@@ -56,17 +57,16 @@ class Problem {
   }
   /// Blocks: those of both keyframes, which are one where the anchor itself saw it, then the others.
   template <typename Residual, int kResiduals, int... kSizes, typename... Blocks>
-  void addSighting(Residual* residual, double* anchor, double* at, Blocks*... blocks) {
+  ceres::ResidualBlockId addSighting(Residual* residual, double* anchor, double* at, Blocks*... blocks) {
     using graph::kKeyframe;
     if (at == anchor) {
-      problem_.AddResidualBlock(
+      return problem_.AddResidualBlock(
           new ceres::AutoDiffCostFunction<Residual, kResiduals, kKeyframe, kSizes...>(residual), kernel(), at,
           blocks...);
-    } else {
-      problem_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<Residual, kResiduals, kKeyframe, kKeyframe, kSizes...>(residual),
-          kernel(), anchor, at, blocks...);
     }
+    return problem_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<Residual, kResiduals, kKeyframe, kKeyframe, kSizes...>(residual),
+        kernel(), anchor, at, blocks...);
   }
   void addOdometry();
   void addPriors();
@@ -77,6 +77,7 @@ class Problem {
   void addClosing(const Closing& closing);
   void addRightAngles();
   void addConstraint(const LineConstraint& constraint);
+  double noiseOf(const std::vector<ceres::ResidualBlockId>& blocks);
   Eigen::Matrix2d chordCovariance(const LineLandmark& chord) const;
   void writeBack();
 
@@ -86,6 +87,8 @@ class Problem {
   MapState& state_;
   std::vector<KeyframeBlock> keyframes_;
   std::array<double, 1> dominant_{};
+  std::vector<ceres::ResidualBlockId> lines_;
+  std::vector<ceres::ResidualBlockId> ends_;
   ceres::Problem problem_;
 };
 
@@ -165,7 +168,8 @@ void Problem::addLandmark(LineLandmark& landmark) {
     double* at = keyframes_[static_cast<std::size_t>(seen.keyframe)].data();
     double* anchor = keyframes_[static_cast<std::size_t>(landmark.anchor)].data();
     double* tilt = state_.camera_tilt.data();
-    addSighting<LineResidual, 2, graph::kLine, graph::kTilt>(cost, anchor, at, landmark.line.data(), tilt);
+    lines_.push_back(addSighting<LineResidual, 2, graph::kLine, graph::kTilt>(cost, anchor, at,
+                                                                              landmark.line.data(), tilt));
     if (!stage_.ends) continue;
     const double along_px = std::hypot(params_.along_px, timing_px);
     addEnd(landmark, seen, rays, false, along_px);
@@ -190,8 +194,8 @@ void Problem::addEnd(LineLandmark& landmark, const LineLandmark::Seen& seen, con
     const auto placed = seenEnd(record_, state_, landmark, seen, at_b, sigma_px);
     if (!placed || std::abs(placed->t_m - end.t_m) > params_.end_gate_m) return;
   }
-  addSighting<EndResidual, 1, graph::kLine, graph::kEnd, graph::kTilt>(new EndResidual(residual), anchor, at,
-                                                                       landmark.line.data(), &end.t_m, tilt);
+  ends_.push_back(addSighting<EndResidual, 1, graph::kLine, graph::kEnd, graph::kTilt>(
+      new EndResidual(residual), anchor, at, landmark.line.data(), &end.t_m, tilt));
 }
 
 void Problem::addCircle(CircleLandmark& circle) {
@@ -297,6 +301,25 @@ void Problem::writeBack() {
   }
 }
 
+/// Robust sigma of residuals; 1 for too few.
+double Problem::noiseOf(const std::vector<ceres::ResidualBlockId>& blocks) {
+  constexpr std::size_t kLeast = 30;
+  constexpr double kMedianOfSigma = 0.6745;
+  std::vector<double> sizes;
+  for (const ceres::ResidualBlockId block : blocks) {
+    const auto count =
+        static_cast<std::size_t>(problem_.GetCostFunctionForResidualBlock(block)->num_residuals());
+    std::array<double, 2> off{};
+    double cost = 0.0;
+    if (!problem_.EvaluateResidualBlock(block, false, &cost, off.data(), nullptr)) continue;
+    for (std::size_t i = 0; i < count; ++i) sizes.push_back(std::abs(off[i]));
+  }
+  if (sizes.size() < kLeast) return 1.0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle / kMedianOfSigma;
+}
+
 SolveReport Problem::solve() {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
@@ -312,6 +335,8 @@ SolveReport Problem::solve() {
   report.iterations = static_cast<int>(summary.iterations.size());
   report.usable = summary.IsSolutionUsable();
   report.seconds = summary.total_time_in_seconds;
+  report.line_noise = noiseOf(lines_);
+  report.end_noise = noiseOf(ends_);
   if (!report.usable) report.problem = summary.message;
   if (report.usable) writeBack();
   return report;
@@ -416,6 +441,15 @@ std::vector<Eigen::Matrix3d> relativeCovariances(const DriveRecord& record, cons
   return Problem(record, params, stage, state, {}).relative(pairs);
 }
 
+GraphParams measured(const GraphParams& params, const SolveReport& report) {
+  constexpr double kLeast_px = 0.05;  // no detector is better
+  GraphParams result = params;
+  result.across_px = std::max(kLeast_px, params.across_px * report.line_noise);
+  result.along_px = std::max(kLeast_px, params.along_px * report.end_noise);
+  result.timing_s *= result.across_px / params.across_px;
+  return result;
+}
+
 SolveReport solveGraph(const DriveRecord& record, const GraphParams& params, const SolveStage& stage,
                        MapState& state, const std::vector<Closing>& closings) {
   return Problem(record, params, stage, state, closings).solve();
@@ -442,33 +476,6 @@ std::vector<double> lineErrors(const DriveRecord& record, const GraphParams& par
     errors.push_back(std::abs(off[1]));
   }
   return errors;
-}
-
-std::optional<double> dominantDirectionOf(const MapState& state, double gate_rad, double least_share) {
-  // The direction with most length within the gate, refined by a mean over four times the angle.
-  std::vector<std::pair<double, double>> lines;  // direction, length
-  double all = 0.0;
-  for (const LineLandmark& landmark : state.landmarks) {
-    if (landmark.isChord()) continue;
-    const Segment2 segment = state.worldSegment(landmark);
-    lines.emplace_back(segment.direction(), segment.length());
-    all += segment.length();
-  }
-  double best = 0.0;
-  std::optional<double> direction;
-  for (const auto& [candidate, unused] : lines) {
-    double length = 0.0;
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (const auto& [angle, weight] : lines) {
-      if (std::abs(std::sin(2.0 * (angle - candidate))) > 2.0 * gate_rad) continue;
-      length += weight;
-      sum += weight * Eigen::Vector2d(std::cos(4.0 * angle), std::sin(4.0 * angle));
-    }
-    if (length <= best) continue;
-    best = length;
-    direction = std::atan2(sum.y(), sum.x()) / 4.0;
-  }
-  return all > 0.0 && best >= least_share * all ? direction : std::nullopt;
 }
 
 }  // namespace vismem

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +17,8 @@ namespace vismem {
 struct GraphParams {
   OdometryErrors odometry;
   TiltPrior tilt;
-  double across_px = 0.7;    ///< sigma of an observed line; errors of successive images are correlated
+  /// Sigma of an observed line: a first guess, which allows for errors that successive images share.
+  double across_px = 0.7;
   double along_px = 2.0;     ///< of a closed end
   double lever_m = 0.0;      ///< of the tilt of single images: MapFilter::Params::gait_height_m for legs
   double timing_s = 0.004;   ///< of joint stamps against image stamps
@@ -56,7 +56,12 @@ struct SolveReport {
   bool usable = false;
   std::string problem;  ///< of the solver; empty if usable
   double seconds = 0.0;
+  double line_noise = 1.0;  ///< robust sigma of what is left of lines and ends, in those it was solved with
+  double end_noise = 1.0;
 };
+
+/// With the noise of the images as a solve left it, near its solution.
+GraphParams measured(const GraphParams& params, const SolveReport& report);
 
 /// Solves in place. The first pose stays where it is.
 /// @param closings  accepted ones, as factors beside the landmarks.
@@ -78,9 +83,5 @@ std::vector<Eigen::Matrix3d> relativeCovariances(const DriveRecord& record, cons
 /// Distances of the observed ends from the landmark's projected line, without sign [px].
 std::vector<double> lineErrors(const DriveRecord& record, const GraphParams& params, const MapState& state,
                                const LineLandmark& landmark);
-
-/// The direction that most of the landmarks' length follows, modulo 90 degrees [rad].
-/// @return empty if less than this share of the length does.
-std::optional<double> dominantDirectionOf(const MapState& state, double gate_rad, double least_share = 0.6);
 
 }  // namespace vismem
