@@ -120,10 +120,11 @@ class Mapping {
     return true;
   }
 
-  /// What the memory refuted, and no other landmark took over.
+  /// What the memory refuted after a few images, and no other landmark took over.
   void dropRefuted() {
-    map_.dropped += static_cast<int>(
-        std::erase_if(map_.state.landmarks, [](const LineLandmark& landmark) { return landmark.dropped; }));
+    map_.dropped += static_cast<int>(std::erase_if(map_.state.landmarks, [&](const LineLandmark& landmark) {
+      return landmark.dropped && static_cast<int>(landmark.seen.size()) < params_.sure_sightings;
+    }));
   }
 
   int merge(const LandmarkMergeParams& params) {

@@ -30,8 +30,10 @@ struct DriveMapperParams {
   CircleJoinParams circles;
   ClosingParams closing;
   ConsistencyParams consistency;
-  double kernel = 2.0;           ///< Cauchy on lines and ends once the graph is near its solution [sigma]
-  double most_error_px = 3.0;    ///< landmarks whose median error is larger are not edges on the floor
+  double kernel = 2.0;         ///< Cauchy on lines and ends once the graph is near its solution [sigma]
+  double most_error_px = 3.0;  ///< landmarks whose median error is larger are not edges on the floor
+  /// Of a landmark: so many images that fit the floor outweigh that the memory dropped it.
+  int sure_sightings = 8;
   double merge_closed_m = 0.10;  ///< distance across of landmarks of two visits after a closing
   bool close = true;
   bool right_angles = true;
