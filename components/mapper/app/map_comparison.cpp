@@ -4,8 +4,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <tuple>
-#include <utility>
 
 #include "common/config/text_file.h"
 #include "common/geometry/angles.h"
@@ -15,56 +13,47 @@
 #include "evaluation/figures/board.h"
 #include "mapper/core/change_list.h"
 #include "mapper/core/map_history.h"
-#include "mapper/core/seen_map.h"
 
 namespace vismem {
 namespace {
 
-constexpr double kApart_m = 0.25;  ///< estimates nearer than this are of one place ..
-constexpr double kApart_rad = degToRad(4.0);
-constexpr double kLead = 1.25;       ///< of the length that both maps share, over any other place's
-constexpr double kLeastShare = 0.4;  ///< of the smaller map
+constexpr double kReliability = 0.6;
+constexpr double kAgree_m = 0.25;
+constexpr double kAgree_rad = degToRad(4.0);
+constexpr std::size_t kLeastEstimates = 10;
 constexpr int kChangesPicture_px = 1200;
 
-/// Places of one map in another, each once.
-class Places {
- public:
-  /// @param middle  of the drive, where places are told apart.
-  explicit Places(Eigen::Vector2d middle) : middle_(std::move(middle)) {}
-
-  bool areOne(const Pose2& a, const Pose2& b) const {
-    return (transform(a, middle_) - transform(b, middle_)).norm() < kApart_m &&
-           std::abs(angleDifference(a.theta, b.theta)) < kApart_rad;
-  }
-  void add(const Pose2& place) {
-    const auto isKnown = [&](const Pose2& known) { return areOne(known, place); };
-    if (std::none_of(all_.begin(), all_.end(), isKnown)) all_.push_back(place);
-  }
-  const std::vector<Pose2>& all() const { return all_; }
-
- private:
-  Eigen::Vector2d middle_;
-  std::vector<Pose2> all_;
-};
-
-/// Where the races ever placed the frame of the new map in the old one, reliably or not: where much changed,
-/// few poses are reliable.
-Places placesInOldMap(const RecordedDrive& drive, const SegmentMap& old, const std::vector<Pose2>& poses,
-                      std::uint64_t seed) {
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const Pose2& pose : poses) middle += pose.position() / static_cast<double>(poses.size());
-  Places places(middle);
+/// Where the races placed the frame of the new map in the old one, at every reliable estimate.
+std::vector<Pose2> placesInOldMap(const RecordedDrive& drive, const SegmentMap& old,
+                                  const std::vector<Pose2>& poses, std::uint64_t seed) {
   Localizer localizer(drive.params.closing.localizer, old, seed);
+  std::vector<Pose2> places;
   std::size_t k = 0;
   const auto& keyframes = drive.record.keyframes;
   for (const MemoryUpdate& update : drive.updates) {
     const PoseEstimate estimate = localizer.update(update);
     while (k + 1 < keyframes.size() && keyframes[k + 1].stamp_us <= estimate.stamp_us) ++k;
-    if (!estimate.T_world_robot || k >= poses.size()) continue;
+    if (!estimate.T_world_robot || estimate.reliability < kReliability || k >= poses.size()) continue;
     const Pose2 T_map_robot = poses[k] * inverse(keyframes[k].T_odom_robot) * estimate.T_odom_robot;
-    places.add(*estimate.T_world_robot * inverse(T_map_robot));
+    places.push_back(*estimate.T_world_robot * inverse(T_map_robot));
   }
   return places;
+}
+
+/// The place that most others agree with; empty when fewer than half do. Early races may have been wrong.
+std::optional<Pose2> agreedPlace(const std::vector<Pose2>& places, const Eigen::Vector2d& middle) {
+  const Pose2* best = nullptr;
+  std::size_t most = 0;
+  for (const Pose2& place : places) {
+    const auto agree =
+        static_cast<std::size_t>(std::count_if(places.begin(), places.end(), [&](const Pose2& other) {
+          return (transform(place, middle) - transform(other, middle)).norm() < kAgree_m &&
+                 std::abs(angleDifference(place.theta, other.theta)) < kAgree_rad;
+        }));
+    if (agree > most) best = &place, most = agree;
+  }
+  if (!best || most < kLeastEstimates || 2 * most < places.size()) return std::nullopt;
+  return *best;
 }
 
 Pose2 aligned(const SegmentMap& map, const SegmentMap& old, const Pose2& start) {
@@ -78,50 +67,6 @@ Pose2 aligned(const SegmentMap& map, const SegmentMap& old, const Pose2& start) 
     truth.push_back(std::move(edge));
   }
   return alignToTruth(edges, truth, start);
-}
-
-/// Length of the map's edges on edges of the old one [m].
-double sharedLength(const SegmentMap& map, const SeenMap& old, const Pose2& T_old_map) {
-  constexpr double kStep_m = 0.05;
-  double shared_m = 0.0;
-  for (const MapSegment& row : map.segments) {
-    const SeenEdge edge{transform(T_old_map, row.world.floor()), row.label};
-    const int steps = std::max(1, static_cast<int>(std::lround(edge.floor.length() / kStep_m)));
-    for (int i = 0; i < steps; ++i) {
-      const Eigen::Vector2d p = edge.floor.a + (i + 0.5) / steps * (edge.floor.b - edge.floor.a);
-      if (old.liesOn(p, edge)) shared_m += edge.floor.length() / steps;
-    }
-  }
-  return shared_m;
-}
-
-double lengthOf(const SegmentMap& map) {
-  double length_m = 0.0;
-  for (const MapSegment& row : map.segments) length_m += row.world.floor().length();
-  return length_m;
-}
-
-/// The place where most of both maps lies on each other; empty when another place explains nearly as much.
-std::optional<Pose2> commonPlace(const Places& places, const SegmentMap& map, const SegmentMap& old) {
-  std::vector<CountedRow> rows;
-  for (const MapSegment& row : old.segments) rows.push_back({row});
-  const ChangeParams params;
-  const std::vector<SeenFloor> none;
-  const SeenMap old_edges(rows, none, params);
-  Pose2 best;
-  double most_m = 0.0;
-  std::vector<std::pair<Pose2, double>> found;
-  for (const Pose2& start : places.all()) {
-    const Pose2 place = aligned(map, old, start);
-    found.emplace_back(place, sharedLength(map, old_edges, place));
-    if (found.back().second > most_m) std::tie(best, most_m) = found.back();
-  }
-  const bool is_clear = std::all_of(found.begin(), found.end(), [&](const auto& other) {
-    return places.areOne(other.first, best) || kLead * other.second < most_m;
-  });
-  const double smaller_m = std::min(lengthOf(map), lengthOf(old));
-  if (!is_clear || most_m < kLeastShare * smaller_m) return std::nullopt;
-  return best;
 }
 
 nlohmann::json jsonOf(const MapChange& change) {
@@ -173,12 +118,11 @@ void drawChanges(const MapComparison& found, const SegmentMap& map, const std::f
   writeImageFile(drawBoard(board, kChangesPicture_px), file);
 }
 
-nlohmann::json notFound(const std::filesystem::path& old) {
-  return {
-      {"problems",
-       {"the drive was not found in " + old.string() +
-        ": at no place, or at more than one, do enough edges of both maps lie on each other (is it the same "
-        "place, mapped with the same palette? --place says where it is)"}}};
+nlohmann::json notFound(const std::filesystem::path& old, std::size_t places) {
+  return {{"problems",
+           {"the drive was not found in " + old.string() + ": of " + std::to_string(places) +
+            " reliable poses fewer than half agree (is it the same place, mapped with the same palette? "
+            "--place says where it is)"}}};
 }
 
 }  // namespace
@@ -196,11 +140,15 @@ nlohmann::json compareWithMap(const RecordedDrive& drive, const SegmentMap& map,
   const SegmentMap old = expandStripes(rows, drive.stripes);
   const SegmentMap now = expandStripes(map, drive.stripes);
   const MapHistory history = historyBeside(old_file);
-  const std::optional<Pose2> place =
-      options.place ? aligned(now, old, *options.place)
-                    : commonPlace(placesInOldMap(drive, old, poses, options.seed), now, old);
-  if (!place) return notFound(old_file);
-  const Pose2 T_old_map = *place;
+  std::optional<Pose2> start = options.place;
+  if (!start) {
+    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+    for (const Pose2& pose : poses) middle += pose.position() / static_cast<double>(poses.size());
+    const std::vector<Pose2> places = placesInOldMap(drive, old, poses, options.seed);
+    start = agreedPlace(places, middle);
+    if (!start) return notFound(old_file, places.size());
+  }
+  const Pose2 T_old_map = aligned(now, old, *start);
   ChangeParams params;
   params.opaque_labels = drive.params.closing.localizer.map.opaque_labels;
   const SegmentMap in_old = transform(T_old_map, now);
