@@ -446,6 +446,7 @@ GraphParams measured(const GraphParams& params, const SolveReport& report) {
   GraphParams result = params;
   result.across_px = std::max(kLeast_px, params.across_px * report.line_noise);
   result.along_px = std::max(kLeast_px, params.along_px * report.end_noise);
+  // The measured noise holds what late joint stamps add, so both parts scale alike.
   result.timing_s *= result.across_px / params.across_px;
   return result;
 }
